@@ -1,0 +1,100 @@
+//! Arrays of one side as arrays of the other.
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use signorini_core::element::DOFS;
+use signorini_core::residual::{Rows, Springs};
+
+pub fn invalid(error: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+pub fn vector(array: &PyReadonlyArray1<'_, f64>) -> Vec<f64> {
+    array.as_array().to_vec()
+}
+
+/// A vector of a stated length.
+pub fn sized(what: &str, array: &PyReadonlyArray1<'_, f64>, length: usize) -> PyResult<Vec<f64>> {
+    if array.len() == length {
+        Ok(vector(array))
+    } else {
+        Err(invalid(format!("{what} has length {}; expected {length}", array.len())))
+    }
+}
+
+pub fn flags(what: &str, array: &PyReadonlyArray1<'_, bool>, length: usize) -> PyResult<Vec<bool>> {
+    if array.len() == length {
+        Ok(array.as_array().to_vec())
+    } else {
+        Err(invalid(format!("{what} has length {}; expected {length}", array.len())))
+    }
+}
+
+/// The rows of a matrix with N columns.
+pub fn rows_of<const N: usize, T: numpy::Element + Copy + Default>(
+    what: &str,
+    array: &PyReadonlyArray2<'_, T>,
+) -> PyResult<Vec<[T; N]>> {
+    if array.shape()[1] != N {
+        return Err(invalid(format!("{what} must have {N} columns, not {}", array.shape()[1])));
+    }
+    Ok(array
+        .as_array()
+        .rows()
+        .into_iter()
+        .map(|row| {
+            let mut out = [T::default(); N];
+            out.iter_mut().zip(row).for_each(|(o, v)| *o = *v);
+            out
+        })
+        .collect())
+}
+
+/// Indices into something of a stated size.
+pub fn indices(what: &str, array: &PyReadonlyArray1<'_, i64>, size: usize) -> PyResult<Vec<usize>> {
+    array
+        .as_array()
+        .iter()
+        .map(|&i| match usize::try_from(i) {
+            Ok(i) if i < size => Ok(i),
+            _ => Err(invalid(format!("{what} holds {i}; allowed are 0 to {}", size.saturating_sub(1)))),
+        })
+        .collect()
+}
+
+/// (elements (m,), rows (m, 24)) as rows over single elements.
+pub fn element_rows(
+    elements: &PyReadonlyArray1<'_, i64>,
+    rows: &PyReadonlyArray2<'_, f64>,
+    element_count: usize,
+) -> PyResult<Rows> {
+    let element = indices("the element of a row", elements, element_count)?;
+    let coefficient = rows_of::<DOFS, f64>("a row", rows)?;
+    if element.len() != coefficient.len() {
+        return Err(invalid(format!("{} elements for {} rows", element.len(), coefficient.len())));
+    }
+    if coefficient.iter().flatten().any(|c| !c.is_finite()) {
+        return Err(invalid("a row is not finite"));
+    }
+    Ok(Rows { element, coefficient })
+}
+
+/// (elements, rows, stiffness, base) of linear springs.
+pub type SpringArrays<'py> =
+    (PyReadonlyArray1<'py, i64>, PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
+
+pub fn springs(arrays: &SpringArrays<'_>, element_count: usize) -> PyResult<Springs> {
+    let rows = element_rows(&arrays.0, &arrays.1, element_count)?;
+    let stiffness = sized("the springs' stiffness", &arrays.2, rows.len())?;
+    let base = sized("the springs' base", &arrays.3, rows.len())?;
+    if stiffness.iter().any(|k| !(*k >= 0.0 && k.is_finite())) || base.iter().any(|b| !b.is_finite()) {
+        return Err(invalid("a spring's stiffness must be finite and not negative, its base finite"));
+    }
+    Ok(Springs { rows, stiffness, base })
+}
+
+pub fn matrix<'py>(py: Python<'py>, values: Vec<f64>, columns: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let rows = values.len() / columns.max(1);
+    PyArray1::from_vec(py, values).reshape([rows, columns])
+}

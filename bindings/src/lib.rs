@@ -1,0 +1,18 @@
+//! Python face of `signorini-core`: conversions and nothing else.
+
+mod arrays;
+mod contact;
+mod interpolation;
+mod plate;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_function(wrap_pyfunction!(interpolation::serendipity, module)?)?;
+    module.add_class::<plate::Plate>()?;
+    module.add_class::<contact::ContactProblem>()?;
+    module.add_class::<contact::ContactSolution>()?;
+    Ok(())
+}

@@ -1,0 +1,171 @@
+use crate::arrays::{SpringArrays, flags, indices, invalid, matrix, rows_of, sized, springs};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use signorini_core::assembly::{Numbering, assemble};
+use signorini_core::element::{Kind, Material};
+use signorini_core::plate;
+use signorini_core::residual::{Displacement, internal_magnitude, residual};
+use signorini_core::stress;
+use std::sync::Arc;
+
+/// A discretised plate: nodes (n, 2), 8-node elements (e, 8), nodal thickness (n,), material and element kind
+/// ("mitc9" or "q8r"); `frames` (n, 2), if given, holds cos and sin of every node's first rotation direction.
+#[pyclass(frozen, module = "signorini._core")]
+pub struct Plate {
+    pub inner: Arc<plate::Plate>,
+}
+
+type Pair<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+type Compressed<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
+
+pub fn displacement(
+    hi: &PyReadonlyArray1<'_, f64>,
+    lo: &PyReadonlyArray1<'_, f64>,
+    dofs: usize,
+) -> PyResult<Displacement> {
+    Ok(Displacement { hi: sized("the displacement", hi, dofs)?, lo: sized("the displacement's low part", lo, dofs)? })
+}
+
+#[pymethods]
+impl Plate {
+    #[new]
+    #[pyo3(signature = (points, elements, thickness, young, poisson, shear_factor, kind, frames=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        py: Python<'_>,
+        points: PyReadonlyArray2<'_, f64>,
+        elements: PyReadonlyArray2<'_, i64>,
+        thickness: PyReadonlyArray1<'_, f64>,
+        young: f64,
+        poisson: f64,
+        shear_factor: f64,
+        kind: &str,
+        frames: Option<PyReadonlyArray2<'_, f64>>,
+    ) -> PyResult<Self> {
+        let kind = match kind {
+            "mitc9" => Kind::Mitc9,
+            "q8r" => Kind::Q8r,
+            other => return Err(invalid(format!("unknown element kind '{other}'; there are mitc9 and q8r"))),
+        };
+        let points = rows_of::<2, f64>("points", &points)?;
+        let elements = rows_of::<8, i64>("elements", &elements)?
+            .into_iter()
+            .map(|nodes| {
+                let mut out = [0; 8];
+                for (o, n) in out.iter_mut().zip(nodes) {
+                    *o = usize::try_from(n).map_err(|_| invalid(format!("an element names node {n}")))?;
+                }
+                Ok(out)
+            })
+            .collect::<PyResult<Vec<_>>>()?;
+        let thickness = sized("thickness", &thickness, points.len())?;
+        let frames = frames.map(|f| rows_of::<2, f64>("frames", &f)).transpose()?;
+        let material = Material { young, poisson, shear_factor };
+        let inner = py
+            .detach(|| plate::Plate::new(points, elements, thickness, material, kind, frames))
+            .map_err(invalid)?;
+        Ok(Self { inner: Arc::new(inner) })
+    }
+
+    /// Rows (q, 24) that give w, θx or θy (field 0, 1, 2) at reference points (q, 2) of elements (q,), in the nodes'
+    /// frames, and their parts (q, 2) on the centre rotations.
+    fn interpolation_rows<'py>(
+        &self,
+        py: Python<'py>,
+        elements: PyReadonlyArray1<'_, i64>,
+        xi: PyReadonlyArray2<'_, f64>,
+        field: usize,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let elements = indices("elements", &elements, self.inner.elements().len())?;
+        let xi = rows_of::<2, f64>("reference points", &xi)?;
+        if xi.len() != elements.len() || field > 2 {
+            return Err(invalid("one reference point an element, and field 0, 1 or 2"));
+        }
+        let mut rows = Vec::with_capacity(24 * xi.len());
+        let mut centre = Vec::with_capacity(2 * xi.len());
+        for (&e, [x, y]) in elements.iter().zip(xi) {
+            let (row, couples) = self.inner.interpolation_row(e, x, y, field);
+            rows.extend_from_slice(&row);
+            centre.extend_from_slice(&couples);
+        }
+        Ok((matrix(py, rows, 24)?, matrix(py, centre, 2)?))
+    }
+
+    /// Nodal forces (3n,) of the stress-free curvature [κxx, κyy, κxy] and its couples (2e,) on centre rotations.
+    fn curvature_load<'py>(&self, py: Python<'py>, curvature: [f64; 3]) -> Pair<'py> {
+        let (load, centre) = py.detach(|| self.inner.curvature_load(curvature));
+        (PyArray1::from_vec(py, load), PyArray1::from_vec(py, centre))
+    }
+
+    /// f − Ku − springs at every dof (3n,), by the refined residual.
+    fn residual<'py>(
+        &self,
+        py: Python<'py>,
+        spring_arrays: SpringArrays<'_>,
+        load: PyReadonlyArray1<'_, f64>,
+        hi: PyReadonlyArray1<'_, f64>,
+        lo: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let dofs = self.inner.dof_count();
+        let springs = springs(&spring_arrays, self.inner.elements().len())?;
+        let load = sized("the load", &load, dofs)?;
+        let displacement = displacement(&hi, &lo, dofs)?;
+        let out = py.detach(|| residual(&self.inner, &springs, &load, &displacement));
+        Ok(PyArray1::from_vec(py, out))
+    }
+
+    /// Largest sum of |element matrix| |displacement| over dofs not held (3n,): rounding is relative to this.
+    fn internal_magnitude(
+        &self,
+        py: Python<'_>,
+        held: PyReadonlyArray1<'_, bool>,
+        hi: PyReadonlyArray1<'_, f64>,
+        lo: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<f64> {
+        let held = flags("held", &held, self.inner.dof_count())?;
+        let displacement = displacement(&hi, &lo, self.inner.dof_count())?;
+        Ok(py.detach(|| internal_magnitude(&self.inner, &held, &displacement)))
+    }
+
+    /// [mx, my, mxy, qx, qy] at nodes (n, 5) and at the elements' 2×2 Gauss points (e, 4, 5).
+    fn stresses<'py>(
+        &self,
+        py: Python<'py>,
+        hi: PyReadonlyArray1<'_, f64>,
+        lo: PyReadonlyArray1<'_, f64>,
+        curvature: [f64; 3],
+        couples: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>)> {
+        let count = self.inner.elements().len();
+        let displacement = displacement(&hi, &lo, self.inner.dof_count())?;
+        let couples = sized("couples", &couples, 2 * count)?;
+        let (nodal, sampled) = py.detach(|| stress::smoothed(&self.inner, &displacement, curvature, &couples));
+        let nodal = matrix(py, nodal.into_flattened(), 5)?;
+        let sampled = sampled.into_flattened().into_flattened();
+        Ok((nodal, PyArray1::from_vec(py, sampled).reshape([count, 4, 5])?))
+    }
+
+    /// Lower triangle of K with springs, in the mesh's own order: column starts, rows, values.
+    fn stiffness_matrix<'py>(&self, py: Python<'py>, spring_arrays: SpringArrays<'_>) -> PyResult<Compressed<'py>> {
+        let springs = springs(&spring_arrays, self.inner.elements().len())?;
+        let lower = py.detach(|| assemble(&self.inner, &springs, &Numbering::natural(&self.inner)));
+        let signed = |v: Vec<usize>| v.into_iter().map(|i| i as i64).collect::<Vec<_>>();
+        Ok((
+            PyArray1::from_vec(py, signed(lower.column_start)),
+            PyArray1::from_vec(py, signed(lower.row)),
+            PyArray1::from_vec(py, lower.value),
+        ))
+    }
+
+    #[getter]
+    fn dof_count(&self) -> usize {
+        self.inner.dof_count()
+    }
+
+    /// Packed lower triangles (e, 300) of the element matrices, in x and y.
+    fn element_stiffness<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let count = self.inner.elements().len();
+        let all = (0..count).flat_map(|e| self.inner.element_stiffness(e)).copied().collect();
+        matrix(py, all, signorini_core::element::PACKED)
+    }
+}

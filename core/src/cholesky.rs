@@ -1,0 +1,173 @@
+//! Sparse Cholesky factorization by `faer`, its solves, and its trailing block.
+
+use crate::assembly::LowerTriangle;
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::cholesky::llt::factor::{LltError as PivotError, LltParams, LltRegularization};
+use faer::sparse::linalg::cholesky::{simplicial, supernodal};
+use faer::sparse::linalg::SymbolicSupernodalParams;
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, Mat, MatMut, Par, Spec};
+
+/// Why there is no factor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FactorError {
+    /// The pivot of this column is not positive: something can move, or the arithmetic is at its end.
+    NotPositiveDefinite { column: usize },
+    /// The factor does not fit into memory.
+    OutOfMemory,
+}
+
+impl std::fmt::Display for FactorError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotPositiveDefinite { column } => write!(f, "the pivot of column {column} is not positive"),
+            Self::OutOfMemory => write!(f, "the factor does not fit into memory"),
+        }
+    }
+}
+
+impl std::error::Error for FactorError {}
+
+/// K = L Lᵀ with the columns in the order given.
+pub struct Factor {
+    symbolic: supernodal::SymbolicSupernodalCholesky<usize>,
+    values: Vec<f64>,
+}
+
+fn parallel() -> Par {
+    Par::rayon(0)
+}
+
+fn buffer(request: StackReq) -> Result<MemBuffer, FactorError> {
+    MemBuffer::try_new(request).map_err(|_| FactorError::OutOfMemory)
+}
+
+/// Columns of the upper triangle's pattern, which the analysis reads.
+fn transposed(lower: &LowerTriangle) -> (Vec<usize>, Vec<usize>) {
+    let n = lower.column_start.len() - 1;
+    let mut start = vec![0; n + 1];
+    for &row in &lower.row {
+        start[row + 1] += 1;
+    }
+    for j in 0..n {
+        start[j + 1] += start[j];
+    }
+    let mut next = start.clone();
+    let mut index = vec![0; lower.row.len()];
+    for column in 0..n {
+        for &row in &lower.row[lower.column_start[column]..lower.column_start[column + 1]] {
+            index[next[row]] = column;
+            next[row] += 1;
+        }
+    }
+    (start, index)
+}
+
+/// The pattern of L.
+pub struct Analysis {
+    symbolic: supernodal::SymbolicSupernodalCholesky<usize>,
+}
+
+impl Analysis {
+    pub fn new(matrix: &LowerTriangle) -> Result<Self, FactorError> {
+        let n = matrix.column_start.len() - 1;
+        let (start, index) = transposed(matrix);
+        let upper = SymbolicSparseColMatRef::new_unsorted_checked(n, n, &start, None, &index);
+        let mut parents = vec![0isize; n];
+        let mut counts = vec![0usize; n];
+        let request = simplicial::prefactorize_symbolic_cholesky_scratch::<usize>(n, index.len())
+            .or(supernodal::factorize_supernodal_symbolic_cholesky_scratch::<usize>(n));
+        let mut memory = buffer(request)?;
+        let stack = MemStack::new(&mut memory);
+        let tree = simplicial::prefactorize_symbolic_cholesky(&mut parents, &mut counts, upper, stack);
+        let symbolic = supernodal::factorize_supernodal_symbolic_cholesky(
+            upper,
+            tree,
+            &counts,
+            stack,
+            SymbolicSupernodalParams::default(),
+        )
+        .map_err(|_| FactorError::OutOfMemory)?;
+        Ok(Self { symbolic })
+    }
+
+    pub fn factorize(self, matrix: &LowerTriangle) -> Result<Factor, FactorError> {
+        let n = matrix.column_start.len() - 1;
+        let mut values = Vec::new();
+        values.try_reserve_exact(self.symbolic.len_val()).map_err(|_| FactorError::OutOfMemory)?;
+        values.resize(self.symbolic.len_val(), 0.0);
+        let pattern = SymbolicSparseColMatRef::new_unsorted_checked(n, n, &matrix.column_start, None, &matrix.row);
+        let lower = SparseColMatRef::new(pattern, &matrix.value);
+        let params: Spec<LltParams, f64> = Spec::default();
+        let mut memory =
+            buffer(supernodal::factorize_supernodal_numeric_llt_scratch::<usize, f64>(&self.symbolic, parallel(), params))?;
+        supernodal::factorize_supernodal_numeric_llt(
+            &mut values,
+            lower,
+            LltRegularization::default(),
+            &self.symbolic,
+            parallel(),
+            MemStack::new(&mut memory),
+            params,
+        )
+        .map_err(|PivotError::NonPositivePivot { index }| FactorError::NotPositiveDefinite { column: index })?;
+        Ok(Factor { symbolic: self.symbolic, values })
+    }
+}
+
+impl Factor {
+    pub fn len(&self) -> usize {
+        self.symbolic.nrows()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Entries stored for L.
+    pub fn entries(&self) -> usize {
+        self.values.len()
+    }
+
+    fn view(&self) -> supernodal::SupernodalLltRef<'_, usize, f64> {
+        supernodal::SupernodalLltRef::new(&self.symbolic, &self.values)
+    }
+
+    /// Overwrites the columns of `rhs` (length a multiple of [`Factor::len`]) with K⁻¹ times them.
+    pub fn solve(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
+        if self.is_empty() {
+            return Ok(());
+        }
+        let columns = rhs.len() / self.len();
+        let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(columns, parallel()))?;
+        let rhs = MatMut::from_column_major_slice_mut(rhs, self.len(), columns);
+        self.view().solve_in_place_with_conj(Conj::No, rhs, parallel(), MemStack::new(&mut memory));
+        Ok(())
+    }
+
+    /// The last `size` rows and columns of L: the Cholesky factor of the Schur complement onto them.
+    pub fn trailing_block(&self, size: usize) -> Mat<f64> {
+        let first = self.len() - size;
+        let mut block = Mat::zeros(size, size);
+        for s in 0..self.symbolic.n_supernodes() {
+            if self.symbolic.supernode_end()[s] <= first {
+                continue;
+            }
+            let node = self.view().supernode(s);
+            let matrix = node.val();
+            for j in 0..matrix.ncols() {
+                let column = node.start() + j;
+                if column < first {
+                    continue;
+                }
+                for i in j..matrix.ncols() {
+                    block[(node.start() + i - first, column - first)] = matrix[(i, j)];
+                }
+                for (i, &row) in node.pattern().iter().enumerate() {
+                    block[(row - first, column - first)] = matrix[(matrix.ncols() + i, j)];
+                }
+            }
+        }
+        block
+    }
+}

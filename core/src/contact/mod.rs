@@ -1,0 +1,12 @@
+//! Plates on one-sided supports: min ½uᵀKu − fᵀu subject to Gu ≤ g.
+//!
+//! `condense` turns this into a linear complementarity problem and back; `problem` holds the factor that every load
+//! case shares; `solve` goes from a load to displacements, reactions and gaps.
+
+pub mod condense;
+pub mod problem;
+pub mod solve;
+
+pub use condense::Condensed;
+pub use problem::{ContactProblem, Constraints};
+pub use solve::{ContactSolution, Outcome};

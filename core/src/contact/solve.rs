@@ -1,0 +1,275 @@
+//! From a load to displacements, reactions and gaps.
+
+use super::condense::{ContactState, PivotedLcp};
+use super::problem::ContactProblem;
+use crate::cholesky::FactorError;
+use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke};
+use crate::residual::Displacement;
+
+/// How a contact problem ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    Solved,
+    /// Lemke's ray: no reactions balance the load.
+    NoEquilibrium,
+    /// The pivot limit was reached, or the contact state is beyond the arithmetic.
+    Unsolved,
+}
+
+/// Displacements, reactions and gaps; NaN unless solved.
+#[derive(Clone, Debug)]
+pub struct ContactSolution {
+    pub outcome: Outcome,
+    pub displacement: Displacement,
+    /// Force of every contact point, against its row.
+    pub reaction: Vec<f64>,
+    /// What is left of every gap; 0 where closed.
+    pub gap: Vec<f64>,
+    pub closed: Vec<bool>,
+    pub pivots: usize,
+    /// Corrections made with the refined residual.
+    pub corrections: usize,
+}
+
+/// At most this many corrections with one contact state, and this many contact states.
+const CORRECTIONS: usize = 8;
+const STATES: usize = 5;
+/// A correction that leaves more than this part of the imbalance before it ends the refinement.
+const PROGRESS: f64 = 0.25;
+/// An imbalance this small, relative to the largest nodal force, is rounding.
+const ROUNDING: f64 = 1e-15;
+/// Reactions and gaps of the wrong sign, relative to the largest of their kind, that are rounding.
+const SIGN: f64 = 1e-11;
+
+/// What is out of balance and what is left of the gaps.
+struct Step {
+    imbalance: Vec<f64>,
+    remaining: Vec<f64>,
+    worst: f64,
+}
+
+/// K̃⁻¹ times an imbalance, and that at the contact points.
+struct Motion {
+    nodal: Vec<f64>,
+    at_points: Vec<f64>,
+}
+
+impl ContactProblem {
+    /// Solves for one nodal load with the held dofs at `held_value` (both vectors over all dofs).
+    ///
+    /// `closed_first` chooses the form of the LCP: none is the dual, all the stiffness form; see
+    /// [`super::condense`]. The solution is refined with the double-double residual; if that shows a point on the
+    /// wrong side, the LCP is posed again with the refined figures.
+    pub fn solve(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        closed_first: &[bool],
+        max_pivots: Option<usize>,
+    ) -> Result<ContactSolution, FactorError> {
+        let mut solution = self.at_rest(load.len(), held_value);
+        let mut step = self.step(load, &solution);
+        let mut motion = self.motion(&step)?;
+        for _ in 0..STATES {
+            let (outcome, closed) = self.contact_state(&step, &motion, &mut solution, closed_first, max_pivots);
+            if outcome != Outcome::Solved {
+                return Ok(unsolved(solution, outcome));
+            }
+            let settled = closed == solution.closed && solution.corrections > 0;
+            solution.closed = closed;
+            if !settled {
+                let Some(state) = self.condensed.state(solution.closed.clone()) else {
+                    return Ok(unsolved(solution, Outcome::Unsolved));
+                };
+                if self.release_open(&mut solution) {
+                    step = self.step(load, &solution);
+                    motion = self.motion(&step)?;
+                }
+                step = self.refine(load, &state, step, motion, &mut solution)?;
+            }
+            for i in 0..solution.gap.len() {
+                solution.gap[i] = if solution.closed[i] { 0.0 } else { step.remaining[i] };
+            }
+            if settled || self.signs_hold(&solution) {
+                solution.outcome = Outcome::Solved;
+                return Ok(solution);
+            }
+            motion = self.motion(&step)?;
+        }
+        Ok(unsolved(solution, Outcome::Unsolved))
+    }
+
+    /// The LCP that [`ContactProblem::solve`] poses first.
+    pub fn lcp(&self, load: &[f64], held_value: &[f64], closed_first: &[bool]) -> Result<PivotedLcp, FactorError> {
+        let rest = self.at_rest(load.len(), held_value);
+        let step = self.step(load, &rest);
+        let motion = self.motion(&step)?;
+        let closing = self.condensed.closing(&motion.at_points, &step.remaining, &rest.reaction);
+        Ok(self.condensed.lcp(&closing, closed_first))
+    }
+
+    fn at_rest(&self, dofs: usize, held_value: &[f64]) -> ContactSolution {
+        let m = self.constraints.rows.len();
+        let mut displacement = Displacement::zeros(dofs);
+        for dof in 0..dofs {
+            if self.held[dof] {
+                displacement.hi[dof] = held_value[dof];
+            }
+        }
+        ContactSolution {
+            outcome: Outcome::Unsolved,
+            displacement,
+            reaction: vec![0.0; m],
+            gap: vec![0.0; m],
+            closed: self.constraints.two_sided.clone(),
+            pivots: 0,
+            corrections: 0,
+        }
+    }
+
+    /// Poses the LCP from where the solution stands and solves it.
+    fn contact_state(
+        &self,
+        step: &Step,
+        motion: &Motion,
+        solution: &mut ContactSolution,
+        closed_first: &[bool],
+        max_pivots: Option<usize>,
+    ) -> (Outcome, Vec<bool>) {
+        if self.constraints.two_sided.iter().all(|&t| t) {
+            return (Outcome::Solved, self.constraints.two_sided.clone());
+        }
+        let closing = self.condensed.closing(&motion.at_points, &step.remaining, &solution.reaction);
+        let posed = self.condensed.lcp(&closing, closed_first);
+        let options = LemkeOptions { max_pivots, ..LemkeOptions::default() };
+        let Ok(found) = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| lemke(&lcp, &options)) else {
+            return (Outcome::Unsolved, Vec::new());
+        };
+        solution.pivots += found.pivots;
+        match found.status {
+            LcpStatus::Solved => (Outcome::Solved, self.condensed.closed_points(&posed, &found.basis)),
+            LcpStatus::Ray => (Outcome::NoEquilibrium, Vec::new()),
+            LcpStatus::PivotLimit => (Outcome::Unsolved, Vec::new()),
+        }
+    }
+
+    /// Takes back the reactions of points that are open now.
+    fn release_open(&self, solution: &mut ContactSolution) -> bool {
+        let mut any = false;
+        for (reaction, &closed) in solution.reaction.iter_mut().zip(&solution.closed) {
+            if !closed && *reaction != 0.0 {
+                *reaction = 0.0;
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// Corrects with one contact state for as long as the imbalance shrinks.
+    fn refine(
+        &self,
+        load: &[f64],
+        state: &ContactState,
+        mut step: Step,
+        motion: Motion,
+        solution: &mut ContactSolution,
+    ) -> Result<Step, FactorError> {
+        let mut motion = Some(motion);
+        let mut first = true;
+        for _ in 0..CORRECTIONS {
+            let now = match motion.take() {
+                Some(motion) => motion,
+                None => self.motion(&step)?,
+            };
+            let before = solution.clone();
+            self.correct(state, &step, now, solution)?;
+            let next = self.step(load, solution);
+            if !first && !(next.worst < step.worst) {
+                *solution = before;
+                return Ok(step);
+            }
+            let ended = !first && next.worst > PROGRESS * step.worst;
+            first = false;
+            step = next;
+            if ended || step.worst <= ROUNDING * self.largest_force(load, solution) {
+                break;
+            }
+        }
+        Ok(step)
+    }
+
+    /// One correction: the state's increments of reaction, the gaps they leave, and the motion that goes with them.
+    fn correct(
+        &self,
+        state: &ContactState,
+        step: &Step,
+        motion: Motion,
+        solution: &mut ContactSolution,
+    ) -> Result<(), FactorError> {
+        let m = solution.reaction.len();
+        let mut moved = motion.nodal;
+        if m > 0 {
+            let closing = self.condensed.closing(&motion.at_points, &step.remaining, &vec![0.0; m]);
+            let (increment, gap) = self.condensed.solve_state(state, &closing);
+            let push: Vec<f64> = (0..m)
+                .map(|i| {
+                    let carried = step.remaining[i] - gap[i] + self.condensed.compliance[i] * increment[i];
+                    self.condensed.regularization[i] * carried - increment[i]
+                })
+                .collect();
+            let mut force = vec![0.0; moved.len()];
+            self.spread(&push, &mut force);
+            for (a, b) in moved.iter_mut().zip(self.apply_inverse(&force)?) {
+                *a += b;
+            }
+            for (reaction, d) in solution.reaction.iter_mut().zip(&increment) {
+                *reaction += d;
+            }
+        }
+        for (dof, value) in moved.into_iter().enumerate() {
+            solution.displacement.add(dof, value);
+        }
+        solution.corrections += 1;
+        Ok(())
+    }
+
+    fn step(&self, load: &[f64], solution: &ContactSolution) -> Step {
+        let mut imbalance = self.imbalance(load, &solution.displacement, &solution.reaction);
+        let mut worst = 0.0;
+        for (value, &held) in imbalance.iter_mut().zip(&self.held) {
+            if held {
+                *value = 0.0;
+            }
+            worst = f64::max(worst, value.abs());
+        }
+        Step { imbalance, remaining: self.remaining(&solution.displacement, &solution.reaction), worst }
+    }
+
+    fn motion(&self, step: &Step) -> Result<Motion, FactorError> {
+        let nodal = self.apply_inverse(&step.imbalance)?;
+        let at_points = self.at_points(&nodal);
+        Ok(Motion { nodal, at_points })
+    }
+
+    fn largest_force(&self, load: &[f64], solution: &ContactSolution) -> f64 {
+        load.iter().chain(&solution.reaction).fold(0.0, |a, b| a.max(b.abs()))
+    }
+
+    fn signs_hold(&self, solution: &ContactSolution) -> bool {
+        let c = &self.constraints;
+        let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let force = SIGN * largest(&solution.reaction);
+        let length = SIGN * largest(&solution.gap).max(largest(&c.distance));
+        (0..c.two_sided.len())
+            .all(|i| c.two_sided[i] || (solution.reaction[i] >= -force && solution.gap[i] >= -length))
+    }
+}
+
+fn unsolved(mut solution: ContactSolution, outcome: Outcome) -> ContactSolution {
+    let d = &mut solution.displacement;
+    for value in d.hi.iter_mut().chain(&mut d.lo).chain(&mut solution.reaction).chain(&mut solution.gap) {
+        *value = f64::NAN;
+    }
+    solution.closed.fill(false);
+    ContactSolution { outcome, ..solution }
+}

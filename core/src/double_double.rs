@@ -1,0 +1,97 @@
+//! Unevaluated sums of two doubles, about 32 digits (Dekker 1971; Knuth's two-sum).
+
+/// `hi + lo` with |lo| at most half a unit in the last place of `hi`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DoubleDouble {
+    pub hi: f64,
+    pub lo: f64,
+}
+
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let part = sum - a;
+    (sum, (a - (sum - part)) + (b - part))
+}
+
+fn split(a: f64) -> (f64, f64) {
+    let c = 134_217_729.0 * a;
+    let hi = c - (c - a);
+    (hi, a - hi)
+}
+
+fn two_product(a: f64, b: f64) -> (f64, f64) {
+    let product = a * b;
+    let ((ah, al), (bh, bl)) = (split(a), split(b));
+    (product, ((ah * bh - product) + ah * bl + al * bh) + al * bl)
+}
+
+impl DoubleDouble {
+    pub fn new(hi: f64, lo: f64) -> Self {
+        let (hi, lo) = two_sum(hi, lo);
+        Self { hi, lo }
+    }
+
+    pub fn value(self) -> f64 {
+        self.hi + self.lo
+    }
+
+    /// `self · factor`.
+    pub fn times(self, factor: f64) -> Self {
+        let (p, e) = two_product(self.hi, factor);
+        Self::new(p, e + self.lo * factor)
+    }
+}
+
+impl From<f64> for DoubleDouble {
+    fn from(value: f64) -> Self {
+        Self { hi: value, lo: 0.0 }
+    }
+}
+
+impl std::ops::Neg for DoubleDouble {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { hi: -self.hi, lo: -self.lo }
+    }
+}
+
+impl std::ops::Add for DoubleDouble {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        let (s, e) = two_sum(self.hi, other.hi);
+        let (t, f) = two_sum(self.lo, other.lo);
+        let partial = Self::new(s, e + t);
+        Self::new(partial.hi, partial.lo + f)
+    }
+}
+
+impl std::ops::Sub for DoubleDouble {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl std::ops::AddAssign<f64> for DoubleDouble {
+    fn add_assign(&mut self, other: f64) {
+        let (s, e) = two_sum(self.hi, other);
+        *self = Self::new(s, e + self.lo);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_what_a_double_loses() {
+        let third = DoubleDouble::from(1.0).times(1.0 / 3.0);
+        let mut sum = DoubleDouble::from(1e16);
+        sum += 1.0;
+        let back = sum - DoubleDouble::from(1e16);
+        assert_eq!(back.value(), 1.0);
+        let product = DoubleDouble::from(0.1).times(0.1) - DoubleDouble::from(0.1 * 0.1);
+        assert!(product.value() != 0.0 && product.value().abs() < 1e-17);
+        assert!((third.value() - 1.0 / 3.0).abs() < 1e-17);
+    }
+}

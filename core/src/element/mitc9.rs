@@ -1,0 +1,194 @@
+//! MITC9 on the 8-node mesh (Bathe, Brezzi & Fortin 1989, Int. J. Num. Meth. Eng. 28, 1787–1801).
+//!
+//! Deflection on the eight serendipity functions, rotations on the nine of Lagrange. The covariant shear lies in
+//! γξ ∈ span{1, ξ, η, ξη, η²} and γη ∈ span{1, ξ, η, ξη, ξ²}; it equals ∇w − θ at the two Gauss points of every edge
+//! (tangential part) and in its two mean values over the reference square.
+
+use super::quadrature::{GAUSS_3, square};
+use super::shape::lagrange;
+use super::{ALL_DOFS, DOFS, Geometry, Material, PACKED, Stiffness, StrainMatrix, packed};
+
+const TIES: usize = 5;
+const GAUSS: f64 = 0.577_350_269_189_625_8;
+const CENTRE: usize = DOFS;
+
+/// Where component `a` (0: γξ, 1: γη) is tied on the edges: along its own direction at ±1/√3, across at ±1.
+fn tying_point(component: usize, tie: usize) -> (f64, f64) {
+    let along = if tie % 2 == 0 { -GAUSS } else { GAUSS };
+    let across = if tie < 2 { -1.0 } else { 1.0 };
+    if component == 0 { (along, across) } else { (across, along) }
+}
+
+/// Interpolation of one component from its four edge values and its mean; `along` is ξ for γξ and η for γη.
+fn interpolation(along: f64, across: f64) -> [f64; TIES] {
+    let bubble = 0.75 * (across * across - 1.0);
+    let low = 0.5 * (0.5 * (1.0 - across) + bubble);
+    let high = 0.5 * (0.5 * (1.0 + across) + bubble);
+    let slope = along / (4.0 * GAUSS);
+    [
+        low - slope * (1.0 - across),
+        low + slope * (1.0 - across),
+        high - slope * (1.0 + across),
+        high + slope * (1.0 + across),
+        -2.0 * bubble,
+    ]
+}
+
+/// Adds `weight` times the covariant component `a` of ∇w − θ at one point.
+fn add_covariant(row: &mut [f64; ALL_DOFS], geometry: &Geometry, component: usize, xi: f64, eta: f64, weight: f64) {
+    let jacobian = geometry.jacobian(xi, eta);
+    let rotation = lagrange(xi, eta).value;
+    let [tx, ty] = jacobian.tangent[component];
+    for i in 0..8 {
+        row[3 * i] += weight * jacobian.shape.gradient[i][component];
+        row[3 * i + 1] -= weight * rotation[i] * tx;
+        row[3 * i + 2] -= weight * rotation[i] * ty;
+    }
+    row[CENTRE] -= weight * rotation[8] * tx;
+    row[CENTRE + 1] -= weight * rotation[8] * ty;
+}
+
+/// The five tied values of each covariant component as rows over all dofs.
+fn ties(geometry: &Geometry) -> [[[f64; ALL_DOFS]; TIES]; 2] {
+    let mut rows = [[[0.0; ALL_DOFS]; TIES]; 2];
+    for component in 0..2 {
+        for tie in 0..4 {
+            let (xi, eta) = tying_point(component, tie);
+            add_covariant(&mut rows[component][tie], geometry, component, xi, eta, 1.0);
+        }
+        for (xi, eta, weight) in square(GAUSS_3) {
+            add_covariant(&mut rows[component][4], geometry, component, xi, eta, 0.25 * weight);
+        }
+    }
+    rows
+}
+
+/// κ = sym ∇θ on nine nodes and the tied shear, both in x and y.
+pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
+    let jacobian = geometry.jacobian(xi, eta);
+    let rotation = lagrange(xi, eta);
+    let mut strain = [[0.0; ALL_DOFS]; 5];
+    for i in 0..9 {
+        let [x, y] = jacobian.physical(rotation.gradient[i]);
+        let first = if i < 8 { 3 * i + 1 } else { CENTRE };
+        strain[0][first] = x;
+        strain[1][first + 1] = y;
+        strain[2][first] = y;
+        strain[2][first + 1] = x;
+    }
+    let rows = ties(geometry);
+    let weights = [interpolation(xi, eta), interpolation(eta, xi)];
+    for dof in 0..ALL_DOFS {
+        let covariant = [0, 1].map(|a| (0..TIES).map(|t| weights[a][t] * rows[a][t][dof]).sum::<f64>());
+        let [x, y] = jacobian.physical(covariant);
+        strain[3][dof] = x;
+        strain[4][dof] = y;
+    }
+    strain
+}
+
+/// Bending by 3×3 points on the rotations; shear as a 10×10 form in the tied values; then the centre is condensed.
+pub fn stiffness(geometry: &Geometry, material: &Material) -> Stiffness {
+    let mut full = [[0.0; ALL_DOFS]; ALL_DOFS];
+    let mut form = [[0.0; 2 * TIES]; 2 * TIES];
+    for (xi, eta, weight) in square(GAUSS_3) {
+        let jacobian = geometry.jacobian(xi, eta);
+        let scale = weight * jacobian.determinant;
+        add_bending(&mut full, &jacobian, scale, material, xi, eta);
+
+        let shear = scale * material.shear_rigidity(jacobian.thickness);
+        let inv = &jacobian.inverse;
+        let metric = |a: usize, b: usize| shear * (inv[0][a] * inv[0][b] + inv[1][a] * inv[1][b]);
+        let weights = [interpolation(xi, eta), interpolation(eta, xi)];
+        for a in 0..2 {
+            for b in 0..=a {
+                let g = metric(a, b);
+                for s in 0..TIES {
+                    for t in 0..TIES {
+                        form[a * TIES + s][b * TIES + t] += g * weights[a][s] * weights[b][t];
+                    }
+                }
+            }
+        }
+    }
+    for s in 0..TIES {
+        for t in 0..TIES {
+            form[s][TIES + t] = form[TIES + t][s];
+        }
+    }
+    add_shear(&mut full, &form, &ties(geometry));
+    condense(&full)
+}
+
+fn add_bending(
+    full: &mut [[f64; ALL_DOFS]; ALL_DOFS],
+    jacobian: &super::Jacobian,
+    scale: f64,
+    material: &Material,
+    xi: f64,
+    eta: f64,
+) {
+    let rotation = lagrange(xi, eta);
+    let gradient: [[f64; 2]; 9] = std::array::from_fn(|i| jacobian.physical(rotation.gradient[i]));
+    let rigidity = scale * material.bending_rigidity(jacobian.thickness);
+    let nu = material.poisson;
+    let half = 0.5 * (1.0 - nu);
+    for i in 0..9 {
+        let r = if i < 8 { 3 * i + 1 } else { CENTRE };
+        let [xi_, yi] = gradient[i].map(|g| rigidity * g);
+        for j in 0..=i {
+            let c = if j < 8 { 3 * j + 1 } else { CENTRE };
+            let [xj, yj] = gradient[j];
+            full[r][c] += xi_ * xj + half * yi * yj;
+            full[r][c + 1] += nu * xi_ * yj + half * yi * xj;
+            full[r + 1][c] += nu * yi * xj + half * xi_ * yj;
+            full[r + 1][c + 1] += yi * yj + half * xi_ * xj;
+        }
+    }
+}
+
+fn add_shear(
+    full: &mut [[f64; ALL_DOFS]; ALL_DOFS],
+    form: &[[f64; 2 * TIES]; 2 * TIES],
+    rows: &[[[f64; ALL_DOFS]; TIES]; 2],
+) {
+    let rows: [&[f64; ALL_DOFS]; 2 * TIES] = std::array::from_fn(|t| &rows[t / TIES][t % TIES]);
+    let mut product = [[0.0; ALL_DOFS]; 2 * TIES];
+    for s in 0..2 * TIES {
+        for t in 0..2 * TIES {
+            let f = form[s][t];
+            for dof in 0..ALL_DOFS {
+                product[s][dof] += f * rows[t][dof];
+            }
+        }
+    }
+    for s in 0..2 * TIES {
+        for i in 0..ALL_DOFS {
+            let r = rows[s][i];
+            for j in 0..ALL_DOFS {
+                full[i][j] += r * product[s][j];
+            }
+        }
+    }
+}
+
+/// Eliminates the two centre rotations; only the lower triangle of `full` is read.
+fn condense(full: &[[f64; ALL_DOFS]; ALL_DOFS]) -> Stiffness {
+    let [a, b, d] = [full[CENTRE][CENTRE], full[CENTRE + 1][CENTRE], full[CENTRE + 1][CENTRE + 1]];
+    let determinant = a * d - b * b;
+    let compliance = [[d / determinant, -b / determinant], [-b / determinant, a / determinant]];
+    let mut coupling = [[0.0; DOFS]; 2];
+    for j in 0..DOFS {
+        let [p, q] = [full[CENTRE][j], full[CENTRE + 1][j]];
+        coupling[0][j] = compliance[0][0] * p + compliance[0][1] * q;
+        coupling[1][j] = compliance[1][0] * p + compliance[1][1] * q;
+    }
+    let mut lower = [0.0; PACKED];
+    for i in 0..DOFS {
+        for j in 0..=i {
+            let inner = full[CENTRE][i] * coupling[0][j] + full[CENTRE + 1][i] * coupling[1][j];
+            lower[packed(i, j)] = full[i][j] - inner;
+        }
+    }
+    Stiffness { packed: lower, coupling, compliance }
+}

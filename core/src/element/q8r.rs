@@ -1,0 +1,45 @@
+//! The 8-node serendipity plate element with uniform 2×2 integration (Hinton & Owen 1977), as the paper uses it.
+
+use super::quadrature::{GAUSS_2, square};
+use super::{ALL_DOFS, DOFS, Geometry, Material, PACKED, Stiffness, StrainMatrix, packed};
+
+/// κ = sym ∇θ and γ = ∇w − θ, all on the serendipity functions.
+pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
+    let jacobian = geometry.jacobian(xi, eta);
+    let mut strain = [[0.0; ALL_DOFS]; 5];
+    for i in 0..8 {
+        let value = jacobian.shape.value[i];
+        let [x, y] = jacobian.physical(jacobian.shape.gradient[i]);
+        strain[0][3 * i + 1] = x;
+        strain[1][3 * i + 2] = y;
+        strain[2][3 * i + 1] = y;
+        strain[2][3 * i + 2] = x;
+        strain[3][3 * i] = x;
+        strain[3][3 * i + 1] = -value;
+        strain[4][3 * i] = y;
+        strain[4][3 * i + 2] = -value;
+    }
+    strain
+}
+
+/// ∫ Bᵀ C B by the 2×2 rule; there is no centre node.
+pub fn stiffness(geometry: &Geometry, material: &Material) -> Stiffness {
+    let mut full = [0.0; PACKED];
+    for (xi, eta, weight) in square(GAUSS_2) {
+        let jacobian = geometry.jacobian(xi, eta);
+        let strain = strain_matrix(geometry, xi, eta);
+        let scale = weight * jacobian.determinant;
+        let shear = material.shear_rigidity(jacobian.thickness);
+        for j in 0..DOFS {
+            let bending = material.bending(jacobian.thickness, [strain[0][j], strain[1][j], strain[2][j]]);
+            for i in j..DOFS {
+                let mut energy = shear * (strain[3][i] * strain[3][j] + strain[4][i] * strain[4][j]);
+                for a in 0..3 {
+                    energy += strain[a][i] * bending[a];
+                }
+                full[packed(i, j)] += scale * energy;
+            }
+        }
+    }
+    Stiffness { packed: full, coupling: [[0.0; DOFS]; 2], compliance: [[0.0; 2]; 2] }
+}

@@ -1,0 +1,106 @@
+//! Shape functions on the reference square [−1, 1]²: corners counter-clockwise from (−1, −1), midsides from the
+//! one between the first two corners, then (for nine nodes) the centre.
+
+/// Reference coordinates of the nine nodes; the first eight are those of the serendipity family.
+pub const NODES: [[f64; 2]; 9] = [
+    [-1.0, -1.0],
+    [1.0, -1.0],
+    [1.0, 1.0],
+    [-1.0, 1.0],
+    [0.0, -1.0],
+    [1.0, 0.0],
+    [0.0, 1.0],
+    [-1.0, 0.0],
+    [0.0, 0.0],
+];
+
+/// Values and reference gradients of N functions at one point.
+#[derive(Clone, Copy, Debug)]
+pub struct Shape<const N: usize> {
+    pub value: [f64; N],
+    pub gradient: [[f64; 2]; N],
+}
+
+/// The 8-node serendipity functions (Ergatoudis, Irons & Zienkiewicz 1968).
+///
+/// ```
+/// let shape = signorini_core::element::shape::serendipity(0.3, -0.4);
+/// assert!((shape.value.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+/// ```
+pub fn serendipity(xi: f64, eta: f64) -> Shape<8> {
+    let mut value = [0.0; 8];
+    let mut gradient = [[0.0; 2]; 8];
+    for i in 0..4 {
+        let [a, b] = NODES[i];
+        let (x, y) = (a * xi, b * eta);
+        value[i] = 0.25 * (1.0 + x) * (1.0 + y) * (x + y - 1.0);
+        gradient[i] = [0.25 * a * (1.0 + y) * (2.0 * x + y), 0.25 * b * (1.0 + x) * (x + 2.0 * y)];
+    }
+    for i in [4, 6] {
+        let b = NODES[i][1];
+        value[i] = 0.5 * (1.0 - xi * xi) * (1.0 + b * eta);
+        gradient[i] = [-xi * (1.0 + b * eta), 0.5 * b * (1.0 - xi * xi)];
+    }
+    for i in [5, 7] {
+        let a = NODES[i][0];
+        value[i] = 0.5 * (1.0 + a * xi) * (1.0 - eta * eta);
+        gradient[i] = [0.5 * a * (1.0 - eta * eta), -eta * (1.0 + a * xi)];
+    }
+    Shape { value, gradient }
+}
+
+/// The 9-node Lagrange functions.
+///
+/// ```
+/// let centre = signorini_core::element::shape::lagrange(0.0, 0.0);
+/// assert_eq!(centre.value[8], 1.0);
+/// ```
+pub fn lagrange(xi: f64, eta: f64) -> Shape<9> {
+    let quadratic = |at: f64, s: f64| {
+        if at == 0.0 {
+            [1.0 - s * s, -2.0 * s]
+        } else {
+            [0.5 * s * (s + at), s + 0.5 * at]
+        }
+    };
+    let mut value = [0.0; 9];
+    let mut gradient = [[0.0; 2]; 9];
+    for (i, [a, b]) in NODES.into_iter().enumerate() {
+        let [p, dp] = quadratic(a, xi);
+        let [q, dq] = quadratic(b, eta);
+        value[i] = p * q;
+        gradient[i] = [dp * q, p * dq];
+    }
+    Shape { value, gradient }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is_nodal<const N: usize>(shape: impl Fn(f64, f64) -> Shape<N>) {
+        for (i, [a, b]) in NODES[..N].iter().enumerate() {
+            for (j, v) in shape(*a, *b).value.iter().enumerate() {
+                assert_eq!(*v, f64::from(u8::from(i == j)));
+            }
+        }
+    }
+
+    fn gradient_is_derivative<const N: usize>(shape: impl Fn(f64, f64) -> Shape<N>) {
+        let (x, y, h) = (0.37, -0.61, 1e-6);
+        for i in 0..N {
+            let along_x = (shape(x + h, y).value[i] - shape(x - h, y).value[i]) / (2.0 * h);
+            let along_y = (shape(x, y + h).value[i] - shape(x, y - h).value[i]) / (2.0 * h);
+            let [gx, gy] = shape(x, y).gradient[i];
+            assert!((gx - along_x).abs() < 1e-8 && (gy - along_y).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn both_families_are_nodal_and_differentiate() {
+        is_nodal(serendipity);
+        is_nodal(lagrange);
+        gradient_is_derivative(serendipity);
+        gradient_is_derivative(lagrange);
+    }
+}

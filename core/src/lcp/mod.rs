@@ -1,0 +1,22 @@
+//! Linear complementarity: find z, w with w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0.
+//!
+//! This module knows nothing of plates. M is any square matrix, dense and row-major.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `problem` | the problem, its solution, its statuses, and what judges a solution without the solver's help |
+//! | `lemke` | Lemke's algorithm, cold or from a given complementary basis |
+//! | `scaling` | the powers of two that make tolerances relative |
+//! | `pivoting` | principal pivotal transforms and the freshly solved basic solution |
+//! | `tableau` | the condensed tableau and its delayed updates |
+//! | `ratio_test` | which variable leaves: the lexicographic rule and its tolerances |
+
+mod lemke;
+mod pivoting;
+mod problem;
+mod ratio_test;
+mod scaling;
+mod tableau;
+
+pub use lemke::{LemkeOptions, default_max_pivots, lemke, lemke_from};
+pub use problem::{InfeasibilityProof, Lcp, LcpError, LcpSolution, LcpStatus, Residuals};

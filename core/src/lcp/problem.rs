@@ -1,0 +1,248 @@
+//! The linear complementarity problem, its solution and the judgement of one by the other.
+use std::fmt;
+
+/// The problem of finding z, w with w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0.
+///
+/// ```
+/// use signorini_core::lcp::{Lcp, LcpError};
+///
+/// let lcp = Lcp::new(&[2.0, 1.0, 1.0, 2.0], &[-5.0, -6.0])?;
+/// let residuals = lcp.residuals(&[4.0 / 3.0, 7.0 / 3.0], &[0.0, 0.0])?;
+/// assert!(residuals.worst() < 1e-15);
+/// assert!(Lcp::new(&[1.0, 2.0], &[1.0, 2.0]).is_err());
+/// # Ok::<(), LcpError>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Lcp<'a> {
+    matrix: &'a [f64],
+    q: &'a [f64],
+}
+
+/// How a solver ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LcpStatus {
+    /// A complementary solution was found.
+    Solved,
+    /// The path left along a secondary ray; if M is copositive-plus, no point is feasible.
+    Ray,
+    /// The solver stopped without a solution: at the pivot limit, or where rounding kept every basis infeasible.
+    PivotLimit,
+}
+
+impl LcpStatus {
+    /// What the status means, in a sentence.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::Solved => "A complementary solution was found.",
+            Self::Ray => "The path left along a secondary ray: if M is copositive-plus, no point is feasible.",
+            Self::PivotLimit => {
+                "The solver stopped without a solution, at the pivot limit or where rounding kept every basis infeasible."
+            }
+        }
+    }
+}
+
+impl fmt::Display for LcpStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.sentence())
+    }
+}
+
+/// What a solver found. For m unknowns every vector has m entries; numbers that were not solved for are NaN.
+#[derive(Clone, Debug)]
+pub struct LcpSolution {
+    /// The complementary variables; NaN unless solved.
+    pub z: Vec<f64>,
+    /// The slacks Mz + q; NaN unless solved.
+    pub w: Vec<f64>,
+    /// True where z_i is basic, so that w_i = 0; false where w_i is. All false unless solved.
+    pub basis: Vec<bool>,
+    pub status: LcpStatus,
+    /// Pivots made, the artificial variable's entry included.
+    pub pivots: usize,
+    /// The z-direction v ≥ 0 of the secondary ray, scaled to max v = 1; present exactly when the status is `Ray`.
+    /// [`Lcp::infeasibility`] says whether it proves the problem infeasible.
+    pub ray: Option<Vec<f64>>,
+}
+
+/// How far a pair (z, w) is from solving a problem. Every figure is relative and at least zero; NaN where an input is.
+///
+/// With the size of row i taken as t_i = |q_i| + Σ_j |M_ij z_j|:
+#[derive(Clone, Copy, Debug)]
+pub struct Residuals {
+    /// max_i −z_i / max_j |z_j|.
+    pub negative_z: f64,
+    /// max_i −w_i / t_i.
+    pub negative_w: f64,
+    /// max_i |z_i w_i| / Σ_j |z_j| t_j.
+    pub complementarity: f64,
+    /// max_i |w_i − (Mz)_i − q_i| / t_i.
+    pub equation: f64,
+}
+
+impl Residuals {
+    /// The largest of the four figures.
+    pub fn worst(&self) -> f64 {
+        [self.negative_z, self.negative_w, self.complementarity, self.equation].into_iter().fold(0.0, larger)
+    }
+}
+
+/// How well a vector v proves that no z ≥ 0 has Mz + q ≥ 0: v ≥ 0, Mᵀv ≤ 0 and qᵀv < 0 do (Farkas).
+#[derive(Clone, Copy, Debug)]
+pub struct InfeasibilityProof {
+    /// max_i −v_i / max_j |v_j|, at least zero.
+    pub negative: f64,
+    /// max_j (Mᵀv)_j / Σ_i |M_ij v_i|, at least zero.
+    pub transpose: f64,
+    /// −qᵀv / Σ_i |q_i v_i|: positive when the proof holds.
+    pub decrease: f64,
+}
+
+impl InfeasibilityProof {
+    /// Whether the proof holds, every figure judged at the relative tolerance `tolerance`.
+    pub fn holds(&self, tolerance: f64) -> bool {
+        self.negative <= tolerance && self.transpose <= tolerance && self.decrease > tolerance
+    }
+}
+
+impl<'a> Lcp<'a> {
+    /// The problem with the m×m row-major `matrix` and the m entries of `q`.
+    ///
+    /// # Errors
+    /// When `matrix` is not m×m, or an entry is not finite.
+    pub fn new(matrix: &'a [f64], q: &'a [f64]) -> Result<Self, LcpError> {
+        let order = q.len();
+        if matrix.len() != order * order {
+            return Err(LcpError::MatrixLength { found: matrix.len(), order });
+        }
+        if let Some(at) = matrix.iter().position(|x| !x.is_finite()) {
+            return Err(LcpError::MatrixEntry { row: at / order, column: at % order, value: matrix[at] });
+        }
+        if let Some(index) = q.iter().position(|x| !x.is_finite()) {
+            return Err(LcpError::Entry { name: "q", index, value: q[index] });
+        }
+        Ok(Self { matrix, q })
+    }
+
+    /// The number m of complementary pairs.
+    pub fn order(&self) -> usize {
+        self.q.len()
+    }
+
+    /// M, row-major.
+    pub fn matrix(&self) -> &'a [f64] {
+        self.matrix
+    }
+
+    /// The vector q.
+    pub fn q(&self) -> &'a [f64] {
+        self.q
+    }
+
+    /// Row i of M.
+    pub fn row(&self, i: usize) -> &'a [f64] {
+        &self.matrix[i * self.order()..(i + 1) * self.order()]
+    }
+
+    /// How far (z, w) is from a solution, computed from M and q alone.
+    ///
+    /// # Errors
+    /// When `z` or `w` does not have m entries.
+    pub fn residuals(&self, z: &[f64], w: &[f64]) -> Result<Residuals, LcpError> {
+        self.check_length("z", z.len())?;
+        self.check_length("w", w.len())?;
+        let largest = z.iter().map(|x| x.abs()).fold(0.0, larger);
+        let mut found = Residuals { negative_z: 0.0, negative_w: 0.0, complementarity: 0.0, equation: 0.0 };
+        let mut work = 0.0;
+        for i in 0..self.order() {
+            let mut slack = self.q[i];
+            let mut size = self.q[i].abs();
+            for (a, x) in self.row(i).iter().zip(z) {
+                slack += a * x;
+                size += (a * x).abs();
+            }
+            work += z[i].abs() * size;
+            found.negative_z = larger(found.negative_z, relative(-z[i], largest));
+            found.negative_w = larger(found.negative_w, relative(-w[i], size));
+            found.complementarity = larger(found.complementarity, (z[i] * w[i]).abs());
+            found.equation = larger(found.equation, relative((w[i] - slack).abs(), size));
+        }
+        found.complementarity = relative(found.complementarity, work);
+        Ok(found)
+    }
+
+    /// How well `v` proves that the problem has no feasible point, computed from M and q alone.
+    ///
+    /// # Errors
+    /// When `v` does not have m entries.
+    pub fn infeasibility(&self, v: &[f64]) -> Result<InfeasibilityProof, LcpError> {
+        self.check_length("v", v.len())?;
+        let largest = v.iter().map(|x| x.abs()).fold(0.0, larger);
+        let mut product = vec![0.0; v.len()];
+        let mut size = vec![0.0; v.len()];
+        for (i, x) in v.iter().enumerate() {
+            for (j, a) in self.row(i).iter().enumerate() {
+                product[j] += a * x;
+                size[j] += (a * x).abs();
+            }
+        }
+        let decrease: f64 = self.q.iter().zip(v).map(|(a, x)| -a * x).sum();
+        let total: f64 = self.q.iter().zip(v).map(|(a, x)| (a * x).abs()).sum();
+        Ok(InfeasibilityProof {
+            negative: v.iter().map(|x| relative(-x, largest)).fold(0.0, larger),
+            transpose: product.iter().zip(&size).map(|(p, s)| relative(*p, *s)).fold(0.0, larger),
+            decrease: relative(decrease, total),
+        })
+    }
+
+    pub(super) fn check_length(&self, name: &'static str, found: usize) -> Result<(), LcpError> {
+        if found == self.order() { Ok(()) } else { Err(LcpError::Length { name, found, order: self.order() }) }
+    }
+}
+
+/// The larger of two numbers; NaN if either is.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
+/// value / scale, and 0/0 = 0.
+fn relative(value: f64, scale: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value / scale }
+}
+
+/// What is wrong with a problem or with a solver's arguments.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LcpError {
+    /// M has `found` entries where q, of `order` entries, asks for order².
+    MatrixLength { found: usize, order: usize },
+    /// An entry of M is not finite.
+    MatrixEntry { row: usize, column: usize, value: f64 },
+    /// An entry of a vector is not finite.
+    Entry { name: &'static str, index: usize, value: f64 },
+    /// A vector does not have one entry a row of M.
+    Length { name: &'static str, found: usize, order: usize },
+    /// An entry of the covering vector is not a finite positive number.
+    Covering { index: usize, value: f64 },
+}
+
+impl fmt::Display for LcpError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::MatrixLength { found, order } => {
+                write!(f, "M has {found} entries; q has {order}, so M needs {order} x {order}")
+            }
+            Self::MatrixEntry { row, column, value } => {
+                write!(f, "M[{row}, {column}] is {value}; every entry must be finite")
+            }
+            Self::Entry { name, index, value } => write!(f, "{name}[{index}] is {value}; every entry must be finite"),
+            Self::Length { name, found, order } => {
+                write!(f, "{name} has {found} entries; M is {order} x {order}, so it needs {order}")
+            }
+            Self::Covering { index, value } => {
+                write!(f, "covering[{index}] is {value}; every entry must be finite and greater than zero")
+            }
+        }
+    }
+}
+
+impl std::error::Error for LcpError {}

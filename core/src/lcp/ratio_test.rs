@@ -1,0 +1,69 @@
+//! Which basic variable leaves: the lexicographic minimum ratio test (Dantzig, Orden & Wolfe 1955).
+//!
+//! q is thought of as q + (ε, ε², …), ε > 0 arbitrarily small. Then no two ratios are equal, the artificial variable
+//! falls at every pivot and no basis returns. The coefficients of ε, ε², … in the basic variables are the columns of
+//! the initial basis: minus the tableau's column where slack j is nonbasic, a unit vector where it is basic.
+use super::tableau::Tableau;
+
+/// A pivot must exceed this times the larger of 1 and its column's largest entry (the problem is scaled to entries of
+/// about 1): below it an entry counts as zero.
+const PIVOT_TOLERANCE: f64 = 1e-11;
+
+/// A pivot this small relative to its column is recomputed from the problem itself before it is used.
+const DOUBT: f64 = 1e-8;
+
+/// Two ratios are equal if, at the smaller, the other's basic variable is within this of zero, relative to the larger
+/// of 1 and the variable's value before the step.
+const TIE_TOLERANCE: f64 = 1e-12;
+
+/// The row of the first pivot, where the artificial variable enters: the lexicographic minimum of (q_i, e_i) / d_i,
+/// which is the last of the rows at which q_i / d_i is least.
+pub(super) fn first_row(values: &[f64], covering: &[f64]) -> usize {
+    let ratios = || values.iter().zip(covering).map(|(q, d)| q / d);
+    let least = ratios().fold(f64::INFINITY, f64::min);
+    let tied = values.iter().zip(covering).rposition(|(q, d)| q - least * d <= TIE_TOLERANCE * q.abs().max(1.0));
+    tied.unwrap_or(0)
+}
+
+/// A leaving row and whether its pivot is small enough to be doubted.
+pub(super) struct Leaving {
+    pub(super) row: usize,
+    pub(super) doubtful: bool,
+}
+
+/// The row that leaves when the variable of `column` grows from zero; None if nothing stops it.
+///
+/// The artificial variable leaves whenever it can: the basis is then complementary, which is all that is asked.
+pub(super) fn leaving_row(tableau: &Tableau, column: &[f64]) -> Option<Leaving> {
+    let largest = column.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
+    let least = -PIVOT_TOLERANCE * largest;
+    let candidates: Vec<usize> = (0..column.len()).filter(|&i| column[i] < least).collect();
+    let values = &tableau.values;
+    let step = candidates.iter().map(|&i| values[i].max(0.0) / -column[i]).reduce(f64::min)?;
+    let mut tied = candidates;
+    tied.retain(|&i| values[i] + step * column[i] <= TIE_TOLERANCE * values[i].abs().max(1.0));
+    let row = match tied.iter().find(|&&i| tableau.row_variable[i] == tableau.artificial()) {
+        Some(&i) => i,
+        None => lexicographic_minimum(tableau, column, tied)?,
+    };
+    Some(Leaving { row, doubtful: -column[row] < DOUBT * largest })
+}
+
+fn lexicographic_minimum(tableau: &Tableau, column: &[f64], mut tied: Vec<usize>) -> Option<usize> {
+    for slack in 0..column.len() {
+        if tied.len() == 1 {
+            break;
+        }
+        match tableau.row_of(slack) {
+            Some(basic) => tied.retain(|&i| i != basic),
+            None => {
+                let ratios: Vec<f64> = tied.iter().map(|&i| tableau.entry(i, slack) / column[i]).collect();
+                let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+                let bound = least + TIE_TOLERANCE * least.abs().max(1.0);
+                let mut ratio = ratios.iter();
+                tied.retain(|_| ratio.next().is_some_and(|r| *r <= bound));
+            }
+        }
+    }
+    tied.into_iter().min_by(|&a, &b| column[a].total_cmp(&column[b]))
+}

@@ -1,0 +1,15 @@
+//! Reissner–Mindlin plates on supports that may hold one way only: arrays in, arrays out.
+//!
+//! Signs: z and the deflection point down; loads are positive down; a reaction is positive when it pushes the plate
+//! up; moments are positive when they sag; rotations are slopes, θx ≈ ∂w/∂x.
+
+pub mod assembly;
+pub mod cholesky;
+pub mod contact;
+pub mod double_double;
+pub mod element;
+pub mod lcp;
+pub mod ordering;
+pub mod plate;
+pub mod residual;
+pub mod stress;

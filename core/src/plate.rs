@@ -1,0 +1,232 @@
+//! A discretised plate: nodes, 8-node elements, thickness, material, and the frames of its rotations.
+//!
+//! Dofs are (w, θ1, θ2) node by node. θ1, θ2 are θx, θy, or, at a node with a frame (c, s), the slopes along
+//! (c, s) and (−s, c), so that one of them can be held alone.
+
+use crate::element::{self, ALL_DOFS, DOFS, Geometry, Kind, Material, PACKED};
+use rayon::prelude::*;
+
+/// What is wrong with the arrays of a plate.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlateError {
+    /// An array has the wrong length.
+    Length { what: &'static str, found: usize, expected: usize },
+    /// A number is not finite.
+    NotFinite { what: &'static str, index: usize },
+    /// A value is outside its range.
+    Range { what: &'static str, index: usize },
+    /// An element names a node that is not there.
+    NoSuchNode { element: usize, node: usize },
+    /// The map of an element turns over at one of its Gauss points.
+    Inverted { element: usize },
+}
+
+impl std::fmt::Display for PlateError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Length { what, found, expected } => write!(f, "{what} has length {found}; expected {expected}"),
+            Self::NotFinite { what, index } => write!(f, "{what} is not finite at index {index}"),
+            Self::Range { what, index } => write!(f, "{what} is out of range at index {index}"),
+            Self::NoSuchNode { element, node } => write!(f, "element {element} names node {node}, which is not there"),
+            Self::Inverted { element } => write!(f, "element {element} is turned over or degenerate"),
+        }
+    }
+}
+
+impl std::error::Error for PlateError {}
+
+pub struct Plate {
+    points: Vec<[f64; 2]>,
+    elements: Vec<[usize; 8]>,
+    thickness: Vec<f64>,
+    frames: Option<Vec<[f64; 2]>>,
+    pub material: Material,
+    pub kind: Kind,
+    stiffness: Vec<f64>,
+}
+
+impl Plate {
+    /// Checks the arrays and computes every element matrix, in parallel.
+    ///
+    /// `thickness` is nodal; `frames`, if any, holds (cos, sin) of every node's first rotation direction.
+    pub fn new(
+        points: Vec<[f64; 2]>,
+        elements: Vec<[usize; 8]>,
+        thickness: Vec<f64>,
+        material: Material,
+        kind: Kind,
+        frames: Option<Vec<[f64; 2]>>,
+    ) -> Result<Self, PlateError> {
+        check_finite("points", points.iter().flatten())?;
+        check_finite("thickness", thickness.iter())?;
+        check_length("thickness", thickness.len(), points.len())?;
+        if let Some(index) = thickness.iter().position(|&h| h <= 0.0) {
+            return Err(PlateError::Range { what: "thickness", index });
+        }
+        let Material { young, poisson, shear_factor } = material;
+        if !(young > 0.0 && young.is_finite() && poisson > -1.0 && poisson < 0.5) {
+            return Err(PlateError::Range { what: "material", index: 0 });
+        }
+        if !(shear_factor > 0.0 && shear_factor.is_finite()) {
+            return Err(PlateError::Range { what: "shear factor", index: 0 });
+        }
+        if let Some(frames) = &frames {
+            check_finite("frames", frames.iter().flatten())?;
+            check_length("frames", frames.len(), points.len())?;
+            if let Some(index) = frames.iter().position(|[c, s]| (c.hypot(*s) - 1.0).abs() > 1e-12) {
+                return Err(PlateError::Range { what: "frames", index });
+            }
+        }
+        for (element, nodes) in elements.iter().enumerate() {
+            if let Some(&node) = nodes.iter().find(|&&node| node >= points.len()) {
+                return Err(PlateError::NoSuchNode { element, node });
+            }
+        }
+        let mut plate = Self { points, elements, thickness, frames, material, kind, stiffness: Vec::new() };
+        if let Some(element) = (0..plate.elements.len()).into_par_iter().find_first(|&e| plate.is_inverted(e)) {
+            return Err(PlateError::Inverted { element });
+        }
+        let mut stiffness = vec![0.0; PACKED * plate.elements.len()];
+        stiffness.par_chunks_mut(PACKED).enumerate().for_each(|(e, out)| {
+            out.copy_from_slice(&element::stiffness(kind, &plate.geometry(e), &plate.material).packed);
+        });
+        plate.stiffness = stiffness;
+        Ok(plate)
+    }
+
+    fn is_inverted(&self, e: usize) -> bool {
+        let geometry = self.geometry(e);
+        let worst = element::quadrature::square(element::quadrature::GAUSS_3)
+            .map(|(x, y, _)| geometry.jacobian(x, y).determinant)
+            .fold(f64::INFINITY, f64::min);
+        worst <= 0.0 || worst.is_nan()
+    }
+
+    pub fn node_count(&self) -> usize {
+        self.points.len()
+    }
+
+    pub fn dof_count(&self) -> usize {
+        3 * self.points.len()
+    }
+
+    pub fn point(&self, node: usize) -> [f64; 2] {
+        self.points[node]
+    }
+
+    pub fn elements(&self) -> &[[usize; 8]] {
+        &self.elements
+    }
+
+    /// Packed lower triangle of one element, in x and y (frames not applied).
+    pub fn element_stiffness(&self, e: usize) -> &[f64] {
+        &self.stiffness[PACKED * e..PACKED * (e + 1)]
+    }
+
+    pub fn geometry(&self, e: usize) -> Geometry {
+        let nodes = &self.elements[e];
+        let origin = self.points[nodes[0]];
+        Geometry {
+            at: nodes.map(|n| [self.points[n][0] - origin[0], self.points[n][1] - origin[1]]),
+            thickness: nodes.map(|n| self.thickness[n]),
+        }
+    }
+
+    pub fn centroid(&self, e: usize) -> [f64; 2] {
+        let sum = self.elements[e][..4]
+            .iter()
+            .fold([0.0; 2], |s, &n| [s[0] + self.points[n][0], s[1] + self.points[n][1]]);
+        sum.map(|s| 0.25 * s)
+    }
+
+    pub fn has_frames(&self) -> bool {
+        self.frames.is_some()
+    }
+
+    /// Rotates a node's (1, 2) components into x and y.
+    pub fn frame(&self, node: usize) -> Option<[f64; 2]> {
+        self.frames.as_ref().map(|f| f[node]).filter(|f| *f != [1.0, 0.0])
+    }
+
+    /// Takes a covector over an element's dofs (a force, a row of G) from x and y into the nodes' frames.
+    pub fn into_frames(&self, e: usize, covector: &mut [f64; DOFS]) {
+        if self.frames.is_some() {
+            for (i, &node) in self.elements[e].iter().enumerate() {
+                if let Some([c, s]) = self.frame(node) {
+                    let [x, y] = [covector[3 * i + 1], covector[3 * i + 2]];
+                    covector[3 * i + 1] = c * x + s * y;
+                    covector[3 * i + 2] = c * y - s * x;
+                }
+            }
+        }
+    }
+
+    /// Rows over an element's dofs, in the nodes' frames, that give w, θx or θy at a reference point.
+    ///
+    /// `field`: 0 for w, 1 for θx, 2 for θy. The second value is the row's part on the two centre rotations.
+    pub fn interpolation_row(&self, e: usize, xi: f64, eta: f64, field: usize) -> ([f64; DOFS], [f64; 2]) {
+        let mut row = [0.0; DOFS];
+        let mut centre = [0.0; 2];
+        if field == 0 {
+            let shape = element::shape::serendipity(xi, eta);
+            for i in 0..8 {
+                row[3 * i] = shape.value[i];
+            }
+        } else {
+            let values = element::rotation_functions(self.kind, xi, eta);
+            for i in 0..8 {
+                row[3 * i + field] = values[i];
+            }
+            if values[8] != 0.0 {
+                let inner = element::stiffness(self.kind, &self.geometry(e), &self.material);
+                centre[field - 1] = values[8];
+                for j in 0..DOFS {
+                    row[j] -= values[8] * inner.coupling[field - 1][j];
+                }
+            }
+        }
+        self.into_frames(e, &mut row);
+        (row, centre)
+    }
+
+    /// Nodal forces of a stress-free curvature [κxx, κyy, κxy] over the whole plate, and the couples it puts on
+    /// the centre rotations, two an element.
+    pub fn curvature_load(&self, curvature: [f64; 3]) -> (Vec<f64>, Vec<f64>) {
+        let mut load = vec![0.0; self.dof_count()];
+        let mut centre = vec![0.0; 2 * self.elements.len()];
+        for e in 0..self.elements.len() {
+            let geometry = self.geometry(e);
+            let all = element::curvature_load(self.kind, &geometry, &self.material, curvature);
+            let couples = [all[DOFS], all[DOFS + 1]];
+            self.add_condensed(e, &geometry, &all, &mut load);
+            centre[2 * e] = couples[0];
+            centre[2 * e + 1] = couples[1];
+        }
+        (load, centre)
+    }
+
+    fn add_condensed(&self, e: usize, geometry: &Geometry, all: &[f64; ALL_DOFS], load: &mut [f64]) {
+        let inner = element::stiffness(self.kind, geometry, &self.material);
+        let mut nodal = [0.0; DOFS];
+        for j in 0..DOFS {
+            nodal[j] = all[j] - inner.coupling[0][j] * all[DOFS] - inner.coupling[1][j] * all[DOFS + 1];
+        }
+        self.into_frames(e, &mut nodal);
+        for (i, &node) in self.elements[e].iter().enumerate() {
+            for a in 0..3 {
+                load[3 * node + a] += nodal[3 * i + a];
+            }
+        }
+    }
+}
+
+fn check_finite<'a>(what: &'static str, values: impl Iterator<Item = &'a f64>) -> Result<(), PlateError> {
+    match values.enumerate().find(|(_, v)| !v.is_finite()) {
+        Some((index, _)) => Err(PlateError::NotFinite { what, index }),
+        None => Ok(()),
+    }
+}
+
+fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), PlateError> {
+    if found == expected { Ok(()) } else { Err(PlateError::Length { what, found, expected }) }
+}

@@ -1,0 +1,173 @@
+//! The refined residual: nodal forces out of balance, from displacements carried as double-doubles.
+//!
+//! Each element's rigid motion (its first node's deflection and rotations) is stripped in double-double before the
+//! element matrix multiplies what is left, so that a thin plate's large rigid part costs no digits.
+
+use crate::double_double::DoubleDouble;
+use crate::element::{DOFS, packed};
+use crate::plate::Plate;
+use rayon::prelude::*;
+
+/// A displacement with its low-order part.
+#[derive(Clone, Debug, Default)]
+pub struct Displacement {
+    pub hi: Vec<f64>,
+    pub lo: Vec<f64>,
+}
+
+impl Displacement {
+    pub fn zeros(len: usize) -> Self {
+        Self { hi: vec![0.0; len], lo: vec![0.0; len] }
+    }
+
+    pub fn at(&self, i: usize) -> DoubleDouble {
+        DoubleDouble { hi: self.hi[i], lo: self.lo[i] }
+    }
+
+    pub fn add(&mut self, i: usize, increment: f64) {
+        let mut sum = self.at(i);
+        sum += increment;
+        (self.hi[i], self.lo[i]) = (sum.hi, sum.lo);
+    }
+
+    /// θx, θy of a node, out of its frame.
+    fn slopes(&self, plate: &Plate, node: usize) -> [DoubleDouble; 2] {
+        let [p, q] = [self.at(3 * node + 1), self.at(3 * node + 2)];
+        match plate.frame(node) {
+            Some([c, s]) => [p.times(c) - q.times(s), p.times(s) + q.times(c)],
+            None => [p, q],
+        }
+    }
+
+    /// The element's displacements in x and y with its first node's rigid motion taken off.
+    pub fn strained(&self, plate: &Plate, e: usize) -> [f64; DOFS] {
+        let nodes = &plate.elements()[e];
+        let at = plate.geometry(e).at;
+        let origin = self.at(3 * nodes[0]);
+        let slope = self.slopes(plate, nodes[0]);
+        let mut out = [0.0; DOFS];
+        for i in 1..8 {
+            let rigid = slope[0].times(at[i][0]) + slope[1].times(at[i][1]);
+            out[3 * i] = (self.at(3 * nodes[i]) - origin - rigid).value();
+            let here = self.slopes(plate, nodes[i]);
+            out[3 * i + 1] = (here[0] - slope[0]).value();
+            out[3 * i + 2] = (here[1] - slope[1]).value();
+        }
+        out
+    }
+}
+
+/// Rows over single elements (elastic supports, contact points), in the nodes' frames.
+#[derive(Clone, Debug, Default)]
+pub struct Rows {
+    pub element: Vec<usize>,
+    pub coefficient: Vec<[f64; DOFS]>,
+}
+
+impl Rows {
+    pub fn len(&self) -> usize {
+        self.element.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.element.is_empty()
+    }
+
+    /// The dof and coefficient pairs of one row, zeros left out.
+    pub fn entries<'a>(&'a self, plate: &'a Plate, row: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let nodes = &plate.elements()[self.element[row]];
+        self.coefficient[row]
+            .iter()
+            .enumerate()
+            .filter(|(_, c)| **c != 0.0)
+            .map(move |(j, &c)| (3 * nodes[j / 3] + j % 3, c))
+    }
+
+    /// Row times displacement, minus `offset`, in double-double.
+    pub fn gap(&self, plate: &Plate, row: usize, displacement: &Displacement, offset: f64) -> f64 {
+        let mut sum = DoubleDouble::from(-offset);
+        for (dof, c) in self.entries(plate, row) {
+            sum = sum + displacement.at(dof).times(c);
+        }
+        sum.value()
+    }
+
+    /// Row times a vector of doubles.
+    pub fn dot(&self, plate: &Plate, row: usize, vector: &[f64]) -> f64 {
+        self.entries(plate, row).map(|(dof, c)| c * vector[dof]).sum()
+    }
+
+    /// Adds `factor` times the row to a nodal vector.
+    pub fn scatter(&self, plate: &Plate, row: usize, factor: f64, vector: &mut [f64]) {
+        for (dof, c) in self.entries(plate, row) {
+            vector[dof] += factor * c;
+        }
+    }
+}
+
+/// Linear springs: stiffness k_i on row i, whose base sits at `base_i`.
+#[derive(Clone, Debug, Default)]
+pub struct Springs {
+    pub rows: Rows,
+    pub stiffness: Vec<f64>,
+    pub base: Vec<f64>,
+}
+
+/// f − K u − Σ k r (r·u − base) at every dof, those held included (there it is minus the support's force).
+pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &Displacement) -> Vec<f64> {
+    const CHUNK: usize = 1024;
+    let count = plate.elements().len();
+    let forces: Vec<[f64; DOFS]> = (0..count)
+        .into_par_iter()
+        .with_min_len(CHUNK)
+        .map(|e| {
+            let strained = displacement.strained(plate, e);
+            let mut force = internal_force(plate.element_stiffness(e), &strained);
+            plate.into_frames(e, &mut force);
+            force
+        })
+        .collect();
+    let mut out = load.to_vec();
+    for (nodes, force) in plate.elements().iter().zip(&forces) {
+        for (i, &node) in nodes.iter().enumerate() {
+            for a in 0..3 {
+                out[3 * node + a] -= force[3 * i + a];
+            }
+        }
+    }
+    for row in 0..springs.rows.len() {
+        let stretch = springs.rows.gap(plate, row, displacement, springs.base[row]);
+        springs.rows.scatter(plate, row, -springs.stiffness[row] * stretch, &mut out);
+    }
+    out
+}
+
+/// Largest Σ|K_e||u_e| over the dofs that are not held: what rounding in [`residual`] is relative to.
+pub fn internal_magnitude(plate: &Plate, held: &[bool], displacement: &Displacement) -> f64 {
+    let mut sum = vec![0.0; plate.dof_count()];
+    for (e, nodes) in plate.elements().iter().enumerate() {
+        let strained = displacement.strained(plate, e);
+        let lower = plate.element_stiffness(e);
+        for (i, &node) in nodes.iter().enumerate() {
+            for a in 0..3 {
+                let row = 3 * i + a;
+                sum[3 * node + a] += (0..DOFS).map(|j| (lower[packed(row, j)] * strained[j]).abs()).sum::<f64>();
+            }
+        }
+    }
+    sum.iter().zip(held).filter(|(_, held)| !**held).fold(0.0, |worst, (value, _)| worst.max(*value))
+}
+
+fn internal_force(lower: &[f64], displacement: &[f64; DOFS]) -> [f64; DOFS] {
+    let mut force = [0.0; DOFS];
+    for i in 0..DOFS {
+        let row = &lower[packed(i, 0)..=packed(i, i)];
+        let mut sum = 0.0;
+        for j in 0..i {
+            sum += row[j] * displacement[j];
+            force[j] += row[j] * displacement[i];
+        }
+        force[i] += sum + row[i] * displacement[i];
+    }
+    force
+}

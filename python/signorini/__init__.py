@@ -1,0 +1,43 @@
+"""Reissner-Mindlin plates on supports that may hold one way only.
+
+Examples
+--------
+>>> import signorini
+>>> model = signorini.Model(
+...     material={"E": 30e9, "nu": 0.2},
+...     plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+...     mesh={"divisions": [20, 20]},
+...     support=[{"name": "bearings", "at": [[1, 1], [9, 1], [9, 9], [1, 9]], "resists": "down"}],
+...     load=[{"pressure": 2e3}, {"force": 100e3, "at": [5, 5]}],
+... )
+>>> result = signorini.solve(model)["all"]
+>>> round(result.reactions["bearings"])
+300000
+"""
+
+from signorini._core import __version__
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
+from signorini.inputfile import load, schema
+from signorini.model import Model, validate
+from signorini.problem import ContactProblem, contact_problem
+from signorini.result import ProbeResult, Result, SupportResult
+from signorini.solve import Results, solve
+
+__all__ = [
+    "ContactProblem",
+    "InputError",
+    "Model",
+    "NoEquilibriumError",
+    "NotCertifiedError",
+    "ProbeResult",
+    "Result",
+    "Results",
+    "SignoriniError",
+    "SupportResult",
+    "__version__",
+    "contact_problem",
+    "load",
+    "schema",
+    "solve",
+    "validate",
+]

@@ -1,0 +1,150 @@
+"""The certificate: how far an answer is from a solution, computed by code that did not solve it.
+
+It takes the displacements, reactions and the statement of the problem, and recomputes gaps, nodal forces and the
+three global balances from them. It reads no factor, no condensed matrix, and no status.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.rows import Floats
+from signorini.problem import spring_arrays
+
+TOLERANCE = 1e-8
+_ROUNDINGS = 4.0
+"""Units of rounding, of the internal forces that cancel at a node, below which no imbalance can be seen."""
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Errors of an answer, each relative to a size stated here; ``passed`` means all are within tolerance.
+
+    Parameters
+    ----------
+    penetration : float
+        Deepest penetration, or largest violation of a held deflection, over the largest deflection or gap.
+    tension : float
+        Largest reaction of the wrong sign over the largest reaction.
+    complementarity : float
+        Largest product of a reaction and its gap over the product of the largest of each.
+    equilibrium : float
+        Largest nodal force out of balance over the largest nodal load (couples over the element size).
+    balance : float
+        Largest of the three global resultants out of balance over the sum of the load's magnitudes.
+    equilibrium_limit : float
+        What double precision can show of the nodal equilibrium for this plate: thin plates' internal forces are so much
+        larger than their loads that their rounding counts. Where it exceeds the tolerance, equilibrium is judged by it.
+    """
+
+    penetration: float
+    tension: float
+    complementarity: float
+    equilibrium: float
+    balance: float
+    equilibrium_limit: float
+
+    @property
+    def limited(self) -> bool:
+        """Whether arithmetic limits the equilibrium figure."""
+        return self.equilibrium > TOLERANCE and self.passed
+
+    @property
+    def passed(self) -> bool:
+        """Whether every figure is within tolerance."""
+        figures = (self.penetration, self.tension, self.complementarity, self.balance)
+        within = all(figure <= TOLERANCE for figure in figures)
+        return within and self.equilibrium <= max(TOLERANCE, self.equilibrium_limit)
+
+    def __str__(self) -> str:
+        """Say it in a line."""
+        names = ("penetration", "tension", "complementarity", "equilibrium", "balance")
+        figures = ", ".join(f"{name} {getattr(self, name):.1e}" for name in names)
+        verdict = "passed" if self.passed else "failed"
+        note = f"; arithmetic limits equilibrium to {self.equilibrium_limit:.0e}" if self.limited else ""
+        return f"{verdict}: {figures}{note}"
+
+
+def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, reaction: Floats) -> Certificate:
+    """Judge displacements ``hi + lo`` (3n,) and the contact points' reactions (m,) under a load.
+
+    Examples
+    --------
+    >>> from signorini import Model
+    >>> from signorini.problem import contact_problem
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     mesh={"divisions": [4, 4]},
+    ...     support=[{"edge": ["left"], "fix": "clamped"}, {"at": [4, 2], "resists": "down"}],
+    ...     load=[{"pressure": 5e3}],
+    ... )
+    >>> problem = contact_problem(model)
+    >>> found, load = problem.discretisation, problem.discretisation.cases["load"]
+    >>> answer = problem.solve(load)
+    >>> certify(found, load, answer.hi, answer.lo, answer.reaction).passed
+    True
+    >>> certify(found, load, answer.hi, answer.lo, -answer.reaction).passed
+    False
+    """
+    contacts, held, elements = found.contacts, found.held, found.mesh.elements
+    with np.errstate(invalid="ignore"):
+        imbalance = found.plate.residual(spring_arrays(found), load.nodal, hi, lo)
+        imbalance = imbalance - contacts.rows.spread(elements, reaction, found.dof_count)
+        at_holds = np.where(held.dofs, imbalance, 0.0)
+        at_free = np.where(held.dofs, 0.0, imbalance).reshape(-1, 3)
+
+        dofs = contacts.rows.dofs(elements)
+        moved = (contacts.rows.coefficients.astype(np.longdouble) * (hi.astype(np.longdouble) + lo)[dofs]).sum(axis=1)
+        gap = np.asarray(contacts.distance - moved + contacts.compliance * reaction, dtype=np.float64)
+        length = max(_largest(hi[::3]), _largest(contacts.distance), _largest(held.values))
+        slip = np.abs(np.where(held.dofs, hi + lo - held.values, 0.0))[::3]
+        open_by = np.where(contacts.two_sided, np.abs(gap), -gap)
+        one_sided = np.where(contacts.two_sided, 0.0, reaction)
+
+        across = float(np.sqrt(found.mesh.element_area.mean()))
+        forces = _nodal_size(load.nodal, across)
+        scale = forces or _nodal_size(at_holds, across) or _largest(reaction)
+        figures = {
+            "penetration": _ratio(max(_largest(np.maximum(open_by, 0.0)), _largest(slip)), length),
+            "tension": _ratio(_largest(np.maximum(-one_sided, 0.0)), _largest(reaction)),
+            "complementarity": _ratio(
+                _largest(one_sided * np.where(contacts.two_sided, 0.0, gap)), _largest(reaction) * length
+            ),
+            "equilibrium": _ratio(_nodal_size(at_free.ravel(), across), scale),
+            "balance": _balance(found, load.nodal, hi + lo, at_holds, reaction),
+        }
+    limit = 0.0
+    if not figures["equilibrium"] <= TOLERANCE:
+        size = found.plate.internal_magnitude(held.dofs, hi, lo)
+        limit = _ROUNDINGS * np.finfo(float).eps * _ratio(size, scale)
+    return Certificate(**figures, equilibrium_limit=limit)
+
+
+def _balance(found: Discretisation, nodal: Floats, displacement: Floats, at_holds: Floats, reaction: Floats) -> float:
+    """The three resultants of load and reactions, from the supports' forces alone."""
+    springs, elements, size = found.springs, found.mesh.elements, found.mesh.size
+    pull = springs.stiffness * (springs.rows.dot(elements, displacement) - springs.base)
+    against = at_holds + springs.rows.spread(elements, pull, len(nodal))
+    against += found.contacts.rows.spread(elements, reaction, len(nodal))
+    motions = found.rigid_motions / np.array([1.0, size, size])
+    total = max(np.abs(nodal) @ np.abs(motions).max(axis=1), np.abs(against) @ np.abs(motions).max(axis=1))
+    return _ratio(_largest(motions.T @ (nodal - against)), float(total))
+
+
+def _nodal_size(nodal: Floats, across: float) -> float:
+    """Largest nodal force; couples count by the force they are at an element's size apart."""
+    forces, *couples = nodal.reshape(-1, 3).T
+    return max(_largest(forces), *(_largest(couple) / across for couple in couples))
+
+
+def _largest(values: Floats) -> float:
+    """Largest magnitude; NaN where there is one."""
+    return float(np.abs(values).max(initial=0.0))
+
+
+def _ratio(error: float, size: float) -> float:
+    return 0.0 if error == 0.0 else error / size if size > 0.0 else float("inf")

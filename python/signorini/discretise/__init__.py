@@ -1,0 +1,137 @@
+"""From what the engineer said to arrays: mesh, plate, held dofs, springs, contact points and loads."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini import _core
+from signorini.discretise.frames import Held
+from signorini.discretise.holds import hold
+from signorini.discretise.loads import CaseLoad, case_loads
+from signorini.discretise.meshing import mesh_of
+from signorini.discretise.places import located
+from signorini.discretise.rows import Floats, Rows
+from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
+from signorini.errors import InputError
+from signorini.mesh import Location, Mesh
+from signorini.model import Combination, Model
+
+__all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Rows", "Springs", "discretise"]
+
+
+@dataclass(frozen=True, eq=False)
+class Discretisation:
+    """A model as arrays. Dofs are (w, θ1, θ2) node by node; θ1, θ2 are θx, θy unless ``held.frames`` says otherwise."""
+
+    model: Model
+    mesh: Mesh
+    plate: _core.Plate
+    thickness: Floats
+    held: Held
+    springs: Springs
+    contacts: ContactPoints
+    cases: Mapping[str, CaseLoad]
+    probes: Location
+    probe_positions: Floats
+    seconds: Mapping[str, float]
+
+    @property
+    def dof_count(self) -> int:
+        """Number of dofs, those held included."""
+        return 3 * self.mesh.node_count
+
+    @property
+    def rigid_motions(self) -> Floats:
+        """Nodal vectors (3n, 3) of the rigid motions w = 1, w = x − x0, w = y − y0 about the plate's middle."""
+        motions = np.zeros((self.mesh.node_count, 3, 3))
+        motions[:, 0, 0] = 1.0
+        motions[:, 0, 1:] = self.mesh.points - self.middle
+        for i in (0, 1):
+            slope = np.zeros((self.mesh.node_count, 2))
+            slope[:, i] = 1.0
+            motions[:, 1:, 1 + i] = self.held.from_global(slope)
+        return motions.reshape(-1, 3)
+
+    @property
+    def middle(self) -> Floats:
+        """Middle of the plate's bounding box."""
+        return np.asarray(0.5 * (self.mesh.points.min(axis=0) + self.mesh.points.max(axis=0)))
+
+    def load(self, combination: Combination) -> CaseLoad:
+        """Sum of the cases times their factors."""
+        total = CaseLoad(np.zeros(self.dof_count), np.zeros(3), np.zeros(2 * len(self.mesh.elements)))
+        for case, factor in combination.factors.items():
+            total = total + factor * self.cases[case]
+        return total
+
+
+def discretise(model: Model) -> Discretisation:
+    """Mesh the plate and turn supports and loads into arrays.
+
+    Raises
+    ------
+    InputError
+        If something lies off the plate, a mesh cannot be read, or a value makes no sense somewhere.
+
+    Examples
+    --------
+    >>> from signorini.model import Model
+    >>> plate = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 2], "thickness": 0.2},
+    ...     mesh={"divisions": [8, 4]},
+    ...     support=[{"edge": ["left", "right"], "resists": "down"}],
+    ...     load=[{"pressure": 5e3}],
+    ... )
+    >>> found = discretise(plate)
+    >>> found.mesh.node_count, len(found.contacts)
+    (121, 18)
+    >>> round(found.cases["load"].nodal[::3].sum(), 6)
+    40000.0
+    """
+    begun = time.perf_counter()
+    mesh = mesh_of(model)
+    meshed = time.perf_counter()
+    held = hold(model, mesh)
+    thickness = _thickness(model, mesh)
+    material = model.material
+    try:
+        plate = _core.Plate(
+            mesh.points,
+            mesh.elements,
+            thickness,
+            material.E,
+            material.nu,
+            model.plate.shear_factor,
+            model.plate.element,
+            held.frames,
+        )
+    except ValueError as error:
+        raise InputError(f"{error}. Change the mesh or the thickness.", place="plate") from None
+    springs, contacts = springs_and_contacts(model, mesh, plate, held)
+    cases = case_loads(model, mesh, plate, held)
+    positions = np.array([point for probe in model.probe for point in probe.at]).reshape(-1, 2)
+    probes = Location(np.zeros(0, np.int64), np.zeros((0, 2)))
+    if len(positions):
+        parts = [located(mesh, probe.at, f"probe[{i + 1}]") for i, probe in enumerate(model.probe)]
+        probes = Location(np.concatenate([p.elements for p in parts]), np.concatenate([p.xi for p in parts]))
+    assembled = time.perf_counter()
+    seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
+    return Discretisation(
+        model, mesh, plate, thickness, held, springs, contacts, cases, probes, positions, seconds
+    )
+
+
+def _thickness(model: Model, mesh: Mesh) -> Floats:
+    thickness = np.asarray(model.plate.thickness(*mesh.points.T), dtype=np.float64)
+    if thickness.min() <= 0:
+        x, y = mesh.points[thickness.argmin()]
+        raise InputError(
+            f"Found {thickness.min():g} at [{x:g}, {y:g}]; the thickness must be positive everywhere.",
+            place="plate.thickness",
+        )
+    return thickness

@@ -1,0 +1,109 @@
+"""Loads as work-equivalent nodal forces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini import _core
+from signorini.discretise.frames import Held
+from signorini.discretise.places import Sampled, along_curve, in_area, located
+from signorini.discretise.rows import Floats, Ints
+from signorini.expression import Expression
+from signorini.mesh import Mesh
+from signorini.model import Area, Load, Model
+
+_GAUSS = 3
+_GAUSS_VARYING = 5
+"""Gauss points a direction where the load varies."""
+
+
+@dataclass(frozen=True, eq=False)
+class CaseLoad:
+    """One load case, or a combination of them.
+
+    Parameters
+    ----------
+    nodal : (3n,) array
+        Forces and couples in the nodes' frames.
+    curvature : (3,) array
+        Stress-free curvatures kx, ky, kxy.
+    couples : (2e,) array
+        Couples on the centre rotations of the elements.
+    """
+
+    nodal: Floats
+    curvature: Floats
+    couples: Floats
+
+    def __add__(self, other: CaseLoad) -> CaseLoad:
+        """Let both act."""
+        return CaseLoad(
+            self.nodal + other.nodal, self.curvature + other.curvature, self.couples + other.couples
+        )
+
+    def __rmul__(self, factor: float) -> CaseLoad:
+        """Multiply by a factor."""
+        return CaseLoad(factor * self.nodal, factor * self.curvature, factor * self.couples)
+
+
+def case_loads(model: Model, mesh: Mesh, plate: _core.Plate, held: Held) -> dict[str, CaseLoad]:
+    """Every load case of the model, by name."""
+    cases: dict[str, CaseLoad] = {}
+    for index, load in enumerate(model.load):
+        found = _load(model, mesh, plate, held, load, f"load[{index + 1}]")
+        cases[load.case] = cases[load.case] + found if load.case in cases else found
+    return cases
+
+
+def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, place: str) -> CaseLoad:
+    nodal = np.zeros(3 * mesh.node_count)
+    curvature, couples = np.zeros(3), np.zeros(2 * len(mesh.elements))
+    match load.kind:
+        case "pressure":
+            assert load.pressure is not None
+            _press(model, mesh, nodal, load.pressure, load.area, place)
+        case "self_weight":
+            weight = model.material.unit_weight
+            assert weight is not None
+            _press(model, mesh, nodal, model.plate.thickness, None, place, weight)
+        case "line_load":
+            assert load.line_load is not None
+            points = along_curve(mesh, model.plate, load, place, _GAUSS if load.line_load.is_constant else _GAUSS_VARYING)
+            _push(mesh, nodal, points.elements, points.xi, points.weights * load.line_load(*points.positions.T))
+        case "force":
+            assert load.force is not None and load.at is not None
+            points = located(mesh, load.at, place)
+            _push(mesh, nodal, points.elements, points.xi, load.force * points.weights)
+        case "moment":
+            assert load.moment is not None and load.at is not None
+            _twist(mesh, plate, nodal, couples, located(mesh, load.at, place), load.moment)
+        case "curvature":
+            assert load.curvature is not None
+            nodal, couples = plate.curvature_load(load.curvature)
+            curvature = np.array(load.curvature)
+    return CaseLoad(nodal, curvature, couples)
+
+
+def _press(
+    model: Model, mesh: Mesh, nodal: Floats, pressure: Expression, area: Area | str | None, place: str, factor: float = 1.0
+) -> None:
+    points = in_area(mesh, model.plate, area, place, _GAUSS if pressure.is_constant else _GAUSS_VARYING)
+    force = factor * points.weights * pressure(*points.positions.T)
+    _push(mesh, nodal, points.elements, points.xi, force)
+
+
+def _push(mesh: Mesh, nodal: Floats, elements: Ints, xi: Floats, force: Floats) -> None:
+    values, _ = _core.serendipity(xi)
+    np.add.at(nodal, 3 * mesh.elements[elements], force[:, None] * values)
+
+
+def _twist(
+    mesh: Mesh, plate: _core.Plate, nodal: Floats, couples: Floats, points: Sampled, moment: tuple[float, float]
+) -> None:
+    dofs = (3 * mesh.elements[points.elements][:, :, None] + np.arange(3)).reshape(-1, 24)
+    for field, couple in enumerate(moment, start=1):
+        rows, centre = plate.interpolation_rows(points.elements, points.xi, field)
+        np.add.at(nodal, dofs, couple * rows)
+        np.add.at(couples, 2 * points.elements[:, None] + np.arange(2), couple * centre)

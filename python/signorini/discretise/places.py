@@ -1,0 +1,168 @@
+"""Where supports and loads act: from the words of the model to points of the mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini.discretise.rows import Floats, Ints
+from signorini.errors import InputError, unknown
+from signorini.mesh import Mesh
+from signorini.model import AnnulusPlate, Area, DiscPlate, Load, Plate, Support
+from signorini.quadrature import LineQuadrature, Quadrature, area_quadrature, curve_quadrature, edge_quadrature, off_plate
+from signorini.regions import Circle, Curve, Polygon, Polyline, Rectangle, Region, Ring
+
+_SECTOR_SLACK = 1e-3
+"""Part of a circle that a sector's outline, made of parabolas, may leave out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sampled:
+    """Points (q, 2) of the plate with their elements, reference points, weights (1, length or area) and tangents."""
+
+    elements: Ints
+    xi: Floats
+    weights: Floats
+    positions: Floats
+    tangents: Floats
+
+
+def region(area: Area | str | None) -> Region | None:
+    """The region of the plane that an area names; None for the whole plate."""
+    if not isinstance(area, Area):
+        return None
+    if area.rectangle is not None:
+        return Rectangle(*area.rectangle)
+    if area.circle is not None:
+        return Circle(area.circle.center, area.circle.radius)
+    assert area.polygon is not None  # the model has exactly one of the three
+    return Polygon(area.polygon)
+
+
+def curve(item: Support | Load) -> Curve | None:
+    """The curve that a line or circle names; None for other places."""
+    if item.line is not None:
+        return Polyline(item.line)
+    if item.circle is not None:
+        return Ring(item.circle.center, item.circle.radius)
+    return None
+
+
+def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: str) -> Sampled:
+    """Points given by their coordinates.
+
+    Raises
+    ------
+    InputError
+        If a point is not on the plate.
+    """
+    positions = np.array(at, dtype=np.float64)
+    where = mesh.locate(positions)
+    if not where.inside.all():
+        x, y = positions[np.argmin(where.inside)]
+        low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+        raise InputError(
+            f"The point [{x:g}, {y:g}] is not on the plate, which lies within x = {low[0]:g} to {high[0]:g}, "
+            f"y = {low[1]:g} to {high[1]:g}. Move the point onto the plate.",
+            place=f"{place}.at",
+        )
+    return Sampled(where.elements, where.xi, np.ones(len(positions)), positions, np.zeros_like(positions))
+
+
+def mesh_edges(mesh: Mesh, item: Support | Load, place: str) -> Ints | None:
+    """Sides of elements (k, 3) that make up the item's edge, line or circle; None if the mesh does not follow it.
+
+    Raises
+    ------
+    InputError
+        If the mesh has no edge of that name.
+    """
+    if item.edge is not None:
+        for name in item.edge:
+            if name not in mesh.edges:
+                raise InputError(unknown("edge", name, mesh.edges, "This mesh"), place=f"{place}.edge")
+        return np.concatenate([mesh.edges[name] for name in item.edge])
+    along = curve(item)
+    return None if along is None else mesh.edges_along(along)
+
+
+def along_curve(mesh: Mesh, plate: Plate, item: Support | Load, place: str, order: int) -> Sampled:
+    """Gauss points of the item's edge, line or circle; weights are lengths.
+
+    Raises
+    ------
+    InputError
+        If the curve leaves the plate.
+    """
+    triples = mesh_edges(mesh, item, place)
+    if triples is not None:
+        return _sampled(edge_quadrature(mesh, triples, order))
+    along = curve(item)
+    assert along is not None  # an item on a curve has an edge, a line or a circle
+    points = curve_quadrature(mesh, along, order)
+    key = "line" if item.line is not None else "circle"
+    _require_on_plate(mesh, plate, along, points, f"The {key}", f"{place}.{key}")
+    return _sampled(points)
+
+
+def in_area(mesh: Mesh, plate: Plate, area: Area | str | None, place: str, order: int) -> Quadrature:
+    """Quadrature of an area; weights are areas.
+
+    Raises
+    ------
+    InputError
+        If the area leaves the plate.
+    """
+    wanted = region(area)
+    points = area_quadrature(mesh, wanted, order)
+    if wanted is not None:
+        _require_on_plate(mesh, plate, wanted, points, "The area", f"{place}.area")
+    return points
+
+
+def _require_on_plate(
+    mesh: Mesh, plate: Plate, shape: Region | Curve, points: Quadrature, what: str, place: str
+) -> None:
+    """Refuse what leaves the plate; a sector stands for the whole plate and cuts circles about its center."""
+    concentric = isinstance(plate, DiscPlate | AnnulusPlate) and isinstance(shape, Circle | Ring)
+    whole = shape.area if isinstance(shape, Rectangle | Circle | Polygon) else shape.length
+    missing = off_plate(mesh, shape, points)
+    if concentric and shape.center == plate.center:
+        beyond = (1.0 - plate.sector / 360.0) * whole
+        missing = missing - beyond if missing > beyond + _SECTOR_SLACK * whole else 0.0
+    if missing > 0:
+        part = "is not on the plate" if points.total == 0 else f"has {100 * missing / whole:.3g} % of its size off the plate"
+        raise InputError(f"{what} {part}. Cut it to the plate.", place=place)
+
+
+def _sampled(points: LineQuadrature) -> Sampled:
+    return Sampled(points.elements, points.xi, points.weights, points.positions, points.tangents)
+
+
+@dataclass(frozen=True, eq=False)
+class OnNodes:
+    """Nodes (q,) of mesh edges and the lengths (q,) they stand for."""
+
+    nodes: Ints
+    weights: Floats
+
+
+def edge_nodes(mesh: Mesh, triples: Ints) -> OnNodes:
+    """Every node of mesh edges once; its length is the integral of its quadratic shape function along them."""
+    a, m, b = (mesh.points[triples[:, i]] for i in range(3))
+    root = np.sqrt(0.6)
+    length = np.zeros((len(triples), 3))
+    for s, weight in ((-root, 5 / 9), (0.0, 8 / 9), (root, 5 / 9)):
+        shape = np.array([0.5 * s * (s - 1), 1 - s * s, 0.5 * s * (s + 1)])
+        slope = (s - 0.5) * a - 2 * s * m + (s + 0.5) * b
+        length += weight * np.hypot(slope[:, 0], slope[:, 1])[:, None] * shape
+    nodes, inverse = np.unique(triples, return_inverse=True)
+    return OnNodes(nodes, np.bincount(inverse.ravel(), length.ravel()))
+
+
+def quadratic_tangents(mesh: Mesh, triples: Ints) -> Floats:
+    """Unit tangents (k, 3, 2) of mesh edges at their three nodes."""
+    a, m, b = (mesh.points[triples[:, i]] for i in range(3))
+    slopes = np.stack([4 * m - 3 * a - b, b - a, a - 4 * m + 3 * b], axis=1)
+    return np.asarray(slopes / np.linalg.norm(slopes, axis=2, keepdims=True))

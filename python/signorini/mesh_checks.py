@@ -1,0 +1,181 @@
+"""What a mesh has to be before anything is computed on it; every failure names the element or node."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from signorini.boxtree import BoxTree
+from signorini.errors import InputError
+from signorini.isoparametric import CORNERS, SIDES, determinants, side_boxes
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+Ints = npt.NDArray[np.int64]
+
+_ROOT = np.sqrt(0.6)
+_STATIONS = np.vstack([CORNERS, [[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)]])
+_COINCIDENT = 1e-9
+
+
+def name_element(points: Floats, elements: Ints, index: int) -> str:
+    """Name an element so that its owner finds it."""
+    x, y = points[elements[index]].mean(axis=0)
+    return f"Element {index} (counted from 0) near ({x:g}, {y:g})"
+
+
+def _name_node(points: Floats, index: int) -> str:
+    x, y = points[index]
+    return f"node {index} (counted from 0) at ({x:g}, {y:g})"
+
+
+def check_numbers(points: Floats, elements: Ints) -> None:
+    """Check shapes, finite coordinates, node numbers in range, none repeated in an element and none unused."""
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise InputError(f"A mesh's points must have shape (n, 2); found {points.shape}.")
+    if elements.ndim != 2 or elements.shape[1] != 8 or not len(elements):
+        raise InputError(f"A mesh's elements must have shape (ne, 8) with ne ≥ 1; found {elements.shape}.")
+    finite = np.isfinite(points).all(axis=1)
+    if not finite.all():
+        raise InputError(f"The mesh has a coordinate that is not finite: {_name_node(points, int(np.argmin(finite)))}.")
+    if elements.min() < 0 or elements.max() >= len(points):
+        raise InputError(f"The mesh's elements must use nodes 0 to {len(points) - 1}; found "
+                         f"{elements.min()} to {elements.max()}.")  # fmt: skip
+    ordered = np.sort(elements, axis=1)
+    repeated = (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
+    if repeated.any():
+        raise InputError(
+            f"{name_element(points, elements, int(np.argmax(repeated)))} uses a node twice; "
+            "every element needs eight different nodes (no collapsed sides)."
+        )
+    unused = np.bincount(elements.ravel(), minlength=len(points)) == 0
+    if unused.any():
+        raise InputError(
+            f"The mesh has nodes that no element uses, such as {_name_node(points, int(np.argmax(unused)))}."
+        )
+
+
+def check_jacobians(points: Floats, elements: Ints) -> None:
+    """Check that every element is counter-clockwise and well enough shaped: a positive Jacobian."""
+    nodes = points[elements]
+    det = determinants(nodes, _STATIONS)
+    extent = np.ptp(nodes, axis=1)
+    bad = ~(det > 1e-10 * (extent[:, 0] * extent[:, 1])[:, None])
+    if bad.any():
+        index = int(np.argmax(bad.any(axis=1)))
+        name = name_element(points, elements, index)
+        if bad[index].all():
+            raise InputError(f"{name} is clockwise or flat; its corners must run counter-clockwise.")
+        raise InputError(
+            f"{name} folds over itself (its Jacobian is not positive everywhere): a corner of 180° or more, or a "
+            "midside node too near a corner. Improve its shape."
+        )
+
+
+def check_sides(points: Floats, elements: Ints) -> None:
+    """Check that elements meet along whole sides."""
+    corner = np.zeros(len(points), dtype=bool)
+    corner[elements[:, :4]] = True
+    hanging = corner[elements[:, 4:]].any(axis=1)
+    if hanging.any():
+        index = int(np.argmax(hanging))
+        node = int(elements[index, 4:][corner[elements[index, 4:]]][0])
+        raise InputError(
+            f"{name_element(points, elements, index)} has a hanging node: its midside {_name_node(points, node)} is a "
+            "corner of another element. Elements must meet along whole sides."
+        )
+    sides = elements[:, np.array(SIDES)].reshape(-1, 3)
+    sides = sides[np.argsort(sides[:, 1], kind="stable")]
+    same = sides[1:, 1] == sides[:-1, 1]
+    thrice = np.append(False, same[1:] & same[:-1])
+    mismatched = same & ((sides[1:, 0] != sides[:-1, 2]) | (sides[1:, 2] != sides[:-1, 0]))
+    pairs = np.sort(sides[:, [0, 2]], axis=1)
+    by_pair = np.lexsort((sides[:, 1], pairs[:, 1], pairs[:, 0]))
+    split = (pairs[by_pair][1:] == pairs[by_pair][:-1]).all(axis=1) & (np.diff(sides[by_pair, 1]) != 0)
+    for wrong, midside in ((thrice | mismatched, sides[1:, 1]), (split, sides[by_pair[1:], 1])):
+        if wrong.any():
+            raise InputError(
+                "Two elements may share a side only with the same two corners and the same midside node, and no "
+                f"third may; this fails at midside {_name_node(points, int(midside[np.argmax(wrong)]))}."
+            )
+
+
+def check_boundary_nodes(points: Floats, boundary: Ints) -> None:
+    """Check that no boundary node lies on a boundary side it does not belong to: elements there only seem to meet."""
+    sides = points[boundary]
+    tolerance = _COINCIDENT * float(np.ptp(points, axis=0).max())
+    boxes = side_boxes(sides) + tolerance * np.array([-1.0, -1.0, 1.0, 1.0])
+    nodes = np.unique(boundary)
+    node, side = BoxTree.build(boxes).pairs(points[nodes])
+    node = nodes[node]
+    other = (boundary[side] != node[:, None]).all(axis=1)
+    node, side = node[other], side[other]
+    a, middle, b = np.moveaxis(sides[side], 1, 0)
+    slope, bend = 0.5 * (b - a), 0.5 * (a + b) - middle
+    t = np.clip(((points[node] - middle) * slope).sum(axis=1) / (slope**2).sum(axis=1), -1.0, 1.0)[:, None]
+    for _ in range(8):
+        tangent = slope + 2.0 * bend * t
+        miss = points[node] - (middle + slope * t + bend * t**2)
+        t = np.clip(t + ((miss * tangent).sum(axis=1) / (tangent**2).sum(axis=1))[:, None], -1.0, 1.0)
+    miss = points[node] - (middle + slope * t + bend * t**2)
+    on = np.hypot(*miss.T) <= tolerance
+    if on.any():
+        at = int(np.argmax(on))
+        raise InputError(
+            f"The mesh has a hanging or duplicate node: {_name_node(points, int(node[at]))} lies on the side "
+            f"with nodes {', '.join(map(str, boundary[side[at]]))} without belonging to it. Merge coincident nodes; "
+            "elements must meet along whole sides."
+        )
+
+
+def check_one_piece(points: Floats, elements: Ints) -> None:
+    """Check that every element can be reached from every other through sides."""
+    midsides = elements[:, 4:].ravel()
+    of = np.repeat(np.arange(len(elements)), 4)
+    incidence = coo_array((np.ones(len(of), dtype=np.int8), (of, midsides)), shape=(len(elements), len(points))).tocsr()
+    count, piece = connected_components(incidence @ incidence.T, directed=False)
+    if count > 1:
+        names = [name_element(points, elements, int(np.argmax(piece == i))) for i in range(min(count, 3))]
+        raise InputError(
+            f"The mesh is in {count} pieces that share no side: {'; '.join(names)}{'; …' if count > 3 else ''}. "
+            "Join them, or make each its own model."
+        )
+
+
+def check_edge(name: str, triples: Ints, sides: Ints) -> None:
+    """Check that a named edge is made of element sides with the plate on the left."""
+    if triples.ndim != 2 or triples.shape[1] != 3 or not len(triples):
+        raise InputError(f"Edge {name!r} must be node triples of shape (k, 3) with k ≥ 1; found {triples.shape}.")
+    order = np.argsort(sides[:, 1], kind="stable")
+    first = np.searchsorted(sides[:, 1], triples[:, 1], sorter=order)
+    last = np.searchsorted(sides[:, 1], triples[:, 1], side="right", sorter=order) - 1
+    matches = [(sides[order[np.clip(at, 0, len(order) - 1)]] == triples).all(axis=1) for at in (first, last)]
+    wrong = ~(matches[0] | matches[1])
+    if wrong.any():
+        raise InputError(
+            f"Edge {name!r} has nodes {', '.join(map(str, triples[np.argmax(wrong)]))}, which are not corner, "
+            "midside and corner of an element's side with the plate on its left."
+        )
+
+
+def on_boundary(elements: Ints) -> Bools:
+    """Tell which sides (ne, 4) of elements (ne, 8) belong to one element only."""
+    midsides = elements[:, 4:]
+    return np.asarray(np.bincount(midsides.ravel())[midsides] == 1)
+
+
+def loops(sides: Ints) -> Ints:
+    """Order boundary sides (k, 3) loop after loop, each beginning at its lowest corner number."""
+    onward: dict[int, list[int]] = {}
+    for index in np.lexsort((sides[:, 2], sides[:, 0]))[::-1].tolist():
+        onward.setdefault(int(sides[index, 0]), []).append(index)
+    order: list[int] = []
+    for start in sorted(onward):
+        corner = start
+        while onward.get(corner):
+            index = onward[corner].pop()
+            order.append(index)
+            corner = int(sides[index, 2])
+    return np.asarray(sides[order])

@@ -1,0 +1,100 @@
+"""Sides of elements that lie along a line or a circle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from signorini.regions import Ring
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+_GAP_SAMPLES = np.array([1e-3, *np.linspace(0.05, 0.95, 19), 1.0 - 1e-3])
+
+
+@dataclass(frozen=True, eq=False)
+class OnRing:
+    """Sides (k, 3) on a circle, counter-clockwise, and points (q, 2) of the circle between sides that do not meet."""
+
+    triples: Ints
+    gaps: Floats
+
+
+def edges_on_polyline(points: Floats, triples: Ints, segments: Floats, tolerance: float) -> Ints | None:
+    """Find the sides that cover straight segments.
+
+    Parameters
+    ----------
+    points : (n, 2) float array
+        Nodes.
+    triples : (k, 3) int array
+        Every side of the mesh once.
+    segments : (m, 2, 2) float array
+        The segments, each beginning where the last ended.
+    tolerance : float
+        How far nodes may lie from the segments.
+
+    Returns
+    -------
+    (j, 3) int array or None
+        The sides in the order and direction of the segments, or None if some part is not covered.
+    """
+    found = [_edges_on_segment(points, triples, a, b, tolerance) for a, b in segments]
+    covered = [chain for chain in found if chain is not None]
+    return np.vstack(covered) if len(covered) == len(segments) else None
+
+
+def _edges_on_segment(points: Floats, triples: Ints, a: Floats, b: Floats, tolerance: float) -> Ints | None:
+    length = float(np.hypot(*(b - a)))
+    along = (b - a) / length
+    offset = points - a
+    station = offset @ along
+    distance = np.abs(offset @ np.array([-along[1], along[0]]))
+    on = (distance <= tolerance) & (station >= -tolerance) & (station <= length + tolerance)
+    chain = triples[on[triples].all(axis=1)]
+    chain = np.where((station[chain[:, 0]] > station[chain[:, 2]])[:, None], chain[:, ::-1], chain)
+    chain = chain[np.argsort(station[chain[:, 1]])]
+    if not len(chain) or (chain[:-1, 2] != chain[1:, 0]).any():
+        return None
+    ends = station[[chain[0, 0], chain[-1, 2]]]
+    return chain if np.abs(ends - (0.0, length)).max() <= tolerance else None
+
+
+def edges_on_ring(points: Floats, triples: Ints, ring: Ring, tolerance: float) -> OnRing | None:
+    """Find the sides with all nodes on a circle; None if there are none.
+
+    Parameters
+    ----------
+    points : (n, 2) float array
+        Nodes.
+    triples : (k, 3) int array
+        Every side of the mesh once.
+    ring : Ring
+        The circle.
+    tolerance : float
+        How far nodes may lie from it.
+    """
+    offset = points - ring.center
+    on = np.abs(np.hypot(*offset.T) - ring.radius) <= tolerance
+    chain = triples[on[triples].all(axis=1)]
+    if not len(chain):
+        return None
+    angle = np.arctan2(offset[:, 1], offset[:, 0])
+    clockwise = _turn(angle[chain[:, 0]], angle[chain[:, 1]]) > np.pi
+    chain = np.where(clockwise[:, None], chain[:, ::-1], chain)
+    chain = chain[np.argsort(angle[chain[:, 1]])]
+    apart = np.flatnonzero(chain[:, 2] != np.roll(chain[:, 0], -1))
+    if len(apart):
+        chain = np.roll(chain, -(int(apart[-1]) + 1), axis=0)
+        apart = np.flatnonzero(chain[:, 2] != np.roll(chain[:, 0], -1))
+    begin, end = angle[chain[apart, 2]], angle[np.roll(chain[:, 0], -1)[apart]]
+    theta = (begin[:, None] + _turn(begin, end)[:, None] * _GAP_SAMPLES).ravel()
+    return OnRing(chain, ring.center + ring.radius * np.column_stack([np.cos(theta), np.sin(theta)]))
+
+
+def _turn(begin: Floats, end: Floats) -> Floats:
+    """Angle from one direction to another, counter-clockwise, in [0, 2π)."""
+    return np.asarray(np.mod(end - begin, 2.0 * np.pi))

@@ -1,0 +1,201 @@
+"""Read meshes of 8- or 9-node quadrilaterals from files, in any format that meshio knows."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import warnings
+from collections import Counter
+from pathlib import Path
+
+import meshio
+import numpy as np
+import numpy.typing as npt
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from signorini.errors import InputError
+from signorini.isoparametric import SIDES
+from signorini.mesh import Mesh
+from signorini.mesh_checks import loops, on_boundary
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+OUTLINE = "boundary"
+_SAME = 1e-9
+_REVERSED = [0, 3, 2, 1, 7, 6, 5, 4]
+_IGNORED = ("vertex", "line", "line3")
+
+
+def read(path: str | Path) -> Mesh:
+    """Read a mesh file.
+
+    Coincident nodes (within 1e-9 of the size) are merged, clockwise elements turned, the centre nodes of 9-node
+    quadrilaterals and unused nodes dropped.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; its extension tells the format (.msh, .vtu, .inp, .med, ...).
+
+    Returns
+    -------
+    Mesh
+        The edge ``boundary`` is the whole outline. Further edges come from named groups of 3-node lines, and from named
+        groups of nodes that hold whole sides of the outline.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, unreadable or empty, not plane, or holds other cells than 8- or 9-node quadrilaterals;
+        and as `signorini.mesh.Mesh` does.
+
+    Examples
+    --------
+    >>> read("nowhere.msh")
+    Traceback (most recent call last):
+    signorini.errors.InputError: nowhere.msh: There is no such mesh file.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError("There is no such mesh file.", place=str(path))
+    data = _load(path)
+    try:
+        return _mesh(data)
+    except InputError as error:
+        raise InputError(error.message, place=str(path)) from None
+
+
+def _load(path: Path) -> meshio.Mesh:
+    """Read with meshio, which prints, exits, and raises what its parsers happen to raise."""
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return meshio.read(path)
+    except (Exception, SystemExit) as error:
+        reason = " ".join((said.getvalue() if isinstance(error, SystemExit) else str(error)).split())
+        raise InputError(
+            f"This file cannot be read as a mesh ({reason or type(error).__name__}). Check that its extension fits its "
+            "format and that it is complete.",
+            place=str(path),
+        ) from error
+
+
+def _mesh(data: meshio.Mesh) -> Mesh:
+    elements = _elements(data)
+    points = _plane(np.asarray(data.points, dtype=np.float64), elements)
+    number, first = _merged(points, elements)
+    points, elements = points[first], number[elements]
+    corners = points[elements[:, :4]]
+    (x, y), (x_next, y_next) = np.moveaxis(corners, 2, 0), np.moveaxis(np.roll(corners, -1, axis=1), 2, 0)
+    clockwise = (x * y_next - x_next * y).sum(axis=1) < 0.0
+    elements = np.where(clockwise[:, None], elements[:, _REVERSED], elements)
+    sides = elements[:, np.array(SIDES)]
+    outline = sides[on_boundary(elements)]
+    edges = _edges_of_lines(data, number, sides.reshape(-1, 3), outline)
+    edges |= {name: edge for name, edge in _edges_of_nodes(data, number, outline).items() if name not in edges}
+    if OUTLINE in edges and len(edges[OUTLINE]) != len(outline):
+        raise InputError(
+            f"The mesh file has a group {OUTLINE!r} that is not the whole outline, which has that name here; rename it."
+        )
+    return Mesh(points, elements, edges | {OUTLINE: loops(outline)})
+
+
+def _elements(data: meshio.Mesh) -> Ints:
+    counts: Counter[str] = Counter()
+    for block in data.cells:
+        counts[block.type] += len(block.data)
+    others = [
+        f"{count} {kind}" for kind, count in counts.items() if kind not in (*_IGNORED, "quad8", "quad9") and count
+    ]
+    if others:
+        raise InputError(
+            f"The mesh file has cells that are not 8- or 9-node quadrilaterals: {', '.join(others)}. Mesh the plate with "
+            "second-order quadrilaterals alone (in Gmsh: Mesh.RecombineAll = 1, Mesh.ElementOrder = 2, "
+            "Mesh.SecondOrderIncomplete = 1)."
+        )
+    found = [np.asarray(block.data, dtype=np.int64)[:, :8] for block in data.cells if block.type in ("quad8", "quad9")]
+    if not sum(map(len, found)):
+        raise InputError("The mesh file has no elements; the plate needs 8- or 9-node quadrilaterals.")
+    return np.vstack(found)
+
+
+def _plane(points: Floats, elements: Ints) -> Floats:
+    """Drop a constant third coordinate."""
+    used = points[np.unique(elements)]
+    height = float(np.ptp(used[:, 2])) if points.shape[1] == 3 else 0.0
+    if not height <= _SAME * float(np.ptp(used[:, :2], axis=0).max()):
+        raise InputError(f"The mesh is not plane: z varies by {height:g}. A plate's nodes all need the same z.")
+    return points[:, :2]
+
+
+def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
+    """Number the nodes that elements use, coincident ones alike: new numbers (n,), −1 if unused, and where each is."""
+    used = np.unique(elements)
+    if not np.isfinite(points[used]).all():
+        raise InputError("The mesh file has a coordinate that is not finite.")
+    size = float(np.ptp(points[used], axis=0).max())
+    i, j = cKDTree(points[used]).query_pairs(_SAME * size, output_type="ndarray").T
+    graph = coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(len(used), len(used)))
+    group = connected_components(graph, directed=False)[1]
+    number = np.full(len(points), -1, dtype=np.int64)
+    _, first, inverse = np.unique(group, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    number[used] = rank[inverse]
+    return number, used[np.sort(first)]
+
+
+def _edges_of_lines(data: meshio.Mesh, number: Ints, sides: Ints, outline: Ints) -> dict[str, Ints]:
+    """Find the sides that named groups of lines consist of: of the outline the plate on the left, else as in the file."""
+    by_middle = np.argsort(outline[:, 1])
+    edges = {}
+    for name, kind, lines in _named_lines(data):
+        if kind == "line":
+            raise InputError(
+                f"Group {name!r} of the mesh file consists of 2-node lines; second-order elements have 3-node lines."
+            )
+        triples = number[lines[:, [0, 2, 1]]]
+        at = by_middle[np.minimum(np.searchsorted(outline[:, 1], triples[:, 1], sorter=by_middle), len(outline) - 1)]
+        on_outline = outline[at, 1] == triples[:, 1]
+        triples = np.where(on_outline[:, None], outline[at], triples)
+        lost = ~np.isin(triples[:, 1], sides[:, 1])
+        if lost.any():
+            x, y = data.points[lines[np.argmax(lost), 2], :2]
+            raise InputError(
+                f"Group {name!r} of the mesh file has a line at ({x:g}, {y:g}) that is no side of an element."
+            )
+        edges[name] = np.vstack([edges[name], triples]) if name in edges else triples
+    return {name: triples[np.unique(triples[:, 1], return_index=True)[1]] for name, triples in edges.items()}
+
+
+def _named_lines(data: meshio.Mesh) -> list[tuple[str, str, Ints]]:
+    """Name, cell type and nodes of every group of lines, from cell sets and from Gmsh's physical groups."""
+    named = []
+    for i, block in enumerate(data.cells):
+        if block.type not in ("line", "line3"):
+            continue
+        for name, members in data.cell_sets.items():
+            if not name.startswith("gmsh:") and members[i] is not None and len(members[i]):
+                named.append((name, block.type, np.asarray(block.data)[members[i]]))
+        tags = data.cell_data.get("gmsh:physical")
+        for name, (tag, dimension) in data.field_data.items() if tags is not None else ():
+            if dimension == 1 and (tags[i] == tag).any():
+                named.append((name, block.type, np.asarray(block.data)[tags[i] == tag]))
+    return named
+
+
+def _edges_of_nodes(data: meshio.Mesh, number: Ints, outline: Ints) -> dict[str, Ints]:
+    """Find the sides of the outline all of whose nodes are in a named group of nodes."""
+    edges = {}
+    for name, members in data.point_sets.items():
+        inside = np.zeros(int(number.max()) + 1, dtype=bool)
+        nodes = number[np.asarray(members, dtype=np.int64)]
+        inside[nodes[nodes >= 0]] = True
+        triples = outline[inside[outline].all(axis=1)]
+        if len(triples):
+            edges[name] = triples
+    return edges

@@ -1,0 +1,245 @@
+"""The pieces every table of the model is made of: strict numbers, points, text, and the table itself."""
+
+from __future__ import annotations
+
+import datetime
+import reprlib
+from collections.abc import Callable, Iterable, Iterator
+from numbers import Integral, Real
+from typing import Annotated, Any, Self
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    ValidationError,
+    WithJsonSchema,
+    model_validator,
+)
+from pydantic_core import InitErrorDetails, PydanticCustomError
+
+from signorini.errors import InputError
+from signorini.expression import LARGEST, Expression
+
+Path = tuple[str | int, ...]
+"""Where something stands in the model: keys and, counted from 0, positions in lists."""
+
+Complaint = tuple[Path, str]
+
+
+class Table(BaseModel):
+    """A table of the input: immutable, and it refuses keys it does not know."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    def _complaints(self) -> Iterator[Complaint]:
+        """Yield what is wrong between keys that are each right: where, relative to this table, and why."""
+        yield from ()
+
+    @model_validator(mode="after")
+    def _refuse_complaints(self) -> Self:
+        complaints = list(self._complaints())
+        if complaints:
+            raise ValidationError.from_exception_data(
+                type(self).__name__,
+                [
+                    InitErrorDetails(
+                        type=PydanticCustomError("complaint", "{message}", {"message": message}), loc=path, input=None
+                    )
+                    for path, message in complaints
+                ],
+            )
+        return self
+
+    def given(self, keys: Iterable[str]) -> list[str]:
+        """Those of the keys that have a value."""
+        return [key for key in keys if getattr(self, key) is not None]
+
+
+def describe(value: object) -> str:
+    """Show a value the way the input file writes it, cut short when long."""
+    match value:
+        case bool():
+            return str(value).lower()
+        case None:
+            return "nothing"
+        case str():
+            return f'"{value}"' if len(value) <= 60 else f'"{value[:57]}..."'
+        case dict():
+            return "a table"
+        case float():
+            return repr(float(value)).removesuffix(".0")
+        case int() if abs(value) > 10**20:
+            return "an integer of more than 20 digits"
+        case datetime.date() | datetime.time():
+            return f"the date or time {value}"
+        case _:
+            return reprlib.repr(value)
+
+
+def number(value: object) -> float:
+    """Accept an int or float (NumPy's too) that is finite; never a bool or text."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        hint = " Write it without quotes." if isinstance(value, str) and _is_numeral(value) else ""
+        raise ValueError(f"found {describe(value)}; it must be a number.{hint}")
+    try:
+        result = float(value)
+    except OverflowError:
+        result = float("inf")
+    if not abs(result) <= LARGEST:
+        raise ValueError(f"found {describe(value)}; it must be finite and at most {LARGEST:g} in size.")
+    return result
+
+
+def _is_numeral(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _whole(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        raise ValueError(f"found {describe(value)}; it must be a whole number.")
+    return int(value)
+
+
+def _not_tiny(value: float) -> float:
+    if value < 1 / LARGEST:
+        raise ValueError(f"found {value:g}; it must be at least {1 / LARGEST:g}. Choose other units.")
+    return value
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable():
+        raise ValueError(f"found {text!r:.60}; line breaks and control characters are not allowed.")
+    return text
+
+
+def _scalar(
+    above: float | None = None, at_least: float | None = None
+) -> tuple[PlainValidator, PlainSerializer, WithJsonSchema]:
+    """Annotations of a key that takes a number or an expression; the bounds are checked here for constants."""
+
+    def read(value: object) -> Expression:
+        if isinstance(value, Expression):
+            expression = value
+        else:
+            try:
+                expression = Expression(value if isinstance(value, str) else number(value))
+            except InputError as error:
+                raise ValueError(error.message) from None
+            except ValueError as error:
+                raise ValueError(str(error).replace("a number.", "a number or an expression in x and y.")) from None
+        if expression.is_constant:
+            if above is not None and not expression.value > above:
+                raise ValueError(f"found {expression.value:g}; it must be greater than {above:g}.")
+            if at_least is not None and not expression.value >= at_least:
+                raise ValueError(f"found {expression.value:g}; it must not be less than {at_least:g}.")
+        return expression
+
+    limits = {"exclusiveMinimum": above} if above is not None else {"minimum": at_least} if at_least is not None else {}
+    schema = {"anyOf": [{"type": "number", **limits}, {"type": "string"}]}
+    return PlainValidator(read), PlainSerializer(lambda expression: expression.source), WithJsonSchema(schema)
+
+
+def as_list(value: Any) -> Any:
+    """Turn a NumPy array into lists; leave anything else as it is."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def listed(length: int, form: str) -> Callable[[object], object]:
+    """Return a validator that accepts a list of this length, described by ``form``."""
+
+    def check(value: object) -> object:
+        value = as_list(value)
+        if not isinstance(value, list | tuple) or len(value) != length:
+            raise ValueError(f"found {describe(value)}; it must be {form}.")
+        return value
+
+    return check
+
+
+def numbers_schema(length: int) -> dict[str, Any]:
+    """JSON Schema of a list of so many numbers."""
+    return {"type": "array", "items": {"type": "number"}, "minItems": length, "maxItems": length}
+
+
+def _points(value: object) -> object:
+    """Read one point as a list of one."""
+    value = as_list(value)
+    if isinstance(value, list | tuple) and not any(isinstance(as_list(item), list | tuple) for item in value):
+        if len(value) == 2:
+            return [value]
+        raise ValueError(f"found {describe(value)}; it must be a point [x, y] or a list of points.")
+    if not isinstance(value, list | tuple):
+        raise ValueError(f"found {describe(value)}; it must be a point [x, y] or a list of points.")
+    return value
+
+
+def _corners(fewest: int, closed: bool) -> Callable[[object], object]:
+    def check(points: Any) -> object:
+        points = as_list(points)
+        if not isinstance(points, list | tuple) or len(points) < fewest:
+            raise ValueError(f"found {describe(points)}; it must be a list of at least {fewest} points [x, y].")
+        following = [*points[1:], points[0]] if closed else points[1:]
+        for index, (point, after) in enumerate(zip(points, following, strict=False), start=1):
+            if as_list(point) == as_list(after):
+                repeats = " (the outline closes by itself)" if closed and index == len(points) else ""
+                raise ValueError(f"point {index} and the one after it are the same{repeats}.")
+        return points
+
+    return check
+
+
+def _edges(value: object) -> object:
+    """Read one name as a list of one."""
+    if isinstance(value, str):
+        return [value]
+    if not isinstance(value, list | tuple) or not value:
+        raise ValueError(f"found {describe(value)}; it must be the name of an edge or a list of names.")
+    repeated = next((name for index, name in enumerate(value) if name in value[:index]), None)
+    if repeated is not None:
+        raise ValueError(f"{describe(repeated)} is listed twice.")
+    return value
+
+
+Number = Annotated[float, BeforeValidator(number)]
+Positive = Annotated[float, Field(gt=0), AfterValidator(_not_tiny), BeforeValidator(number)]
+NonNegative = Annotated[float, Field(ge=0), BeforeValidator(number)]
+Count = Annotated[int, Field(ge=1, le=100_000), BeforeValidator(_whole)]
+Text = Annotated[str, Field(strict=True, max_length=200), AfterValidator(_printable)]
+
+Scalar = Annotated[Expression, *_scalar()]
+PositiveScalar = Annotated[Expression, *_scalar(above=0.0)]
+NonNegativeScalar = Annotated[Expression, *_scalar(at_least=0.0)]
+
+Point = Annotated[
+    tuple[Number, Number], BeforeValidator(listed(2, "a point [x, y]")), WithJsonSchema(numbers_schema(2))
+]
+Points = Annotated[
+    tuple[Point, ...],
+    BeforeValidator(_points),
+    WithJsonSchema({"anyOf": [numbers_schema(2), {"type": "array", "items": numbers_schema(2), "minItems": 1}]}),
+]
+Polyline = Annotated[
+    tuple[Point, ...], BeforeValidator(_corners(2, closed=False)), Field(json_schema_extra={"minItems": 2})
+]
+Polygon = Annotated[
+    tuple[Point, ...], BeforeValidator(_corners(3, closed=True)), Field(json_schema_extra={"minItems": 3})
+]
+Edges = Annotated[
+    tuple[Text, ...],
+    BeforeValidator(_edges),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}],
+            "examples": ["left", "right", "bottom", "top", "rim", "inner", "outer", "start", "end"],
+        }
+    ),
+]

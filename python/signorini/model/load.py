@@ -1,0 +1,181 @@
+"""Loads, their combinations, and the points where results are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    WithJsonSchema,
+    model_validator,
+)
+
+from signorini.model.area import AnyArea, Circle
+from signorini.model.base import (
+    Complaint,
+    Edges,
+    Number,
+    Points,
+    Polyline,
+    Scalar,
+    Table,
+    Text,
+    describe,
+    listed,
+    numbers_schema,
+)
+
+Kind = Literal["pressure", "force", "line_load", "moment", "self_weight", "curvature"]
+
+_PLACES: dict[Kind, tuple[str, ...]] = {
+    "pressure": ("area",),
+    "force": ("at",),
+    "line_load": ("edge", "line", "circle"),
+    "moment": ("at",),
+    "self_weight": (),
+    "curvature": (),
+}
+
+
+def _true(value: object) -> object:
+    if value is not True:
+        raise ValueError(f"found {describe(value)}; write true, or leave the key out.")
+    return value
+
+
+class Load(Table):
+    """A load: exactly one of pressure, force, line_load, moment, self_weight, curvature, in a load case."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "oneOf": [
+                {"required": ["pressure"]},
+                {"required": ["force", "at"]},
+                {"required": ["line_load"], "oneOf": [{"required": [place]} for place in _PLACES["line_load"]]},
+                {"required": ["moment", "at"]},
+                {"required": ["self_weight"]},
+                {"required": ["curvature"]},
+            ]
+        }
+    )
+
+    case: Text = Field(default="load", min_length=1, description='The load case it belongs to; default "load".')
+    pressure: Scalar | None = Field(
+        default=None, description="Force per area, positive down, everywhere or on area: a number or an expression."
+    )
+    force: Number | None = Field(default=None, description="Force at each point of at, positive down.")
+    line_load: Scalar | None = Field(
+        default=None,
+        description="Force per length along edge, line or circle, positive down: a number or an expression.",
+    )
+    moment: (
+        Annotated[
+            tuple[Number, Number], BeforeValidator(listed(2, "two couples [mx, my]")), WithJsonSchema(numbers_schema(2))
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="Couples [mx, my] at each point of at; mx works on the rotation θx = ∂w/∂x, my on θy.",
+    )
+    self_weight: Annotated[Literal[True], BeforeValidator(_true)] | None = Field(
+        default=None, description="true: the plate's own weight, from material.unit_weight and the thickness."
+    )
+    curvature: (
+        Annotated[
+            tuple[Number, Number, Number],
+            BeforeValidator(listed(3, "three curvatures [kx, ky, kxy]")),
+            WithJsonSchema(numbers_schema(3)),
+        ]
+        | None
+    ) = Field(default=None, description="Stress-free curvatures [kx, ky, kxy], as by a temperature gradient.")
+    at: Points | None = Field(default=None, description="A point [x, y] or a list of points; they need not be nodes.")
+    edge: Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
+    line: Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
+    circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
+    area: AnyArea | None = Field(
+        default=None, description='For pressure: "all" (default), or a table with one of rectangle, circle, polygon.'
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _pressure_everywhere(cls, data: Any) -> Any:
+        if isinstance(data, dict) and data.get("pressure") is not None and data.get("area") is None:
+            return {**data, "area": "all"}
+        return data
+
+    @property
+    def kind(self) -> Kind:
+        """The key that says what the load is.
+
+        Examples
+        --------
+        >>> Load(force=20e3, at=[5.5, 3.5]).kind
+        'force'
+        """
+        return next(kind for kind in _PLACES if getattr(self, kind) is not None)
+
+    def _complaints(self) -> Iterator[Complaint]:
+        kinds = self.given(_PLACES)
+        if len(kinds) != 1:
+            yield (), f"found {' and '.join(kinds) or 'none'}; a load is exactly one of {', '.join(_PLACES)}."
+            return
+        allowed = _PLACES[self.kind]
+        everywhere = {key for places in _PLACES.values() for key in places}
+        places = self.given(sorted(everywhere))
+        for key in places:
+            if key not in allowed:
+                goes = f"with {' or '.join(allowed)}" if allowed else "alone"
+                yield (key,), f"{key} does not go with {self.kind}, which goes {goes}."
+        here = [key for key in places if key in allowed]
+        if allowed and len(here) != 1:
+            needs = f"exactly one of {', '.join(allowed)}" if len(allowed) > 1 else allowed[0]
+            yield (), f"found {' and '.join(here) or 'no place'}; {self.kind} needs {needs} to say where it acts."
+
+
+class Factors(Mapping[str, float]):
+    """Factor of each load case: an immutable mapping."""
+
+    __slots__ = ("_of",)
+
+    def __init__(self, factors: Mapping[str, float]) -> None:
+        self._of = dict(factors)
+
+    def __getitem__(self, case: str) -> float:
+        """Return the factor of a case."""
+        return self._of[case]
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the cases."""
+        return iter(self._of)
+
+    def __len__(self) -> int:
+        """Count the cases."""
+        return len(self._of)
+
+    def __hash__(self) -> int:
+        """Hash the cases and factors."""
+        return hash(frozenset(self._of.items()))
+
+    def __repr__(self) -> str:
+        """Show the cases and factors."""
+        return f"Factors({self._of})"
+
+
+class Combination(Table):
+    """A combination of load cases, each with its factor."""
+
+    name: Text = Field(default="", description='Name, each once; default "combination 1", "combination 2", ...')
+    factors: Annotated[Mapping[Text, Number], Field(min_length=1), AfterValidator(Factors), PlainSerializer(dict)] = (
+        Field(description="Factor of each load case, as in { G = 1.35, Q = 1.5 }; a case left out has none.")
+    )
+
+
+class Probe(Table):
+    """Points where deflection, rotations, moments and shears are written out."""
+
+    at: Points = Field(description="A point [x, y] or a list of points.")

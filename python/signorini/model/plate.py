@@ -1,0 +1,216 @@
+"""The plate: its material, outline and thickness, and how finely it is meshed."""
+
+from __future__ import annotations
+
+import math
+import os
+from abc import abstractmethod
+from collections.abc import Iterator
+from pathlib import Path as FilePath
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
+
+from signorini.model.base import (
+    Complaint,
+    Count,
+    NonNegative,
+    Point,
+    Positive,
+    PositiveScalar,
+    Table,
+    describe,
+    listed,
+    number,
+    numbers_schema,
+)
+
+_DEFAULT_ALONG = 20
+_FARTHEST = 1e6
+"""Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
+
+
+class Material(Table):
+    """A linear elastic, isotropic material."""
+
+    E: Positive = Field(description="Young's modulus, force per area.")
+    nu: Annotated[float, Field(gt=-1, lt=0.5), BeforeValidator(number)] = Field(
+        description="Poisson's ratio, between -1 and 0.5."
+    )
+    unit_weight: NonNegative | None = Field(
+        default=None, description="Weight per volume; needed by a load of self_weight."
+    )
+
+
+Divisions = Annotated[
+    tuple[Count, Count],
+    BeforeValidator(listed(2, "two whole numbers, such as [20, 20]")),
+    WithJsonSchema({"type": "array", "items": {"type": "integer", "minimum": 1}, "minItems": 2, "maxItems": 2}),
+]
+
+
+class MeshOptions(Table):
+    """How finely the plate is meshed: by counts or by element size; by default 20 elements along the longer side."""
+
+    model_config = ConfigDict(json_schema_extra={"not": {"required": ["divisions", "size"]}})
+
+    divisions: Divisions | None = Field(
+        default=None,
+        description="Numbers of elements: [along x, along y] of a rectangle, [radial, around] of a disc or annulus.",
+    )
+    size: Positive | None = Field(default=None, description="Largest side of an element.")
+
+    def _complaints(self) -> Iterator[Complaint]:
+        if self.divisions is not None and self.size is not None:
+            yield ("size",), "found both divisions and size; give one of them."
+
+
+def _require_shape(schema: dict[str, Any]) -> None:
+    schema["required"] = ["shape", *schema.get("required", [])]
+
+
+class _Plate(Table):
+    model_config = ConfigDict(json_schema_extra=_require_shape)
+
+    thickness: PositiveScalar = Field(description="Thickness: a number, or an expression in x and y.")
+    element: Literal["mitc9", "q8r"] = Field(
+        default="mitc9",
+        description="Finite element: mitc9 (free of locking) or q8r (Hinton-Owen, reduced integration).",
+    )
+    shear_factor: Positive = Field(default=5 / 6, description="Shear correction factor; default 5/6.")
+
+
+class _OutlinedPlate(_Plate):
+    """A plate whose outline is given here and meshed by this program."""
+
+    def divisions(self, mesh: MeshOptions) -> tuple[int, int]:
+        """Numbers of elements that the mesh options ask for along the two directions (see `MeshOptions.divisions`)."""
+        if mesh.divisions is not None:
+            return mesh.divisions
+        lengths = self._lengths()
+        size = mesh.size if mesh.size is not None else self._longer_side() / _DEFAULT_ALONG
+        first, second = (max(1, math.ceil(min(length / size, 1e9) - 1e-9)) for length in lengths)
+        return first, second
+
+    @abstractmethod
+    def _lengths(self) -> tuple[float, float]:
+        """Lengths along which the elements are counted, in the order of ``MeshOptions.divisions``."""
+
+    def _longer_side(self) -> float:
+        return max(self._lengths())
+
+
+class RectanglePlate(_OutlinedPlate):
+    """A rectangle with sides parallel to the axes."""
+
+    shape: Literal["rectangle"] = Field(default="rectangle", description="One of rectangle, disc, annulus, mesh.")
+    size: Annotated[
+        tuple[Positive, Positive], BeforeValidator(listed(2, "[a, b]")), WithJsonSchema(numbers_schema(2))
+    ] = Field(description="Side lengths [along x, along y].")
+    origin: Point = Field(default=(0.0, 0.0), description="Lower left corner [x, y]; default [0, 0].")
+
+    @property
+    def edge_names(self) -> tuple[str, ...]:
+        """Names of the edges."""
+        return ("left", "right", "bottom", "top")
+
+    def _lengths(self) -> tuple[float, float]:
+        return self.size
+
+    def _complaints(self) -> Iterator[Complaint]:
+        yield from _too_far("origin", self.origin, min(self.size))
+
+
+def _quarters(sector: float) -> float:
+    if sector not in (90, 180, 360):
+        raise ValueError(f"found {describe(sector)}; a disc can be 90, 180 or 360 degrees.")
+    return sector
+
+
+class DiscPlate(_OutlinedPlate):
+    """A full, half or quarter disc; a sector starts at the x axis and turns towards y."""
+
+    shape: Literal["disc"] = Field(default="disc", description="One of rectangle, disc, annulus, mesh.")
+    radius: Positive = Field(description="Radius.")
+    center: Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+    sector: Annotated[float, AfterValidator(_quarters), BeforeValidator(number)] = Field(
+        default=360.0,
+        description="Degrees from the x axis: 90, 180 or 360.",
+        json_schema_extra={"enum": [90, 180, 360]},
+    )
+
+    @property
+    def edge_names(self) -> tuple[str, ...]:
+        """Names of the edges; a sector has its straight sides too."""
+        return ("rim",) if self.sector == 360 else ("rim", "start", "end")
+
+    def _lengths(self) -> tuple[float, float]:
+        return self.radius, math.radians(self.sector) * self.radius
+
+    def _longer_side(self) -> float:
+        return self.radius if self.sector == 90 else 2 * self.radius
+
+    def _complaints(self) -> Iterator[Complaint]:
+        yield from _too_far("center", self.center, self.radius)
+
+
+class AnnulusPlate(_OutlinedPlate):
+    """A ring or a sector of one; a sector starts at the x axis and turns towards y."""
+
+    shape: Literal["annulus"] = Field(default="annulus", description="One of rectangle, disc, annulus, mesh.")
+    inner: Positive = Field(description="Inner radius.")
+    outer: Positive = Field(description="Outer radius.")
+    center: Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+    sector: Annotated[float, Field(gt=0, le=360), BeforeValidator(number)] = Field(
+        default=360.0, description="Degrees from the x axis; default 360."
+    )
+
+    @property
+    def edge_names(self) -> tuple[str, ...]:
+        """Names of the edges; a sector has its straight sides too."""
+        return ("inner", "outer") if self.sector == 360 else ("inner", "outer", "start", "end")
+
+    def _lengths(self) -> tuple[float, float]:
+        return self.outer - self.inner, math.radians(self.sector) * self.outer
+
+    def _longer_side(self) -> float:
+        chord = 2 * self.outer * math.sin(math.radians(min(self.sector, 180)) / 2)
+        return max(chord, self.outer - self.inner)
+
+    def _complaints(self) -> Iterator[Complaint]:
+        if not self.outer - self.inner > self.outer / _FARTHEST:
+            yield ("outer",), f"found {self.outer:g}; it must be greater than inner, which is {self.inner:g}."
+        yield from _too_far("center", self.center, self.outer)
+
+
+def _too_far(key: str, point: tuple[float, float], size: float) -> Iterator[Complaint]:
+    if max(map(abs, point)) > _FARTHEST * size:
+        yield (
+            (key,),
+            f"found {list(point)}: over {_FARTHEST:g} times the plate's size away. Move the plate to the origin.",
+        )
+
+
+def _file(value: object) -> FilePath:
+    if not isinstance(value, str | os.PathLike):
+        raise ValueError(f"found {describe(value)}; it must be the path of a mesh file, in quotes.")
+    if not str(value).strip() or "\0" in str(value):
+        raise ValueError(f"found {describe(str(value))}; it must be the path of a mesh file.")
+    return FilePath(value)
+
+
+class MeshPlate(_Plate):
+    """A plate of any outline, read from a mesh file of 8- or 9-node quadrilaterals."""
+
+    shape: Literal["mesh"] = Field(default="mesh", description="One of rectangle, disc, annulus, mesh.")
+    file: Annotated[FilePath, BeforeValidator(_file), WithJsonSchema({"type": "string"})] = Field(
+        description="Mesh file, relative to the input file."
+    )
+
+    @property
+    def edge_names(self) -> None:
+        """Not known before the file is read."""
+        return None
+
+
+AnyPlate = Annotated[RectanglePlate | DiscPlate | AnnulusPlate | MeshPlate, Field(discriminator="shape")]

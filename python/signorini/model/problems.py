@@ -1,0 +1,269 @@
+"""From pydantic's errors to plain words: what was found, what is allowed, and where."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, get_args
+
+from pydantic import ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from signorini.errors import InputError
+from signorini.model.area import Area
+from signorini.model.base import Path, Table, as_list, describe
+from signorini.model.plate import AnnulusPlate, DiscPlate, MeshPlate, RectanglePlate
+from signorini.model.whole import Model
+
+_MOST_LISTED = 20
+_MOST_READ = 1000
+
+# pydantic puts the branch it took into the path; these are not keys of the input
+_BRANCHES: dict[str, dict[str, type[Table]]] = {
+    "plate": {"rectangle": RectanglePlate, "disc": DiscPlate, "annulus": AnnulusPlate, "mesh": MeshPlate},
+    "area": {"all": Area, "table": Area},
+}
+_LISTS = ("support", "load", "combination", "probe")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is wrong with a model.
+
+    Parameters
+    ----------
+    path : tuple of str and int
+        Where; positions in lists count from 0.
+    label : str
+        Name or case of the support, load or combination, if it has one.
+    message : str
+        What was found and what is allowed.
+    """
+
+    path: Path
+    label: str
+    message: str
+
+    @property
+    def place(self) -> str:
+        """The path as the user reads it; positions count from 1.
+
+        Examples
+        --------
+        >>> Problem(("support", 1, "stiffness"), "soil", "...").place
+        'support[2].stiffness ("soil")'
+        """
+        keys = "".join(f"[{key + 1}]" if isinstance(key, int) else f".{key}" for key in self.path).removeprefix(".")
+        return f'{keys} ("{self.label}")' if self.label else keys
+
+
+def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Path], int] | None = None) -> Model:
+    """Make a model of nested mappings and lists, as read from an input file.
+
+    Parameters
+    ----------
+    data : mapping
+        The tables, under the keys of the input file.
+    source : str
+        Name of the file they come from, for messages.
+    line_of : callable, optional
+        Line in that file of a path of keys and positions (these count from 0).
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    InputError
+        Naming everything that is wrong, each with its place.
+
+    Examples
+    --------
+    >>> validate({"material": {"E": 30e9, "nu": 0.5}, "plate": {"shape": "disc", "radius": 1, "thickness": 0.1},
+    ...           "load": [{"pressure": 1}]})
+    Traceback (most recent call last):
+        ...
+    signorini.errors.InputError: material.nu: found 0.5; it must be less than 0.5.
+    """
+    try:
+        return Model.model_validate(data)
+    except ValidationError as error:
+        errors = error.errors(include_url=False)
+        found = _problems(errors[:_MOST_READ], data)
+        unread = len(errors[_MOST_READ:])
+    if line_of is None:
+        placed = [(problem.place, problem.message) for problem in found]
+    else:
+        lines = sorted(((line_of(problem.path), problem) for problem in found), key=lambda pair: pair[0])
+        placed = [(f"{source}:{line}", f"{problem.place}: {problem.message}") for line, problem in lines]
+    count = len(placed) + unread
+    if count == 1:
+        raise InputError(placed[0][1], place=placed[0][0])
+    listed = [f"{place}: {message}" for place, message in placed[:_MOST_LISTED]]
+    if count > _MOST_LISTED:
+        listed.append(f"and {count - _MOST_LISTED} more.")
+    raise InputError("\n  ".join([f"{count} problems:", *listed]), place=source)
+
+
+def _problems(errors: list[ErrorDetails], data: Any) -> list[Problem]:
+    """Put every error in words, but for those that only echo another one."""
+    resolved = [(details, *_resolve(details["loc"], data)) for details in errors]
+    misspelt = {
+        (*path[:-1], _nearest(str(path[-1]), table.model_fields))
+        for details, path, table, _ in resolved
+        if details["type"] == "extra_forbidden"
+    }
+    found = []
+    for details, path, table, field in resolved:
+        kind = details["type"]
+        echo = (kind == "missing" and path in misspelt) or (kind == "too_short" and details["input"])
+        if kind in ("union_tag_invalid", "union_tag_not_found"):
+            path = (*path, "shape")
+            field = RectanglePlate.model_fields["shape"]
+        if not echo:
+            found.append(Problem(path, _label(path, data), _message(details, path, table, field)))
+    return list(dict.fromkeys(found))
+
+
+def _resolve(loc: Path, data: Any) -> tuple[Path, type[Table], FieldInfo | None]:
+    """Walk pydantic's path; return it as the user wrote it, with the table and field that its last key belongs to."""
+    path: list[str | int] = []
+    owner: type[Table] = Model
+    inner: type[Table] | None = Model
+    field: FieldInfo | None = None
+    branches: dict[str, type[Table]] = {}
+    value = data
+    for position, key in enumerate(loc):
+        value = as_list(value)
+        if isinstance(key, int):
+            nested = isinstance(loc[position + 1], int) if position + 1 < len(loc) else False
+            # one point or one edge may stand without its list, and then has no position of its own
+            if isinstance(value, list | tuple) and not (nested and not any(map(_is_list, value))):
+                path.append(key)
+                value = value[key] if key < len(value) else None
+        elif key in branches:
+            inner, branches = branches[key], {}
+        elif key != "[key]":
+            if inner is not None:
+                owner, field = inner, inner.model_fields.get(key)
+                inner = _table_in(field.annotation) if field is not None else None
+            branches = _BRANCHES.get(key, {})
+            path.append(key)
+            value = value.get(key) if isinstance(value, Mapping) else None
+    return tuple(path), owner, field
+
+
+def _is_list(value: object) -> bool:
+    return isinstance(as_list(value), list | tuple)
+
+
+def _table_in(annotation: object) -> type[Table] | None:
+    if isinstance(annotation, type) and issubclass(annotation, Table):
+        return annotation
+    return next((table for part in get_args(annotation) if (table := _table_in(part))), None)
+
+
+def _label(path: Path, data: Any) -> str:
+    """Name of the support or combination, or case of the load, that the path leads into."""
+    match path:
+        case ("support" | "load" | "combination" as key, int(position), *_) if isinstance(data, Mapping):
+            tables = data.get(key)
+            table = tables[position] if isinstance(tables, list | tuple) and position < len(tables) else None
+            label = table.get("case" if key == "load" else "name") if isinstance(table, Mapping) else None
+            return label if isinstance(label, str) and label.isprintable() and len(label) <= 60 else ""
+    return ""
+
+
+def _message(details: ErrorDetails, path: Path, table: type[Table], field: FieldInfo | None) -> str:
+    key = next((str(part) for part in reversed(path) if isinstance(part, str)), "")
+    context = details.get("ctx", {})
+    found = f"found {describe(as_list(details['input']))}"
+    about = (field.description or "") if field is not None else ""
+    match details["type"]:
+        case "complaint":
+            return str(context["message"])
+        case "area":
+            return f"{found}; {details['msg']}"
+        case "value_error":
+            return str(context["error"])
+        case "extra_forbidden":
+            return _unknown_key(path, table)
+        case "missing" | "union_tag_not_found":
+            return f"'{key}' is missing. {about}"
+        case "union_tag_invalid":
+            return _unknown_shape(details["input"])
+        case "literal_error":
+            allowed = re.findall(r"'([^']*)'", str(context["expected"]))
+            return f"{found}; it must be one of {', '.join(allowed)}.{_suggest(details['input'], allowed)}"
+        case "greater_than":
+            return f"{found}; it must be greater than {context['gt']:g}."
+        case "greater_than_equal":
+            return f"{found}; it must not be less than {context['ge']:g}."
+        case "less_than":
+            return f"{found}; it must be less than {context['lt']:g}."
+        case "less_than_equal":
+            return f"{found}; it must not be greater than {context['le']:g}."
+        case "string_type":
+            return f"{found}; it must be text in quotes."
+        case "string_too_long":
+            return f"found text of {len(details['input'])} characters; at most {context['max_length']} are allowed."
+        case "too_short" | "string_too_short":
+            return f"it is empty. {about}"
+        case "tuple_type" if isinstance(details["input"], Mapping):
+            return f"found one table; this is a list of tables, each under [[{key}]] in double brackets."
+        case "model_type" | "model_attributes_type" | "dict_type" | "mapping_type" | "tuple_type":
+            kind = "a list" if details["type"] == "tuple_type" else "a table"
+            return f"{found}; it must be {kind}. {about}"
+        case _:
+            return f"{found}; it does not fit here. {about}"
+
+
+def _unknown_key(path: Path, table: type[Table]) -> str:
+    key = str(path[-1])
+    hint = _suggest(key, table.model_fields)
+    if not hint and len(path) > 1:
+        headers = {name: f"[[{name}]]" if name in _LISTS else f"[{name}]" for name in _TABLES}
+        owners = [headers[name] for name, tables in _TABLES.items() if _has(tables, key) and name != path[0]]
+        if key in headers:
+            hint = f" It is a table of its own: {headers[key]}."
+        elif key in Model.model_fields:
+            hint = " It belongs above the first table."
+        elif owners:
+            hint = f" It belongs in {' or '.join(owners)}."
+    return f"unknown key '{key}'.{hint} Allowed here: {', '.join(table.model_fields)}."
+
+
+def _has(tables: Iterable[type[Table]], key: str) -> bool:
+    return any(key in table.model_fields for table in tables)
+
+
+def _unknown_shape(plate: object) -> str:
+    shape = plate.get("shape") if isinstance(plate, Mapping) else getattr(plate, "shape", None)
+    shapes = list(_BRANCHES["plate"])
+    return (
+        f"found {describe(shape)}; this version has {', '.join(shapes)}.{_suggest(shape, shapes)} "
+        'For any other outline mesh the plate in another program and give shape = "mesh" with its file.'
+    )
+
+
+def _nearest(found: object, allowed: Iterable[str]) -> str:
+    """Find the allowed word nearest to what was found; nothing if none is near."""
+    words = {word.casefold(): word for word in allowed}
+    near = difflib.get_close_matches(found[:60].casefold(), words, n=1) if isinstance(found, str) else []
+    return words[near[0]] if near else ""
+
+
+def _suggest(found: object, allowed: Iterable[str]) -> str:
+    near = _nearest(found, allowed)
+    return f" Did you mean '{near}'?" if near else ""
+
+
+_TABLES: dict[str, tuple[type[Table], ...]] = {
+    name: tuple(_BRANCHES[name].values()) if name in _BRANCHES else (table,)
+    for name, field in Model.model_fields.items()
+    if (table := _table_in(field.annotation)) is not None
+}

@@ -1,0 +1,162 @@
+"""Supports: where they are, which way they resist, and from which gap with which stiffness."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
+
+from signorini.expression import Expression
+from signorini.model.area import AnyArea, Circle
+from signorini.model.base import (
+    Complaint,
+    Edges,
+    NonNegativeScalar,
+    Points,
+    Polyline,
+    PositiveScalar,
+    Scalar,
+    Table,
+    Text,
+    describe,
+)
+
+Place = Literal["at", "edge", "line", "circle", "area"]
+Component = Literal["w", "slope", "twist"]
+
+_PLACES: tuple[Place, ...] = ("at", "edge", "line", "circle", "area")
+_COMPONENTS: tuple[Component, ...] = ("w", "slope", "twist")
+_KINDS: dict[str, tuple[Component, ...]] = {
+    "clamped": ("w", "slope", "twist"),
+    "hard": ("w", "twist"),
+    "simple": ("w",),
+    "symmetry": ("slope",),
+}
+
+
+def _fix(value: object) -> object:
+    allowed = f"it must be one of {', '.join(_KINDS)}, or a list of {', '.join(_COMPONENTS)}."
+    if isinstance(value, str) and value in _KINDS:
+        return value
+    if not isinstance(value, list | tuple) or not value or any(part not in _COMPONENTS for part in value):
+        raise ValueError(f"found {describe(value)}; {allowed}")
+    if len(set(value)) < len(value):
+        raise ValueError(f"found {describe(list(value))}; each of w, slope, twist may stand there once.")
+    return tuple(value)
+
+
+Fix = Annotated[
+    Literal["clamped", "hard", "simple", "symmetry"] | tuple[Component, ...],
+    PlainValidator(_fix),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "string", "enum": list(_KINDS)},
+                {
+                    "type": "array",
+                    "items": {"type": "string", "enum": list(_COMPONENTS)},
+                    "minItems": 1,
+                    "uniqueItems": True,
+                },
+            ]
+        }
+    ),
+]
+
+
+class Support(Table):
+    """A support: where (exactly one of at, edge, line, circle, area) and how (fix, or resists)."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "oneOf": [{"required": [place]} for place in _PLACES],
+            "not": {"required": ["fix", "resists"]},
+        }
+    )
+
+    name: Text = Field(default="", description='Name, each once; default "support 1", "support 2", ...')
+    at: Points | None = Field(default=None, description="A point [x, y] or a list of points; they need not be nodes.")
+    edge: Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
+    line: Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
+    circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
+    area: AnyArea | None = Field(default=None, description='"all", or a table with one of rectangle, circle, polygon.')
+    fix: Fix | None = Field(
+        default=None,
+        description="Holds both ways: clamped (w, slope, twist), hard (w, twist), simple (w), symmetry (slope), "
+        "or a list of w, slope, twist.",
+    )
+    resists: Literal["down", "up", "both"] | None = Field(
+        default=None,
+        description="Which way it resists: down (pushes up only), up (holds down only), both; default both.",
+        json_schema_extra={"default": "both"},
+    )
+    gap: NonNegativeScalar = Field(
+        default=Expression(0.0),
+        description="Free travel before it acts, either way it resists: a number or an expression; default 0.",
+    )
+    stiffness: PositiveScalar | None = Field(
+        default=None,
+        description="None: rigid. Per point, per length (edge, line, circle), per area: a number or an expression.",
+    )
+    settlement: Scalar = Field(
+        default=Expression(0.0), description="The base moves down by this: a number or an expression; default 0."
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _resists_both(cls, data: Any) -> Any:
+        if isinstance(data, dict) and data.get("fix") is None and data.get("resists") is None:
+            return {**data, "resists": "both"}
+        return data
+
+    @property
+    def place(self) -> Place:
+        """The key that says where the support is."""
+        return next(place for place in _PLACES if getattr(self, place) is not None)
+
+    @property
+    def fixed(self) -> tuple[Component, ...]:
+        """What ``fix`` holds, in the order w, slope, twist; empty where ``resists`` says how.
+
+        Examples
+        --------
+        >>> Support(edge="left", fix="hard").fixed
+        ('w', 'twist')
+        """
+        if self.fix is None:
+            return ()
+        held = _KINDS[self.fix] if isinstance(self.fix, str) else self.fix
+        return tuple(part for part in _COMPONENTS if part in held)
+
+    def _complaints(self) -> Iterator[Complaint]:
+        places = self.given(_PLACES)
+        if len(places) != 1:
+            found = " and ".join(places) or "none"
+            yield (), f"found {found}; exactly one of {', '.join(_PLACES)} says where a support is."
+        if self.at is not None:
+            seen: dict[tuple[float, float], int] = {}
+            for index, point in enumerate(self.at):
+                if seen.setdefault(point, index) != index:
+                    yield ("at", index), f"point {index + 1} repeats point {seen[point] + 1}."
+        if self.fix is not None:
+            yield from self._fix_complaints()
+
+    def _fix_complaints(self) -> Iterator[Complaint]:
+        fixed = self.fixed
+        if self.resists is not None:
+            yield ("resists",), "found both fix and resists; give one. fix holds both ways."
+        if self.area is not None:
+            yield ("fix",), "fix does not go with area; use resists."
+        if self.at is not None and ("slope" in fixed) != ("twist" in fixed):
+            yield (
+                ("fix",),
+                f"found {describe(self.fix)}; a point has no direction, so slope and twist go together there: "
+                "simple holds the deflection, clamped all.",
+            )
+        if self.gap != Expression(0.0):
+            yield ("gap",), "a gap does not go with fix; use resists."
+        if self.stiffness is not None and fixed != ("w",):
+            yield ("stiffness",), f"a stiffness goes with fix = simple or with resists, not with {describe(self.fix)}."
+        if self.settlement != Expression(0.0) and "w" not in fixed:
+            yield ("settlement",), f"{describe(self.fix)} does not hold the deflection, so nothing settles."

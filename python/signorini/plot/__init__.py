@@ -1,0 +1,10 @@
+"""Pictures of a plate: contours, supports open or closed, loads, sections.
+
+Takes arrays and returns matplotlib axes or figures that no global state knows of, so it needs no display.
+"""
+
+from signorini.plot.field import contour, line
+from signorini.plot.marks import LoadMark, SupportMark, supports
+from signorini.plot.pictures import check_picture, deflection_picture, save
+
+__all__ = ["LoadMark", "SupportMark", "check_picture", "contour", "deflection_picture", "line", "save", "supports"]

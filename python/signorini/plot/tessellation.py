@@ -1,0 +1,105 @@
+"""A mesh of curved 8-node quadrilaterals as flat triangles and outlines, for drawing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from signorini._core import serendipity
+
+_WANTED_CELLS = 12_000
+_FINEST = 10
+
+
+@dataclass(frozen=True)
+class Tessellation:
+    """Triangles that follow the shape functions of 8-node quadrilaterals.
+
+    Every element is cut by an even grid of the reference square, so all its 8 nodes are among the vertices.
+    Vertices on a shared edge are one vertex, so contours cross it without a seam.
+
+    Attributes
+    ----------
+    elements : ndarray of int, shape (e, 8)
+        The mesh: corners counter-clockwise, then midsides.
+    owners : ndarray of int, shape (v,)
+        One element that each vertex lies in.
+    weights : ndarray, shape (v, 8)
+        The owner's shape functions at the vertex.
+    triangles : ndarray of int, shape (t, 3)
+        Vertices of the triangles.
+    edges : ndarray of int, shape (k, d + 1)
+        Vertices along each edge of the mesh, every edge once.
+    outer : ndarray of bool, shape (k,)
+        Whether one element only has the edge: the outline of the plate.
+    """
+
+    elements: NDArray[np.int64]
+    owners: NDArray[np.int64]
+    weights: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    edges: NDArray[np.int64]
+    outer: NDArray[np.bool_]
+
+    def interpolate(self, nodal: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Evaluate a nodal field, shape (n,) or (n, c), at the vertices."""
+        values: NDArray[np.float64] = np.einsum("va,va...->v...", self.weights, nodal[self.elements[self.owners]])
+        return values
+
+
+def tessellate(elements: NDArray[np.int64], divisions: int | None = None) -> Tessellation:
+    """Cut every element into ``divisions`` × ``divisions`` cells of two triangles.
+
+    Parameters
+    ----------
+    elements : ndarray of int, shape (e, 8)
+        Corners counter-clockwise, then midsides.
+    divisions : int, optional
+        An even number; by default finer for coarser meshes, so that a picture of any mesh is as smooth.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> cut = tessellate(np.array([[0, 1, 2, 3, 6, 7, 8, 9], [1, 4, 5, 2, 10, 11, 12, 7]]), divisions=2)
+    >>> len(cut.owners), len(cut.triangles), len(cut.edges), int(cut.outer.sum())
+    (15, 16, 7, 6)
+    """
+    count = len(elements)
+    d = divisions or int(np.clip(2 * round(np.sqrt(_WANTED_CELLS / count) / 2), 2, _FINEST))
+    xi, eta = (grid.ravel() for grid in np.meshgrid(*[np.linspace(-1, 1, d + 1)] * 2))
+    shapes, _ = serendipity(np.column_stack([xi, eta]))
+
+    local = np.arange((d + 1) ** 2).reshape(d + 1, d + 1)
+    sides = np.stack([local[0, :], local[:, -1], local[-1, ::-1], local[::-1, 0]])
+    _, first, vertex_of = np.unique(_names(elements, sides), return_index=True, return_inverse=True)
+    vertices = vertex_of.reshape(count, -1)
+
+    a, b, c, e = local[:-1, :-1].ravel(), local[:-1, 1:].ravel(), local[1:, 1:].ravel(), local[1:, :-1].ravel()
+    cells = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, e])])
+    _, edge, uses = np.unique(elements[:, 4:], return_index=True, return_counts=True)
+    owners, places = np.divmod(first, len(xi))
+    return Tessellation(
+        elements=elements,
+        owners=owners,
+        weights=shapes[places],
+        triangles=vertices[:, cells].reshape(-1, 3),
+        edges=vertices[:, sides].reshape(-1, d + 1)[edge],
+        outer=uses == 1,
+    )
+
+
+def _names(elements: NDArray[np.int64], sides: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Give every grid point a number, points on a shared corner or edge the same."""
+    count, d = len(elements), sides.shape[1] - 1
+    nodes = int(elements.max()) + 1
+    names = nodes * d + np.arange(count * (d + 1) ** 2).reshape(count, -1)
+    steps = np.arange(1, d)
+    for side, inner in enumerate(sides[:, 1:-1]):
+        start, end, middle = elements[:, side], elements[:, (side + 1) % 4], elements[:, 4 + side]
+        along = np.where((start < end)[:, None], steps, d - steps)
+        names[:, inner] = middle[:, None] * d + along
+        names[:, sides[side, 0]] = start * d
+    flat: NDArray[np.int64] = names.ravel()
+    return flat

@@ -1,0 +1,190 @@
+"""The contact problem of a model as plain arrays: K, G, gaps, the paper's P and s, and the LCP in any of its forms."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array
+
+from signorini import _core
+from signorini.discretise import CaseLoad, Discretisation, discretise
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.equilibrium import RigidFreedom, restraining_points, rigid_freedom
+from signorini.errors import InputError, SignoriniError
+from signorini.model import Model
+
+Form = Literal["auto", "dual", "stiffness"]
+
+MOST_POINTS = 6000
+"""Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
+
+_CARRIED = 100.0
+"""Stiffness that the factor carries at restraining points, over D/a²: about a plate's own under a point load."""
+
+
+class Lcp(NamedTuple):
+    """w = Mz + q with w, z ≥ 0 and zᵀw = 0, over one-sided contact points.
+
+    z is the reaction of ``points`` and w its gap, or the other way round where ``gap_is_z``.
+    """
+
+    M: Floats
+    q: Floats
+    points: Ints
+    gap_is_z: Bools
+
+
+@dataclass(frozen=True, eq=False)
+class ContactProblem:
+    """A discretised model on its supports, factored once and condensed onto its contact points.
+
+    Examples
+    --------
+    >>> from signorini import Model
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     mesh={"divisions": [4, 4]},
+    ...     support=[{"edge": ["left"], "fix": "clamped"}, {"at": [[4, 0], [4, 4]], "resists": "down"}],
+    ...     load=[{"pressure": 5e3}],
+    ... )
+    >>> problem = contact_problem(model)
+    >>> P, s = problem.dual(problem.load("all"))
+    >>> answer = _core.lemke(P, -s)
+    >>> answer.status, problem.G.shape, bool(np.isclose(*answer.z))
+    ('solved', (2, 195), True)
+    """
+
+    discretisation: Discretisation
+    freedom: RigidFreedom
+    core: _core.ContactProblem
+
+    @cached_property
+    def K(self) -> csc_array:
+        """Stiffness (3n, 3n) of plate and springs over every dof, held ones included."""
+        start, row, value = self.discretisation.plate.stiffness_matrix(spring_arrays(self.discretisation))
+        size = self.discretisation.dof_count
+        lower = csc_array((value, row, start), shape=(size, size))
+        upper = lower.T.tocsc()
+        return csc_array(lower + upper - csc_array((lower.diagonal(), (range(size), range(size))), shape=(size, size)))
+
+    @cached_property
+    def G(self) -> csr_array:
+        """Contact points' rows (m, 3n); Gu ≤ gaps."""
+        rows = self.discretisation.contacts.rows
+        dofs = rows.dofs(self.discretisation.mesh.elements)
+        point = np.repeat(np.arange(len(rows)), 24)
+        shape = (len(rows), self.discretisation.dof_count)
+        matrix = csr_array((rows.coefficients.ravel(), (point, dofs.ravel())), shape=shape)
+        matrix.eliminate_zeros()
+        return matrix
+
+    @property
+    def gaps(self) -> Floats:
+        """Free travel (m,) of every contact point, settlement included."""
+        return self.discretisation.contacts.distance
+
+    @property
+    def compliance(self) -> Floats:
+        """Inverse stiffness (m,) of every contact point's support; 0 where it is rigid."""
+        return self.discretisation.contacts.compliance
+
+    def load(self, combination: str) -> Floats:
+        """Nodal load (3n,) of a combination."""
+        found = {c.name: c for c in self.discretisation.model.effective_combinations}
+        return self.discretisation.load(found[combination]).nodal
+
+    def lcp(self, load: Floats, form: Form = "auto") -> Lcp:
+        """Pose the LCP of one nodal load (3n,).
+
+        "dual" has the reactions for unknowns, "stiffness" the gaps; "auto" is the dual, with as many gaps among the
+        unknowns as the plate has free rigid motions.
+
+        Raises
+        ------
+        SignoriniError
+            If the dual is asked for and the plate rests on one-sided supports alone.
+        """
+        if form == "dual" and self.freedom.count:
+            raise SignoriniError(
+                "The dual form needs K to be regular, but one-sided supports alone hold this plate. "
+                'Take the form "stiffness" or "auto".'
+            )
+        first = np.full(len(self.gaps), form == "stiffness")
+        return Lcp(*self.core.lcp(load, self.discretisation.held.values, first))
+
+    def dual(self, load: Floats) -> tuple[Floats, Floats]:
+        """P (m, m) and s (m,) of the paper's (26) and (27): gap = P·reaction − s."""
+        posed = self.lcp(load, "dual")
+        return posed.M, -posed.q
+
+    def solve(self, load: CaseLoad, form: Form = "auto") -> _core.ContactSolution:
+        """Displacements, reactions and gaps of one load."""
+        first = np.full(len(self.gaps), form == "stiffness")
+        return self.core.solve(load.nodal, self.discretisation.held.values, first)
+
+    @property
+    def seconds(self) -> Mapping[str, float]:
+        """Seconds spent to assemble, order, factor and condense."""
+        order, assemble, factor, condense = self.core.seconds
+        return {"order": order, "assemble": assemble, "factor": factor, "condense": condense}
+
+
+def spring_arrays(found: Discretisation) -> tuple[Ints, Floats, Floats, Floats]:
+    """Springs the way the core takes them."""
+    springs = found.springs
+    return springs.rows.elements, springs.rows.coefficients, springs.stiffness, springs.base
+
+
+def contact_problem(model: Model | Discretisation) -> ContactProblem:
+    """Assemble, factor and condense a model.
+
+    Raises
+    ------
+    InputError
+        If the plate is a mechanism, or has more contact points than can be condensed.
+    SignoriniError
+        If the factorization fails.
+    """
+    found = model if isinstance(model, Discretisation) else discretise(model)
+    contacts = found.contacts
+    if len(contacts) > MOST_POINTS:
+        raise InputError(
+            f"Found {len(contacts)} contact points; at most {MOST_POINTS} can be condensed. "
+            "Take a coarser mesh, or hold long lines and areas both ways.",
+            place="support",
+        )
+    freedom = rigid_freedom(found)
+    regularization = np.zeros(len(contacts))
+    if not freedom.regular:
+        rigidity = found.model.material.E * found.thickness.max() ** 3 / 12
+        regularization[contacts.two_sided] = _CARRIED * rigidity
+        regularization[restraining_points(freedom)] = _CARRIED * rigidity
+        regularization[~contacts.slope] /= found.mesh.size**2
+    rows = contacts.rows
+    try:
+        core = _core.ContactProblem(
+            found.plate,
+            found.held.dofs,
+            spring_arrays(found),
+            (
+                rows.elements,
+                rows.coefficients,
+                contacts.distance,
+                contacts.compliance,
+                contacts.two_sided,
+                regularization,
+            ),
+        )
+    except RuntimeError as error:
+        raise SignoriniError(
+            f"The stiffness matrix cannot be factored: {error}. A part of the plate can move freely, or the plate is too "
+            "thin for double precision."
+        ) from None
+    except MemoryError:
+        raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
+    return ContactProblem(found, freedom, core)

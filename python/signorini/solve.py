@@ -1,0 +1,134 @@
+"""From a model to certified results, one for each combination."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from signorini.certificate import certify
+from signorini.discretise import Discretisation, discretise
+from signorini.equilibrium import no_equilibrium
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
+from signorini.model import Combination, Model
+from signorini.problem import ContactProblem, contact_problem
+from signorini.result import Result, unsolved_result
+
+
+@dataclass(frozen=True, eq=False)
+class Results(Mapping[str, Result]):
+    """Results by combination, in the order of the model."""
+
+    discretisation: Discretisation
+    by_name: Mapping[str, Result]
+    seconds: Mapping[str, float]
+
+    def __getitem__(self, name: str) -> Result:
+        """Return the result of a combination."""
+        return self.by_name[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names of the combinations."""
+        return iter(self.by_name)
+
+    def __len__(self) -> int:
+        """Count the combinations."""
+        return len(self.by_name)
+
+    def _repr_html_(self) -> str:
+        """Show every combination in a notebook."""
+        return "".join(result._repr_html_() for result in self.by_name.values())
+
+
+def solve(model: Model) -> Results:
+    """Solve a model for each of its combinations.
+
+    A combination whose load no reactions can balance gets a result with status "no_equilibrium", NaN for every number,
+    and the reason in ``message``; the others are solved.
+
+    Parameters
+    ----------
+    model : Model
+
+    Returns
+    -------
+    Results
+        A mapping from the names of the combinations to `Result`.
+
+    Raises
+    ------
+    InputError
+        If the model says something that cannot be, or the plate is a mechanism.
+    NoEquilibriumError
+        If no combination has an equilibrium.
+    NotCertifiedError
+        If an answer fails its certificate; it is refused.
+
+    Examples
+    --------
+    >>> from signorini import Model
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+    ...     support=[{"name": "bearings", "at": [[1, 1], [9, 1], [1, 9], [9, 9]], "resists": "down"}],
+    ...     load=[{"pressure": 2e3}],
+    ... )
+    >>> result = solve(model)["all"]
+    >>> result.status, round(result.reactions["bearings"], 3), result.certificate.passed
+    ('solved', 200000.0, True)
+    """
+    begun = time.perf_counter()
+    _require_method(model)
+    found = discretise(model)
+    problem = contact_problem(found)
+    results: dict[str, Result] = {}
+    contact = recover = 0.0
+    for combination in model.effective_combinations:
+        result, spent = _solve_one(problem, combination)
+        results[combination.name] = result
+        contact += spent
+        recover += result.seconds
+    if all(result.status == "no_equilibrium" for result in results.values()):
+        raise NoEquilibriumError("\n".join(f"{name}: {result.message}" for name, result in results.items()))
+    part = problem.seconds
+    seconds = {
+        "mesh": found.seconds["mesh"],
+        "assemble": found.seconds["assemble"] + part["assemble"],
+        "order": part["order"],
+        "factor": part["factor"],
+        "contact": part["condense"] + contact,
+        "recover": recover,
+        "total": time.perf_counter() - begun,
+    }
+    return Results(found, results, seconds)
+
+
+def _require_method(model: Model) -> None:
+    if model.solver.method not in ("auto", "lemke"):
+        raise InputError(
+            f'Found "{model.solver.method}"; this version solves by "lemke". Write "auto", which picks for you.',
+            place="solver.method",
+        )
+
+
+def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Result, float]:
+    """One combination, and the seconds its contact problem took."""
+    found = problem.discretisation
+    load = found.load(combination)
+    begun = time.perf_counter()
+    message = no_equilibrium(found, problem.freedom, load.nodal)
+    if message:
+        return unsolved_result(found, combination.name, message), time.perf_counter() - begun
+    answer = problem.solve(load)
+    spent = time.perf_counter() - begun
+    if answer.status == "no_equilibrium":
+        reason = "Lemke's algorithm ended in a ray: no reactions of the supports balance the load."
+        return unsolved_result(found, combination.name, reason), spent
+    if answer.status != "solved":
+        raise NotCertifiedError(
+            f'Combination "{combination.name}": the contact problem was not solved within {answer.pivots} pivots.'
+        )
+    certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
+    if not certificate.passed:
+        raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {certificate}.')
+    return Result.of(found, combination.name, load, answer, certificate), spent

@@ -1,0 +1,105 @@
+"""Divide a length into element sizes that follow wanted lines where they reasonably can."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from signorini.errors import InputError
+
+Floats = npt.NDArray[np.float64]
+
+_SAME = 1e-9
+_STEEPEST = 3.0
+
+
+def subdivide(start: float, stop: float, count: int, lines: Sequence[float] = (), *, first: int = 1) -> Floats:
+    """Divide an interval into `count` parts with joints at wanted lines.
+
+    Parameters
+    ----------
+    start, stop : float
+        The interval.
+    count : int
+        Number of parts; it is kept.
+    lines : sequence of float
+        Wanted joints. If equal parts have them all, the parts are equal. Else each piece between lines has equal parts,
+        and the pieces share the count so that the largest part is smallest. A line is left out when there are not
+        enough parts, or when parts on its two sides would differ in size by more than 3 to 1.
+    first : int
+        Least number of parts before the first joint at a line.
+
+    Returns
+    -------
+    (count + 1,) float array
+        Joints, the two ends included; those at lines are the lines' numbers exactly.
+
+    Examples
+    --------
+    >>> subdivide(0.0, 4.0, 4, [3.0])
+    array([0., 1., 2., 3., 4.])
+    >>> subdivide(0.0, 4.0, 4, [1.2])
+    array([0.        , 1.2       , 2.13333333, 3.06666667, 4.        ])
+    >>> subdivide(0.0, 4.0, 4, [0.1])
+    array([0., 1., 2., 3., 4.])
+    """
+    even = np.linspace(start, stop, count + 1)
+    same = _SAME * (stop - start)
+    wanted: list[float] = []
+    for line in sorted(lines):
+        if start + same < line < stop - same and (not wanted or line - wanted[-1] > same):
+            wanted.append(line)
+    while any(np.abs(even[first:] - line).min() > same for line in wanted):
+        knots = np.array([start, *wanted, stop])
+        lengths = np.diff(knots)
+        counts = _share(lengths, count, first)
+        if counts is None:
+            culprit = int(np.argmin(lengths))
+        else:
+            sizes = lengths / counts
+            steps = np.maximum(sizes[1:] / sizes[:-1], sizes[:-1] / sizes[1:])
+            if steps.max() <= _STEEPEST:
+                parts = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(knots, knots[1:], counts, strict=False)]
+                return np.append(np.concatenate(parts), stop)
+            worst = int(np.argmax(steps))
+            culprit = worst if sizes[worst] < sizes[worst + 1] else worst + 1
+        ends = [knot for knot in knots[culprit : culprit + 2] if start < knot < stop]
+        wanted.remove(max(ends, key=lambda line: float(np.abs(even - line).min())))
+    return even
+
+
+def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | None:
+    """Share divisions among pieces, each next one to the piece with the largest parts; None if there are too few."""
+    counts = np.ones(len(lengths), dtype=np.int64)
+    counts[0] = first
+    if counts.sum() > count:
+        return None
+    heap = [(-length / n, i) for i, (length, n) in enumerate(zip(lengths, counts, strict=True))]
+    heapq.heapify(heap)
+    for _ in range(count - int(counts.sum())):
+        i = heap[0][1]
+        counts[i] += 1
+        heapq.heapreplace(heap, (-lengths[i] / counts[i], i))
+    return counts
+
+
+def divisions_from_size(lengths: Sequence[float], size: float) -> tuple[int, ...]:
+    """Count the divisions of each length whose parts are no longer than `size`.
+
+    Raises
+    ------
+    InputError
+        If the size is not positive.
+
+    Examples
+    --------
+    >>> divisions_from_size([10.0, 6.1], 0.5)
+    (20, 13)
+    """
+    if not (math.isfinite(size) and size > 0.0):
+        raise InputError(f"The element size must be positive; found {size:g}.")
+    return tuple(max(1, math.ceil(length / size * (1.0 - 1e-12))) for length in lengths)

@@ -1,0 +1,178 @@
+"""The arrows of ARCHITECTURE.md, held: who may import whom, and which package is met in which file."""
+
+import ast
+import re
+from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "python" / "signorini"
+
+# From the ground up; a folder counts as one module. A module imports from its own layer and from those before it,
+# never in a circle.
+LAYERS = (
+    {"errors", "files", "_core"},
+    {"plot", "vtk"},
+    {"expression"},
+    {
+        *{
+            "outlines",
+            "isoparametric",
+            "boxtree",
+            "regions",
+            "quadrature",
+            "subdivision",
+            "crossings",
+            "cutcells",
+            "roots",
+        },
+        *{"mesh", "mesh_checks", "mesh_curves", "meshers", "meshfile"},
+        *{"model", "tomllines", "inputfile"},
+    },
+    {"discretise"},
+    {"certificate", "result", "solve"},
+    {"output", "report"},
+    {"__init__"},
+    {"cli"},
+    {"__main__"},
+)
+# Modules that take arrays and know nothing else of the package.
+ALONE = {"plot": {"errors", "files", "_core"}, "vtk": {"errors", "files"}}
+# Packages that only these modules may import.
+ONLY_IN = {
+    "matplotlib": {"plot"},
+    "meshio": {"meshfile", "vtk"},
+    "typer": {"cli"},
+    "rich": {"cli"},
+    "pydantic": {"model", "inputfile", "expression"},
+    "pydantic_core": {"model", "inputfile", "expression"},
+}
+LAYER_OF = {module: number for number, layer in enumerate(LAYERS) for module in layer}
+
+
+def sources(package: Path) -> Iterator[tuple[str, str, ast.Module]]:
+    """Yield each file's place, the module of the table it belongs to, and its syntax tree."""
+    for path in sorted(package.rglob("*.py")):
+        place = path.relative_to(package)
+        yield place.as_posix(), place.parts[0].removesuffix(".py"), ast.parse(path.read_text(encoding="utf-8"))
+
+
+def imported(place: str, tree: ast.Module, modules: set[str]) -> Iterator[str]:
+    """Yield the full name of everything a file imports, inside functions too; relative imports made absolute."""
+    folder = ("signorini", *Path(place).parts[:-1])
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            parents = folder[: len(folder) - node.level + 1] if node.level else ()
+            source = ".".join([*parents, *([node.module] if node.module else [])])
+            if source == "signorini":
+                yield from (f"signorini.{a.name}" if a.name in modules else "signorini.__init__" for a in node.names)
+            else:
+                yield source
+
+
+def arrows(package: Path) -> dict[str, set[str]]:
+    """Return which modules of the package each module imports."""
+    files = list(sources(package))
+    modules = {module for _, module, _ in files} | {"_core"}
+    graph: dict[str, set[str]] = {module: set() for module in modules}
+    for place, module, tree in files:
+        for name in imported(place, tree, modules):
+            top, _, rest = name.partition(".")
+            if top == "signorini" and (target := rest.partition(".")[0] or "__init__") != module:
+                graph[module].add(target)
+    return graph
+
+
+def faults(package: Path) -> list[str]:
+    """Say every way in which a package breaks the rules above."""
+    graph, found = arrows(package), []
+    for module in sorted(graph.keys() - LAYER_OF.keys()):
+        found.append(f"{module} has no layer: place it in LAYERS of tests/test_architecture.py.")
+    for module in sorted(graph.keys() & LAYER_OF.keys()):
+        for target in sorted(graph[module] & LAYER_OF.keys()):
+            if LAYER_OF[target] > LAYER_OF[module]:
+                found.append(f"{module} imports {target}, which stands above it: the arrow runs back.")
+            elif module in ALONE and target not in ALONE[module]:
+                found.append(
+                    f"{module} imports {target}, but it takes arrays and may know no module except {ALONE[module]}."
+                )
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        found.append(f"These modules import each other in a circle: {' <- '.join(error.args[1])}.")
+    for place, module, tree in sources(package):
+        for name in sorted({name.partition(".")[0] for name in imported(place, tree, set(graph))}):
+            if module not in ONLY_IN.get(name, {module}):
+                found.append(f"{place} imports {name}, which belongs in {' and '.join(sorted(ONLY_IN[name]))} alone.")
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print":
+                found.append(f"{place}:{node.lineno} prints; only the console of cli speaks to the terminal.")
+    return found
+
+
+def test_imports_run_one_way() -> None:
+    assert faults(PACKAGE) == []
+
+
+@pytest.mark.parametrize(
+    ("files", "fault"),
+    [
+        ({"mesh.py": "def f():\n    from signorini.solve import solve"}, "mesh imports solve, which stands above it"),
+        ({"mesh.py": "from signorini import cli", "cli.py": ""}, "mesh imports cli, which stands above it"),
+        ({"mesh.py": "from . import cli", "cli.py": ""}, "mesh imports cli, which stands above it"),
+        ({"mesh.py": "from .solve import solve"}, "mesh imports solve, which stands above it"),
+        ({"mesh.py": "import signorini.solve as s"}, "mesh imports solve, which stands above it"),
+        ({"solve.py": "from signorini import load"}, "solve imports __init__, which stands above it"),
+        ({"plot/a.py": "from ..vtk import write_vtu"}, "plot imports vtk, but it takes arrays"),
+        ({"mesh.py": "import signorini.model", "model.py": "import signorini.mesh"}, "in a circle"),
+        ({"helpers.py": ""}, "helpers has no layer: place it in LAYERS"),
+        (
+            {"result.py": "def f():\n    import matplotlib.pyplot"},
+            "result.py imports matplotlib, which belongs in plot",
+        ),
+        ({"model.py": "from rich.table import Table"}, "model.py imports rich, which belongs in cli alone"),
+        ({"solve.py": "def f():\n    print(1)"}, "solve.py:2 prints"),
+    ],
+)
+def test_a_broken_rule_is_named(tmp_path: Path, files: dict[str, str], fault: str) -> None:
+    for place, text in files.items():
+        (tmp_path / place).parent.mkdir(exist_ok=True)
+        (tmp_path / place).write_text(text)
+    (found,) = faults(tmp_path)
+    assert fault in found
+
+
+def test_parts_of_one_package_may_know_each_other(tmp_path: Path) -> None:
+    (tmp_path / "plot").mkdir()
+    (tmp_path / "plot" / "a.py").write_text("from signorini.plot.b import c\nfrom signorini.errors import InputError")
+    assert faults(tmp_path) == []
+
+
+def rust(crate: str) -> dict[str, str]:
+    """Return a crate's manifest and sources without their comments."""
+    files = [ROOT / crate / "Cargo.toml", *sorted((ROOT / crate / "src").rglob("*.rs"))]
+    assert len(files) > 1
+    return {str(f.relative_to(ROOT)): re.sub(r"(//|#\s).*", "", f.read_text(encoding="utf-8")) for f in files}
+
+
+@pytest.mark.parametrize(
+    ("crate", "forbidden", "why"),
+    [
+        ("core", r"\b(pyo3|numpy|PyResult)\b", "the core knows no Python"),
+        ("core", r"\be?print(ln)?!|std::fs|File::open", "the core does not print and opens no files"),
+        ("bindings", r"\b(faer|rayon|clarabel)\b", "the bindings convert and compute nothing"),
+    ],
+)
+def test_the_border_between_rust_and_python(crate: str, forbidden: str, why: str) -> None:
+    assert [place for place, text in rust(crate).items() if re.search(forbidden, text)] == [], why
+
+
+def test_complementarity_knows_nothing_of_plates() -> None:
+    places = {place: text for place, text in rust("core").items() if place.startswith("core/src/lcp")}
+    foreign = {place: re.findall(r"\bcrate::(?!lcp\b|double_double\b)\w+", text) for place, text in places.items()}
+    assert {place: names for place, names in foreign.items() if names} == {}

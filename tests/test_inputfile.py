@@ -1,0 +1,576 @@
+import json
+import tomllib
+import warnings
+from pathlib import Path
+
+import jsonschema
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from signorini.errors import InputError
+from signorini.inputfile import load, schema
+from signorini.model import Model
+from signorini.tomllines import Lines
+
+EXAMPLE = """\
+title = "Slab on bearings"
+[units]                        # labels only
+length = "m"
+force = "N"
+
+[material]
+E = 30e9
+nu = 0.2
+unit_weight = 25e3
+
+[plate]
+shape = "rectangle"
+size = [10.0, 10.0]
+thickness = 0.3
+element = "mitc9"
+shear_factor = 0.8333333333
+
+[mesh]
+divisions = [40, 40]
+
+[[support]]
+name = "walls"
+edge = ["left", "right"]
+fix = "simple"
+[[support]]
+name = "bearings"
+at = [[2.5, 5.0], [7.5, 5.0]]
+resists = "down"
+gap = 0.001
+stiffness = 5e8
+[[support]]
+name = "soil"
+area = "all"
+resists = "down"
+stiffness = 30e6
+
+[[load]]
+case = "G"
+pressure = 2e3
+[[load]]
+case = "Q"
+force = 20e3
+at = [5.5, 3.5]
+
+[[combination]]
+name = "ULS"
+factors = { G = 1.35, Q = 1.5 }
+
+[[probe]]
+at = [5.0, 5.0]
+
+[solver]
+method = "auto"
+"""
+
+OTHER_FORMS = """\
+[material]
+E = 1
+nu = 0
+unit_weight = 1
+[plate]
+shape = "annulus"
+inner = 1
+outer = 2
+center = [1, 1]
+sector = 135.5
+thickness = "0.1 + x*x"
+[mesh]
+size = 0.25
+[[support]]
+edge = "start"
+fix = ["w", "slope"]
+[[support]]
+line = [[0.0, 1.0], [0.5, 1.0]]
+resists = "up"
+settlement = "0.001*x"
+[[support]]
+circle = { center = [1, 1], radius = 1.5 }
+resists = "both"
+gap = "0.01*x**2"
+stiffness = "1e6*(1 + y**2)"
+[[support]]
+area = { circle = { center = [0, 0], radius = 0.5 } }
+[[support]]
+area = { polygon = [[0, 0], [1, 0], [0, 1]] }
+[[load]]
+pressure = "5*(y-2)**2"
+area = { rectangle = [0, 0, 1, 1] }
+[[load]]
+line_load = 1e3
+edge = ["outer", "end"]
+[[load]]
+moment = [1, 2]
+at = [[0, 0], [1, 1]]
+[[load]]
+self_weight = true
+[[load]]
+curvature = [1e-3, 0, 0]
+"""
+
+MATERIAL = "[material]\nE = 1\nnu = 0.3\n"
+PLATE = '[plate]\nshape = "rectangle"\nsize = [1, 1]\nthickness = 0.1\n'
+LOAD = "[[load]]\npressure = 1\n"
+BASE = MATERIAL + PLATE + LOAD
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text):
+        path = tmp_path / "slab.toml"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    return write
+
+
+def message(path):
+    with pytest.raises(InputError) as caught:
+        load(path)
+    return str(caught.value)
+
+
+def test_the_example_of_the_contract_is_read_key_by_key(written):
+    model = load(written(EXAMPLE))
+    assert isinstance(model, Model)
+    assert (model.title, model.units.length, model.units.force) == ("Slab on bearings", "m", "N")
+    assert (model.material.E, model.material.nu, model.material.unit_weight) == (30e9, 0.2, 25e3)
+    assert (model.plate.shape, model.plate.size, model.plate.origin) == ("rectangle", (10, 10), (0, 0))
+    assert (model.plate.thickness.value, model.plate.element, model.plate.shear_factor) == (0.3, "mitc9", 0.8333333333)
+    assert model.mesh.divisions == (40, 40)
+    walls, bearings, soil = model.support
+    assert (walls.name, walls.edge, walls.fix) == ("walls", ("left", "right"), "simple")
+    assert (bearings.at, bearings.resists, bearings.gap.value) == (((2.5, 5), (7.5, 5)), "down", 0.001)
+    assert bearings.stiffness.value == 5e8
+    assert (soil.area, soil.stiffness.value) == ("all", 30e6)
+    assert [(each.case, each.kind) for each in model.load] == [("G", "pressure"), ("Q", "force")]
+    assert (model.combination[0].name, dict(model.combination[0].factors)) == ("ULS", {"G": 1.35, "Q": 1.5})
+    assert model.probe[0].at == ((5, 5),)
+    assert model.solver.method == "auto"
+
+
+def test_every_other_form_is_read(written):
+    model = load(written(OTHER_FORMS))
+    assert [support.place for support in model.support] == ["edge", "line", "circle", "area", "area"]
+    assert [each.kind for each in model.load] == ["pressure", "line_load", "moment", "self_weight", "curvature"]
+    assert model.support[2].circle.radius == 1.5
+
+
+def test_windows_line_ends_and_byte_order_mark_are_read(written):
+    assert load(written(b"\xef\xbb\xbf" + EXAMPLE.replace("\n", "\r\n").encode())) == load(written(EXAMPLE))
+
+
+def test_the_mesh_file_is_looked_for_beside_the_input_file(written):
+    path = written(MATERIAL + '[plate]\nshape = "mesh"\nthickness = 1\nfile = "meshes/plate.msh"\n' + LOAD)
+    assert load(path).plate.file == path.parent / "meshes" / "plate.msh"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("[suport]", "slab.toml:10: suport: unknown key 'suport'. Did you mean 'support'?"),
+        ("[[supports]]\nat = [0, 0]", "slab.toml:10: supports: unknown key 'supports'. Did you mean 'support'?"),
+        (
+            "[support]\nat = [1, 2]",
+            "slab.toml:10: support: found one table; this is a list of tables, each under [[sup",
+        ),
+        (
+            "[[support]]\nat = [0, 0]\nname = 'soil'\nstifness = 3",
+            'slab.toml:13: support[1].stifness ("soil"): unknown',
+        ),
+        ("[[support]]\nat = [0, 0]\nstifness = 3", "unknown key 'stifness'. Did you mean 'stiffness'? Allowed here: "),
+        ("[solver]\nthickness = 3", "slab.toml:11: solver.thickness: unknown key 'thickness'. It belongs in [plate]."),
+        ("[solver]\ntitle = 'x'", "unknown key 'title'. It belongs above the first table."),
+        ("mesh = 3", "load[1].mesh: unknown key 'mesh'. It is a table of its own: [mesh]."),
+        ("[units]\nlength = 3", "slab.toml:11: units.length: found 3; it must be text in quotes."),
+        ("[[support]]", "slab.toml:10: support[1]: found none; exactly one of at, edge, line, circle, area says where"),
+        ("[[support]]\nat = [1, 1]\nedge = 'left'", "support[1]: found at and edge; exactly one of"),
+        ("[[support]]\nat = 3", "slab.toml:11: support[1].at: found 3; it must be a point [x, y] or a list of points."),
+        ("[[support]]\nat = []", "support[1].at: found []; it must be a point"),
+        ("[[support]]\nat = [1, 2, 3]", "support[1].at: found [1, 2, 3]; it must be a point"),
+        ("[[support]]\nat = [\n[1, 2],\n[3]]", "slab.toml:13: support[1].at[2]: found [3]; it must be a point [x, y]."),
+        ("[[support]]\nat = [\n[1, 2],\n[3,\nnan]]", "slab.toml:14: support[1].at[2][2]: found nan; it must be finite"),
+        ("[[support]]\nat = [nan, 1]", "support[1].at[1]: found nan"),
+        ("[[support]]\nat = [[1, 1], [2, 2], [1, 1.0]]", "support[1].at[3]: point 3 repeats point 1."),
+        (
+            "[[support]]\nedge = 'lft'",
+            "support[1].edge: Unknown edge 'lft'. This rectangle has: bottom, left, right, t",
+        ),
+        ("[[support]]\nedge = ['left', 'left']", 'support[1].edge: "left" is listed twice.'),
+        ("[[support]]\nedge = 3", "it must be the name of an edge or a list of names."),
+        ("[[support]]\nedge = ['left', 3]", "support[1].edge[2]: found 3; it must be text in quotes."),
+        ("[[support]]\nline = [[0, 0]]", "support[1].line: found [[0, 0]]; it must be a list of at least 2 points"),
+        ("[[support]]\nline = [[0, 0], [0, 0]]", "support[1].line: point 1 and the one after it are the same."),
+        ("[[support]]\ncircle = { radius = 0 }", "support[1].circle.radius: found 0; it must be greater than 0."),
+        ("[[support]]\ncircle = {}", "support[1].circle.radius: 'radius' is missing. Radius."),
+        ("[[support]]\ncircle = 3", "support[1].circle: found 3; it must be a table."),
+        ("[[support]]\narea = 'al'", 'support[1].area: found "al"; it must be "all" or a table with one of rectangle,'),
+        ("[[support]]\narea = {}", "support[1].area: found none; exactly one of rectangle, circle, polygon is needed."),
+        (
+            "[[support]]\narea.circle.radus = 1",
+            "support[1].area.circle.radus: unknown key 'radus'. Did you mean 'radius'?",
+        ),
+        ("[[support]]\narea.rectangle = [1, 0, 0, 1]", "[x0, y0, x1, y1] needs x0 < x1 and y0 < y1."),
+        (
+            "[[support]]\narea.polygon = [[0,0],[1,1],[1,0],[0,1]]",
+            "support[1].area.polygon: its outline crosses itself",
+        ),
+        ("[[support]]\narea = 'all'\nfix = 'simple'", "support[1].fix: fix does not go with area; use resists."),
+        ("[[support]]\nat = [1, 1]\nfix = 'clampd'", 'support[1].fix: found "clampd"; it must be one of clamped, hard'),
+        ("[[support]]\nat = [1, 1]\nfix = ['w', 'w']", "each of w, slope, twist may stand there once."),
+        ("[[support]]\nat = [1, 1]\nfix = 'hard'", 'support[1].fix: found "hard"; a point has no direction'),
+        ("[[support]]\nat = [1, 1]\nfix = ['w', 'slope']", "a point has no direction"),
+        (
+            "[[support]]\nedge = 'left'\nfix = 'hard'\nresists = 'down'",
+            "support[1].resists: found both fix and resists",
+        ),
+        (
+            "[[support]]\nedge = 'left'\nfix = 'hard'\ngap = 1",
+            "support[1].gap: a gap does not go with fix; use resists.",
+        ),
+        (
+            "[[support]]\nedge = 'left'\nfix = 'hard'\nstiffness = 1",
+            "support[1].stiffness: a stiffness goes with fix = s",
+        ),
+        (
+            "[[support]]\nedge = 'left'\nfix = 'symmetry'\nsettlement = 1",
+            "does not hold the deflection, so nothing settl",
+        ),
+        (
+            "[[support]]\nat = [1, 1]\nresists = 'dwn'",
+            'found "dwn"; it must be one of down, up, both. Did you mean \'down',
+        ),
+        (
+            "[[support]]\nat = [1, 1]\nresists = true",
+            "support[1].resists: found true; it must be one of down, up, both.",
+        ),
+        ("[[support]]\nat = [1, 1]\ngap = -1", "support[1].gap: found -1; it must not be less than 0."),
+        ("[[support]]\nat = [1, 1]\nstiffness = 0", "support[1].stiffness: found 0; it must be greater than 0."),
+        ("[[support]]\nat = [1, 1]\nstiffness = '1/0'", "support[1].stiffness: '1 / 0' divides by zero."),
+        (
+            "[[support]]\nat = [1, 1]\nstiffness = '__import__(x)'",
+            "support[1].stiffness: Unknown function '__import__'.",
+        ),
+        ("[[support]]\nat = [1, 1]\nstiffness = [1]", "found [1]; it must be a number or an expression in x and y."),
+        ("[[support]]\nat = [1, 1]\nsettlement = inf", "support[1].settlement: found inf; it must be finite"),
+        ("[[support]]\nat = [1, 1]\nsettlement = true", "found true; it must be a number or an expression"),
+        ("[[support]]\nat = [1, 1]\nname = 3", "support[1].name: found 3; it must be text in quotes."),
+        ("[[support]]\nat = [1, 1]\nname = 'a\tb'", "line breaks and control characters are not allowed."),
+        (f"[[support]]\nat = [1, 1]\nname = '{'a' * 201}'", "found text of 201 characters; at most 200 are allowed."),
+        (
+            "[[support]]\nat = [1, 1]\nname = 'a'\n" * 2,
+            'slab.toml:15: support[2].name ("a"): the name "a" is taken by s',
+        ),
+        ("[[load]]", "slab.toml:10: load[2]: found none; a load is exactly one of pressure, force, line_load, moment"),
+        ("[[load]]\nforce = 1\npressure = 1", "load[2]: found pressure and force; a load is exactly one of"),
+        ("[[load]]\nforce = 1", "load[2]: found no place; force needs at to say where it acts."),
+        (
+            "[[load]]\nforce = 1\nat = [0, 0]\narea = 'all'",
+            "load[2].area: area does not go with force, which goes with at.",
+        ),
+        (
+            "[[load]]\nforce = '1'\nat = [0, 0]",
+            'load[2].force: found "1"; it must be a number. Write it without quotes.',
+        ),
+        ("[[load]]\nforce = 'x'\nat = [0, 0]", 'load[2].force: found "x"; it must be a number.'),
+        ("[[load]]\nforce = true\nat = [0, 0]", "load[2].force: found true; it must be a number."),
+        ("[[load]]\nforce = 1e400\nat = [0, 0]", "load[2].force: found inf; it must be finite"),
+        (
+            "[[load]]\npressure = 2024-01-01",
+            "load[2].pressure: found the date or time 2024-01-01; it must be a number or",
+        ),
+        ("[[load]]\ncase = ''\npressure = 1", "load[2].case: it is empty."),
+        ("[[load]]\nself_weight = false", "load[2].self_weight: found false; write true, or leave the key out."),
+        ("[[load]]\nself_weight = true", "load[2].self_weight: self_weight needs the material's unit_weight"),
+        ("[[load]]\nself_weight = true\nat = [0, 0]", "load[2].at: at does not go with self_weight, which goes alone."),
+        ("[[load]]\ncurvature = [1, 2]", "load[2].curvature: found [1, 2]; it must be three curvatures [kx, ky, kxy]."),
+        ("[[load]]\ncurvature = [1, 2, 3]\narea = 'all'", "load[2].area: area does not go with curvature"),
+        ("[[load]]\nmoment = 1\nat = [0, 0]", "load[2].moment: found 1; it must be two couples [mx, my]."),
+        ("[[load]]\nline_load = 1", "line_load needs exactly one of edge, line, circle to say where it acts."),
+        ("[[load]]\nline_load = 1\nedge = 'lef'", "slab.toml:12: load[2].edge: Unknown edge 'lef'."),
+        (
+            "[[combination]]\nfactors = { load = 1, Q = 2 }",
+            "slab.toml:11: combination[1].factors.Q: Unknown case 'Q'. This",
+        ),
+        ("[[combination]]\nfactors = {}", "combination[1].factors: it is empty."),
+        ("[[combination]]\nfactors.load = '1'", 'combination[1].factors.load: found "1"; it must be a number.'),
+        ("[[combination]]\nfactors = 3", "combination[1].factors: found 3; it must be a table."),
+        ("[[combination]]\nname = 'a'", "combination[1].factors (\"a\"): 'factors' is missing."),
+        (
+            "[[combination]]\nname = 'a'\nfactors.load = 1\n" * 2,
+            'slab.toml:14: combination[2].name ("a"): the name "a" is',
+        ),
+        ("[[probe]]", "probe[1].at: 'at' is missing."),
+        ("[mesh]\nsize = -1", "mesh.size: found -1; it must be greater than 0."),
+        ("[mesh]\nsize = 1\ndivisions = [1, 1]", "mesh.size: found both divisions and size; give one of them."),
+        ("[mesh]\ndivisions = [1, 1.5]", "mesh.divisions[2]: found 1.5; it must be a whole number."),
+        ("[mesh]\ndivisions = [0, 1]", "mesh.divisions[1]: found 0; it must not be less than 1."),
+        ("[mesh]\ndivisions = 4", "mesh.divisions: found 4; it must be two whole numbers, such as [20, 20]."),
+        ("[mesh]\nsize = 1e-9", "mesh.size: found 1e+09 by 1e+09 elements; at most 1e+07 are allowed."),
+        (
+            "[solver]\nmethod = 'lemk'",
+            'solver.method: found "lemk"; it must be one of auto, lemke, active_set, interior_poin',
+        ),
+    ],
+)
+def test_bad_input_gives_one_message_with_its_place(written, text, says):
+    found = message(written(BASE + text))
+    assert says in found
+    assert len(found.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("plate", "says"),
+    [
+        (
+            "shape = 'polygon'",
+            'slab.toml:5: plate.shape: found "polygon"; this version has rectangle, disc, annulus, mesh.',
+        ),
+        ("shape = 'polygon'", 'mesh the plate in another program and give shape = "mesh" with its file.'),
+        ("shape = 'disk'", "Did you mean 'disc'?"),
+        ("shape = 3", "plate.shape: found 3; this version has rectangle"),
+        ("size = [1, 1]", "slab.toml:4: plate.shape: 'shape' is missing. One of rectangle, disc, annulus, mesh."),
+        (
+            "shape = 'rectangle'\nsize = [1, 1]",
+            "slab.toml:4: plate.thickness: 'thickness' is missing. Thickness: a number",
+        ),
+        (
+            "shape = 'rectangle'\nsize = [1, 1]\nthickness = 0",
+            "slab.toml:7: plate.thickness: found 0; it must be greater th",
+        ),
+        (
+            "shape = 'rectangle'\nsize = [1, 1]\nthickness = -0.1",
+            "plate.thickness: found -0.1; it must be greater than 0.",
+        ),
+        (
+            "shape = 'rectangle'\nsize = [1, 1]\nthickness = 'x+'",
+            "'x+' is not an expression in x and y: it cannot be read",
+        ),
+        ("shape = 'rectangle'\nsize = [1, 0]\nthickness = 1", "plate.size[2]: found 0; it must be greater than 0."),
+        ("shape = 'rectangle'\nsize = 3\nthickness = 1", "plate.size: found 3; it must be [a, b]."),
+        ("shape = 'rectangle'\nsize = [1, 1]\nthickness = 1\norigin = [1e9, 0]", "Move the plate to the origin."),
+        (
+            "shape = 'disc'\nradius = 1\nthickness = 1\nsector = 45",
+            "plate.sector: found 45; a disc can be 90, 180 or 360",
+        ),
+        (
+            "shape = 'disc'\nradius = 1\nthickness = 1\nelement = 'mitc4'",
+            "it must be one of mitc9, q8r. Did you mean 'mitc9'?",
+        ),
+        (
+            "shape = 'disc'\nradius = 1\nthickness = 1\nshear_factor = 0",
+            "plate.shear_factor: found 0; it must be greater",
+        ),
+        (
+            "shape = 'disc'\nradius = 1\nthickness = 1\nsize = [1, 1]",
+            "plate.size: unknown key 'size'. It belongs in [mesh].",
+        ),
+        (
+            "shape = 'annulus'\ninner = 2\nouter = 1\nthickness = 1",
+            "plate.outer: found 1; it must be greater than inner",
+        ),
+        (
+            "shape = 'annulus'\ninner = 1\nouter = 2\nthickness = 1\nsector = 361",
+            "found 361; it must not be greater than 360",
+        ),
+        (
+            "shape = 'mesh'\nthickness = 1\nfile = 3",
+            "plate.file: found 3; it must be the path of a mesh file, in quotes.",
+        ),
+        (
+            "shape = 'mesh'\nthickness = 1\nfile = 'a.msh'\n[mesh]\nsize = 1",
+            "mesh.size: size does not go with a plate read",
+        ),
+    ],
+)
+def test_bad_plate_gives_one_message_with_its_place(written, plate, says):
+    found = message(written(f"{MATERIAL}[plate]\n{plate}\n{LOAD}"))
+    assert says in found
+    assert len(found.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("material", "says"),
+    [
+        ("E = 0\nnu = 0.3", "slab.toml:2: material.E: found 0; it must be greater than 0."),
+        ("E = 1\nnu = 0.5", "slab.toml:3: material.nu: found 0.5; it must be less than 0.5."),
+        ("E = 1\nnu = -1", "material.nu: found -1; it must be greater than -1."),
+        ("E = nan\nnu = 0", "material.E: found nan; it must be finite"),
+        ("E = 1e-99\nnu = 0", "material.E: found 1e-99; it must be at least 1e-60. Choose other units."),
+        (f"E = 1{'0' * 99}\nnu = 0", "material.E: found an integer of more than 20 digits; it must be finite"),
+        ("e = 1\nnu = 0", "slab.toml:2: material.e: unknown key 'e'. Did you mean 'E'?"),
+        ("E = 1\nnu = 0\nunit_weight = -1", "material.unit_weight: found -1; it must not be less than 0."),
+    ],
+)
+def test_bad_material_gives_one_message_with_its_place(written, material, says):
+    found = message(written(f"[material]\n{material}\n{PLATE}{LOAD}"))
+    assert says in found
+    assert len(found.splitlines()) == 1
+
+
+def test_several_problems_are_one_error_in_the_order_of_the_file(written):
+    text = BASE.replace("nu = 0.3", "nu = 0.7") + "[[support]]\nat = [0, 0]\ngap = -1\n[slver]\n"
+    assert message(written(text)).splitlines() == [
+        "slab.toml: 3 problems:",
+        "  slab.toml:3: material.nu: found 0.7; it must be less than 0.5.",
+        "  slab.toml:12: support[1].gap: found -1; it must not be less than 0.",
+        "  slab.toml:13: slver: unknown key 'slver'. Did you mean 'solver'? Allowed here: title, units, material, plate, "
+        "mesh, support, load, combination, probe, solver.",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (
+            b"title = 'a'\nE 3\n",
+            "slab.toml:2: this is not TOML: expected '=' after a key in a key/value pair (column 3) in: E 3",
+        ),
+        (b"a = 1\n\nb = [1,\n", "slab.toml:3: this is not TOML: invalid value at the end of the file in: b = [1,"),
+        (b"a = 1\na = 2\n", "slab.toml:2: this is not TOML: cannot overwrite a value"),
+        (b"a = 1\nb = '\xff'\n", "slab.toml:2: byte 0xff is not UTF-8 text."),
+        (b"\xff\xfea\x00", "slab.toml:1: byte 0xff is not UTF-8 text. Save the file in the encoding UTF-8."),
+        (b"a = " + b"9" * 5000, "slab.toml: a number in it has too many digits to be read."),
+        (b"a = " + b"[" * 100_000, "slab.toml: lists or tables are nested too deeply."),
+        (b"a." * 100_000 + b"a = 1", "slab.toml:1: a key has more than 16 parts joined by dots."),
+        (b"# comment\n" * 500_000, "the file is larger than 4 MB"),
+        (b"", "slab.toml: 3 problems:"),
+        (b"lkj sdf\n" * 100_000, "slab.toml:1: this is not TOML"),
+        (b"".join(b"k%d = 1\n" % i for i in range(20_000)), "20003 problems:"),
+        (b"\x00\x01\x02", "slab.toml:1: this is not TOML"),
+    ],
+)
+def test_file_that_is_no_input_file_says_why(written, content, says):
+    assert says in message(written(content))
+
+
+def test_file_that_cannot_be_read_says_why(tmp_path):
+    assert "there is no such file" in message(tmp_path / "none.toml")
+    assert "this is a directory" in message(tmp_path)
+    assert "cannot be read" in message("a\0b")
+
+
+@pytest.mark.parametrize("text", [EXAMPLE, OTHER_FORMS])
+def test_every_key_of_the_file_is_found_on_its_own_line(text):
+    lines, rows = Lines(text), text.splitlines()
+
+    def walk(node, path):
+        for key, part in node.items() if isinstance(node, dict) else enumerate(node):
+            here = (*path, key)
+            if isinstance(key, str):
+                assert key in rows[lines.of(here) - 1]
+            if isinstance(part, dict | list):
+                walk(part, here)
+
+    walk(tomllib.loads(text), ())
+
+
+def test_lines_are_right_for_every_way_of_writing_toml():
+    text = '''# first
+a."b.c" . 'd' = """
+[not.a.table]
+x = 1 ""\\""" # = [
+e = [ # ]
+  1, "]", [2,
+    3], { k = "#", l.m = [
+  ] },
+]
+["t a"]
+f = \'\'\'
+'\'\'\'
+[t.u]
+g = 2024-01-01 10:00:00
+[[t.v]]
+[t.v.w]
+h = 1
+[[t.v]]
+[[t.v.x]]
+i = { j = 1,
+ }
+'''
+    # newlines in inline tables are for readers of newer TOML only
+    valid = text.replace("1,\n }", "1 }")
+    tomllib.loads(valid)
+    lines = Lines(valid)
+    expected = {
+        ("a", "b.c", "d"): 2,
+        ("e",): 5,
+        ("e", 1): 6,
+        ("e", 2, 1): 7,
+        ("e", 3, "k"): 7,
+        ("e", 3, "l", "m"): 7,
+        ("t a", "f"): 11,
+        ("t", "u", "g"): 14,
+        ("t", "v", 0): 15,
+        ("t", "v", 0, "w", "h"): 17,
+        ("t", "v", 1): 18,
+        ("t", "v", 1, "x", 0, "i", "j"): 20,
+        ("t", "v", 1, "x", 0, "missing", 3): 19,
+        ("nowhere",): 1,
+    }
+    assert {path: lines.of(path) for path in expected} == expected
+
+
+@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.data())
+def test_garbled_files_are_models_or_input_errors(data, written):
+    text = data.draw(st.sampled_from([EXAMPLE, OTHER_FORMS]))
+    for _ in range(data.draw(st.integers(1, 3))):
+        start = data.draw(st.integers(0, len(text)))
+        end = min(len(text), start + data.draw(st.integers(0, 12)))
+        insert = st.text(alphabet="[]{}=\"'.,#\n \\-0123456789eE_aginfxy\x00é", max_size=6)
+        text = text[:start] + data.draw(insert) + text[end:]
+    try:
+        load(written(text))
+    except InputError as error:
+        assert str(error).startswith("slab.toml")
+
+
+def test_schema_is_draft_2020_12_and_describes_every_key():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = schema()
+    jsonschema.Draft202012Validator.check_schema(found)
+    assert found["$schema"] == "https://json-schema.org/draft/2020-12/schema"
+    assert '"null"' not in json.dumps(found)
+    for table in (found, *found["$defs"].values()):
+        assert table["description"]
+        assert table["additionalProperties"] is False
+        for key, field in table["properties"].items():
+            assert field.get("description"), key
+
+
+@pytest.mark.parametrize("text", [EXAMPLE, OTHER_FORMS, BASE])
+def test_schema_accepts_what_is_right(text):
+    jsonschema.validate(tomllib.loads(text), schema())
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[[support]]\nat = [0, 0]\nstifness = 1",
+        "[[support]]\nat = [0, 0]\nedge = 'left'",
+        "[[support]]\nedge = 'left'\nfix = 'simple'\nresists = 'down'",
+        "[[support]]\nat = [0, 0]\nstiffness = 0",
+        "[[load]]\nforce = 1",
+        "[[load]]\nforce = 1\nat = [0, 0]\npressure = 1",
+        "[[load]]\nline_load = 1\nedge = 'left'\nline = [[0, 0], [1, 1]]",
+        "[mesh]\nsize = 1\ndivisions = [1, 1]",
+        "[solver]\nmethod = 'x'",
+        "[[combination]]\nname = 'a'",
+    ],
+)
+def test_schema_refuses_what_is_wrong(text):
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(tomllib.loads(BASE + text), schema())
+
+
+def test_paths_and_strings_are_both_accepted(written):
+    path = written(EXAMPLE)
+    assert load(str(path)) == load(Path(path))

@@ -1,0 +1,339 @@
+"""Meshes: what the meshers make, what a mesh refuses, and where points are."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from signorini._core import serendipity
+
+from signorini.errors import InputError
+from signorini.mesh import Mesh
+from signorini.meshers import annulus, disc, rectangle
+from signorini.quadrature import area_quadrature
+from signorini.regions import Polyline, Ring
+from signorini.subdivision import divisions_from_size, subdivide
+
+SQUARE = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]], float)
+ELEMENT = np.arange(8)[None]
+
+
+def distorted(mesh, amount=0.2, seed=1, curved=True):
+    """Move inner nodes by `amount` of the smallest element."""
+    random = np.random.default_rng(seed)
+    points, step = mesh.points.copy(), amount * math.sqrt(mesh.element_area.min())
+    fixed = np.zeros(len(points), dtype=bool)
+    fixed[mesh.boundary] = True
+    midside = np.zeros(len(points), dtype=bool)
+    midside[mesh.elements[:, 4:]] = True
+    points[~fixed & ~midside] += random.uniform(-step, step, (np.sum(~fixed & ~midside), 2))
+    inner = mesh.unique_sides[~fixed[mesh.unique_sides[:, 1]]]
+    bend = random.uniform(-0.3 * step, 0.3 * step, (len(inner), 2)) if curved else 0.0
+    points[inner[:, 1]] = 0.5 * (points[inner[:, 0]] + points[inner[:, 2]]) + bend
+    return Mesh(points, mesh.elements, mesh.edges)
+
+
+def scaled_jacobian(mesh):
+    """Least sine of the angle between the coordinate lines."""
+    station = np.stack(np.meshgrid(*2 * [np.linspace(-1, 1, 5)]), axis=-1).reshape(-1, 2)
+    j = np.einsum("end,rna->erda", mesh.nodes, serendipity(station)[1])
+    lengths = np.hypot(j[..., 0, :], j[..., 1, :]).prod(axis=-1)
+    return float((np.linalg.det(j) / lengths).min())
+
+
+MESHES = {
+    "rectangle": rectangle((1.0, -2.0), (4.0, 3.0), (5, 4)),
+    "disc": disc((1.0, 2.0), 2.0, (5, 16)),
+    "quarter annulus": annulus((0.0, 0.0), 1.0, 2.0, (3, 5), sector=90),
+    "distorted rectangle": distorted(rectangle((0.0, 0.0), (4.0, 3.0), (5, 4))),
+    "distorted disc": distorted(disc((0.0, 0.0), 2.0, (5, 16)), 0.15),
+}
+
+
+# What the meshers make
+
+
+def test_a_rectangle_has_the_divisions_asked_for_and_its_own_area_and_moments_of_inertia():
+    mesh = rectangle((1.0, 2.0), (4.0, 3.0), (5, 7), x_lines=[2.3, 4.0], y_lines=[2.5])
+    assert len(mesh.elements) == 35
+    q = area_quadrature(mesh)
+    x, y = (q.positions - (3.0, 3.5)).T
+    assert q.weights @ np.array([x**2, y**2, x * y]).T == pytest.approx([3 * 4**3 / 12, 4 * 3**3 / 12, 0], abs=1e-12)
+    assert mesh.size == 4.0 and q.total == pytest.approx(12.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("sector", [90, 180, 360])
+@pytest.mark.parametrize("mesher", [disc, lambda c, r, n, s: annulus(c, 0.4 * r, r, n, s)], ids=["disc", "annulus"])
+def test_area_and_moment_of_inertia_of_round_meshes_converge_with_the_fourth_power(mesher, sector):
+    inner = 0.0 if mesher is disc else 0.8
+    exact = np.array([(2.0**2 - inner**2) / 2, (2.0**4 - inner**4) / 4]) * math.radians(sector)
+    errors = []
+    for n in (4, 8):
+        q = area_quadrature(mesher((1.0, -1.0), 2.0, (n, n * sector // 90), sector), order=4)
+        polar = ((q.positions - (1.0, -1.0)) ** 2).sum(axis=1)
+        errors.append(np.abs([q.total - exact[0], q.weights @ polar - exact[1]]) / exact)
+    assert (np.array(errors[0]) < 1e-4).all()
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.2)
+
+
+def test_nodes_of_rings_are_on_circles_and_those_of_straight_sides_on_their_lines():
+    mesh = disc((1.0, 2.0), 3.0, (6, 8), sector=90, radii=[2.5])
+    for radius in (2.5, 3.0):
+        ring = mesh.edges_along(Ring((1.0, 2.0), radius))
+        assert np.hypot(*(mesh.points[ring] - (1.0, 2.0)).reshape(-1, 2).T) == pytest.approx(radius, abs=1e-15)
+    assert (mesh.points[mesh.edges["start"]][..., 1] == 2.0).all()
+    assert (mesh.points[mesh.edges["end"]][..., 0] == 1.0).all()
+
+
+@pytest.mark.parametrize("sector", [90, 180, 360])
+@pytest.mark.parametrize("divisions", [(1, 4), (2, 8), (3, 12), (4, 16), (1, 60), (30, 8), (20, 100)])
+def test_no_element_of_a_disc_is_poor(divisions, sector):
+    assert scaled_jacobian(disc((0.0, 0.0), 1.0, divisions, sector)) > 0.55
+
+
+@pytest.mark.parametrize(
+    ("sector", "around", "core"), [(360, 16, (4, 4)), (360, 13, (4, 4)), (180, 7, (4, 2)), (90, 7, (4, 4))]
+)
+def test_the_circumference_of_a_disc_is_rounded_up_to_fit_its_core(sector, around, core):
+    mesh = disc((0.0, 0.0), 1.0, (9, around), sector)
+    rim = len(mesh.edges["rim"])
+    assert rim == {360: 16, 180: 8, 90: 8}[sector]
+    assert (len(mesh.elements) - core[0] * core[1]) % rim == 0
+
+
+def test_an_annulus_has_the_divisions_asked_for():
+    mesh = annulus((0.0, 0.0), 1.0, 2.0, (3, 10), radii=[1.3])
+    assert len(mesh.elements) == 30
+    assert len(mesh.edges_along(Ring((0.0, 0.0), 1.3))) == 10
+
+
+def length_and_circulation(mesh, edge):
+    """Length of an edge, and the area to the left of it about the centroid."""
+    points = mesh.points[edge] - mesh.points.mean(axis=0)
+    a, m, b = np.moveaxis(points, 1, 0)
+    cross = lambda p, q: (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum()  # noqa: E731
+    return 0.5 * (cross(a, m) + cross(m, b))
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_named_edges_make_up_the_outline_with_the_plate_on_the_left(name):
+    mesh = MESHES[name]
+    named = np.vstack(list(mesh.edges.values()))
+    assert sorted(map(tuple, named)) == sorted(map(tuple, mesh.boundary))
+    assert all((a[2] == b[0]) for edge in mesh.edges.values() for a, b in pairwise(edge))
+    signs = {key: length_and_circulation(mesh, edge) > 0 for key, edge in mesh.edges.items()}
+    assert all(positive for key, positive in signs.items() if key != "inner")
+
+
+def test_the_outline_of_an_annulus_is_two_closed_loops():
+    boundary = annulus((0.0, 0.0), 1.0, 2.0, (1, 6)).boundary
+    breaks = [i for i in range(12) if boundary[i, 2] != boundary[(i + 1) % 12, 0]]
+    assert len(breaks) == 2
+
+
+# Following lines
+
+
+def test_lines_on_an_equal_grid_move_nothing():
+    even = rectangle((0.0, 0.0), (1.0, 1.0), (10, 7))
+    assert np.array_equal(rectangle((0.0, 0.0), (1.0, 1.0), (10, 7), [0.3, 0.7], [3 / 7]).points, even.points)
+
+
+@given(st.integers(1, 30), st.lists(st.floats(-0.5, 1.5), max_size=6), st.floats(-10.0, 10.0), st.integers(1, 3))
+def test_a_subdivision_keeps_its_count_and_its_neighbours_are_alike(count, lines, start, first):
+    count += first
+    knots = subdivide(start, start + 1.0, count, [start + line for line in lines], first=first)
+    sizes = np.diff(knots)
+    assert len(sizes) == count and knots[0] == start and knots[-1] == start + 1.0
+    assert (sizes > 0).all()
+    assert (np.maximum(sizes[1:] / sizes[:-1], sizes[:-1] / sizes[1:]) < 3.001).all()
+
+
+@given(st.floats(0.26, 0.74))
+def test_a_single_line_well_inside_is_followed_exactly(line):
+    mesh = rectangle((0.0, 0.0), (1.0, 1.0), (6, 2), x_lines=[line])
+    assert np.abs(mesh.points[:, 0] - line).min() < 1e-9
+    assert mesh.edges_along(Polyline(((line, 0.0), (line, 1.0)))) is not None
+
+
+def test_a_line_too_near_another_is_left_out():
+    assert np.array_equal(subdivide(0.0, 10.0, 10, [5.0, 5.01]), np.linspace(0.0, 10.0, 11))
+
+
+def test_divisions_follow_from_an_element_size():
+    assert divisions_from_size([0.3, 1.0, 0.01], 0.1) == (3, 10, 1)
+    with pytest.raises(InputError, match="element size must be positive"):
+        divisions_from_size([1.0], 0.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: rectangle((0, 0), (0.0, 1.0), (1, 1)), "size must be positive; found 0, 1"),
+        (lambda: rectangle((0, 0), (1.0, 1.0), (0, 1)), r"Divisions are two positive numbers .* found \[0, 1\]"),
+        (lambda: disc((0, 0), -1.0, (1, 4)), "radius must be positive"),
+        (lambda: disc((0, 0), 1.0, (1, 4), sector=45), "90, 180 or 360 degrees; found 45"),
+        (lambda: annulus((0, 0), 2.0, 1.0, (1, 4)), "inner radius must be less"),
+        (lambda: annulus((0, 0), 1.0, 2.0, (1, 3)), "at least 4 elements; found 3"),
+    ],
+)
+def test_a_mesher_says_what_it_cannot_make(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+# What a mesh refuses
+
+
+def moved(node, to):
+    points = SQUARE.copy()
+    points[node] = to
+    return points
+
+
+TWO = np.vstack([SQUARE, SQUARE + (2.0, 0.0)])
+APART = np.vstack([SQUARE, SQUARE + (5.0, 0.0)])
+BOTH = np.arange(16).reshape(2, 8)
+SMALL = np.vstack([SQUARE, 0.5 * SQUARE + (2.0, 0.0)])
+
+
+@pytest.mark.parametrize(
+    ("points", "elements", "message"),
+    [
+        (moved(2, (0.4, 0.4)), ELEMENT, r"Element 0 .* folds over itself"),
+        (moved(4, (0.2, 0.0)), ELEMENT, r"Element 0 .* folds over itself"),
+        (SQUARE, ELEMENT[:, [0, 3, 2, 1, 7, 6, 5, 4]], "Element 0 .* is clockwise"),
+        (moved(1, (np.nan, 0.0)), ELEMENT, "not finite: node 1"),
+        (np.vstack([SQUARE, [[9.0, 9.0]]]), ELEMENT, r"no element uses, such as node 8 .* at \(9, 9\)"),
+        (SQUARE, ELEMENT + 1, "must use nodes 0 to 7; found 1 to 8"),
+        (SQUARE, np.array([[0, 1, 2, 3, 4, 5, 6, 6]]), "Element 0 .* uses a node twice"),
+        (SQUARE, np.empty((0, 8)), "ne ≥ 1"),
+        (np.zeros((8, 3)), ELEMENT, r"shape \(n, 2\); found \(8, 3\)"),
+        (TWO, BOTH, "hanging or duplicate node: node .* lies on the side"),
+        (SMALL, BOTH, "hanging or duplicate node: node .* lies on the side"),
+        (APART, BOTH, "in 2 pieces that share no side: Element 0 .*; Element 1"),
+    ],
+)
+def test_a_mesh_names_what_is_wrong_with_it(points, elements, message):
+    with pytest.raises(InputError, match=message):
+        Mesh(points, elements, {})
+
+
+def test_a_midside_that_is_a_neighbours_corner_hangs():
+    points = np.vstack([SQUARE, [[3, 1], [3, 2], [2.5, 1], [3, 1.5], [2.5, 2], [2, 1.5]]])
+    neighbour = [5, 8, 9, 2, 10, 11, 12, 13]
+    with pytest.raises(InputError, match=r"hanging node: its midside node 5 .* at \(2, 1\)"):
+        Mesh(points, np.array([ELEMENT[0], neighbour]), {})
+
+
+def test_a_side_shared_with_different_midsides_is_refused():
+    points = np.vstack([SQUARE, [[4, 0], [4, 2], [3, 0], [4, 1], [3, 2], [2, 1]]])
+    with pytest.raises(InputError, match="same midside node"):
+        Mesh(points, np.array([ELEMENT[0], [1, 8, 9, 2, 10, 11, 12, 13]]), {})
+
+
+def test_an_edge_must_be_sides_with_the_plate_on_the_left():
+    with pytest.raises(InputError, match="Edge 'south' has nodes 1, 4, 0, which are not"):
+        Mesh(SQUARE, ELEMENT, {"south": np.array([[1, 4, 0]])})
+
+
+def test_a_mesh_cannot_be_changed():
+    mesh = MESHES["disc"]
+    with pytest.raises(ValueError, match="read-only"):
+        mesh.points[0] = 0.0
+    with pytest.raises(TypeError):
+        mesh.edges["more"] = mesh.boundary
+
+
+# Where points are
+
+
+@pytest.mark.parametrize("name", MESHES)
+@given(data=st.data())
+@settings(max_examples=30, deadline=None)
+def test_locating_a_mapped_point_gives_it_back(name, data):
+    mesh = MESHES[name]
+    coordinate = st.floats(-1.0, 1.0)
+    drawn = data.draw(
+        st.lists(st.tuples(st.integers(0, len(mesh.elements) - 1), coordinate, coordinate), min_size=1, max_size=8)
+    )
+    elements = np.array([item[0] for item in drawn])
+    xi = np.array([item[1:] for item in drawn])
+    points = mesh.map(elements, xi)
+    found = mesh.locate(points)
+    assert found.inside.all()
+    assert mesh.map(found.elements, found.xi) == pytest.approx(points, abs=1e-9)
+    within = np.abs(xi).max(axis=1) < 1.0 - 1e-8
+    assert np.array_equal(found.elements[within], elements[within])
+    assert found.xi[within] == pytest.approx(xi[within], abs=1e-9)
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_at_a_node_the_shape_functions_are_exactly_zero_and_one(name):
+    mesh = MESHES[name]
+    found = mesh.locate(mesh.points)
+    values = serendipity(found.xi)[0]
+    assert np.array_equal(np.sort(values, axis=1), np.tile([0.0] * 7 + [1.0], (mesh.node_count, 1)))
+    assert np.array_equal(mesh.elements[found.elements, values.argmax(axis=1)], np.arange(mesh.node_count))
+
+
+def test_a_point_is_outside_past_a_straight_edge_but_inside_on_the_true_circle():
+    square = MESHES["rectangle"]
+    assert square.locate(np.array([[1.0 - 1e-12, -1.0], [1.0 - 1e-6, -1.0]])).inside.tolist() == [True, False]
+    coarse = disc((0.0, 0.0), 1.0, (2, 8))
+    angle = np.linspace(0.0, 2.0 * np.pi, 101)
+    rim = np.column_stack([np.cos(angle), np.sin(angle)])
+    found = coarse.locate(rim)
+    assert found.inside.all()
+    assert coarse.map(found.elements, found.xi) == pytest.approx(rim, abs=1e-10)
+    assert not coarse.locate(1.05 * rim).inside.any()
+
+
+def test_a_hole_is_outside():
+    found = annulus((0.0, 0.0), 1.0, 2.0, (2, 8)).locate(np.array([[0.0, 0.5], [0.0, 1.5], [2.5, 0.0]]))
+    assert found.elements.tolist()[0::2] == [-1, -1] and found.elements[1] >= 0
+    assert np.isnan(found.xi[0]).all()
+
+
+def test_points_are_located_far_from_the_origin():
+    mesh = rectangle((1e6, -1e6), (1.0, 1.0), (20, 20))
+    assert mesh.locate(mesh.points).inside.all()
+
+
+def test_no_points_are_nowhere():
+    assert MESHES["disc"].locate(np.empty((0, 2))).elements.shape == (0,)
+
+
+# Sides along curves
+
+
+def test_sides_along_a_polyline_run_in_its_direction():
+    mesh = rectangle((0.0, 0.0), (4.0, 4.0), (4, 4))
+    sides = mesh.edges_along(Polyline(((3.0, 4.0), (3.0, 1.0), (0.0, 1.0))))
+    assert len(sides) == 6
+    ends = mesh.points[[sides[0, 0], *sides[:, 2]]]
+    assert ends.tolist() == [[3, 4], [3, 3], [3, 2], [3, 1], [2, 1], [1, 1], [0, 1]]
+
+
+@pytest.mark.parametrize("points", [((0.5, 0.0), (0.5, 4.0)), ((0.0, 1.0), (3.5, 1.0)), ((0.0, 0.0), (4.0, 4.0))])
+def test_a_polyline_that_the_mesh_does_not_follow_has_no_sides(points):
+    assert rectangle((0.0, 0.0), (4.0, 4.0), (4, 4)).edges_along(Polyline(points)) is None
+
+
+def test_sides_along_a_ring_run_counter_clockwise():
+    mesh = annulus((1.0, 0.0), 1.0, 3.0, (2, 12))
+    for radius in (1.0, 2.0, 3.0):
+        sides = mesh.edges_along(Ring((1.0, 0.0), radius))
+        assert len(sides) == 12 and np.array_equal(sides[:, 2], np.roll(sides[:, 0], -1))
+        assert length_and_circulation(mesh, sides) > 0
+    assert mesh.edges_along(Ring((1.0, 0.0), 2.5)) is None
+    assert mesh.edges_along(Ring((1.1, 0.0), 2.0)) is None
+
+
+def test_of_a_ring_only_the_part_on_a_sector_has_to_be_covered():
+    mesh = annulus((0.0, 0.0), 1.0, 3.0, (2, 6), sector=180)
+    sides = mesh.edges_along(Ring((0.0, 0.0), 2.0))
+    assert len(sides) == 6
+    assert mesh.points[[sides[0, 0], sides[-1, 2]]] == pytest.approx(np.array([[2.0, 0.0], [-2.0, 0.0]]), abs=1e-15)

@@ -1,0 +1,225 @@
+import copy
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from signorini.errors import InputError
+from signorini.model import Area, Combination, DiscPlate, Load, MeshOptions, Model, Support, validate
+
+
+def slab(**changes):
+    return {
+        "material": {"E": 30e9, "nu": 0.2, "unit_weight": 25e3},
+        "plate": {"shape": "rectangle", "size": [10.0, 5.0], "thickness": 0.3},
+        "mesh": {"divisions": [40, 40]},
+        "support": [
+            {"name": "walls", "edge": ["left", "right"], "fix": "simple"},
+            {"at": [[2.5, 2.5], [7.5, 2.5]], "resists": "down", "gap": 0.001, "stiffness": "5e8*(1 + x)"},
+            {"area": {"polygon": [[0, 0], [4, 0], [2, 3]]}, "resists": "down", "stiffness": 30e6},
+        ],
+        "load": [
+            {"case": "G", "self_weight": True},
+            {"case": "Q", "force": 20e3, "at": [5.5, 3.5]},
+            {"case": "Q", "line_load": "x", "line": [[0, 0], [1, 1]]},
+            {"case": "T", "curvature": [1e-5, 0, 0]},
+            {"case": "T", "moment": [1, 2], "at": [[1, 1]]},
+        ],
+        "combination": [{"name": "ULS", "factors": {"G": 1.35, "Q": 1.5}}, {"factors": {"T": 1}}],
+        "probe": [{"at": [5.0, 5.0]}],
+        "solver": {"method": "lemke"},
+        **changes,
+    }
+
+
+def test_defaults_are_filled_in():
+    model = Model(**slab())
+    walls, bearings, soil = model.support
+    assert (walls.resists, walls.fixed, walls.place) == (None, ("w",), "edge")
+    assert (bearings.name, bearings.resists, bearings.place) == ("support 2", "down", "at")
+    assert soil.gap.value == 0
+    assert soil.stiffness is not None and soil.stiffness.value == 30e6
+    assert model.cases == ("G", "Q", "T")
+    assert [load.kind for load in model.load] == ["self_weight", "force", "line_load", "curvature", "moment"]
+    assert [combination.name for combination in model.combination] == ["ULS", "combination 2"]
+    assert model.plate.shear_factor == 5 / 6
+    assert Support(at=[0, 0]).resists == "both"
+    assert Load(pressure=1).area == "all"
+
+
+def test_no_combination_means_every_case_at_factor_one():
+    (combination,) = Model(**slab(combination=[])).effective_combinations
+    assert combination.name == "all"
+    assert dict(combination.factors) == {"G": 1.0, "Q": 1.0, "T": 1.0}
+
+
+def test_models_are_immutable_hashable_and_picklable():
+    model = Model(**slab())
+    with pytest.raises(ValidationError):
+        model.title = "other"
+    with pytest.raises(TypeError):
+        model.combination[0].factors["G"] = 2.0
+    assert hash(model) == hash(copy.deepcopy(model))
+    assert pickle.loads(pickle.dumps(model)) == model
+
+
+def test_a_dumped_model_is_the_same_model():
+    model = Model(**slab())
+    assert validate(model.model_dump()) == model
+    assert Model.model_validate_json(model.model_dump_json()) == model
+
+
+def test_numpy_numbers_and_arrays_and_table_objects_are_accepted():
+    points = np.array([[1.0, 2.0], [3.0, 4.0]])
+    model = Model(
+        material={"E": np.float32(2), "nu": np.float64(0.3)},
+        plate=DiscPlate(radius=np.int64(5), thickness="0.1 + x*x"),
+        mesh=MeshOptions(divisions=np.array([2, 8])),
+        support=[Support(at=points), Support(edge="rim", fix="clamped")],
+        load=[Load(force=1, at=points[0])],
+        combination=[Combination(factors={"load": 2})],
+    )
+    assert model.support[0].at == ((1.0, 2.0), (3.0, 4.0))
+    assert model.load[0].at == ((1.0, 2.0),)
+    assert model.plate.thickness.is_constant is False
+
+
+@pytest.mark.parametrize(
+    ("plate", "edges"),
+    [
+        ({"shape": "rectangle", "size": [1, 1]}, {"left", "right", "bottom", "top"}),
+        ({"shape": "disc", "radius": 1}, {"rim"}),
+        ({"shape": "disc", "radius": 1, "sector": 90}, {"rim", "start", "end"}),
+        ({"shape": "annulus", "inner": 1, "outer": 2}, {"inner", "outer"}),
+        ({"shape": "annulus", "inner": 1, "outer": 2, "sector": 77.5}, {"inner", "outer", "start", "end"}),
+    ],
+)
+def test_a_plate_has_the_edges_of_its_shape(plate, edges):
+    plate = {**plate, "thickness": 0.1}
+    assert set(Model(**slab(plate=plate, support=[])).plate.edge_names) == edges
+    for edge in edges:
+        validate(slab(plate=plate, support=[{"edge": edge}]))
+    with pytest.raises(InputError, match="Unknown edge 'middle'"):
+        validate(slab(plate=plate, support=[{"edge": "middle"}]))
+
+
+def test_edges_of_a_mesh_file_are_not_checked_before_it_is_read():
+    plate = {"shape": "mesh", "file": "plate.msh", "thickness": 0.1}
+    assert validate(slab(plate=plate, mesh={}, support=[{"edge": "anything"}])).plate.edge_names is None
+
+
+@pytest.mark.parametrize(
+    ("plate", "mesh", "divisions"),
+    [
+        ({"shape": "rectangle", "size": [10, 5]}, {}, (20, 10)),
+        ({"shape": "rectangle", "size": [10, 5]}, {"size": 1}, (10, 5)),
+        ({"shape": "rectangle", "size": [0.3, 0.1]}, {"size": 0.1}, (3, 1)),
+        ({"shape": "rectangle", "size": [10, 5]}, {"divisions": [3, 4]}, (3, 4)),
+        ({"shape": "disc", "radius": 1}, {}, (10, 63)),
+        ({"shape": "disc", "radius": 1, "sector": 90}, {}, (20, 32)),
+        ({"shape": "annulus", "inner": 1, "outer": 2}, {"size": 0.5}, (2, 26)),
+    ],
+)
+def test_divisions_follow_from_counts_size_or_twenty_along_the_longer_side(plate, mesh, divisions):
+    model = Model(**slab(plate={**plate, "thickness": 0.1}, mesh=mesh, support=[]))
+    assert model.plate.divisions(model.mesh) == divisions
+
+
+@pytest.mark.parametrize(
+    ("corners", "says"),
+    [
+        ([[0, 0], [1, 1], [1, 0], [0, 1]], "crosses itself"),
+        ([[0, 0], [1, 1], [2, 2]], "encloses nothing"),
+        ([[0, 0], [1, 0]], "at least 3 points"),
+        ([[0, 0], [1, 0], [1, 1], [0, 0]], "closes by itself"),
+        ([[float(i), float(i * i)] for i in range(2001)], "at most 2000"),
+    ],
+)
+def test_polygon_that_is_no_outline_is_refused(corners, says):
+    with pytest.raises(ValidationError, match=says):
+        Area(polygon=corners)
+
+
+def test_polygon_may_be_concave_and_run_either_way():
+    corners = [[0, 0], [2, 0], [2, 2], [1, 0.5], [0, 2]]
+    assert Area(polygon=corners).polygon == tuple(map(tuple, corners))
+    assert Area(polygon=corners[::-1]).polygon is not None
+
+
+def test_one_problem_is_one_line_with_its_place():
+    with pytest.raises(InputError) as caught:
+        validate(slab(support=[{"name": "soil", "area": "all", "stiffness": -3}]))
+    assert caught.value.place == 'support[1].stiffness ("soil")'
+    assert caught.value.message == "found -3; it must be greater than 0."
+
+
+def test_every_problem_is_listed_up_to_twenty():
+    with pytest.raises(InputError) as caught:
+        validate(slab(load=[{"force": "a", "at": [0, 0]}] * 30))
+    lines = str(caught.value).splitlines()
+    assert lines[0] == "30 problems:"
+    assert lines[1] == '  load[1].force: found "a"; it must be a number.'
+    assert lines[-1] == "  and 10 more."
+
+
+@pytest.mark.parametrize("data", [None, 3, [], "text", {1: 2}, {"load": {}}, {"support": 3}])
+def test_what_is_no_mapping_of_tables_is_an_input_error(data):
+    with pytest.raises(InputError):
+        validate(data)
+
+
+_garbage = st.one_of(
+    st.sampled_from(
+        [None, True, False, float("nan"), float("inf"), -1, 0, 1e300, 10**400, "", "x", "1/0", "all", b"x"]
+    ),
+    st.sampled_from([[], {}, [[]], [1], [1, 2], [1, 2, 3], [[1, 2], [1, 2]], [{}], {"radius": 1}, {"circle": {}}]),
+    st.integers(-3, 3),
+    st.text(max_size=5),
+)
+
+
+def _places(node, path=()):
+    yield path
+    parts = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for key, part in parts:
+        yield from _places(part, (*path, key))
+
+
+@settings(max_examples=400, suppress_health_check=[HealthCheck.too_slow])
+@given(st.data())
+def test_mutated_models_are_models_or_input_errors(data):
+    model = copy.deepcopy(slab())
+    plates = [
+        {"shape": "disc", "radius": 3.0, "sector": 90, "thickness": 0.1, "center": [1.0, 1.0]},
+        {"shape": "annulus", "inner": 1.0, "outer": 2.0, "thickness": "0.1 + y"},
+        {"shape": "mesh", "file": "plate.msh", "thickness": 1},
+        model["plate"],
+    ]
+    model["plate"] = data.draw(st.sampled_from(plates))
+    for _ in range(data.draw(st.integers(1, 4))):
+        places = [path for path in _places(model) if path]
+        if not places:
+            break
+        *path, key = data.draw(st.sampled_from(places))
+        parent = model
+        for step in path:
+            parent = parent[step]
+        match data.draw(st.sampled_from(["delete", "replace", "add", "double"])):
+            case "delete":
+                del parent[key]
+            case "replace":
+                parent[key] = data.draw(_garbage)
+            case "add" if isinstance(parent, dict):
+                parent[data.draw(st.sampled_from(["at", "area", "fix", "gap", "stifness", "name", "x"]))] = data.draw(
+                    _garbage
+                )
+            case _ if isinstance(parent, list):
+                parent.append(copy.deepcopy(parent[key]))
+    try:
+        assert isinstance(validate(model), Model)
+    except InputError as error:
+        assert "does not fit here" not in str(error)
+        assert not any(word in str(error) for word in ("pydantic", "Value error", "type=", "Input should"))

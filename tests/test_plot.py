@@ -1,0 +1,216 @@
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from signorini.errors import InputError
+from signorini.plot import (
+    LoadMark,
+    SupportMark,
+    check_picture,
+    contour,
+    deflection_picture,
+    line,
+    save,
+    supports,
+)
+from signorini.plot.tessellation import tessellate
+
+# A square whose right edge bulges, and its neighbour on the left.
+POINTS = np.array(
+    [
+        [0, 0],
+        [1, 0],
+        [1, 1],
+        [0, 1],
+        [-1, 0],
+        [-1, 1],
+        [0.5, 0],
+        [1.2, 0.5],
+        [0.5, 1],
+        [0, 0.5],
+        [-0.5, 0],
+        [-1, 0.5],
+        [-0.5, 1],
+    ]
+)
+ELEMENTS = np.array([[0, 1, 2, 3, 6, 7, 8, 9], [3, 5, 4, 0, 12, 11, 10, 9]])
+PADS = SupportMark("pads", "down", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), np.array([True, False, True]))
+
+
+def colour_limits(values: np.ndarray) -> tuple[str, float, float]:
+    bands = contour(POINTS, ELEMENTS, values).collections[0]
+    return bands.cmap.name, round(bands.norm.vmin, 12), round(bands.norm.vmax, 12)
+
+
+def area(vertices: np.ndarray, triangles: np.ndarray) -> float:
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
+    return float(np.sum(ux * vy - uy * vx) / 2)
+
+
+def test_triangles_meet_on_shared_edges_and_follow_curved_ones() -> None:
+    cut = tessellate(ELEMENTS, divisions=4)
+    vertices = cut.interpolate(POINTS)
+    assert len(vertices) == 2 * 5 * 5 - 5
+    assert len(np.unique(vertices.round(12), axis=0)) == len(vertices)
+    assert int(cut.outer.sum()) == 6
+    assert vertices[:, 0].max() == 1.2
+
+
+def test_finer_triangles_fill_the_curved_outline_with_second_order() -> None:
+    exact = 2 + 2 / 3 * 0.2  # the bulge is a parabola of height 0.2 on a chord of 1
+    errors = []
+    for divisions in (4, 8):
+        cut = tessellate(ELEMENTS, divisions)
+        errors.append(exact - area(cut.interpolate(POINTS), cut.triangles))
+    assert errors[0] / errors[1] == pytest.approx(4, rel=1e-6)
+
+
+def test_all_eight_nodes_are_vertices_of_even_the_coarsest_triangles() -> None:
+    vertices = tessellate(ELEMENTS, divisions=2).interpolate(POINTS)
+    for node in POINTS:
+        assert np.abs(vertices - node).sum(axis=1).min() < 1e-14
+
+
+def test_a_large_mesh_is_cut_least() -> None:
+    many = np.arange(20_000)[:, None] * 8 + np.arange(8)
+    assert len(tessellate(many).triangles) == 8 * len(many)
+
+
+def test_colours_diverge_about_zero_only_where_both_signs_occur() -> None:
+    rising = POINTS[:, 0] + 1
+    assert colour_limits(rising - 1) == ("RdBu", -1.2, 1.2)
+    assert colour_limits(rising)[:2] == ("YlGnBu", 0)
+    assert colour_limits(-rising)[::2] == ("YlOrRd_r", 0)
+
+
+def test_rounding_below_zero_is_not_uplift() -> None:
+    assert colour_limits(POINTS[:, 0] + 1 - 1e-15)[:2] == ("YlGnBu", 0)
+
+
+@pytest.mark.parametrize("constant", [0.0, 5.0, -1e-9])
+def test_a_constant_field_can_be_drawn(constant: float) -> None:
+    axes = contour(POINTS, ELEMENTS, np.full(13, constant))
+    axes.figure.draw_without_rendering()
+
+
+def test_contours_go_to_given_axes_with_equal_scales() -> None:
+    mine = Figure().add_subplot()
+    axes = contour(POINTS, ELEMENTS, POINTS[:, 0], ax=mine, label="deflection [mm]", title="ULS", levels=[-1, 0, 1.2])
+    assert axes is mine
+    assert axes.get_aspect() == 1
+    assert axes.get_title() == "ULS"
+    assert mine.figure.axes[1].get_ylabel() == "deflection [mm]"
+
+
+@pytest.mark.parametrize(
+    ("values", "words"), [(np.zeros(4), r"shape \(4,\)"), (np.full(13, np.nan), "13 of 13 values .* not finite")]
+)
+def test_a_field_that_cannot_be_drawn_is_refused(values: np.ndarray, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        contour(POINTS, ELEMENTS, values)
+
+
+def test_a_mesh_of_other_elements_is_refused() -> None:
+    with pytest.raises(InputError, match=r"\(2, 4\)"):
+        contour(POINTS, ELEMENTS[:, :4], np.zeros(13))
+
+
+def test_closed_points_are_filled_and_open_ones_hollow() -> None:
+    axes = supports([PADS], Figure().add_subplot())
+    closed, opened = axes.lines
+    np.testing.assert_array_equal(closed.get_xydata(), PADS.positions[[0, 2]])
+    np.testing.assert_array_equal(opened.get_xydata(), PADS.positions[[1]])
+    assert closed.get_markerfacecolor() != "white"
+    assert opened.get_markerfacecolor() == "white"
+
+
+@pytest.mark.parametrize(("kind", "marker"), [("down", "^"), ("up", "v"), ("both", "s")])
+def test_the_mark_shows_which_way_a_support_acts(kind: str, marker: str) -> None:
+    axes = supports([SupportMark("s", kind, PADS.positions)], Figure().add_subplot())
+    assert axes.lines[0].get_marker() == marker
+
+
+def test_the_legend_counts_closed_and_open_below_the_axes() -> None:
+    wall = SupportMark("wall", "fixed", np.array([[0, 0], [0, 1.0]]), style="line")
+    figure = deflection_picture(POINTS, ELEMENTS, POINTS[:, 0], [PADS, wall], title="ULS", length="m")
+    axes = figure.axes[0]
+    figure.draw_without_rendering()
+    legend = axes.get_legend()
+    words = [entry.get_text() for entry in legend.get_texts()]
+    assert words == ["pads: pushes up only, 2 closed, 1 open", "wall: fixed"]
+    assert legend.get_window_extent().y1 < axes.xaxis.label.get_window_extent().y0
+    assert axes.get_xlabel() == "x [m]"
+
+
+@pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
+def test_the_hatch_of_a_fixed_edge_lies_outside(order: slice) -> None:
+    axes = contour(POINTS, ELEMENTS, POINTS[:, 0])
+    bottom = np.array([[-1, 0], [1, 0.0]])[order]
+    supports([SupportMark("wall", "fixed", bottom, style="line")], axes)
+    np.testing.assert_array_equal(axes.lines[-1].get_xdata(), [-1, 1])
+
+
+def test_a_fixed_line_breaks_at_rows_of_nan() -> None:
+    pieces = np.array([[0, 0], [0, 1], [np.nan, np.nan], [1, 0], [1, 1]])
+    axes = supports([SupportMark("walls", "fixed", pieces, style="line")], Figure().add_subplot())
+    assert [len(piece.get_xdata()) for piece in axes.lines] == [2, 2]
+
+
+def test_the_extremes_of_the_deflection_are_named() -> None:
+    figure = deflection_picture(POINTS, ELEMENTS, POINTS[:, 0] * 1e-3)
+    assert {text.get_text() for text in figure.axes[0].texts} == {"max 0.0012", "min −0.001"}
+
+
+def test_the_check_picture_shows_mesh_supports_and_loads() -> None:
+    loads = [
+        LoadMark("Q", np.array([[0.5, 0.5]])),
+        LoadMark("wind", np.array([[0.2, 0.5]]), upward=True),
+        LoadMark("wall", np.array([[0, 0], [0, 1.0]]), "line"),
+        LoadMark("patch", np.array([[0, 0], [0.5, 0], [0.5, 0.5]]), "area"),
+        LoadMark("everywhere", np.empty((0, 2)), "area"),
+    ]
+    figure = check_picture(POINTS, ELEMENTS, supports=[PADS], loads=loads)
+    axes = figure.axes[0]
+    names = [entry.get_text() for entry in axes.get_legend().get_texts()]
+    assert names == [PADS.label, "Q", "wind", "wall", "patch", "everywhere"]
+    edges = [entry for entry in axes.collections if isinstance(entry, LineCollection)]
+    assert sum(len(entry.get_segments()) for entry in edges) == 7
+    assert len(axes.patches) == 1
+
+
+def test_sections_are_drawn_with_deflection_down_and_share_axes() -> None:
+    axes = line([0, 1], [0, 2], label="60", ylabel="deflection [mm]")
+    line([0, 1], [0, 3], ax=axes, label="90")
+    assert axes.yaxis_inverted()
+    assert axes.get_ylabel() == "deflection [mm]"
+    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == ["60", "90"]
+    assert not line([0, 1], [0, 2], down=False).yaxis_inverted()
+
+
+def test_a_picture_is_saved_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    figure = deflection_picture(POINTS, ELEMENTS, POINTS[:, 0], [PADS])
+    target = tmp_path / "slab.png"
+    save(figure, target)
+    written = target.read_bytes()
+    assert written.startswith(b"\x89PNG")
+
+    def fail(path: Path, **options: object) -> None:
+        path.write_text("half")
+        raise OSError("disk full")
+
+    monkeypatch.setattr(figure, "savefig", fail)
+    with pytest.raises(OSError, match="disk full"):
+        save(figure, target)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["slab.png"]
+    assert target.read_bytes() == written
+
+
+def test_drawing_leaves_matplotlib_s_global_state_alone() -> None:
+    program = "import sys, signorini.plot; sys.exit('matplotlib.pyplot' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
