@@ -109,12 +109,11 @@ def test_an_annulus_has_the_divisions_asked_for():
     assert len(mesh.edges_along(Ring((0.0, 0.0), 1.3))) == 10
 
 
-def length_and_circulation(mesh, edge):
-    """Length of an edge, and the area to the left of it about the centroid."""
+def area_to_the_left(mesh, edge):
+    """Area between an edge and the mean of the nodes, positive if that is on its left."""
     points = mesh.points[edge] - mesh.points.mean(axis=0)
     a, m, b = np.moveaxis(points, 1, 0)
-    cross = lambda p, q: (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum()  # noqa: E731
-    return 0.5 * (cross(a, m) + cross(m, b))
+    return 0.5 * sum((p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum() for p, q in ((a, m), (m, b)))
 
 
 @pytest.mark.parametrize("name", MESHES)
@@ -123,7 +122,7 @@ def test_named_edges_make_up_the_outline_with_the_plate_on_the_left(name):
     named = np.vstack(list(mesh.edges.values()))
     assert sorted(map(tuple, named)) == sorted(map(tuple, mesh.boundary))
     assert all((a[2] == b[0]) for edge in mesh.edges.values() for a, b in pairwise(edge))
-    signs = {key: length_and_circulation(mesh, edge) > 0 for key, edge in mesh.edges.items()}
+    signs = {key: area_to_the_left(mesh, edge) > 0 for key, edge in mesh.edges.items()}
     assert all(positive for key, positive in signs.items() if key != "inner")
 
 
@@ -193,8 +192,8 @@ def moved(node, to):
     return points
 
 
-TWO = np.vstack([SQUARE, SQUARE + (2.0, 0.0)])
-APART = np.vstack([SQUARE, SQUARE + (5.0, 0.0)])
+TWO = np.vstack([SQUARE, SQUARE + np.array([2.0, 0.0])])
+APART = np.vstack([SQUARE, SQUARE + np.array([5.0, 0.0])])
 BOTH = np.arange(16).reshape(2, 8)
 SMALL = np.vstack([SQUARE, 0.5 * SQUARE + (2.0, 0.0)])
 
@@ -327,7 +326,7 @@ def test_sides_along_a_ring_run_counter_clockwise():
     for radius in (1.0, 2.0, 3.0):
         sides = mesh.edges_along(Ring((1.0, 0.0), radius))
         assert len(sides) == 12 and np.array_equal(sides[:, 2], np.roll(sides[:, 0], -1))
-        assert length_and_circulation(mesh, sides) > 0
+        assert area_to_the_left(mesh, sides) > 0
     assert mesh.edges_along(Ring((1.0, 0.0), 2.5)) is None
     assert mesh.edges_along(Ring((1.1, 0.0), 2.0)) is None
 

@@ -178,7 +178,7 @@ _garbage = st.one_of(
     st.sampled_from([[], {}, [[]], [1], [1, 2], [1, 2, 3], [[1, 2], [1, 2]], [{}], {"radius": 1}, {"circle": {}}]),
     st.integers(-3, 3),
     st.text(max_size=5),
-)
+).map(copy.deepcopy)
 
 
 def _places(node, path=()):

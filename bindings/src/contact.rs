@@ -4,7 +4,7 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 use signorini_core::cholesky::FactorError;
-use signorini_core::contact::{self, Constraints, Outcome};
+use signorini_core::contact::{self, Constraints, Form, Outcome};
 
 /// A plate on its supports, factored once.
 ///
@@ -32,6 +32,14 @@ fn failed(error: FactorError) -> PyErr {
     match error {
         FactorError::OutOfMemory => PyMemoryError::new_err(error.to_string()),
         FactorError::NotPositiveDefinite { .. } => PyRuntimeError::new_err(error.to_string()),
+    }
+}
+
+fn form_of(name: &str) -> PyResult<Form> {
+    match name {
+        "dual" => Ok(Form::Dual),
+        "stiffness" => Ok(Form::Stiffness),
+        other => Err(invalid(format!("unknown form '{other}'; there are dual and stiffness"))),
     }
 }
 
@@ -71,44 +79,45 @@ impl ContactProblem {
         Ok(Self { inner })
     }
 
-    /// Solves one load; `closed_first` (m,) marks the points exchanged before Lemke starts.
-    #[pyo3(signature = (load, held_value, closed_first, max_pivots=None))]
+    /// Solves one load; `form` is "dual", "stiffness", or None for the better conditioned of them.
+    #[pyo3(signature = (load, held_value, form=None, max_pivots=None))]
     fn solve(
         &self,
         py: Python<'_>,
         load: PyReadonlyArray1<'_, f64>,
         held_value: PyReadonlyArray1<'_, f64>,
-        closed_first: PyReadonlyArray1<'_, bool>,
+        form: Option<&str>,
         max_pivots: Option<usize>,
     ) -> PyResult<ContactSolution> {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        let closed_first = flags("closed_first", &closed_first, self.inner.constraints.rows.len())?;
+        let form = form.map(form_of).transpose()?;
         let inner =
-            py.detach(|| self.inner.solve(&load, &held_value, &closed_first, max_pivots)).map_err(failed)?;
+            py.detach(|| self.inner.solve(&load, &held_value, form, max_pivots)).map_err(failed)?;
         Ok(ContactSolution { inner })
     }
 
+    #[pyo3(signature = (load, held_value, form=None))]
     /// The LCP of one load: M (k, k), q (k,), the contact point of each row, and whether its unknown is the gap.
     fn lcp<'py>(
         &self,
         py: Python<'py>,
         load: PyReadonlyArray1<'_, f64>,
         held_value: PyReadonlyArray1<'_, f64>,
-        closed_first: PyReadonlyArray1<'_, bool>,
+        form: Option<&str>,
     ) -> PyResult<PosedLcp<'py>> {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        let closed_first = flags("closed_first", &closed_first, self.inner.constraints.rows.len())?;
-        let posed = py.detach(|| self.inner.lcp(&load, &held_value, &closed_first)).map_err(failed)?;
+        let form = form.map(form_of).transpose()?;
+        let posed = py.detach(|| self.inner.lcp(&load, &held_value, form)).map_err(failed)?;
         let size = posed.q.len();
         Ok((
             matrix(py, posed.matrix, size)?,
             PyArray1::from_vec(py, posed.q),
             PyArray1::from_vec(py, posed.point.into_iter().map(|i| i as i64).collect()),
-            PyArray1::from_vec(py, posed.closed_first),
+            PyArray1::from_vec(py, posed.gap_is_z),
         ))
     }
 
@@ -120,7 +129,7 @@ impl ContactProblem {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let load = sized("the load", &load, self.inner.plate.dof_count())?;
         let out = py.detach(|| self.inner.apply_inverse(&load)).map_err(failed)?;
-        Ok(PyArray1::from_vec(py, out))
+        Ok(PyArray1::from_vec(py, out.0))
     }
 
     /// What is left of every gap (m,): distance − row·u + compliance·reaction, in double-double.

@@ -3,6 +3,7 @@
 mod arrays;
 mod contact;
 mod interpolation;
+mod lcp;
 mod plate;
 
 use pyo3::prelude::*;
@@ -11,6 +12,8 @@ use pyo3::prelude::*;
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(interpolation::serendipity, module)?)?;
+    module.add_function(wrap_pyfunction!(lcp::lemke, module)?)?;
+    module.add_class::<lcp::LcpSolution>()?;
     module.add_class::<plate::Plate>()?;
     module.add_class::<contact::ContactProblem>()?;
     module.add_class::<contact::ContactSolution>()?;

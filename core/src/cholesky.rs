@@ -34,9 +34,9 @@ pub struct Factor {
     values: Vec<f64>,
 }
 
-fn parallel() -> Par {
-    Par::rayon(0)
-}
+/// faer joins its threads in every supernode; on these matrices, whose supernodes are small, that costs more than it
+/// saves (160×160 `mitc9`: 0.55 s on one thread, 1.3 s on two).
+const PAR: Par = Par::Seq;
 
 fn buffer(request: StackReq) -> Result<MemBuffer, FactorError> {
     MemBuffer::try_new(request).map_err(|_| FactorError::OutOfMemory)
@@ -100,13 +100,13 @@ impl Analysis {
         let lower = SparseColMatRef::new(pattern, &matrix.value);
         let params: Spec<LltParams, f64> = Spec::default();
         let mut memory =
-            buffer(supernodal::factorize_supernodal_numeric_llt_scratch::<usize, f64>(&self.symbolic, parallel(), params))?;
+            buffer(supernodal::factorize_supernodal_numeric_llt_scratch::<usize, f64>(&self.symbolic, PAR, params))?;
         supernodal::factorize_supernodal_numeric_llt(
             &mut values,
             lower,
             LltRegularization::default(),
             &self.symbolic,
-            parallel(),
+            PAR,
             MemStack::new(&mut memory),
             params,
         )
@@ -133,16 +133,16 @@ impl Factor {
         supernodal::SupernodalLltRef::new(&self.symbolic, &self.values)
     }
 
-    /// Overwrites the columns of `rhs` (length a multiple of [`Factor::len`]) with K⁻¹ times them.
-    pub fn solve(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
-        if self.is_empty() {
-            return Ok(());
-        }
-        let columns = rhs.len() / self.len();
-        let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(columns, parallel()))?;
-        let rhs = MatMut::from_column_major_slice_mut(rhs, self.len(), columns);
-        self.view().solve_in_place_with_conj(Conj::No, rhs, parallel(), MemStack::new(&mut memory));
-        Ok(())
+    /// Overwrites `rhs` with K⁻¹ times it and returns its last `trailing` entries as they were after forward substitution.
+    pub fn solve(&self, rhs: &mut [f64], trailing: usize) -> Result<Vec<f64>, FactorError> {
+        let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(1, PAR))?;
+        let stack = MemStack::new(&mut memory);
+        let n = self.len();
+        self.view().l_solve_with_conj(Conj::No, MatMut::from_column_major_slice_mut(rhs, n, 1), PAR, stack);
+        let forward = rhs[n - trailing..].to_vec();
+        let rhs = MatMut::from_column_major_slice_mut(rhs, n, 1);
+        self.view().l_transpose_solve_with_conj(Conj::No, rhs, PAR, stack);
+        Ok(forward)
     }
 
     /// The last `size` rows and columns of L: the Cholesky factor of the Schur complement onto them.

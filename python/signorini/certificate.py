@@ -18,6 +18,8 @@ TOLERANCE = 1e-8
 _ROUNDINGS = 4.0
 """Units of rounding, of the internal forces that cancel at a node, below which no imbalance can be seen."""
 
+FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
+
 
 @dataclass(frozen=True)
 class Certificate:
@@ -35,9 +37,9 @@ class Certificate:
         Largest nodal force out of balance over the largest nodal load (couples over the element size).
     balance : float
         Largest of the three global resultants out of balance over the sum of the load's magnitudes.
-    equilibrium_limit : float
-        What double precision can show of the nodal equilibrium for this plate: thin plates' internal forces are so much
-        larger than their loads that their rounding counts. Where it exceeds the tolerance, equilibrium is judged by it.
+    equilibrium_limit, balance_limit : float
+        What double precision can show of the two for this plate: thin plates' internal forces are so much larger than
+        their loads that their rounding counts. A figure over the tolerance is judged by its limit; 0 where none is.
     """
 
     penetration: float
@@ -45,27 +47,26 @@ class Certificate:
     complementarity: float
     equilibrium: float
     balance: float
-    equilibrium_limit: float
+    equilibrium_limit: float = 0.0
+    balance_limit: float = 0.0
 
     @property
     def limited(self) -> bool:
-        """Whether arithmetic limits the equilibrium figure."""
-        return self.equilibrium > TOLERANCE and self.passed
+        """Whether arithmetic limits a figure that passed."""
+        return self.passed and max(self.equilibrium, self.balance) > TOLERANCE
 
     @property
     def passed(self) -> bool:
         """Whether every figure is within tolerance."""
-        figures = (self.penetration, self.tension, self.complementarity, self.balance)
-        within = all(figure <= TOLERANCE for figure in figures)
-        return within and self.equilibrium <= max(TOLERANCE, self.equilibrium_limit)
+        limits = {"equilibrium": self.equilibrium_limit, "balance": self.balance_limit}
+        return all(getattr(self, name) <= max(TOLERANCE, limits.get(name, 0.0)) for name in FIGURES)
 
     def __str__(self) -> str:
         """Say it in a line."""
-        names = ("penetration", "tension", "complementarity", "equilibrium", "balance")
-        figures = ", ".join(f"{name} {getattr(self, name):.1e}" for name in names)
-        verdict = "passed" if self.passed else "failed"
-        note = f"; arithmetic limits equilibrium to {self.equilibrium_limit:.0e}" if self.limited else ""
-        return f"{verdict}: {figures}{note}"
+        figures = ", ".join(f"{name} {getattr(self, name):.1e}" for name in FIGURES)
+        limits = f"equilibrium to {self.equilibrium_limit:.0e}, balance to {self.balance_limit:.0e}"
+        note = f"; arithmetic limits {limits}" if self.limited else ""
+        return f"{'passed' if self.passed else 'failed'}: {figures}{note}"
 
 
 def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, reaction: Floats) -> Certificate:
@@ -117,11 +118,13 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
             "equilibrium": _ratio(_nodal_size(at_free.ravel(), across), scale),
             "balance": _balance(found, load.nodal, hi + lo, at_holds, reaction),
         }
-    limit = 0.0
-    if not figures["equilibrium"] <= TOLERANCE:
-        size = found.plate.internal_magnitude(held.dofs, hi, lo)
-        limit = _ROUNDINGS * np.finfo(float).eps * _ratio(size, scale)
-    return Certificate(**figures, equilibrium_limit=limit)
+    if max(figures["equilibrium"], figures["balance"]) <= TOLERANCE:
+        return Certificate(**figures)
+    rounding = _ROUNDINGS * np.finfo(float).eps * found.plate.internal_magnitude(held.dofs, hi, lo)
+    # Roundings of the dofs add up as in a random walk.
+    resultant = rounding * np.sqrt(found.dof_count)
+    total = float(np.abs(load.nodal[::3]).sum()) or float(np.abs(at_holds[::3]).sum())
+    return Certificate(**figures, equilibrium_limit=_ratio(rounding, scale), balance_limit=_ratio(resultant, total))
 
 
 def _balance(found: Discretisation, nodal: Floats, displacement: Floats, at_holds: Floats, reaction: Floats) -> float:

@@ -14,7 +14,7 @@ from scipy.linalg import qr
 from scipy.optimize import linprog
 
 from signorini.discretise import Discretisation
-from signorini.discretise.rows import Floats, Ints
+from signorini.discretise.rows import Floats, Ints, Rows
 from signorini.errors import InputError
 
 _RANK = 1e-9
@@ -44,7 +44,7 @@ class RigidFreedom:
     @property
     def count(self) -> int:
         """Number of free rigid motions."""
-        return self.motions.shape[1]
+        return int(self.motions.shape[1])
 
 
 def rigid_freedom(found: Discretisation) -> RigidFreedom:
@@ -59,8 +59,8 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
     scaled = found.rigid_motions / np.array([1.0, size, size])
     elements, contacts = found.mesh.elements, found.contacts
 
-    def moved(rows_of: object) -> Floats:
-        return np.column_stack([rows_of.dot(elements, motion) for motion in scaled.T])  # type: ignore[attr-defined]
+    def moved(rows: Rows) -> Floats:
+        return np.column_stack([rows.dot(elements, motion) for motion in scaled.T])
 
     at_contacts = moved(contacts.rows)
     # A held slope is compared with slopes times the plate's size.
@@ -130,27 +130,75 @@ def no_equilibrium(found: Discretisation, freedom: RigidFreedom, nodal: Floats) 
     if total == 0:
         return ""
     one_sided = freedom.moves[~found.contacts.two_sided]
+    lifting = _lifting(freedom, one_sided, work, _WORK * total)
+    if lifting:
+        return _explain_lifting(found, freedom, nodal, lifting)
     best = linprog(-work / total, A_ub=one_sided, b_ub=np.zeros(len(one_sided)), bounds=(-1, 1), method="highs")
-    if best.status != 0 or -best.fun <= _WORK:
+    if best.x is None or work @ best.x <= _WORK * total:
         return ""
-    motion = freedom.motions @ best.x
-    return _explain(found, freedom, nodal, motion, one_sided @ best.x)
+    return _explain_tipping(found, freedom, nodal, freedom.motions @ best.x, one_sided @ best.x)
 
 
-def _explain(found: Discretisation, freedom: RigidFreedom, nodal: Floats, motion: Floats, opening: Floats) -> str:
+def _lifting(freedom: RigidFreedom, one_sided: Floats, work: Floats, least: float) -> str:
+    """Which way the plate moves off all its supports without turning, if it does."""
+    for way, w in (("up", -1.0), ("down", 1.0)):
+        motion = np.array([w, 0.0, 0.0])
+        part = motion @ freedom.motions
+        free = np.abs(freedom.motions @ part - motion).max() <= _RANK
+        if free and (one_sided @ part).max(initial=0.0) <= _RANK and work @ part > least:
+            return way
+    return ""
+
+
+def _holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, best: Floats, way: str) -> str:
+    """What least extra load would hold the plate, at the best point or, if none does there, amid the supports."""
+    for at in (best, found.contacts.positions.mean(axis=0)):
+        node = found.mesh.points[((found.mesh.points - at) ** 2).sum(axis=1).argmin()]
+        least = _least_holding(found, freedom, nodal, node, way)
+        if least is not None:
+            unit = f" {found.model.units.force}" if found.model.units.force else ""
+            return f" An extra {least:.6g}{unit} {way} at {_point(node)} would just hold it."
+    return ""
+
+
+def _least_holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, at: Floats, way: str) -> float | None:
+    """Least extra load at a point with which reactions balance the load, by a linear program in them."""
+    size = found.mesh.size
+    # The conditions of equilibrium over the free motions, forces in units of the load and lengths of the plate.
+    scale = np.array([1.0, size, size])
+    resultant = (found.rigid_motions.T @ nodal / scale) @ freedom.motions
+    total = float(np.abs(resultant).max())
+    sign = 1.0 if way == "down" else -1.0
+    extra = sign * (np.array([1.0, *(at - found.middle)]) / scale) @ freedom.motions
+    one_sided = freedom.moves[~found.contacts.two_sided]
+    cost = np.zeros(1 + len(one_sided))
+    cost[0] = 1.0
+    balance = np.column_stack([-extra, one_sided.T])
+    least = linprog(cost, A_eq=balance, b_eq=resultant / total, bounds=(0, None), method="highs")
+    return None if least.x is None else total * float(least.x[0])
+
+
+def _explain_lifting(found: Discretisation, freedom: RigidFreedom, nodal: Floats, way: str) -> str:
+    force_unit = found.model.units.force
+    unit = f" {force_unit}" if force_unit else ""
+    down, mx, my = found.rigid_motions.T @ nodal
+    verb = "lifts off" if way == "up" else "drops away from"
+    text = (
+        f"The plate {verb} its supports: the load's resultant is {abs(down):.6g}{unit} {way}, and no support resists "
+        "that way."
+    )
+    acting = found.middle + np.array([mx, my]) / down
+    return text + _holding(found, freedom, nodal, acting, "down" if way == "up" else "up")
+
+
+def _explain_tipping(
+    found: Discretisation, freedom: RigidFreedom, nodal: Floats, motion: Floats, opening: Floats
+) -> str:
     size, middle, force_unit = found.mesh.size, found.middle, found.model.units.force
     length_unit = found.model.units.length
-    unit = f" {force_unit}" if force_unit else ""
     moment_unit = f" {force_unit} {length_unit}".rstrip() if force_unit else ""
     w, *slopes = motion / np.array([1.0, size, size])
     turning = float(np.hypot(*slopes))
-    down = float(nodal[::3].sum())
-    if turning * size < 1e-6 * abs(w):
-        way = "up" if w < 0 else "down"
-        return (
-            f"The plate moves {way}, away from its supports: the load's resultant is {abs(down):.6g}{unit} {way}, and no "
-            f"support resists it. {abs(down):.6g}{unit} more the other way would balance it."
-        )
     normal = np.array(slopes) / turning
     offset = w / turning - float(normal @ middle)
     work = found.rigid_motions.T @ nodal
@@ -161,10 +209,9 @@ def _explain(found: Discretisation, freedom: RigidFreedom, nodal: Floats, motion
     farthest = int(lift.argmax())
     axis = f"the line {normal[0]:+.6g} x {normal[1]:+.6g} y {offset:+.6g} = 0"
     text = f"The plate tips about {axis}{names}, short by a moment of {moment:.6g}{moment_unit}."
-    if lift[farthest] > 1e-9 * size:
-        extra = moment / float(lift[farthest])
-        text += f" An extra {extra:.6g}{unit} down at {_point(found.mesh.points[farthest])} would just hold it."
-    return text
+    if lift[farthest] <= 1e-9 * size:
+        return text
+    return text + _holding(found, freedom, nodal, found.mesh.points[farthest], "down")
 
 
 def _hinges(found: Discretisation, closed: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> str:

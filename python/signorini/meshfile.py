@@ -8,7 +8,7 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
-import meshio
+import meshio  # type: ignore[import-untyped]
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse import coo_array
@@ -21,12 +21,14 @@ from signorini.mesh import Mesh
 from signorini.mesh_checks import loops, on_boundary
 
 Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 
 OUTLINE = "boundary"
 _SAME = 1e-9
 _REVERSED = [0, 3, 2, 1, 7, 6, 5, 4]
-_IGNORED = ("vertex", "line", "line3")
+_QUADRILATERALS = ("quad8", "quad9")
+_KNOWN = ("vertex", "line", "line3", *_QUADRILATERALS)
 
 
 def read(path: str | Path) -> Mesh:
@@ -93,9 +95,9 @@ def _mesh(data: meshio.Mesh) -> Mesh:
     (x, y), (x_next, y_next) = np.moveaxis(corners, 2, 0), np.moveaxis(np.roll(corners, -1, axis=1), 2, 0)
     clockwise = (x * y_next - x_next * y).sum(axis=1) < 0.0
     elements = np.where(clockwise[:, None], elements[:, _REVERSED], elements)
-    sides = elements[:, np.array(SIDES)]
-    outline = sides[on_boundary(elements)]
-    edges = _edges_of_lines(data, number, sides.reshape(-1, 3), outline)
+    sides, outer = elements[:, np.array(SIDES)].reshape(-1, 3), on_boundary(elements).ravel()
+    outline = sides[outer]
+    edges = _edges_of_lines(data, number, sides, outer)
     edges |= {name: edge for name, edge in _edges_of_nodes(data, number, outline).items() if name not in edges}
     if OUTLINE in edges and len(edges[OUTLINE]) != len(outline):
         raise InputError(
@@ -108,16 +110,14 @@ def _elements(data: meshio.Mesh) -> Ints:
     counts: Counter[str] = Counter()
     for block in data.cells:
         counts[block.type] += len(block.data)
-    others = [
-        f"{count} {kind}" for kind, count in counts.items() if kind not in (*_IGNORED, "quad8", "quad9") and count
-    ]
+    others = [f"{count} {kind}" for kind, count in counts.items() if count and kind not in _KNOWN]
     if others:
         raise InputError(
-            f"The mesh file has cells that are not 8- or 9-node quadrilaterals: {', '.join(others)}. Mesh the plate with "
-            "second-order quadrilaterals alone (in Gmsh: Mesh.RecombineAll = 1, Mesh.ElementOrder = 2, "
+            f"The mesh file has cells that are not 8- or 9-node quadrilaterals: {', '.join(others)}. Mesh the plate "
+            "with second-order quadrilaterals alone (in Gmsh: Mesh.RecombineAll = 1, Mesh.ElementOrder = 2, "
             "Mesh.SecondOrderIncomplete = 1)."
         )
-    found = [np.asarray(block.data, dtype=np.int64)[:, :8] for block in data.cells if block.type in ("quad8", "quad9")]
+    found = [np.asarray(block.data, dtype=np.int64)[:, :8] for block in data.cells if block.type in _QUADRILATERALS]
     if not sum(map(len, found)):
         raise InputError("The mesh file has no elements; the plate needs 8- or 9-node quadrilaterals.")
     return np.vstack(found)
@@ -133,7 +133,7 @@ def _plane(points: Floats, elements: Ints) -> Floats:
 
 
 def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
-    """Number the nodes that elements use, coincident ones alike: new numbers (n,), −1 if unused, and where each is."""
+    """Renumber used nodes, coincident ones alike: new numbers (n,), −1 of the unused, and an old number of each."""
     used = np.unique(elements)
     if not np.isfinite(points[used]).all():
         raise InputError("The mesh file has a coordinate that is not finite.")
@@ -149,25 +149,24 @@ def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
     return number, used[np.sort(first)]
 
 
-def _edges_of_lines(data: meshio.Mesh, number: Ints, sides: Ints, outline: Ints) -> dict[str, Ints]:
-    """Find the sides that named groups of lines consist of: of the outline the plate on the left, else as in the file."""
-    by_middle = np.argsort(outline[:, 1])
-    edges = {}
+def _edges_of_lines(data: meshio.Mesh, number: Ints, sides: Ints, outer: Bools) -> dict[str, Ints]:
+    """Find the sides in named groups of lines, those of the outline turned so that the plate is on their left."""
+    middles, first = np.unique(sides[:, 1], return_index=True)
+    edges: dict[str, Ints] = {}
     for name, kind, lines in _named_lines(data):
         if kind == "line":
             raise InputError(
                 f"Group {name!r} of the mesh file consists of 2-node lines; second-order elements have 3-node lines."
             )
         triples = number[lines[:, [0, 2, 1]]]
-        at = by_middle[np.minimum(np.searchsorted(outline[:, 1], triples[:, 1], sorter=by_middle), len(outline) - 1)]
-        on_outline = outline[at, 1] == triples[:, 1]
-        triples = np.where(on_outline[:, None], outline[at], triples)
-        lost = ~np.isin(triples[:, 1], sides[:, 1])
+        at = first[np.minimum(np.searchsorted(middles, triples[:, 1]), len(first) - 1)]
+        lost = (np.sort(triples, axis=1) != np.sort(sides[at], axis=1)).any(axis=1) | (triples[:, 1] != sides[at, 1])
         if lost.any():
             x, y = data.points[lines[np.argmax(lost), 2], :2]
             raise InputError(
                 f"Group {name!r} of the mesh file has a line at ({x:g}, {y:g}) that is no side of an element."
             )
+        triples = np.where(outer[at, None], sides[at], triples)
         edges[name] = np.vstack([edges[name], triples]) if name in edges else triples
     return {name: triples[np.unique(triples[:, 1], return_index=True)[1]] for name, triples in edges.items()}
 

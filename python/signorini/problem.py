@@ -101,31 +101,31 @@ class ContactProblem:
     def lcp(self, load: Floats, form: Form = "auto") -> Lcp:
         """Pose the LCP of one nodal load (3n,).
 
-        "dual" has the reactions for unknowns, "stiffness" the gaps; "auto" is the dual, with as many gaps among the
-        unknowns as the plate has free rigid motions.
+        "stiffness" has the gaps for unknowns. "dual" has the reactions, but as many gaps as the plate has rigid motions
+        that only one-sided supports hold. "auto" takes the better conditioned one: the stiffness form where every
+        contact point is at a node of its own, else the dual.
+        """
+        return Lcp(*self.core.lcp(load, self.discretisation.held.values, None if form == "auto" else form))
+
+    def dual(self, load: Floats) -> tuple[Floats, Floats]:
+        """P (m, m) and s (m,) of the paper's (26) and (27): gap = P·reaction − s.
 
         Raises
         ------
         SignoriniError
-            If the dual is asked for and the plate rests on one-sided supports alone.
+            If one-sided supports alone hold the plate: its K has no inverse.
         """
-        if form == "dual" and self.freedom.count:
+        if not self.freedom.regular:
             raise SignoriniError(
-                "The dual form needs K to be regular, but one-sided supports alone hold this plate. "
-                'Take the form "stiffness" or "auto".'
+                "The paper's P and s need K to be regular, but one-sided supports alone hold this plate. "
+                'Take lcp(load, "stiffness") or lcp(load, "dual"), which takes a few gaps among its unknowns.'
             )
-        first = np.full(len(self.gaps), form == "stiffness")
-        return Lcp(*self.core.lcp(load, self.discretisation.held.values, first))
-
-    def dual(self, load: Floats) -> tuple[Floats, Floats]:
-        """P (m, m) and s (m,) of the paper's (26) and (27): gap = P·reaction − s."""
         posed = self.lcp(load, "dual")
         return posed.M, -posed.q
 
     def solve(self, load: CaseLoad, form: Form = "auto") -> _core.ContactSolution:
         """Displacements, reactions and gaps of one load."""
-        first = np.full(len(self.gaps), form == "stiffness")
-        return self.core.solve(load.nodal, self.discretisation.held.values, first)
+        return self.core.solve(load.nodal, self.discretisation.held.values, None if form == "auto" else form)
 
     @property
     def seconds(self) -> Mapping[str, float]:
@@ -182,8 +182,8 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
         )
     except RuntimeError as error:
         raise SignoriniError(
-            f"The stiffness matrix cannot be factored: {error}. A part of the plate can move freely, or the plate is too "
-            "thin for double precision."
+            f"The stiffness matrix cannot be factored: {error}. A part of the plate can move freely, or the plate is "
+            "too thin for double precision."
         ) from None
     except MemoryError:
         raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None

@@ -271,9 +271,11 @@ def _require_simple(segments: Floats) -> None:
     count = len(segments)
     a, b = segments[:, 0], segments[:, 1]
     tiny = 1e-12 * float(np.ptp(a, axis=0).max()) ** 2
+    coincide = (a == b).all(axis=1)
+    if coincide.any():
+        i = int(np.argmax(coincide))
+        raise InputError(f"Corners {i + 1} and {(i + 1) % count + 1} of a polygon coincide; leave one out.")
     for i in range(count):
-        if (a[i] == b[i]).all():
-            raise InputError(f"Corners {i + 1} and {(i + 1) % count + 1} of a polygon coincide; leave one out.")
         after = (i + 1) % count
         along, onward = b[i] - a[i], b[after] - a[after]
         if abs(float(_cross(along, onward))) <= tiny and float(along @ onward) < 0.0:

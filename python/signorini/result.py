@@ -20,6 +20,7 @@ from signorini.errors import InputError, unknown
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
 from signorini.problem import spring_arrays
+from signorini.sketch import support_mark
 from signorini.vtk import displacement_vector, write_vtu
 
 if TYPE_CHECKING:
@@ -235,7 +236,9 @@ class Result:
             f"<td>{s.closed_count}</td><td>{s.open_count}</td></tr>"
             for s in self.supports
         )
-        verdict = html.escape(self.message or f"{self.method}, {self.iterations} pivots; certificate {self.certificate}")
+        verdict = html.escape(
+            self.message or f"{self.method}, {self.iterations} pivots; certificate {self.certificate}"
+        )
         return f"<p><b>{html.escape(self.name)}</b>: {self.status}</p><table>{head}{rows}</table><p>{verdict}</p>"
 
 
@@ -252,7 +255,7 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
         0,
         found.mesh,
         found.model,
-        Certificate(nan, nan, nan, nan, nan, 0.0),
+        Certificate(nan, nan, nan, nan, nan),
         nothing,
         np.full((count, 2), nan),
         np.full((count, 3), nan),
@@ -276,12 +279,18 @@ def _support_result(
     springs = found.springs.support == index
     contacts = (found.contacts.support == index) & ~found.contacts.slope
     points = found.contacts.pick(contacts)
+    # A point with travel both ways has two rows, first all those that push up, then all that hold down.
+    ways = 2 if len(points) and np.ptp(points.direction) > 0 else 1
+    forces = (points.direction * answer.reaction[contacts]).reshape(ways, -1).sum(axis=0)
+    travel = answer.gap[contacts].reshape(ways, -1).min(axis=0)
+    touching = answer.closed[contacts].reshape(ways, -1).any(axis=0)
+    points = points.pick(np.arange(len(points)) < len(forces))
     nodes = int(held.sum())
     fixed = nodes + int(springs.sum())
     positions = np.concatenate([found.mesh.points[held], found.springs.positions[springs], points.positions])
-    reactions = np.concatenate([held_force[held], pull[springs], points.direction * answer.reaction[contacts]])
-    gaps = np.concatenate([np.zeros(fixed), answer.gap[contacts]])
-    closed = np.concatenate([np.ones(fixed, np.bool_), answer.closed[contacts]])
+    reactions = np.concatenate([held_force[held], pull[springs], forces])
+    gaps = np.concatenate([np.zeros(fixed), travel])
+    closed = np.concatenate([np.ones(fixed, np.bool_), touching])
     weights = np.concatenate([np.ones(nodes), found.springs.weights[springs], points.weights])
     order = _as_written(support, positions)
     return SupportResult(
@@ -329,14 +338,8 @@ def describe(support: Support) -> str:
 
 def support_marks(result: Result) -> list[SupportMark]:
     """Marks of the supports for pictures."""
-    from signorini.plot import SupportMark
-
-    marks = []
-    for support, found in zip(result.model.support, result.supports, strict=True):
-        kind = "fixed" if support.fix is not None else support.resists or "both"
-        style = {"at": "points", "area": "area"}.get(support.place, "line")
-        marks.append(SupportMark(found.name, kind, found.positions, found.closed, style))
-    return marks
+    pairs = zip(result.model.support, result.supports, strict=True)
+    return [support_mark(result.mesh, support, found.positions, found.closed) for support, found in pairs]
 
 
 def _probes(

@@ -7,6 +7,6 @@ pub mod condense;
 pub mod problem;
 pub mod solve;
 
-pub use condense::Condensed;
+pub use condense::{Condensed, Form};
 pub use problem::{ContactProblem, Constraints};
 pub use solve::{ContactSolution, Outcome};

@@ -1,6 +1,6 @@
 //! A plate on its supports, factored once.
 
-use super::condense::{Condensed, flexibility};
+use super::condense::Condensed;
 use crate::assembly::{HELD, Numbering, assemble};
 use crate::cholesky::{Analysis, Factor, FactorError};
 use crate::plate::Plate;
@@ -80,26 +80,27 @@ impl ContactProblem {
                     .collect()
             })
             .collect();
-        let condensed = Condensed {
-            flexibility: flexibility(factor.trailing_block(numbering.trailing).as_ref(), &entries),
-            regularization: constraints.regularization.clone(),
-            compliance: constraints.compliance.clone(),
-            two_sided: constraints.two_sided.clone(),
-        };
+        let condensed = Condensed::new(
+            factor.trailing_block(numbering.trailing),
+            entries,
+            constraints.regularization.clone(),
+            constraints.compliance.clone(),
+            constraints.two_sided.clone(),
+        );
         let condense = clock.elapsed().as_secs_f64();
         let seconds = Seconds { order, assemble, factor: factoring, condense };
         Ok(Self { plate, springs, held, constraints, numbering, factor, condensed, seconds })
     }
 
-    /// K̃⁻¹ times a nodal load (dofs held stay at zero).
-    pub fn apply_inverse(&self, load: &[f64]) -> Result<Vec<f64>, FactorError> {
+    /// K̃⁻¹ times a nodal load (dofs held stay at zero), and the load condensed onto the contact points.
+    pub fn apply_inverse(&self, load: &[f64]) -> Result<(Vec<f64>, Vec<f64>), FactorError> {
         let mut rhs: Vec<f64> = self.numbering.dof.iter().map(|&dof| load[dof]).collect();
-        self.factor.solve(&mut rhs)?;
+        let forward = self.factor.solve(&mut rhs, self.numbering.trailing)?;
         let mut out = vec![0.0; load.len()];
         for (&dof, value) in self.numbering.dof.iter().zip(rhs) {
             out[dof] = value;
         }
-        Ok(out)
+        Ok((out, self.condensed.at_points(&self.condensed.condensed_force(&forward))))
     }
 
     /// row_i·vector for every contact point.

@@ -1,6 +1,6 @@
 //! From a load to displacements, reactions and gaps.
 
-use super::condense::{ContactState, PivotedLcp};
+use super::condense::{ContactState, Drive, Form, PosedLcp};
 use super::problem::ContactProblem;
 use crate::cholesky::FactorError;
 use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke};
@@ -48,30 +48,29 @@ struct Step {
     worst: f64,
 }
 
-/// K̃⁻¹ times an imbalance, and that at the contact points.
+/// K̃⁻¹ times an imbalance, and what it does at the contact points.
 struct Motion {
     nodal: Vec<f64>,
-    at_points: Vec<f64>,
+    drive: Drive,
 }
 
 impl ContactProblem {
     /// Solves for one nodal load with the held dofs at `held_value` (both vectors over all dofs).
     ///
-    /// `closed_first` chooses the form of the LCP: none is the dual, all the stiffness form; see
-    /// [`super::condense`]. The solution is refined with the double-double residual; if that shows a point on the
+    /// `form` chooses the unknowns of the LCP, see [`super::condense`]; the better conditioned one if `None`. The solution is refined with the double-double residual; if that shows a point on the
     /// wrong side, the LCP is posed again with the refined figures.
     pub fn solve(
         &self,
         load: &[f64],
         held_value: &[f64],
-        closed_first: &[bool],
+        form: Option<Form>,
         max_pivots: Option<usize>,
     ) -> Result<ContactSolution, FactorError> {
         let mut solution = self.at_rest(load.len(), held_value);
         let mut step = self.step(load, &solution);
         let mut motion = self.motion(&step)?;
         for _ in 0..STATES {
-            let (outcome, closed) = self.contact_state(&step, &motion, &mut solution, closed_first, max_pivots);
+            let (outcome, closed) = self.contact_state(&motion, &mut solution, form, max_pivots);
             if outcome != Outcome::Solved {
                 return Ok(unsolved(solution, outcome));
             }
@@ -100,12 +99,10 @@ impl ContactProblem {
     }
 
     /// The LCP that [`ContactProblem::solve`] poses first.
-    pub fn lcp(&self, load: &[f64], held_value: &[f64], closed_first: &[bool]) -> Result<PivotedLcp, FactorError> {
+    pub fn lcp(&self, load: &[f64], held_value: &[f64], form: Option<Form>) -> Result<PosedLcp, FactorError> {
         let rest = self.at_rest(load.len(), held_value);
-        let step = self.step(load, &rest);
-        let motion = self.motion(&step)?;
-        let closing = self.condensed.closing(&motion.at_points, &step.remaining, &rest.reaction);
-        Ok(self.condensed.lcp(&closing, closed_first))
+        let motion = self.motion(&self.step(load, &rest))?;
+        Ok(self.condensed.lcp(form.unwrap_or(self.condensed.better_form()), &motion.drive, &rest.reaction))
     }
 
     fn at_rest(&self, dofs: usize, held_value: &[f64]) -> ContactSolution {
@@ -130,17 +127,16 @@ impl ContactProblem {
     /// Poses the LCP from where the solution stands and solves it.
     fn contact_state(
         &self,
-        step: &Step,
         motion: &Motion,
         solution: &mut ContactSolution,
-        closed_first: &[bool],
+        form: Option<Form>,
         max_pivots: Option<usize>,
     ) -> (Outcome, Vec<bool>) {
         if self.constraints.two_sided.iter().all(|&t| t) {
             return (Outcome::Solved, self.constraints.two_sided.clone());
         }
-        let closing = self.condensed.closing(&motion.at_points, &step.remaining, &solution.reaction);
-        let posed = self.condensed.lcp(&closing, closed_first);
+        let form = form.unwrap_or(self.condensed.better_form());
+        let posed = self.condensed.lcp(form, &motion.drive, &solution.reaction);
         let options = LemkeOptions { max_pivots, ..LemkeOptions::default() };
         let Ok(found) = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| lemke(&lcp, &options)) else {
             return (Outcome::Unsolved, Vec::new());
@@ -182,7 +178,7 @@ impl ContactProblem {
                 None => self.motion(&step)?,
             };
             let before = solution.clone();
-            self.correct(state, &step, now, solution)?;
+            self.correct(state, now, solution)?;
             let next = self.step(load, solution);
             if !first && !(next.worst < step.worst) {
                 *solution = before;
@@ -202,24 +198,23 @@ impl ContactProblem {
     fn correct(
         &self,
         state: &ContactState,
-        step: &Step,
         motion: Motion,
         solution: &mut ContactSolution,
     ) -> Result<(), FactorError> {
         let m = solution.reaction.len();
         let mut moved = motion.nodal;
         if m > 0 {
-            let closing = self.condensed.closing(&motion.at_points, &step.remaining, &vec![0.0; m]);
-            let (increment, gap) = self.condensed.solve_state(state, &closing);
+            let drive = motion.drive;
+            let (increment, gap) = self.condensed.solve_state(state, &drive);
             let push: Vec<f64> = (0..m)
                 .map(|i| {
-                    let carried = step.remaining[i] - gap[i] + self.condensed.compliance[i] * increment[i];
+                    let carried = drive.remaining[i] - gap[i] + self.condensed.compliance[i] * increment[i];
                     self.condensed.regularization[i] * carried - increment[i]
                 })
                 .collect();
             let mut force = vec![0.0; moved.len()];
             self.spread(&push, &mut force);
-            for (a, b) in moved.iter_mut().zip(self.apply_inverse(&force)?) {
+            for (a, b) in moved.iter_mut().zip(self.apply_inverse(&force)?.0) {
                 *a += b;
             }
             for (reaction, d) in solution.reaction.iter_mut().zip(&increment) {
@@ -246,9 +241,9 @@ impl ContactProblem {
     }
 
     fn motion(&self, step: &Step) -> Result<Motion, FactorError> {
-        let nodal = self.apply_inverse(&step.imbalance)?;
-        let at_points = self.at_points(&nodal);
-        Ok(Motion { nodal, at_points })
+        let (nodal, force) = self.apply_inverse(&step.imbalance)?;
+        let drive = Drive { displacement: self.at_points(&nodal), force, remaining: step.remaining.clone() };
+        Ok(Motion { nodal, drive })
     }
 
     fn largest_force(&self, load: &[f64], solution: &ContactSolution) -> f64 {

@@ -8,9 +8,11 @@
 //! | `lemke` | Lemke's algorithm, cold or from a given complementary basis |
 //! | `scaling` | the powers of two that make tolerances relative |
 //! | `pivoting` | principal pivotal transforms and the freshly solved basic solution |
+//! | `factors` | LU factors of a block, which know when it is singular |
 //! | `tableau` | the condensed tableau and its delayed updates |
 //! | `ratio_test` | which variable leaves: the lexicographic rule and its tolerances |
 
+mod factors;
 mod lemke;
 mod pivoting;
 mod problem;

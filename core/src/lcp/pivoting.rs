@@ -1,27 +1,27 @@
 //! What a complementary basis determines: the principal pivotal transform and the basic solution.
-use faer::Mat;
-use faer::linalg::solvers::Solve;
-use rayon::prelude::*;
+use faer::{Mat, MatMut};
 
+use super::factors::Factors;
 use super::scaling::CoveredLcp;
-use super::tableau::{PARALLEL_ORDER, Tableau};
+use super::tableau::Tableau;
 use crate::double_double::DoubleDouble;
 
 /// A basis is infeasible if one of its variables is below minus this, relative to the largest z for a z, and to
 /// |q_i| + Σ_j |M_ij z_j| for w_i. What is above, but negative, is rounding and becomes zero.
 pub(super) const FEASIBILITY_TOLERANCE: f64 = 1e-11;
 
-impl CoveredLcp {
+impl CoveredLcp<'_> {
     /// The problem as it reads with z_i and w_i exchanged wherever `basis` is true, with covering vector e; None if the
     /// principal submatrix of M there is singular (Cottle, Pang & Stone 1992, section 2.3).
-    pub(super) fn principal_transform(&self, basis: &[bool]) -> Option<Self> {
+    pub(super) fn principal_transform(&self, basis: &[bool]) -> Option<CoveredLcp<'static>> {
         let exchanged = indices(basis);
         let mut tableau = Tableau::new(self);
         if !tableau.exchange_block(&exchanged, &exchanged) {
             return None;
         }
         let (matrix, q) = tableau.into_matrix_and_values();
-        Some(Self { matrix, q, covering: vec![1.0; self.order()] })
+        let ones = vec![1.0; self.order()];
+        Some(CoveredLcp { matrix: matrix.into(), units: ones.clone().into(), q, covering: ones })
     }
 
     /// z and w at a complementary basis, from an LU factorization and a step of iterative refinement whose residual is
@@ -30,27 +30,34 @@ impl CoveredLcp {
         let order = self.order();
         let basic = indices(basis);
         let count = basic.len();
-        let block = Mat::from_fn(count, count, |i, j| self.matrix[basic[i] * order + basic[j]]);
-        let factors = block.partial_piv_lu();
+        let block = Mat::from_fn(count, count, |i, j| self.entry(basic[i], basic[j]));
+        let factors = Factors::of(&block)?;
+        let right: Vec<f64> = basic.iter().map(|&i| -self.q[i]).collect();
+        let mut solution = right.clone();
+        factors.solve_in_place(MatMut::from_column_major_slice_mut(&mut solution, count, 1));
+        let mut correction = residual(&block, &solution, &right);
+        factors.solve_in_place(MatMut::from_column_major_slice_mut(&mut correction, count, 1));
+        solution.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
         let mut z = vec![0.0; order];
-        let mut correction = Mat::from_fn(count, 1, |i, _| -self.q[basic[i]]);
-        for step in 0..2 {
-            if step > 0 {
-                let slack = self.slacks(&basic, &z, &basic);
-                correction = Mat::from_fn(count, 1, |i, _| -slack[i].0);
-            }
-            factors.solve_in_place(&mut correction);
-            basic.iter().enumerate().for_each(|(i, &at)| z[at] += correction[(i, 0)]);
-        }
+        basic.iter().zip(&solution).for_each(|(&i, x)| z[i] = *x);
         let largest = z.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
         if !largest.is_finite() || z.iter().any(|&x| x < -FEASIBILITY_TOLERANCE * largest || x.is_nan()) {
             return None;
         }
         z.iter_mut().for_each(|x| *x = x.max(0.0));
 
-        let others: Vec<usize> = (0..order).filter(|&i| !basis[i]).collect();
+        let slack = |i: usize| {
+            let (mut sum, mut size) = (self.q[i], self.q[i].abs());
+            for &j in &basic {
+                let term = self.entry(i, j) * z[j];
+                sum += term;
+                size += term.abs();
+            }
+            (sum, size)
+        };
         let mut w = vec![0.0; order];
-        for (&i, (slack, size)) in others.iter().zip(self.slacks(&others, &z, &basic)) {
+        for i in (0..order).filter(|&i| !basis[i]) {
+            let (slack, size) = slack(i);
             if slack < -FEASIBILITY_TOLERANCE * size {
                 return None;
             }
@@ -58,25 +65,17 @@ impl CoveredLcp {
         }
         Some((z, w))
     }
+}
 
-    /// (q_i + Σ_j M_ij z_j, |q_i| + Σ_j |M_ij z_j|) for i in `rows`, summed over j in `columns`.
-    fn slacks(&self, rows: &[usize], z: &[f64], columns: &[usize]) -> Vec<(f64, f64)> {
-        let slack = |&i: &usize| {
-            let row = &self.matrix[i * self.order()..];
-            let mut sum = DoubleDouble::from(self.q[i]);
-            let mut size = self.q[i].abs();
-            for &j in columns {
-                sum = sum + DoubleDouble::from(row[j]).times(z[j]);
-                size += (row[j] * z[j]).abs();
-            }
-            (sum.value(), size)
-        };
-        if self.order() < PARALLEL_ORDER {
-            rows.iter().map(slack).collect()
-        } else {
-            rows.par_iter().map(slack).collect()
+/// right − block · x, summed in double-double, column by column so that no sum waits for itself.
+fn residual(block: &Mat<f64>, x: &[f64], right: &[f64]) -> Vec<f64> {
+    let mut sums: Vec<DoubleDouble> = right.iter().map(|&b| b.into()).collect();
+    for (j, x) in x.iter().enumerate() {
+        for (sum, a) in sums.iter_mut().zip(block.col_as_slice(j)) {
+            *sum = *sum - DoubleDouble::from(*a).times(*x);
         }
     }
+    sums.into_iter().map(DoubleDouble::value).collect()
 }
 
 fn indices(basis: &[bool]) -> Vec<usize> {

@@ -115,10 +115,10 @@ impl<'a> Lcp<'a> {
         if matrix.len() != order * order {
             return Err(LcpError::MatrixLength { found: matrix.len(), order });
         }
-        if let Some(at) = matrix.iter().position(|x| !x.is_finite()) {
+        if let Some(at) = first_not_finite(matrix) {
             return Err(LcpError::MatrixEntry { row: at / order, column: at % order, value: matrix[at] });
         }
-        if let Some(index) = q.iter().position(|x| !x.is_finite()) {
+        if let Some(index) = first_not_finite(q) {
             return Err(LcpError::Entry { name: "q", index, value: q[index] });
         }
         Ok(Self { matrix, q })
@@ -198,6 +198,13 @@ impl<'a> Lcp<'a> {
     pub(super) fn check_length(&self, name: &'static str, found: usize) -> Result<(), LcpError> {
         if found == self.order() { Ok(()) } else { Err(LcpError::Length { name, found, order: self.order() }) }
     }
+}
+
+/// Where the first entry stands that is not finite; looked for by the chunk, which is fast.
+fn first_not_finite(entries: &[f64]) -> Option<usize> {
+    let all_finite = |chunk: &[f64]| chunk.iter().fold(true, |finite, x| finite & x.is_finite());
+    let chunk = entries.chunks(1024).position(|chunk| !all_finite(chunk))?;
+    (chunk * 1024..entries.len()).find(|&at| !entries[at].is_finite())
 }
 
 /// The larger of two numbers; NaN if either is.

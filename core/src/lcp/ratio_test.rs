@@ -7,14 +7,14 @@ use super::tableau::Tableau;
 
 /// A pivot must exceed this times the larger of 1 and its column's largest entry (the problem is scaled to entries of
 /// about 1): below it an entry counts as zero.
-const PIVOT_TOLERANCE: f64 = 1e-11;
+pub(super) const PIVOT_TOLERANCE: f64 = 1e-11;
 
 /// A pivot this small relative to its column is recomputed from the problem itself before it is used.
 const DOUBT: f64 = 1e-8;
 
 /// Two ratios are equal if, at the smaller, the other's basic variable is within this of zero, relative to the larger
 /// of 1 and the variable's value before the step.
-const TIE_TOLERANCE: f64 = 1e-12;
+const TIE_TOLERANCE: f64 = 1e-10;
 
 /// The row of the first pivot, where the artificial variable enters: the lexicographic minimum of (q_i, e_i) / d_i,
 /// which is the last of the rows at which q_i / d_i is least.
@@ -37,11 +37,11 @@ pub(super) struct Leaving {
 pub(super) fn leaving_row(tableau: &Tableau, column: &[f64]) -> Option<Leaving> {
     let largest = column.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
     let least = -PIVOT_TOLERANCE * largest;
-    let candidates: Vec<usize> = (0..column.len()).filter(|&i| column[i] < least).collect();
     let values = &tableau.values;
-    let step = candidates.iter().map(|&i| values[i].max(0.0) / -column[i]).reduce(f64::min)?;
-    let mut tied = candidates;
-    tied.retain(|&i| values[i] + step * column[i] <= TIE_TOLERANCE * values[i].abs().max(1.0));
+    let falling = || values.iter().zip(column).enumerate().filter(|(_, (_, a))| **a < least);
+    let step = falling().map(|(_, (value, a))| value.max(0.0) / -a).reduce(f64::min)?;
+    let at_zero = falling().filter(|(_, (value, a))| *value + step * *a <= TIE_TOLERANCE * value.abs().max(1.0));
+    let tied: Vec<usize> = at_zero.map(|(i, _)| i).collect();
     let row = match tied.iter().find(|&&i| tableau.row_variable[i] == tableau.artificial()) {
         Some(&i) => i,
         None => lexicographic_minimum(tableau, column, tied)?,

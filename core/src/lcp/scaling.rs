@@ -1,70 +1,84 @@
 //! Scaling by powers of two, which changes no digit and no pivot.
+use std::borrow::Cow;
+
 use super::problem::Lcp;
 
-/// w = Mz + q + d z₀ with a covering vector d > 0: what a Lemke path starts from. M is m×m, row-major.
-pub(super) struct CoveredLcp {
-    pub(super) matrix: Vec<f64>,
+/// w = M′z + q + d z₀ with M′_ij = u_i M_ij u_j and a covering vector d > 0: what a path starts from.
+pub(super) struct CoveredLcp<'a> {
+    pub(super) matrix: Cow<'a, [f64]>,
+    pub(super) units: Cow<'a, [f64]>,
     pub(super) q: Vec<f64>,
     pub(super) covering: Vec<f64>,
 }
 
-impl CoveredLcp {
+impl CoveredLcp<'_> {
     pub(super) fn order(&self) -> usize {
         self.q.len()
+    }
+
+    /// M′_ij.
+    pub(super) fn entry(&self, i: usize, j: usize) -> f64 {
+        self.matrix[i * self.order() + j] * self.units[i] * self.units[j]
+    }
+
+    /// Row i of M′.
+    pub(super) fn copy_row(&self, i: usize, target: &mut [f64]) {
+        let row = &self.matrix[i * self.order()..(i + 1) * self.order()];
+        let unit = self.units[i];
+        for ((t, a), u) in target.iter_mut().zip(row).zip(self.units.iter()) {
+            *t = a * unit * u;
+        }
     }
 }
 
 /// z = σ D z′, w = σ D⁻¹ w′ with M′ = DMD, q′ = Dq/σ: a symmetric scaling keeps M in its class.
 ///
-/// D brings the largest entry of every row and column pair of M to about one (Ruiz 2001), σ the largest of q.
+/// D makes the largest entry of every row and column pair of M about one, σ that of q. Where the diagonal leads, as in
+/// a semidefinite M, it gives D at once; otherwise rows and columns are equilibrated together (Ruiz 2001).
 pub(super) struct Scaling {
     diagonal: Vec<f64>,
     load: f64,
 }
 
+/// Equilibrations at most.
 const PASSES: usize = 4;
 
-/// D is kept within 2^±LIMIT, so that its products stay finite.
-const LIMIT: f64 = 400.0;
+/// Largest entries within this factor of one are left as they are.
+const EVEN: f64 = 4.0;
+
+/// D is kept within 2^±400, so that its products stay finite.
+const LEAST: f64 = 1.0 / MOST;
+const MOST: f64 = f64::from_bits((1023 + 400) << 52);
 
 impl Scaling {
     pub(super) fn of(lcp: &Lcp) -> Self {
         let order = lcp.order();
-        let mut diagonal = vec![1.0_f64; order];
+        let mut diagonal: Vec<f64> = (0..order).map(|i| even_factor(lcp.row(i)[i].abs())).collect();
         for _ in 0..PASSES {
-            let mut largest = vec![0.0_f64; order];
-            for i in 0..order {
-                for (j, a) in lcp.row(i).iter().enumerate() {
-                    let scaled = a.abs() * diagonal[i] * diagonal[j];
-                    largest[i] = largest[i].max(scaled);
-                    largest[j] = largest[j].max(scaled);
-                }
+            let largest = largest_entries(lcp, &diagonal);
+            if largest.iter().all(|&a| a == 0.0 || (a >= EVEN.recip() && a <= EVEN)) {
+                break;
             }
-            for (d, a) in diagonal.iter_mut().zip(&largest) {
-                if *a > 0.0 && a.is_finite() {
-                    *d /= a.sqrt();
-                }
-            }
-        }
-        for d in &mut diagonal {
-            *d = d.log2().clamp(-LIMIT, LIMIT).round().exp2();
+            diagonal.iter_mut().zip(&largest).for_each(|(d, a)| *d = (*d * even_factor(*a)).clamp(LEAST, MOST));
         }
         let load = power_of_two(lcp.q().iter().zip(&diagonal).map(|(a, d)| (a * d).abs()));
         Self { diagonal, load }
     }
 
-    pub(super) fn scale(&self, lcp: &Lcp, covering: Option<&[f64]>) -> CoveredLcp {
+    pub(super) fn scale<'a>(&'a self, lcp: &Lcp<'a>, covering: Option<&[f64]>) -> CoveredLcp<'a> {
         let d = &self.diagonal;
-        let rows = d.iter().enumerate();
-        let matrix = rows.flat_map(|(i, di)| lcp.row(i).iter().zip(d).map(move |(a, dj)| a * di * dj)).collect();
-        let q = lcp.q().iter().zip(d).map(|(a, di)| a * di / self.load).collect();
         let mut cover: Vec<f64> = match covering {
             Some(c) => c.iter().zip(d).map(|(a, di)| a * di).collect(),
             None => d.clone(),
         };
         let size = power_of_two(cover.iter().copied());
         cover.iter_mut().for_each(|c| *c = (*c / size).max(f64::MIN_POSITIVE));
-        CoveredLcp { matrix, q, covering: cover }
+        CoveredLcp {
+            matrix: Cow::Borrowed(lcp.matrix()),
+            units: Cow::Borrowed(d),
+            q: lcp.q().iter().zip(d).map(|(a, di)| a * di / self.load).collect(),
+            covering: cover,
+        }
     }
 
     pub(super) fn unscale_z(&self, z: &mut [f64]) {
@@ -74,6 +88,31 @@ impl Scaling {
     pub(super) fn unscale_w(&self, w: &mut [f64]) {
         w.iter_mut().zip(&self.diagonal).for_each(|(x, d)| *x *= self.load / d);
     }
+}
+
+/// The largest |D_i M_ij D_j| in row or column i, for every i.
+fn largest_entries(lcp: &Lcp, diagonal: &[f64]) -> Vec<f64> {
+    let mut columns = vec![0.0_f64; lcp.order()];
+    let mut rows = Vec::with_capacity(lcp.order());
+    for (i, di) in diagonal.iter().enumerate() {
+        // Eight running maxima, so that the row's is not one long chain of dependent steps.
+        let mut lanes = [0.0_f64; 8];
+        let chunks = columns.chunks_mut(8).zip(lcp.row(i).chunks(8)).zip(diagonal.chunks(8));
+        for ((column, entries), factors) in chunks {
+            for (((c, a), d), lane) in column.iter_mut().zip(entries).zip(factors).zip(&mut lanes) {
+                let size = a.abs() * di * d;
+                *c = if size > *c { size } else { *c };
+                *lane = if size > *lane { size } else { *lane };
+            }
+        }
+        rows.push(lanes.into_iter().fold(0.0, f64::max));
+    }
+    rows.iter().zip(&columns).map(|(r, c)| r.max(*c)).collect()
+}
+
+/// The power of two nearest to 1/√size; 1 for a size that is zero or infinite.
+fn even_factor(size: f64) -> f64 {
+    if size > 0.0 && size.is_finite() { (-0.5 * size.log2()).round().exp2().clamp(LEAST, MOST) } else { 1.0 }
 }
 
 /// The power of two at or below the largest of `sizes`; 1 if that is zero.

@@ -5,20 +5,15 @@
 //! subtracted from the base BLOCK at a time as one matrix product, so that the base is read and written once a block
 //! instead of once a pivot; in between, only the columns and rows that a pivot asks for are formed.
 use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::Solve;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Accum, ColMut, Mat, MatMut, MatRef, Par, RowMut};
+use rayon::prelude::*;
 
+use super::factors::{Factors, PARALLEL_ORDER, parallelism};
+use super::ratio_test::PIVOT_TOLERANCE;
 use super::scaling::CoveredLcp;
 
 /// Rank-one terms that are collected before the base is touched.
 const BLOCK: usize = 32;
-
-/// From this order on dense products are worth all of rayon's threads.
-pub(super) const PARALLEL_ORDER: usize = 200;
-
-fn parallelism(order: usize) -> Par {
-    if order < PARALLEL_ORDER { Par::Seq } else { Par::rayon(0) }
-}
 
 /// Variables are numbered: slack i is i, its complement is m + i, the artificial variable is 2m.
 pub(super) struct Tableau {
@@ -31,6 +26,8 @@ pub(super) struct Tableau {
     left: Vec<f64>,
     right: Vec<f64>,
     pending: usize,
+    /// Columns of the base that count as zero until the pending terms are subtracted.
+    cleared: Vec<usize>,
     pub(super) values: Vec<f64>,
     pub(super) row_variable: Vec<usize>,
     column_variable: Vec<usize>,
@@ -48,9 +45,14 @@ impl Tableau {
         // An odd number of cache lines, so that a column's entries do not fall into a few cache sets.
         let stride = (columns.div_ceil(8) | 1) * 8;
         let mut base = vec![0.0; order * stride];
-        for (i, row) in base.chunks_exact_mut(stride).enumerate() {
-            row[..order].copy_from_slice(&problem.matrix[i * order..(i + 1) * order]);
+        let fill = |(i, row): (usize, &mut [f64])| {
+            problem.copy_row(i, &mut row[..order]);
             row[order] = problem.covering[i];
+        };
+        if order < PARALLEL_ORDER {
+            base.chunks_exact_mut(stride).enumerate().for_each(fill);
+        } else {
+            base.par_chunks_exact_mut(stride).enumerate().for_each(fill);
         }
         Self {
             order,
@@ -60,6 +62,7 @@ impl Tableau {
             left: vec![0.0; BLOCK * order],
             right: vec![0.0; BLOCK * stride],
             pending: 0,
+            cleared: Vec::with_capacity(BLOCK),
             values: problem.q.clone(),
             row_variable: (0..order).collect(),
             column_variable: (order..=2 * order).collect(),
@@ -103,18 +106,24 @@ impl Tableau {
     pub(super) fn entry(&self, i: usize, nonbasic: usize) -> f64 {
         let j = self.column_of(nonbasic);
         let terms = (0..self.pending).map(|k| self.left[k * self.order + i] * self.right[k * self.stride + j]);
-        self.base[i * self.stride + j] - terms.sum::<f64>()
+        let base = if self.cleared.contains(&j) { 0.0 } else { self.base[i * self.stride + j] };
+        base - terms.sum::<f64>()
     }
 
     /// T's column of a nonbasic variable.
     pub(super) fn column(&self, nonbasic: usize, column: &mut [f64]) {
         let j = self.column_of(nonbasic);
-        for (x, row) in column.iter_mut().zip(self.base.chunks_exact(self.stride)) {
-            *x = row[j];
+        if self.cleared.contains(&j) {
+            column.fill(0.0);
+        } else {
+            for (x, row) in column.iter_mut().zip(self.base.chunks_exact(self.stride)) {
+                *x = row[j];
+            }
         }
-        for k in 0..self.pending {
-            subtract_multiple(column, self.right[k * self.stride + j], &self.left[k * self.order..]);
-        }
+        let left = MatRef::from_column_major_slice(&self.left[..self.pending * self.order], self.order, self.pending);
+        let right = MatRef::from_row_major_slice(&self.right[..self.pending * self.stride], self.pending, self.stride);
+        let column = ColMut::from_slice_mut(column).as_mat_mut();
+        matmul(column, Accum::Add, left, right.get(.., j..j + 1), -1.0, Par::Seq);
     }
 
     /// Makes `entering`, whose column of T is `column`, basic in row `r`, and returns the variable that leaves.
@@ -124,17 +133,17 @@ impl Tableau {
         let pivot = column[r];
         let (used, free) = self.right.split_at_mut(pending * stride);
         let row = &mut free[..stride];
-        row.copy_from_slice(&self.base[r * stride..(r + 1) * stride]);
-        for (k, v) in used.chunks_exact(stride).enumerate() {
-            subtract_multiple(row, self.left[k * order + r], v);
-        }
+        let base_row = &mut self.base[r * stride..(r + 1) * stride];
+        row.copy_from_slice(base_row);
+        base_row.fill(0.0);
+        self.cleared.iter().for_each(|&j| row[j] = 0.0);
+        let left = MatRef::from_column_major_slice(&self.left[..pending * order], order, pending).get(r..r + 1, ..);
+        let right = MatRef::from_row_major_slice(used, pending, stride);
+        matmul(RowMut::from_slice_mut(row).as_mat_mut(), Accum::Add, left, right, -1.0, Par::Seq);
         row.iter_mut().for_each(|x| *x /= pivot);
         row[s] = -1.0 / pivot;
 
-        self.base[r * stride..(r + 1) * stride].fill(0.0);
-        for base_row in self.base.chunks_exact_mut(stride) {
-            base_row[s] = 0.0;
-        }
+        self.cleared.push(s);
         for k in 0..pending {
             self.left[k * order + r] = 0.0;
             self.right[k * stride + s] = 0.0;
@@ -144,9 +153,7 @@ impl Tableau {
         self.pending += 1;
 
         let step = -self.values[r] / pivot;
-        for (value, a) in self.values.iter_mut().zip(column) {
-            *value += a * step;
-        }
+        subtract_multiples(&mut self.values, std::iter::once((-step, column)));
         self.values[r] = step;
         self.swap_variables(r, s);
         self.age += 1;
@@ -158,10 +165,11 @@ impl Tableau {
 
     /// The direction of all variables but the artificial one as `entering`, whose column is `column`, grows.
     pub(super) fn direction(&self, entering: usize, column: &[f64]) -> Vec<f64> {
+        let least = PIVOT_TOLERANCE * column.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
         let mut direction = vec![0.0; 2 * self.order + 1];
         direction[entering] = 1.0;
-        for (&variable, a) in self.row_variable.iter().zip(column) {
-            direction[variable] = a.max(0.0);
+        for (&variable, &a) in self.row_variable.iter().zip(column) {
+            direction[variable] = if a > least { a } else { 0.0 };
         }
         direction.pop();
         direction
@@ -170,8 +178,12 @@ impl Tableau {
     /// base ← base − U V.
     fn flush(&mut self) {
         let (order, columns, stride) = (self.order, self.columns, self.stride);
+        for row in self.base.chunks_exact_mut(stride) {
+            self.cleared.iter().for_each(|&j| row[j] = 0.0);
+        }
+        self.cleared.clear();
         matmul(
-            MatMut::from_row_major_slice_with_stride_mut(&mut self.base, order, columns, stride),
+            row_major_mut(&mut self.base, order, columns, stride),
             Accum::Add,
             MatRef::from_column_major_slice(&self.left[..self.pending * order], order, self.pending),
             MatRef::from_row_major_slice_with_stride(&self.right, self.pending, columns, stride),
@@ -198,7 +210,10 @@ impl Tableau {
             rows.col_mut(s).fill(0.0);
             rows[(k, s)] = 1.0;
         }
-        block.partial_piv_lu().solve_in_place(&mut rows);
+        let Some(factors) = Factors::of(&block) else {
+            return false;
+        };
+        factors.solve_in_place(rows.as_mut());
         if (0..=columns).any(|j| rows.col(j).iter().any(|x| !x.is_finite())) {
             return false;
         }
@@ -208,7 +223,7 @@ impl Tableau {
             entering.iter().for_each(|&s| base_row[s] = 0.0);
         }
         matmul(
-            MatMut::from_row_major_slice_with_stride_mut(&mut self.base, order, columns, stride),
+            row_major_mut(&mut self.base, order, columns, stride),
             Accum::Add,
             &multipliers,
             rows.get(.., ..columns),
@@ -241,11 +256,14 @@ impl Tableau {
     }
 }
 
-/// target ← target − factor · source.
-fn subtract_multiple(target: &mut [f64], factor: f64, source: &[f64]) {
-    if factor != 0.0 {
-        for (t, s) in target.iter_mut().zip(source) {
-            *t -= factor * s;
-        }
+/// faer 0.24.4's own `from_row_major_slice_with_stride_mut` takes its stride for that of the columns.
+fn row_major_mut(entries: &mut [f64], rows: usize, columns: usize, stride: usize) -> MatMut<'_, f64> {
+    MatMut::from_column_major_slice_with_stride_mut(entries, columns, rows, stride).transpose_mut()
+}
+
+/// target ← target − Σ factor · source.
+fn subtract_multiples<'a>(target: &mut [f64], terms: impl Iterator<Item = (f64, &'a [f64])>) {
+    for (factor, source) in terms {
+        target.iter_mut().zip(source).for_each(|(t, s)| *t -= factor * s);
     }
 }

@@ -97,7 +97,7 @@ def discretise(model: Model) -> Discretisation:
     mesh = mesh_of(model)
     meshed = time.perf_counter()
     held = hold(model, mesh)
-    thickness = _thickness(model, mesh)
+    thickness = model.plate.thickness(*mesh.points.T, above=0.0, place="plate.thickness")
     material = model.material
     try:
         plate = _core.Plate(
@@ -121,17 +121,4 @@ def discretise(model: Model) -> Discretisation:
         probes = Location(np.concatenate([p.elements for p in parts]), np.concatenate([p.xi for p in parts]))
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
-    return Discretisation(
-        model, mesh, plate, thickness, held, springs, contacts, cases, probes, positions, seconds
-    )
-
-
-def _thickness(model: Model, mesh: Mesh) -> Floats:
-    thickness = np.asarray(model.plate.thickness(*mesh.points.T), dtype=np.float64)
-    if thickness.min() <= 0:
-        x, y = mesh.points[thickness.argmin()]
-        raise InputError(
-            f"Found {thickness.min():g} at [{x:g}, {y:g}]; the thickness must be positive everywhere.",
-            place="plate.thickness",
-        )
-    return thickness
+    return Discretisation(model, mesh, plate, thickness, held, springs, contacts, cases, probes, positions, seconds)

@@ -39,9 +39,7 @@ class CaseLoad:
 
     def __add__(self, other: CaseLoad) -> CaseLoad:
         """Let both act."""
-        return CaseLoad(
-            self.nodal + other.nodal, self.curvature + other.curvature, self.couples + other.couples
-        )
+        return CaseLoad(self.nodal + other.nodal, self.curvature + other.curvature, self.couples + other.couples)
 
     def __rmul__(self, factor: float) -> CaseLoad:
         """Multiply by a factor."""
@@ -70,7 +68,8 @@ def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, 
             _press(model, mesh, nodal, model.plate.thickness, None, place, weight)
         case "line_load":
             assert load.line_load is not None
-            points = along_curve(mesh, model.plate, load, place, _GAUSS if load.line_load.is_constant else _GAUSS_VARYING)
+            order = _GAUSS if load.line_load.is_constant else _GAUSS_VARYING
+            points = along_curve(mesh, model.plate, load, place, order)
             _push(mesh, nodal, points.elements, points.xi, points.weights * load.line_load(*points.positions.T))
         case "force":
             assert load.force is not None and load.at is not None
@@ -87,7 +86,13 @@ def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, 
 
 
 def _press(
-    model: Model, mesh: Mesh, nodal: Floats, pressure: Expression, area: Area | str | None, place: str, factor: float = 1.0
+    model: Model,
+    mesh: Mesh,
+    nodal: Floats,
+    pressure: Expression,
+    area: Area | str | None,
+    place: str,
+    factor: float = 1.0,
 ) -> None:
     points = in_area(mesh, model.plate, area, place, _GAUSS if pressure.is_constant else _GAUSS_VARYING)
     force = factor * points.weights * pressure(*points.positions.T)

@@ -8,7 +8,7 @@ from signorini.discretise.places import curve, region
 from signorini.mesh import Mesh
 from signorini.meshers import annulus, disc, rectangle
 from signorini.meshfile import read
-from signorini.model import AnnulusPlate, DiscPlate, MeshPlate, Model, RectanglePlate
+from signorini.model import AnnulusPlate, DiscPlate, Load, MeshPlate, Model, RectanglePlate, Support
 from signorini.regions import Curve, Region
 
 
@@ -32,7 +32,8 @@ def mesh_of(model: Model) -> Mesh:
 
 
 def _shapes(model: Model) -> Iterator[Region | Curve]:
-    for item in (*model.support, *model.load):
+    items: list[Support | Load] = [*model.support, *model.load]
+    for item in items:
         for shape in (region(item.area), curve(item)):
             if shape is not None:
                 yield shape

@@ -10,7 +10,14 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError, unknown
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, Area, DiscPlate, Load, Plate, Support
-from signorini.quadrature import LineQuadrature, Quadrature, area_quadrature, curve_quadrature, edge_quadrature, off_plate
+from signorini.quadrature import (
+    LineQuadrature,
+    Quadrature,
+    area_quadrature,
+    curve_quadrature,
+    edge_quadrature,
+    off_plate,
+)
 from signorini.regions import Circle, Curve, Polygon, Polyline, Rectangle, Region, Ring
 
 _SECTOR_SLACK = 1e-3
@@ -125,14 +132,15 @@ def _require_on_plate(
     mesh: Mesh, plate: Plate, shape: Region | Curve, points: Quadrature, what: str, place: str
 ) -> None:
     """Refuse what leaves the plate; a sector stands for the whole plate and cuts circles about its center."""
-    concentric = isinstance(plate, DiscPlate | AnnulusPlate) and isinstance(shape, Circle | Ring)
     whole = shape.area if isinstance(shape, Rectangle | Circle | Polygon) else shape.length
     missing = off_plate(mesh, shape, points)
-    if concentric and shape.center == plate.center:
-        beyond = (1.0 - plate.sector / 360.0) * whole
-        missing = missing - beyond if missing > beyond + _SECTOR_SLACK * whole else 0.0
+    match plate, shape:
+        case ((DiscPlate() | AnnulusPlate()), (Circle() | Ring())) if shape.center == plate.center:
+            beyond = (1.0 - plate.sector / 360.0) * whole
+            missing = missing - beyond if missing > beyond + _SECTOR_SLACK * whole else 0.0
     if missing > 0:
-        part = "is not on the plate" if points.total == 0 else f"has {100 * missing / whole:.3g} % of its size off the plate"
+        off = f"has {100 * missing / whole:.3g} % of its size off the plate"
+        part = "is not on the plate" if points.total == 0 else off
         raise InputError(f"{what} {part}. Cut it to the plate.", place=place)
 
 
@@ -158,7 +166,7 @@ def edge_nodes(mesh: Mesh, triples: Ints) -> OnNodes:
         slope = (s - 0.5) * a - 2 * s * m + (s + 0.5) * b
         length += weight * np.hypot(slope[:, 0], slope[:, 1])[:, None] * shape
     nodes, inverse = np.unique(triples, return_inverse=True)
-    return OnNodes(nodes, np.bincount(inverse.ravel(), length.ravel()))
+    return OnNodes(nodes, np.bincount(inverse.ravel(), length.ravel()).astype(np.float64))
 
 
 def quadratic_tangents(mesh: Mesh, triples: Ints) -> Floats:

@@ -13,8 +13,6 @@ from signorini.discretise.frames import Held
 from signorini.discretise.holds import holds_deflection, nodes_at
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area, located, mesh_edges
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
-from signorini.errors import InputError
-from signorini.expression import Expression
 from signorini.mesh import Mesh
 from signorini.model import Model, Plate, Support
 
@@ -101,7 +99,7 @@ def springs_and_contacts(model: Model, mesh: Mesh, plate: _core.Plate, held: Hel
     joined = ContactPoints.join(contacts)
     # A point whose every dof is held already can neither open nor close.
     free = (np.abs(joined.rows.coefficients) > 1e-12) & ~held.dofs[joined.rows.dofs(mesh.elements)]
-    return Springs.join(springs), joined.pick(free.any(axis=1))
+    return Springs.join(springs), joined.pick(np.asarray(free.any(axis=1)))
 
 
 def _acting(mesh: Mesh, shape: Plate, plate: _core.Plate, index: int, support: Support) -> list[_Acting]:
@@ -146,15 +144,12 @@ def _springs_or_contacts(index: int, support: Support, acting: _Acting) -> Sprin
     place = f"support[{index + 1}]"
     positions, weights, count = acting.positions, acting.weights, len(acting.rows)
     settlement = np.zeros(count) if acting.slope else support.settlement(*positions.T)
-    gap = _evaluated(support.gap, positions, f"{place}.gap", "must not be negative anywhere", least=0.0)
+    gap = support.gap(*positions.T, at_least=0.0, place=f"{place}.gap")
     who = np.full(count, index, dtype=np.int64)
     compliance = np.zeros(count)
     two_way = support.fix is not None or support.resists == "both"
     if support.stiffness is not None:
-        tiny = np.finfo(float).tiny
-        stiffness = weights * _evaluated(
-            support.stiffness, positions, f"{place}.stiffness", "must be positive everywhere", least=tiny
-        )
+        stiffness = weights * support.stiffness(*positions.T, above=0.0, place=f"{place}.stiffness")
         if two_way and not gap.any():
             return Springs(acting.rows, stiffness, settlement, positions, weights, who)
         compliance = 1.0 / stiffness
@@ -180,14 +175,6 @@ def _springs_or_contacts(index: int, support: Support, acting: _Acting) -> Sprin
     ]
 
 
-def _evaluated(value: Expression, positions: Floats, place: str, rule: str, least: float) -> Floats:
-    values = np.asarray(value(*positions.T), dtype=np.float64)
-    if len(values) and values.min() < least:
-        x, y = positions[values.argmin()]
-        raise InputError(f"Found {values.min():g} at [{x:g}, {y:g}]; it {rule}.", place=place)
-    return values
-
-
 def _rows(plate: _core.Plate, sampled: Sampled, field: int) -> Rows:
     coefficients, _ = plate.interpolation_rows(sampled.elements, sampled.xi, field)
     return Rows(sampled.elements, coefficients)
@@ -202,7 +189,7 @@ def _along(plate: _core.Plate, sampled: Sampled, dx: Floats, dy: Floats) -> Rows
 def _means(acting: _Acting) -> _Acting:
     """One mean an element: with more, a rigid bed's pressures would outnumber the deflections that answer them."""
     elements, inverse = np.unique(acting.rows.elements, return_inverse=True)
-    area = np.bincount(inverse, acting.weights)
+    area = np.bincount(inverse, acting.weights).astype(np.float64)
 
     def mean(values: Floats) -> Floats:
         return np.stack([np.bincount(inverse, acting.weights * column) / area for column in values.T], axis=1)

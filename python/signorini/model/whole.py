@@ -26,7 +26,7 @@ class Units(Table):
 
 
 class Solver(Table):
-    """How the contact problem is solved."""
+    """Choice of the method that solves the contact problem."""
 
     method: Literal["auto", "lemke", "active_set", "interior_point"] = Field(
         default="auto", description="auto picks the method, and falls back without asking."

@@ -3,8 +3,20 @@
 Takes arrays and returns matplotlib axes or figures that no global state knows of, so it needs no display.
 """
 
+from matplotlib.axes import Axes
+
 from signorini.plot.field import contour, line
 from signorini.plot.marks import LoadMark, SupportMark, supports
 from signorini.plot.pictures import check_picture, deflection_picture, save
 
-__all__ = ["LoadMark", "SupportMark", "check_picture", "contour", "deflection_picture", "line", "save", "supports"]
+__all__ = [
+    "Axes",
+    "LoadMark",
+    "SupportMark",
+    "check_picture",
+    "contour",
+    "deflection_picture",
+    "line",
+    "save",
+    "supports",
+]

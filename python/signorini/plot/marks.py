@@ -21,7 +21,7 @@ from signorini.plot.plan import INK
 
 _LOAD = "#b3261e"
 _MARKERS = {"down": "^", "up": "v", "both": "s", "fixed": "s"}
-_ACTIONS = {"down": "pushes up only", "up": "holds down only", "both": "acts both ways", "fixed": "fixed"}
+_ACTIONS = {"down": "pushes up only", "up": "holds down only", "both": "holds both ways", "fixed": "fixed"}
 _SIZES = {"points": (8.5, 4.0), "line": (4.5, 2.5), "area": (3.5, 0.7)}
 _UNCROWDED = {"points": 100, "line": 60, "area": 200}
 

@@ -113,7 +113,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         The file cannot be written.
     """
     with replacing(path) as beside:
-        figure.savefig(beside, dpi=160)
+        figure.savefig(beside, dpi=160, bbox_inches="tight", pad_inches=0.12)
 
 
 def _finished(axes: Axes, entries: list[Entry], length: str) -> Figure:

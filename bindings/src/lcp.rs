@@ -1,0 +1,97 @@
+use crate::arrays::invalid;
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use signorini_core::lcp::{self, Lcp, LcpStatus, LemkeOptions};
+
+/// z, w and the basis (m,) of a linear complementarity problem, and how the solver ended.
+#[pyclass(frozen, module = "signorini._core")]
+pub struct LcpSolution {
+    inner: lcp::LcpSolution,
+}
+
+/// Solves w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0 by Lemke's algorithm with the lexicographic ratio test.
+///
+/// `matrix` is M (m, m), `q` (m,); `covering` (m,) > 0 is the covering vector, ones if None. `start` (m,) marks the z
+/// basic in the solution of a similar problem, from which the path then starts.
+#[pyfunction]
+#[pyo3(signature = (matrix, q, covering=None, max_pivots=None, start=None))]
+pub fn lemke(
+    py: Python<'_>,
+    matrix: PyReadonlyArray2<'_, f64>,
+    q: PyReadonlyArray1<'_, f64>,
+    covering: Option<PyReadonlyArray1<'_, f64>>,
+    max_pivots: Option<usize>,
+    start: Option<PyReadonlyArray1<'_, bool>>,
+) -> PyResult<LcpSolution> {
+    let (rows, columns) = (matrix.shape()[0], matrix.shape()[1]);
+    if rows != columns || rows != q.len() {
+        return Err(invalid(format!("M is {rows} x {columns} and q has {} entries; M must be square, with a row for every entry of q", q.len())));
+    }
+    let matrix: Vec<f64> = matrix.as_array().iter().copied().collect();
+    let q = q.as_array().to_vec();
+    let covering = covering.map(|d| d.as_array().to_vec());
+    let start = start.map(|basis| basis.as_array().to_vec());
+    let solve = || {
+        let problem = Lcp::new(&matrix, &q)?;
+        let options = LemkeOptions { covering: covering.as_deref(), max_pivots };
+        match &start {
+            Some(basis) => lcp::lemke_from(&problem, &options, basis),
+            None => lcp::lemke(&problem, &options),
+        }
+    };
+    Ok(LcpSolution { inner: py.detach(solve).map_err(invalid)? })
+}
+
+#[pymethods]
+impl LcpSolution {
+    /// The complementary variables (m,); NaN unless solved.
+    #[getter]
+    fn z<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.z)
+    }
+
+    /// The slacks Mz + q (m,); NaN unless solved.
+    #[getter]
+    fn w<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.w)
+    }
+
+    /// True where z is basic (m,); all False unless solved.
+    #[getter]
+    fn basis<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        PyArray1::from_slice(py, &self.inner.basis)
+    }
+
+    /// "solved", "ray" or "pivot_limit".
+    #[getter]
+    fn status(&self) -> &'static str {
+        match self.inner.status {
+            LcpStatus::Solved => "solved",
+            LcpStatus::Ray => "ray",
+            LcpStatus::PivotLimit => "pivot_limit",
+        }
+    }
+
+    /// The status in a sentence.
+    #[getter]
+    fn message(&self) -> &'static str {
+        self.inner.status.sentence()
+    }
+
+    /// Pivots made, the artificial variable's entry included.
+    #[getter]
+    fn pivots(&self) -> usize {
+        self.inner.pivots
+    }
+
+    /// v ≥ 0 (m,), at most 1, along which the path left; None unless the status is "ray". Mᵀv ≤ 0 with qᵀv < 0 proves
+    /// that no point is feasible.
+    #[getter]
+    fn ray<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.inner.ray.as_ref().map(|ray| PyArray1::from_slice(py, ray))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("LcpSolution(order={}, status='{}', pivots={})", self.inner.z.len(), self.status(), self.inner.pivots)
+    }
+}

@@ -1,0 +1,130 @@
+"""A model before it is solved: its size, its loads' resultants, whether its supports can balance them, its picture."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from signorini.discretise import Discretisation, discretise
+from signorini.equilibrium import RigidFreedom, no_equilibrium, rigid_freedom
+from signorini.errors import InputError
+from signorini.model import Combination, Model
+from signorini.sketch import load_marks, support_marks
+
+_NO_FORCE = 1e-12
+_FORMATS = (".png", ".svg", ".pdf")
+
+
+@dataclass(frozen=True)
+class Resultant:
+    """What the load of one combination amounts to.
+
+    Parameters
+    ----------
+    name : str
+        The combination.
+    force : float
+        Sum of the forces, positive down.
+    at : (x, y) or None
+        The point at which that force alone would do the same to a rigid plate; None where the forces sum to zero.
+    couple : (mx, my)
+        Couples about the middle of the plate.
+    message : str
+        Why no reactions balance it; empty where they do.
+    """
+
+    name: str
+    force: float
+    at: tuple[float, float] | None
+    couple: tuple[float, float]
+    message: str
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """A model that can be solved as far as can be told without solving it."""
+
+    discretisation: Discretisation
+    resultants: tuple[Resultant, ...]
+
+    @property
+    def balanced(self) -> bool:
+        """Whether every combination can be balanced."""
+        return not any(resultant.message for resultant in self.resultants)
+
+    def save_picture(self, path: str | os.PathLike[str]) -> None:
+        """Draw mesh, supports and loads to a file.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written, or its suffix names no format of pictures.
+        """
+        # Only this method needs matplotlib.
+        from signorini.plot import check_picture, save
+
+        require_picture(path)
+        found = self.discretisation
+        figure = check_picture(
+            found.mesh.points,
+            found.mesh.elements,
+            supports=support_marks(found),
+            loads=load_marks(found),
+            title=found.model.title,
+            length=found.model.units.length,
+        )
+        try:
+            save(figure, path)
+        except OSError as error:
+            raise InputError(f"the picture cannot be written: {error.strerror or error}.", str(path)) from None
+
+
+def require_picture(path: str | os.PathLike[str]) -> None:
+    """Refuse a file whose suffix names no format of pictures.
+
+    Raises
+    ------
+    InputError
+        If the suffix is another.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in _FORMATS:
+        raise InputError(f'found the suffix "{suffix}"; a picture ends in {", ".join(_FORMATS)}.', str(path))
+
+
+def check(model: Model) -> Check:
+    """Mesh a model, place its supports and loads, and ask of every combination whether reactions can balance it.
+
+    Raises
+    ------
+    InputError
+        If the model says something that cannot be, or the plate is a mechanism.
+
+    Examples
+    --------
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     support=[{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
+    ...     load=[{"force": 20e3, "at": [2, 1.5]}],
+    ... )
+    >>> found = check(model)
+    >>> found.balanced, round(found.resultants[0].force, 6), found.resultants[0].at
+    (True, 20000.0, (2.0, 1.5))
+    """
+    found = discretise(model)
+    freedom = rigid_freedom(found)
+    return Check(found, tuple(_resultant(found, freedom, c) for c in model.effective_combinations))
+
+
+def _resultant(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> Resultant:
+    nodal = found.load(combination).nodal
+    force, mx, my = (float(part) for part in found.rigid_motions.T @ nodal)
+    at = None
+    if abs(force) > _NO_FORCE * np.abs(nodal[::3]).sum():
+        x, y = ((found.middle + np.array([mx, my]) / force) / found.mesh.size).round(12) * found.mesh.size + 0.0
+        at = (float(x), float(y))
+    return Resultant(combination.name, force, at, (mx, my), no_equilibrium(found, freedom, nodal))

@@ -1,0 +1,185 @@
+"""The command line: solve, check, schema."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+import signorini
+from signorini.cli import tables
+from signorini.errors import NoEquilibriumError, SignoriniError
+
+_INTERRUPTED = 130
+_TERMINATED = 143
+_WIDTH_OF_FILES = 160
+"""Where the output is no terminal, tables keep their width up to this, so that programs find a row on a line."""
+
+app = typer.Typer(
+    name="signorini",
+    help="Plates on supports that can let go: finite elements for Reissner-Mindlin plates, one-sided supports solved "
+    "exactly, every result with a certificate.",
+    epilog="Exit codes: 0 solved, 2 bad input, 3 no equilibrium in some combination, 4 not certified.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+InputFile = Annotated[Path, typer.Argument(metavar="FILE", help="The input file, TOML.", show_default=False)]
+
+
+def main() -> None:
+    """Run the command line; the process ends with its exit code."""
+    signal.signal(signal.SIGTERM, _terminate)
+    for stream in (sys.stdout, sys.stderr):
+        # A name or symbol that the terminal's encoding lacks must not end the run.
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    try:
+        app()
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # The reader has gone, as in `signorini schema | head`; what is left in the buffer must not raise at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+
+
+def _terminate(number: int, frame: FrameType | None) -> None:
+    """Unwind, so that files half written are removed."""
+    sys.exit(_TERMINATED)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        _stdout().print(f"signorini {signorini.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None: ...
+
+
+@app.command()
+def solve(
+    file: InputFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Directory of the results. [default: FILE-results]"),
+    ] = None,
+) -> None:
+    """Solve every combination; write results.json, reactions.csv, a .vtu file and a picture each; print a table."""
+    with _messages():
+        from signorini import output as files
+
+        model = signorini.load(file)
+        directory = output if output is not None else file.with_name(f"{file.stem}-results")
+        files.require_writable(directory)
+        try:
+            results = signorini.solve(model)
+        except SignoriniError:
+            if (directory / files.JSON).exists():
+                _stderr().print(f"Nothing is written; {directory} holds the results of an earlier run.")
+            raise
+        files.write(results, directory)
+        tables.print_results(_stdout(), results)
+        _stdout().print(f"Written to {directory}{os.sep}")
+        _refuse({result.name: result.message for result in results.values()})
+
+
+@app.command()
+def check(
+    file: InputFile,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="PICTURE", help="The picture, .png .svg .pdf. [default: FILE-check.png]"
+        ),
+    ] = None,
+) -> None:
+    """Validate, mesh, draw, and see whether the supports can balance every combination; solve nothing."""
+    with _messages():
+        from signorini.check import check as checked
+        from signorini.check import require_picture
+
+        model = signorini.load(file)
+        picture = output if output is not None else file.with_name(f"{file.stem}-check.png")
+        require_picture(picture)
+        found = checked(model)
+        found.save_picture(picture)
+        tables.print_check(_stdout(), found)
+        _stdout().print(f"Drawn in {picture}")
+        _refuse({resultant.name: resultant.message for resultant in found.resultants})
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of the input file, with which editors complete and check it."""
+    with _messages():
+        print_raw = _stdout().file.write
+        print_raw(json.dumps(signorini.schema(), indent=2, ensure_ascii=False) + "\n")
+
+
+def _refuse(messages: dict[str, str]) -> None:
+    """End with the exit code of no equilibrium if a combination has none."""
+    missing = [f"{name}: {message}" for name, message in messages.items() if message]
+    if missing:
+        raise NoEquilibriumError("\n".join(missing))
+
+
+@contextmanager
+def _messages() -> Iterator[None]:
+    """Turn what can go wrong into a message on standard error and an exit code."""
+    try:
+        yield
+    except NoEquilibriumError as error:
+        _end(f"No equilibrium.\n{error}", error.exit_code)
+    except SignoriniError as error:
+        _end(f"Error: {error}", error.exit_code)
+    except KeyboardInterrupt:
+        _end("Interrupted; nothing is written.", _INTERRUPTED)
+    except MemoryError:
+        _end("Error: not enough memory. Take a coarser mesh.", SignoriniError.exit_code)
+    except (typer.Exit, BrokenPipeError):
+        raise
+    except Exception as error:
+        _end(
+            f"Internal error ({type(error).__name__}: {' '.join(str(error).split())}). This is a fault of signorini "
+            f"{signorini.__version__}; please report it with the input file.",
+            SignoriniError.exit_code,
+        )
+
+
+def _end(message: str, code: int) -> None:
+    _stderr().print(message)
+    raise typer.Exit(code)
+
+
+def _stdout() -> Console:
+    return _console(stderr=False)
+
+
+def _stderr() -> Console:
+    return _console(stderr=True)
+
+
+def _console(*, stderr: bool) -> Console:
+    """Make a console that takes text as it is: no markup, no colours guessed, no lines broken."""
+    console = Console(stderr=stderr, markup=False, highlight=False, emoji=False, soft_wrap=True)
+    if not console.is_terminal:
+        console.width = max(console.width, _WIDTH_OF_FILES)
+    return console

@@ -1,0 +1,187 @@
+"""Tables on the terminal, whose first column shows what kind each support is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from signorini.check import Check
+from signorini.discretise import Discretisation
+from signorini.model import Support, Units
+from signorini.result import Result, SupportResult, describe
+from signorini.solve import Results
+
+_SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic": "~"}
+_PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
+_MEANINGS = {
+    "down": "pushes up only",
+    "up": "holds down only",
+    "both": "holds both ways",
+    "fixed": "fixed",
+    "elastic": "elastic",
+}
+_MOST_OPEN = 8
+"""Open points named below a table; where more are open their number says enough."""
+_ROUNDING = 1e-12
+"""Part of a field's largest value below which a probe shows zero."""
+
+
+def print_results(console: Console, results: Results) -> None:
+    """Print every combination: supports, certificate, extremes, probes."""
+    _print_model(console, results.discretisation)
+    for result in results.values():
+        console.print()
+        if result.status == "solved":
+            _print_result(console, result)
+        else:
+            console.print(Text(f"{result.name}: no equilibrium", style="bold red"))
+    console.print()
+    _print_legend(console, results.discretisation.model.support)
+
+
+def print_check(console: Console, check: Check) -> None:
+    """Print a model's size, its supports and the resultants of its combinations."""
+    found = check.discretisation
+    model, units = found.model, found.model.units
+    _print_model(console, found)
+    console.print()
+    supports = _table("", "support", "kind", right=["nodes held", "springs", "contact points"])
+    for index, support in enumerate(model.support):
+        held = found.held.support.reshape(-1, 3)[found.held.dofs.reshape(-1, 3).any(axis=1)]
+        counts = (
+            int((held == index).any(axis=1).sum()),
+            int((found.springs.support == index).sum()),
+            int((found.contacts.support == index).sum()),
+        )
+        supports.add_row(_symbol(support, console), Text(support.name), describe(support), *map(str, counts))
+    console.print(supports)
+    console.print()
+    loads = _table("combination", right=[f"load{_in(units.force)}", f"acts at{_in(units.length)}", "balanced"])
+    for resultant in check.resultants:
+        at = _point(resultant.at) if resultant.at else f"couple {_point(resultant.couple)}"
+        verdict = Text("no", style="bold red") if resultant.message else Text("yes")
+        loads.add_row(Text(resultant.name), _number(resultant.force), at, verdict)
+    console.print(loads)
+    console.print()
+    _print_legend(console, model.support)
+
+
+def _print_model(console: Console, found: Discretisation) -> None:
+    model = found.model
+    if model.title:
+        console.print(Text(model.title, style="bold"))
+    one_sided = int((~found.contacts.two_sided).sum())
+    console.print(
+        f"{model.plate.shape}, {len(found.mesh.elements)} elements {model.plate.element}, "
+        f"{found.mesh.node_count} nodes, {found.dof_count} dofs, {one_sided} one-sided contact points"
+    )
+
+
+def _print_result(console: Console, result: Result) -> None:
+    units = result.model.units
+    console.print(Text(result.name, style="bold") + Text(f": solved by {result.method}, {result.iterations} pivots"))
+    table = _table("", "support", "kind", right=[f"reaction{_in(units.force)}", "closed", "open"])
+    for support, found in zip(result.model.support, result.supports, strict=True):
+        table.add_row(
+            _symbol(support, console),
+            Text(found.name),
+            found.kind,
+            _number(found.reaction),
+            str(found.closed_count),
+            str(found.open_count),
+        )
+    if len(result.supports) > 1:
+        table.add_section()
+        total = sum(found.reaction for found in result.supports)
+        counts = [sum(getattr(found, count) for found in result.supports) for count in ("closed_count", "open_count")]
+        table.add_row("", "all", "", _number(total), *map(str, counts))
+    console.print(table)
+    for found in result.supports:
+        _print_extent(console, found, units)
+    _print_deflection(console, result)
+    console.print(Text(f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red"))
+    if result.probes:
+        console.print(_probes(result, units))
+
+
+def _print_extent(console: Console, found: SupportResult, units: Units) -> None:
+    """Which points are open, or how large the area in contact is."""
+    if found.place == "at" and 0 < found.open_count <= _MOST_OPEN:
+        console.print(f"{found.name}, open: {', '.join(map(_point, found.positions[~found.closed].tolist()))}")
+    if found.contact_area is not None and found.max_pressure is not None:
+        area = f"{_number(found.contact_area)}{_unit(units.length, 2)}"
+        per_area = f"{units.force}/{units.length}²" if units.force and units.length else ""
+        console.print(
+            f"{found.name}, in contact: {area}, largest pressure {_number(found.max_pressure)} {per_area}".rstrip()
+        )
+
+
+def _print_deflection(console: Console, result: Result) -> None:
+    unit = _unit(result.model.units.length)
+    ends = (("max", int(result.deflection.argmax())), ("min", int(result.deflection.argmin())))
+    parts = (
+        f"{name} {_number(float(result.deflection[node]))}{unit} at {_point(result.mesh.points[node].tolist())}"
+        for name, node in ends
+    )
+    console.print(f"deflection, positive down: {', '.join(parts)}")
+
+
+def _probes(result: Result, units: Units) -> Table:
+    moment = f" [{units.force} {units.length}/{units.length}]" if units.force and units.length else ""
+    shear = f" [{units.force}/{units.length}]" if units.force and units.length else ""
+    titles = [f"deflection{_in(units.length)}", "θx", "θy", f"mx{moment}", "my", "mxy", f"qx{shear}", "qy"]
+    table = _table(f"probe{_in(units.length)}", right=titles)
+    rounding = [_ROUNDING * float(abs(field).max()) for field in result.fields.values()]
+    for probe in result.probes:
+        values = (probe.deflection, *probe.rotation, *probe.moment, *probe.shear)
+        shown = (value if abs(value) > least else 0.0 for value, least in zip(values, rounding, strict=True))
+        table.add_row(_point(probe.at), *(_number(value, 5) for value in shown))
+    return table
+
+
+def _print_legend(console: Console, supports: Sequence[Support]) -> None:
+    marks = _marks(console)
+    used = {kind for support in supports for kind in _kinds(support)}
+    console.print("  ".join(f"{marks[kind]} {meaning}" for kind, meaning in _MEANINGS.items() if kind in used))
+
+
+def _kinds(support: Support) -> list[str]:
+    elastic = ["elastic"] if support.stiffness is not None else []
+    return ["fixed" if support.fix is not None else support.resists or "both", *elastic]
+
+
+def _symbol(support: Support, console: Console) -> str:
+    return "".join(_marks(console)[kind] for kind in _kinds(support))
+
+
+def _marks(console: Console) -> dict[str, str]:
+    return _SYMBOLS if console.encoding.lower().startswith("utf") else _PLAIN
+
+
+def _table(*left: str, right: Sequence[str]) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, header_style="bold")
+    for title in left:
+        table.add_column(title, overflow="fold")
+    for title in right:
+        table.add_column(title, justify="right", overflow="fold")
+    return table
+
+
+def _number(value: float, digits: int = 6) -> str:
+    return f"{value:.{digits}g}"
+
+
+def _point(at: Sequence[float]) -> str:
+    return f"[{', '.join(f'{value:.6g}' for value in at)}]"
+
+
+def _in(unit: str) -> str:
+    return f" [{unit}]" if unit else ""
+
+
+def _unit(length: str, power: int = 1) -> str:
+    return f" {length}{'²' if power == 2 else ''}" if length else ""

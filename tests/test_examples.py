@@ -1,0 +1,203 @@
+"""The shipped examples, each with what it is there to show."""
+
+import importlib.util
+import tomllib
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import signorini
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+# MITC4, 160 x 160, in kN; rows from y = 0.5.
+SLAB_B = np.array(
+    [
+        [333.96, 93.67, 0.0, 5.85],
+        [93.67, 71.92, 7.92, 14.01],
+        [0.0, 7.92, 21.46, 11.79],
+        [5.85, 14.01, 11.79, 6.17],
+    ]
+)
+
+
+def script(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def slab() -> signorini.Results:
+    return signorini.solve(signorini.load(EXAMPLES / "slab_on_points.toml"))
+
+
+def slab_under(pressure: float) -> signorini.Model:
+    data = tomllib.loads((EXAMPLES / "slab_on_points.toml").read_text())
+    data["load"][0]["pressure"] = pressure
+    return signorini.validate(data)
+
+
+def test_every_example_has_a_test() -> None:
+    tested = Path(__file__).read_text()
+    assert [path.name for path in EXAMPLES.iterdir() if path.is_file() and path.stem not in tested] == []
+
+
+def test_slab_b_lifts_off_exactly_two_of_its_bearings(slab: signorini.Results) -> None:
+    bearings = slab["service"].supports[0]
+    assert bearings.positions[~bearings.closed].tolist() == [[6.5, 0.5], [0.5, 6.5]]
+    assert (bearings.reactions[~bearings.closed] == 0).all()
+    assert (bearings.gaps[~bearings.closed] > 0).all()
+    assert bearings.reaction == pytest.approx(700e3, rel=1e-12)
+
+
+def test_slab_b_has_the_reactions_of_the_reference(slab: signorini.Results) -> None:
+    # The coarser mesh moves the small reactions more, by up to 1.9 % of themselves and 0.1 % of the largest.
+    reactions = slab["service"].supports[0].reactions.reshape(4, 4) / 1e3
+    assert np.abs(reactions - SLAB_B).max() < 1e-3 * SLAB_B.max()
+    large = SLAB_B > 10
+    assert np.abs(reactions[large] / SLAB_B[large] - 1).max() < 0.015
+
+
+def test_a_slab_that_touches_nothing_at_first_comes_down_by_its_gap(slab: signorini.Results) -> None:
+    lowered = signorini.solve(signorini.load(EXAMPLES / "slab_on_points_gap.toml"))
+    for name, result in slab.items():
+        a, b = result.supports[0], lowered[name].supports[0]
+        assert np.abs(a.reactions - b.reactions).max() < 1e-9 * a.reactions.max()
+        assert (a.closed == b.closed).all()
+        assert np.abs(lowered[name].deflection - result.deflection - 1e-3).max() < 1e-12
+
+
+def test_a_slab_under_slight_suction_tips(slab: signorini.Results) -> None:
+    with pytest.raises(signorini.NoEquilibriumError) as caught:
+        signorini.solve(slab_under(-4e3))
+    service, alone = str(caught.value).splitlines()
+    assert "service: The plate tips about the line" in service
+    assert "through [0.5, 0.5] of bearings" in service
+    # About the diagonal through the bearing: 400 kN up at (5, 5) and 500 kN down at (1, 1).
+    assert f"short by a moment of {(400e3 * 9 - 500e3) / np.sqrt(2):.6g} N m" in service
+    assert "An extra 163158 N down at [10, 10] would just hold it." in service
+    assert "slab alone: The plate lifts off its supports: the load's resultant is 400000 N up" in alone
+
+
+def test_the_extra_load_that_is_named_just_holds_it() -> None:
+    model = slab_under(-4e3)
+    for extra, holds in [(163158.5, True), (163157.0, False)]:
+        data = tomllib.loads((EXAMPLES / "slab_on_points.toml").read_text())
+        data["load"][0]["pressure"] = -4e3
+        data["load"].append({"case": "machine", "force": extra, "at": [10, 10]})
+        data["combination"] = [{"name": "service", "factors": {"slab": 1, "machine": 1}}]
+        model = signorini.validate(data)
+        if holds:
+            assert signorini.solve(model)["service"].status == "solved"
+        else:
+            with pytest.raises(signorini.NoEquilibriumError):
+                signorini.solve(model)
+
+
+def test_a_slab_under_strong_suction_flies() -> None:
+    with pytest.raises(signorini.NoEquilibriumError) as caught:
+        signorini.solve(slab_under(-10e3))
+    service = str(caught.value).splitlines()[0]
+    assert "service: The plate lifts off its supports: the load's resultant is 500000 N up" in service
+    assert "An extra 500000 N down at [9, 9] would just hold it." in service
+
+
+def test_a_disc_lets_go_of_its_ring_at_both_sides_of_the_crane() -> None:
+    results = signorini.solve(signorini.load(EXAMPLES / "disc_on_ring.toml"))
+    weight = 25e3 * 0.15 * np.pi * 2**2
+    alone, loaded = (result.supports[0] for result in results.values())
+    assert alone.open_count == 0
+    assert alone.reaction == pytest.approx(weight, rel=1e-6)
+    assert loaded.reaction == pytest.approx(weight + 120e3, rel=1e-6)
+    assert np.allclose(np.hypot(*loaded.positions.T), 1.6, rtol=1e-12)
+    # Reactions balance the moment too, and what is in contact is as symmetric as the load.
+    assert loaded.reactions @ loaded.positions[:, 0] == pytest.approx(120e3 * 1.9, rel=1e-6)
+    x, y = loaded.positions[loaded.closed].round(9).T
+    assert set(zip(x, y + 0.0, strict=True)) == set(zip(x, 0.0 - y, strict=True))
+    angle = np.degrees(np.arctan2(*loaded.positions.T[::-1]))
+    for held in (np.abs(angle) < 15, np.abs(angle) > 125):
+        assert loaded.closed[held].all()
+    assert not loaded.closed[(np.abs(angle) > 30) & (np.abs(angle) < 110)].any()
+    assert (loaded.gaps[~loaded.closed] > 0).all()
+
+
+@pytest.mark.parametrize("element", ["q8r", "mitc9"])
+def test_table_1_the_unilateral_plate_is_the_sum_of_two_bilateral_steps(element: str) -> None:
+    table = script("clamped_quarter").table(element)
+    assert len(table.unilateral) == 21
+    assert np.abs(table.first + table.second - table.unilateral).max() < 1e-10
+    assert table.first.sum() == pytest.approx(32, abs=1e-10)
+    assert table.second.sum() == pytest.approx(32, abs=1e-10)
+    assert table.unilateral.sum() == pytest.approx(64, abs=1e-10)
+    # The support under the centre is not touched in the first step, and the free nodes have no reaction at all.
+    assert table.first[20] == 0
+    assert table.unilateral[20] > 0
+    free = np.array([7, 8, 10, 11, 12, 13, 15, 16, 18, 19, 20]) - 1
+    assert (table.unilateral[free] == 0).all()
+
+
+def test_table_1_is_printed_as_in_the_paper() -> None:
+    example = script("clamped_quarter")
+    lines = example.printed(example.table()).splitlines()
+    assert lines[0].split() == ["Node", "R1", "R2", "R1+R2", "R*"]
+    assert [int(line.split()[0]) for line in lines[1:-1]] == [1, 2, 3, 4, 5, 6, 8, 9, 13, 14, 16, 17, 18, 19, 20, 21]
+    assert lines[-1].split() == ["sum", "-32.000", "-32.000", "-64.000", "-64.000"]
+    centre = [float(part) for part in lines[-2].split()]
+    assert centre[1] == 0 and centre[2] == centre[3] == centre[4] < 0
+
+
+def test_circular_cover_bulges_with_its_bolts_and_opens_its_inner_ring_under_pressure() -> None:
+    example = script("circular_cover")
+    results = signorini.solve(example.cover())
+    *bolted, last = (example.along_radius(result, np.array([0.0, 340.0, 390.0])) for result in results.values())
+    # In the five bolted states both rings stay closed, so all grows with the bolts: rim down, centre up.
+    for torque, deflection in zip(example.TORQUES, bolted, strict=True):
+        assert np.allclose(deflection / torque, bolted[0] / 60, rtol=1e-9)
+        assert deflection[0] < 0 < deflection[1] < deflection[2]
+    # Pressure lifts the centre; the inner ring lets go.
+    assert last[0] < 5 * bolted[-1][0]
+    inner, outer = (results["180 Kgm and pressure"].supports[i] for i in (1, 2))
+    assert inner.closed_count == 0 and outer.open_count == 0
+    bolts = 20 * 180 * 9806.65 / (0.2 * 36)
+    lift = 11.5 * np.pi * 340**2
+    assert 4 * outer.reaction == pytest.approx(bolts - lift, rel=1e-5)
+
+
+def test_circular_cover_under_pressure_agrees_with_the_axisymmetric_plate() -> None:
+    """Thick circular plate on its outer ring with an overhang, bolts smeared along their circle."""
+    example = script("circular_cover")
+    result = signorini.solve(example.cover())["180 Kgm and pressure"]
+    young, nu, h, a, r, b = 206e3, 0.3, 110.0, 340.0, 390.0, 365.0
+    rigidity, shear = young * h**3 / 12 / (1 - nu**2), 5 / 6 * young / 2 / (1 + nu) * h
+    # Slope of the overhang is that of the ring; its annulus holds the moment k per slope at radius a. Per length of the
+    # ring the bolts act at the lever b - a.
+    bolts = 20 * 180 * 9806.65 / (0.2 * 36) / (2 * np.pi * a)
+    holds = rigidity * (1 - nu**2) / a * (r**2 - a**2) / ((1 - nu) * a**2 + (1 + nu) * r**2)
+    pressure_slope = 11.5 * a**3 / 8 / rigidity / (1 + nu)
+    slope = (pressure_slope + bolts * (b - a) * a / rigidity / (1 + nu)) / (1 + holds * a / rigidity / (1 + nu))
+    moment_slope = slope - pressure_slope
+    rise = 11.5 * a**4 / 64 / rigidity * (5 + nu) / (1 + nu) + 11.5 * a**2 / 4 / shear + moment_slope * a / 2
+    centre, ring = example.along_radius(result, np.array([0.0, a]))
+    assert ring - centre == pytest.approx(rise, rel=0.02)
+
+
+def test_circular_cover_writes_its_two_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.argv", ["circular_cover.py", str(tmp_path)])
+    script("circular_cover").main()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cover_centre.png", "cover_radius.png"]
+
+
+def test_ten_lines_lift_one_column(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    columns = script("ten_lines").columns
+    assert columns.positions[~columns.closed].tolist() == [[1.0, 5.0]]
+    assert columns.reaction == pytest.approx(4e3 * 60 + 400e3, rel=1e-12)
+    assert "certificate passed" in capsys.readouterr().out
+    assert (tmp_path / "slab.png").stat().st_size > 1000

@@ -1,0 +1,242 @@
+"""Mesh files: what is read from each format, and what is refused."""
+
+import meshio
+import numpy as np
+import pytest
+
+from signorini.errors import InputError
+from signorini.meshers import annulus, rectangle
+from signorini.meshfile import read
+
+PLATE = rectangle((0.0, 0.0), (4.0, 2.0), (4, 2))
+
+
+def in_space(points):
+    return np.column_stack([points, np.zeros(len(points))])
+
+
+def lines(triples):
+    return triples[:, [0, 2, 1]]
+
+
+def tagged(mesh=PLATE, names=("left", "right", "bottom", "top")):
+    """A mesh with physical groups, as Gmsh writes it."""
+    tags = {name: i + 1 for i, name in enumerate(names)}
+    tags["plate"] = len(names) + 1
+    cells = [("line3", lines(mesh.edges[name])) for name in names] + [("quad8", mesh.elements)]
+    values = [np.full(len(block), tag) for (_, block), tag in zip(cells, tags.values(), strict=True)]
+    return meshio.Mesh(
+        in_space(mesh.points),
+        cells,
+        cell_data={"gmsh:physical": values, "gmsh:geometrical": values},
+        field_data={name: np.array([tag, 2 if name == "plate" else 1]) for name, tag in tags.items()},
+    )
+
+
+def same_edge(found, wanted):
+    return sorted(map(tuple, found.tolist())) == sorted(map(tuple, wanted.tolist()))
+
+
+def write(path, data, **options):
+    data.write(path, **options)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("name", "file_format"),
+    [("plate.vtu", "vtu"), ("plate.vtk", "vtk"), ("plate.inp", "abaqus"), ("a.msh", "gmsh"), ("b.msh", "gmsh22")],
+)
+def test_a_plate_is_the_same_in_every_format(tmp_path, capsys, name, file_format):
+    plain = meshio.Mesh(in_space(PLATE.points), [("quad8", PLATE.elements)])
+    path = write(tmp_path / name, plain, file_format=file_format)
+    capsys.readouterr()
+    mesh = read(path)
+    assert mesh.points == pytest.approx(PLATE.points, abs=1e-15)
+    assert np.array_equal(mesh.elements, PLATE.elements)
+    assert same_edge(mesh.edges["boundary"], PLATE.boundary)
+    assert capsys.readouterr() == ("", "")
+
+
+def msh41(mesh, edges):
+    """Text of a file of Gmsh's format 4.1, each edge a physical curve with two in the group "sides" as well."""
+    groups = [f'1 {i} "{name}"' for i, name in enumerate(edges, 1)] + ['1 9 "sides"', '2 10 "plate"']
+    box = "0 0 0 4 2 0"
+    curves = [f"{i} {box} {'2 9' if i < 3 else '1'} {i} 0" for i in range(1, len(edges) + 1)]
+    count = mesh.node_count
+    nodes = [*range(1, count + 1)], [f"{x!r} {y!r} 0" for x, y in mesh.points.tolist()]
+    blocks, tag = [], 0
+    for i, (cells, kind) in enumerate([*((lines(edge), 8) for edge in edges.values()), (mesh.elements, 16)], 1):
+        dimension, entity = (2, 1) if kind == 16 else (1, i)
+        blocks.append(f"{dimension} {entity} {kind} {len(cells)}")
+        for cell in (cells + 1).tolist():
+            tag += 1
+            blocks.append(" ".join(map(str, [tag, *cell])))
+    sections = {
+        "MeshFormat": ["4.1 0 8"],
+        "PhysicalNames": [len(groups), *groups],
+        "Entities": [f"0 {len(edges)} 1 0", *curves, f"1 {box} 1 10 0"],
+        "Nodes": [f"1 {count} 1 {count}", f"2 1 0 {count}", *nodes[0], *nodes[1]],
+        "Elements": [f"{len(edges) + 1} {tag} 1 {tag}", *blocks],
+    }
+    return "".join(f"${name}\n" + "\n".join(map(str, body)) + f"\n$End{name}\n" for name, body in sections.items())
+
+
+def test_physical_groups_of_gmsh_2_are_edges(tmp_path):
+    mesh = read(write(tmp_path / "plate.msh", tagged(), file_format="gmsh22"))
+    assert sorted(mesh.edges) == ["bottom", "boundary", "left", "right", "top"]
+    for name, edge in PLATE.edges.items():
+        assert same_edge(mesh.edges[name], edge)
+
+
+def test_physical_groups_of_gmsh_4_are_edges_and_a_line_may_be_in_two(tmp_path):
+    path = tmp_path / "plate.msh"
+    path.write_text(msh41(PLATE, PLATE.edges))
+    mesh = read(path)
+    assert sorted(mesh.edges) == ["bottom", "boundary", "left", "right", "sides", "top"]
+    for name, edge in PLATE.edges.items():
+        assert same_edge(mesh.edges[name], edge)
+    assert same_edge(mesh.edges["sides"], np.vstack([PLATE.edges["left"], PLATE.edges["right"]]))
+
+
+def test_lines_that_run_the_wrong_way_are_turned(tmp_path):
+    data = tagged()
+    for block in data.cells[:4]:
+        block.data[:] = block.data[:, [1, 0, 2]]
+    mesh = read(write(tmp_path / "plate.msh", data, file_format="gmsh22"))
+    assert same_edge(mesh.edges["top"], PLATE.edges["top"])
+
+
+def test_an_inner_group_of_lines_keeps_its_direction(tmp_path):
+    plate = annulus((0.0, 0.0), 1.0, 3.0, (2, 8))
+    middle = np.array([s for s in plate.unique_sides if np.allclose(np.hypot(*plate.points[s].T), 2.0)])
+    data = meshio.Mesh(
+        in_space(plate.points),
+        [("line3", lines(middle)), ("quad8", plate.elements)],
+        cell_data={"gmsh:physical": [np.ones(8, int), np.full(16, 2)]},
+        field_data={"ring": np.array([1, 1])},
+    )
+    mesh = read(write(tmp_path / "plate.msh", data, file_format="gmsh22"))
+    assert same_edge(mesh.edges["ring"], middle)
+
+
+def test_node_and_line_sets_of_abaqus_are_edges(tmp_path):
+    left, top = PLATE.edges["left"], PLATE.edges["top"]
+    data = meshio.Mesh(
+        in_space(PLATE.points),
+        [("line3", lines(top)), ("quad8", PLATE.elements)],
+        point_sets={"wall": np.unique(left), "corner": np.array([0])},
+        cell_sets={"roof": [np.arange(len(top)), np.array([], int)]},
+    )
+    mesh = read(write(tmp_path / "plate.inp", data))
+    assert sorted(mesh.edges) == ["boundary", "roof", "wall"]
+    assert same_edge(mesh.edges["wall"], left) and same_edge(mesh.edges["roof"], top)
+
+
+def test_nine_node_quadrilaterals_lose_their_centres(tmp_path):
+    centres = PLATE.points[PLATE.elements[:, :4]].mean(axis=1)
+    points = np.vstack([PLATE.points, centres])
+    elements = np.column_stack([PLATE.elements, PLATE.node_count + np.arange(len(centres))])
+    mesh = read(write(tmp_path / "plate.vtu", meshio.Mesh(in_space(points), [("quad9", elements)])))
+    assert np.array_equal(mesh.points, PLATE.points) and np.array_equal(mesh.elements, PLATE.elements)
+
+
+def test_clockwise_elements_are_turned(tmp_path):
+    elements = PLATE.elements.copy()
+    elements[3] = elements[3, [0, 3, 2, 1, 7, 6, 5, 4]]
+    mesh = read(write(tmp_path / "plate.vtu", meshio.Mesh(in_space(PLATE.points), [("quad8", elements)])))
+    assert np.array_equal(mesh.elements, PLATE.elements)
+
+
+def test_coincident_nodes_are_merged_and_unused_ones_dropped(tmp_path):
+    each_its_own = PLATE.points[PLATE.elements].reshape(-1, 2)
+    each_its_own += 1e-10 * np.random.default_rng(0).uniform(-1, 1, each_its_own.shape)
+    points = in_space(np.vstack([[[-5.0, -5.0]], each_its_own]))
+    data = meshio.Mesh(points, [("quad8", 1 + np.arange(64).reshape(8, 8))])
+    mesh = read(write(tmp_path / "plate.vtu", data))
+    assert mesh.node_count == PLATE.node_count
+    assert mesh.element_area == pytest.approx(PLATE.element_area)
+
+
+def test_a_plate_at_another_level_is_read(tmp_path):
+    points = in_space(PLATE.points) + np.array([0.0, 0.0, 3.5])
+    assert read(write(tmp_path / "plate.vtu", meshio.Mesh(points, [("quad8", PLATE.elements)]))).size == 4.0
+
+
+CORNERS = PLATE.elements[:, :4]
+TILTED = in_space(PLATE.points) + np.outer(PLATE.points[:, 0], [0.0, 0.0, 0.1])
+APART = in_space(PLATE.points[PLATE.elements].reshape(-1, 2) * 1.0)
+APART[8:] += 10.0 * np.array([1.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("points", "cells", "message"),
+    [
+        (
+            PLATE.points,
+            [("triangle", CORNERS[:, :3])],
+            "not 8- or 9-node quadrilaterals: 8 triangle. Mesh the plate",
+        ),
+        (PLATE.points, [("quad", CORNERS)], "8 quad. .*ElementOrder = 2"),
+        (PLATE.points, [("quad8", PLATE.elements), ("triangle", CORNERS[:2, :3])], "quadrilaterals: 2 triangle"),
+        (PLATE.points, [("line3", lines(PLATE.boundary))], "has no elements"),
+        (TILTED, [("quad8", PLATE.elements)], "not plane: z varies by 0.4"),
+        (APART[:, :2], [("quad8", np.arange(64).reshape(8, 8))], "in 2 pieces that share no side"),
+    ],
+)
+def test_a_file_that_is_no_plate_is_refused_with_its_name(tmp_path, points, cells, message):
+    points = in_space(points) if points.shape[1] == 2 else points
+    path = write(tmp_path / "wrong.vtu", meshio.Mesh(points, cells))
+    with pytest.raises(InputError, match=message) as caught:
+        read(path)
+    assert caught.value.place == str(path)
+
+
+def test_a_group_of_lines_that_is_no_side_is_refused(tmp_path):
+    data = tagged()
+    data.cells[0].data[0] = [0, 5, 7]
+    with pytest.raises(InputError, match=r"Group 'left' of the mesh file has a line at .* no side of an element"):
+        read(write(tmp_path / "plate.msh", data, file_format="gmsh22"))
+
+
+def test_a_group_that_takes_the_name_of_the_outline_is_refused(tmp_path):
+    data = tagged()
+    data.field_data["boundary"] = data.field_data.pop("left")
+    with pytest.raises(InputError, match=r"group 'boundary' that is not the whole outline.*rename it"):
+        read(write(tmp_path / "plate.msh", data, file_format="gmsh22"))
+
+
+def test_a_group_of_two_node_lines_is_refused(tmp_path):
+    data = meshio.Mesh(
+        in_space(PLATE.points),
+        [("line", PLATE.edges["left"][:, [0, 2]]), ("quad8", PLATE.elements)],
+        cell_data={"gmsh:physical": [np.ones(2, int), np.full(8, 2)]},
+        field_data={"left": np.array([1, 1])},
+    )
+    with pytest.raises(InputError, match="Group 'left' of the mesh file consists of 2-node lines"):
+        read(write(tmp_path / "plate.msh", data, file_format="gmsh22"))
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("plate.msh", b""),
+        ("plate.msh", b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 2"),
+        ("plate.vtu", b"<VTKFile"),
+        ("plate.inp", bytes(range(256))),
+        ("plate.txt", b"nothing"),
+        ("plate", b""),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_refused_quietly(tmp_path, capsys, name, content):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        read(path)
+    assert caught.value.place == str(path)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_missing_file_and_a_directory_are_refused(tmp_path):
+    for path in (tmp_path / "no.msh", tmp_path):
+        with pytest.raises(InputError, match="There is no such mesh file"):
+            read(path)

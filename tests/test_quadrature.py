@@ -1,0 +1,307 @@
+"""Quadrature over regions and along curves that the mesh does not follow, against closed forms."""
+
+import math
+import time
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from signorini.errors import InputError
+from signorini.mesh import Mesh
+from signorini.meshers import annulus, disc, rectangle
+from signorini.quadrature import area_quadrature, curve_quadrature, edge_quadrature, off_plate
+from signorini.regions import Circle, Polygon, Polyline, Rectangle, Ring
+from signorini.roots import roots
+
+
+def distorted(mesh, bend, seed=1):
+    """Move inner corners by a fifth and bend inner sides by `bend` of the smallest element."""
+    random = np.random.default_rng(seed)
+    points, step = mesh.points.copy(), math.sqrt(mesh.element_area.min())
+    fixed = np.zeros(len(points), dtype=bool)
+    fixed[mesh.boundary] = True
+    corner = np.zeros(len(points), dtype=bool)
+    corner[mesh.elements[:, :4]] = True
+    inner = corner & ~fixed
+    points[inner] += step * random.uniform(-0.2, 0.2, (inner.sum(), 2))
+    sides = mesh.unique_sides[~fixed[mesh.unique_sides[:, 1]]]
+    middles = 0.5 * (points[sides[:, 0]] + points[sides[:, 2]])
+    points[sides[:, 1]] = middles + bend * step * random.uniform(-1.0, 1.0, middles.shape)
+    return Mesh(points, mesh.elements, mesh.edges)
+
+
+SQUARE = rectangle((-2.0, -2.0), (4.0, 4.0), (5, 7))
+ROUND = disc((0.0, 0.0), 2.0, (5, 16))
+MESHES = {
+    "rectangle": SQUARE,
+    "disc": ROUND,
+    "straight distorted rectangle": distorted(SQUARE, 0.0),
+    "curved distorted rectangle": distorted(SQUARE, 0.05),
+    "curved distorted disc": distorted(ROUND, 0.04),
+    "one element": rectangle((-2.0, -2.0), (4.0, 4.0), (1, 1)),
+}
+any_mesh = st.sampled_from(sorted(MESHES))
+coordinate = st.floats(-0.7, 0.7)
+
+
+def moments(quadrature):
+    return np.array([quadrature.total, *(quadrature.weights @ quadrature.positions)])
+
+
+def polygon_moments(points):
+    x, y = np.array(points).T
+    x1, y1 = np.roll(x, -1), np.roll(y, -1)
+    cross = x * y1 - x1 * y
+    return np.array([cross.sum() / 2, ((x + x1) * cross).sum() / 6, ((y + y1) * cross).sum() / 6])
+
+
+def check(name, region, exact):
+    """Area and first moments to 1e-11 of the area; positive weights; reference points that belong to the positions."""
+    mesh = MESHES[name]
+    q = area_quadrature(mesh, region)
+    assert moments(q) == pytest.approx(exact, abs=1e-11 * exact[0])
+    assert (q.weights >= 0.0).all()
+    assert mesh.map(q.elements, q.xi) == pytest.approx(q.positions, abs=1e-9)
+    assert np.abs(q.xi).max() <= 1.0 + 1e-9
+    assert off_plate(mesh, region, q) == 0.0
+
+
+# Regions
+
+
+@given(any_mesh, coordinate, coordinate, st.floats(0.001, 0.9))
+@settings(max_examples=80, deadline=None)
+def test_circles_anywhere_have_their_area_and_centroid(name, x, y, radius):
+    check(name, Circle((x, y), radius), math.pi * radius**2 * np.array([1.0, x, y]))
+
+
+@given(any_mesh, coordinate, coordinate, st.floats(0.001, 0.6), st.floats(0.001, 0.6))
+@settings(max_examples=50, deadline=None)
+def test_rectangles_anywhere_have_their_area_and_centroid(name, x, y, width, height):
+    region = Rectangle(x, y, x + width, y + height)
+    check(name, region, region.area * np.array([1.0, x + width / 2, y + height / 2]))
+
+
+@given(any_mesh, coordinate, coordinate, st.lists(st.floats(0.1, 0.7), min_size=3, max_size=9), st.floats(0.0, 6.0))
+@settings(max_examples=50, deadline=None)
+def test_star_shaped_polygons_anywhere_have_their_area_and_centroid(name, x, y, radii, start):
+    angles = start + np.linspace(0.0, 2.0 * np.pi, len(radii), endpoint=False)
+    points = np.column_stack([x + radii * np.cos(angles), y + radii * np.sin(angles)])
+    check(name, Polygon(tuple(map(tuple, points))), polygon_moments(points))
+    check(name, Polygon(tuple(map(tuple, points[::-1]))), polygon_moments(points))
+
+
+def test_a_concave_polygon_with_many_corners_is_exact():
+    angles = np.linspace(0.0, 2.0 * np.pi, 400, endpoint=False)
+    points = ((1.0 + 0.5 * np.cos(9 * angles)) * np.array([np.cos(angles), np.sin(angles)])).T
+    check("curved distorted rectangle", Polygon(tuple(map(tuple, points))), polygon_moments(points))
+
+
+@pytest.mark.parametrize("shift", [0.0, 1e-15, -1e-15, 1e-12, 1e-7])
+@pytest.mark.parametrize("name", ["rectangle", "one element", "disc"])
+def test_outlines_on_grid_lines_and_through_nodes_are_exact(name, shift):
+    points = [
+        (-0.4 + shift, -2.0 / 7.0),
+        (0.4, -2.0 / 7.0),
+        (0.4, 2.0 / 7.0 + shift),
+        (-0.4 + shift, 2.0 / 7.0 + shift),
+    ]
+    check(name, Polygon(tuple(points)), polygon_moments(points))
+    check(name, Circle((shift, 0.0), 0.4), math.pi * 0.16 * np.array([1.0, shift, 0.0]))
+    diagonal = [(-1.0, -1.0), (1.0, 1.0 + shift), (-1.0, 1.0)]
+    check(name, Polygon(tuple(diagonal)), polygon_moments(diagonal))
+
+
+def test_a_mesh_that_follows_the_outline_needs_no_cut_cells():
+    mesh = rectangle((0.0, 0.0), (4.0, 4.0), (6, 6), x_lines=[1.3, 2.6], y_lines=[0.7])
+    q = area_quadrature(mesh, Rectangle(1.3, 0.7, 2.6, 4.0))
+    assert q.total == pytest.approx(1.3 * 3.3, rel=1e-14)
+    assert len(q.weights) == 9 * len(np.unique(q.elements))
+
+
+@pytest.mark.parametrize("sector", [90, 180, 360])
+def test_a_circle_along_a_ring_of_elements_is_exact_though_they_are_parabolas(sector):
+    mesh = disc((0.0, 0.0), 2.0, (8, 24 * sector // 360), sector, radii=[1.5])
+    assert mesh.edges_along(Ring((0.0, 0.0), 1.5)) is not None
+    q = area_quadrature(mesh, Circle((0.0, 0.0), 1.5))
+    assert q.total == pytest.approx(math.pi * 1.5**2 * sector / 360, rel=1e-12)
+    ring = curve_quadrature(mesh, Ring((0.0, 0.0), 1.5))
+    assert ring.total == pytest.approx(3.0 * math.pi * sector / 360, rel=1e-12)
+
+
+def test_the_whole_plate_is_the_sum_of_its_elements():
+    q = area_quadrature(ROUND, order=2)
+    assert len(q.weights) == 4 * len(ROUND.elements)
+    assert q.total == pytest.approx(ROUND.element_area.sum(), rel=1e-14)
+
+
+def test_polynomials_are_integrated_over_cut_cells():
+    q = area_quadrature(SQUARE, Circle((0.3, 0.2), 1.0))
+    x, y = (q.positions - (0.3, 0.2)).T
+    assert q.weights @ (x**2 * y**2) == pytest.approx(math.pi / 24, rel=1e-9)
+
+
+# Off the plate
+
+
+@pytest.mark.parametrize("name", ["rectangle", "straight distorted rectangle", "curved distorted rectangle"])
+def test_of_a_region_across_the_edge_the_part_on_the_plate_counts(name):
+    mesh = MESHES[name]
+    half = Circle((2.0, 0.1), 0.7)
+    q = area_quadrature(mesh, half)
+    assert moments(q)[:2] == pytest.approx([half.area / 2, half.area - 2 / 3 * 0.7**3], rel=1e-11)
+    assert off_plate(mesh, half, q) == pytest.approx(half.area / 2, rel=1e-11)
+    away = Rectangle(5.0, 5.0, 6.0, 7.0)
+    q = area_quadrature(mesh, away)
+    assert len(q.weights) == 0 and off_plate(mesh, away, q) == 2.0
+
+
+def test_the_circle_that_an_elements_rim_stands_for_is_on_the_plate_but_no_larger_one():
+    for n in (8, 16, 64):
+        mesh = disc((0.0, 0.0), 1.0, (4, n))
+        for radius, on in ((1.0, True), (1.02, False)):
+            region = Circle((0.0, 0.0), radius)
+            assert (off_plate(mesh, region, area_quadrature(mesh, region)) == 0.0) is on
+
+
+def test_a_hole_is_off_the_plate():
+    mesh = annulus((0.0, 0.0), 1.0, 2.0, (3, 32))
+    region = Circle((0.0, 0.0), 1.5)
+    missing = off_plate(mesh, region, area_quadrature(mesh, region))
+    assert missing == pytest.approx(math.pi, rel=1e-5)
+
+
+# Curves
+
+
+@given(any_mesh, st.lists(st.tuples(coordinate, coordinate), min_size=2, max_size=5))
+@settings(max_examples=50, deadline=None)
+def test_lines_anywhere_have_their_length_and_centroid(name, points):
+    assume(all(math.dist(a, b) > 1e-3 for a, b in pairwise(points)))
+    mesh, line = MESHES[name], Polyline(tuple(points))
+    q = curve_quadrature(mesh, line)
+    a, b = np.array(points[:-1]), np.array(points[1:])
+    lengths = np.hypot(*(b - a).T)
+    assert q.total == pytest.approx(line.length, rel=1e-12)
+    assert q.weights @ q.positions == pytest.approx(lengths @ (0.5 * (a + b)), abs=1e-12)
+    assert mesh.map(q.elements, q.xi) == pytest.approx(q.positions, abs=1e-9)
+    assert q.weights @ q.tangents == pytest.approx(b[-1] - a[0], abs=1e-12)
+
+
+@given(any_mesh, coordinate, coordinate, st.floats(0.01, 1.0))
+@settings(max_examples=50, deadline=None)
+def test_rings_anywhere_have_their_circumference_and_centre(name, x, y, radius):
+    mesh, ring = MESHES[name], Ring((x, y), radius)
+    q = curve_quadrature(mesh, ring, order=8)
+    assert q.total == pytest.approx(ring.length, rel=1e-12)
+    assert q.weights @ q.positions == pytest.approx(ring.length * np.array([x, y]), abs=1e-4)
+    assert np.hypot(*(q.positions - (x, y)).T) == pytest.approx(radius, rel=1e-12)
+    outward = (q.positions - (x, y)) / radius
+    assert q.normals == pytest.approx(outward, abs=1e-10)
+
+
+def test_integrals_along_a_line_are_exact_from_element_to_element():
+    mesh = MESHES["straight distorted rectangle"]
+    q = curve_quadrature(mesh, Polyline(((-2.0, -1.0), (2.0, 1.5))))
+    inside = mesh.locate(q.positions)
+    assert np.array_equal(inside.elements, q.elements)
+
+
+@pytest.mark.parametrize("name", ["rectangle", "one element", "disc"])
+def test_a_line_along_sides_and_through_nodes_is_exact(name):
+    line = Polyline(((-2.0, 0.0), (2.0, 0.0)))
+    assert curve_quadrature(MESHES[name], line).total == pytest.approx(4.0, rel=1e-13)
+
+
+def test_of_a_line_past_the_edge_the_part_on_the_plate_counts():
+    line = Polyline(((0.0, 0.0), (3.0, 4.0)))
+    q = curve_quadrature(SQUARE, line)
+    assert q.total == pytest.approx(2.5, rel=1e-12) and off_plate(SQUARE, line, q) == pytest.approx(2.5, rel=1e-12)
+    away = Polyline(((3.0, 0.0), (4.0, 0.0)))
+    assert off_plate(SQUARE, away, curve_quadrature(SQUARE, away)) == 1.0
+
+
+def test_the_true_rim_is_on_the_plate_whole():
+    rim = Ring((0.0, 0.0), 2.0)
+    q = curve_quadrature(ROUND, rim)
+    assert q.total == pytest.approx(rim.length, rel=1e-13) and off_plate(ROUND, rim, q) == 0.0
+    assert ROUND.map(q.elements, q.xi) == pytest.approx(q.positions, abs=1e-10)
+
+
+# Edges
+
+
+def test_edges_have_their_length_and_outward_normals():
+    for name, normal in {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}.items():
+        q = edge_quadrature(SQUARE, SQUARE.edges[name])
+        assert q.total == pytest.approx(4.0, rel=1e-14)
+        assert q.normals == pytest.approx(np.tile(normal, (len(q.weights), 1)), abs=1e-14)
+        assert SQUARE.map(q.elements, q.xi) == pytest.approx(q.positions)
+
+
+def test_curved_edges_have_the_length_of_their_parabolas_and_turn_once_around():
+    mesh = annulus((0.0, 0.0), 1.0, 2.0, (2, 24))
+    for name, radius, sign in (("outer", 2.0, 1.0), ("inner", 1.0, -1.0)):
+        q = edge_quadrature(mesh, mesh.edges[name])
+        assert q.total == pytest.approx(2.0 * math.pi * radius, rel=1e-5)
+        assert np.einsum("qd,qd->q", q.normals, q.positions) == pytest.approx(sign * radius, rel=1e-3)
+        assert q.weights @ q.normals == pytest.approx(np.zeros(2), abs=1e-12)
+
+
+def test_an_inner_line_is_integrated_in_its_own_direction_from_the_element_on_its_left():
+    sides = SQUARE.edges_along(Polyline(((0.4, -2.0), (0.4, 2.0))))
+    for triples, left in ((sides, True), (sides[::-1, ::-1], False)):
+        q = edge_quadrature(SQUARE, triples)
+        assert q.total == pytest.approx(4.0, rel=1e-14)
+        centre = SQUARE.map(q.elements, np.zeros_like(q.xi))
+        assert ((centre[:, 0] < 0.4) == left).all()
+        assert q.tangents == pytest.approx(np.tile([0.0, 1.0 if left else -1.0], (len(q.weights), 1)))
+
+
+def test_triples_that_are_no_side_are_refused():
+    with pytest.raises(InputError, match="Nodes 0, 1, 30 are not a side of any element"):
+        edge_quadrature(SQUARE, np.array([[0, 1, 30]]))
+
+
+# Regions and curves themselves, and roots
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Rectangle(1.0, 0.0, 1.0, 2.0), "encloses nothing"),
+        (lambda: Circle((0.0, 0.0), 0.0), "radius must be positive; found 0"),
+        (lambda: Ring((0.0, math.inf), 1.0), "finite coordinates; found 0, inf, 1"),
+        (lambda: Polygon(((0.0, 0.0), (1.0, 0.0))), "at least 3 corners; found 2"),
+        (lambda: Polygon(((0.0, 0.0), (1.0, 0.0), (1.0, 0.0), (0.0, 1.0))), "Corners 2 and 3 of a polygon coincide"),
+        (lambda: Polygon(((0.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 1.0))), "folds back on itself at corner 2"),
+        (lambda: Polygon(((0.0, 0.0), (2.0, 0.0), (1.0, 1.0), (1.0, -1.0))), "sides from corners 1 and 3 meet"),
+        (lambda: Polygon(((0, 0), (4, 0), (4, 4), (2, 0), (0, 4))), "crosses or touches itself"),
+        (lambda: Polyline(((0.0, 0.0),)), "at least 2 points; found 1"),
+        (lambda: Polyline(((0.0, 0.0), (0.0, 0.0))), r"Points 1 and 2 of a line coincide at \(0, 0\)"),
+        (lambda: Polyline(((0.0, 0.0, 1.0), (0.0, 0.0, 2.0))), r"list of \[x, y\] points; found \[0.0, 0.0, 1.0\]"),
+    ],
+)
+def test_a_region_says_what_is_wrong_with_it(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=4))
+def test_roots_are_found_single_or_double(wanted):
+    assume(all(a == b or abs(a - b) > 1e-2 for a in wanted for b in wanted))
+    assume(max(map(wanted.count, wanted)) <= 2)
+    coefficients = np.polynomial.polynomial.polyfromroots(wanted)[None]
+    _, found = roots(coefficients, np.array([1e-12]))
+    assert np.abs(np.subtract.outer(wanted, found)).min(axis=1).max() < 1e-5
+
+
+def test_a_circle_through_hundreds_of_elements_is_quick():
+    mesh = rectangle((0.0, 0.0), (10.0, 10.0), (60, 60))
+    begin = time.perf_counter()
+    q = area_quadrature(mesh, Circle((5.02, 5.01), 4.3))
+    assert time.perf_counter() - begin < 1.0
+    assert q.total == pytest.approx(math.pi * 4.3**2, rel=1e-13)
