@@ -19,7 +19,9 @@ LAYERS = (
     {"expression"},
     {
         *{
+            "arcs",
             "outlines",
+            "pieces",
             "isoparametric",
             "boxtree",
             "regions",
@@ -33,7 +35,7 @@ LAYERS = (
         *{"model", "tomllines", "inputfile"},
     },
     {"discretise"},
-    {"certificate", "result", "solve", "sketch"},
+    {"equilibrium", "problem", "certificate", "kinds", "sketch", "result", "solve"},
     {"output", "check"},
     {"__init__"},
     {"cli"},

@@ -74,8 +74,7 @@ impl ContactProblem {
             return Err(invalid("compliance and regularization must be finite and not negative, distances finite"));
         }
         let shared = plate.inner.clone();
-        let inner =
-            py.detach(|| contact::ContactProblem::new(shared, springs, held, constraints)).map_err(failed)?;
+        let inner = py.detach(|| contact::ContactProblem::new(shared, springs, held, constraints)).map_err(failed)?;
         Ok(Self { inner })
     }
 
@@ -93,8 +92,7 @@ impl ContactProblem {
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
         let form = form.map(form_of).transpose()?;
-        let inner =
-            py.detach(|| self.inner.solve(&load, &held_value, form, max_pivots)).map_err(failed)?;
+        let inner = py.detach(|| self.inner.solve(&load, &held_value, form, max_pivots)).map_err(failed)?;
         Ok(ContactSolution { inner })
     }
 
@@ -129,7 +127,7 @@ impl ContactProblem {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let load = sized("the load", &load, self.inner.plate.dof_count())?;
         let out = py.detach(|| self.inner.apply_inverse(&load)).map_err(failed)?;
-        Ok(PyArray1::from_vec(py, out.0))
+        Ok(PyArray1::from_vec(py, out))
     }
 
     /// What is left of every gap (m,): distance − row·u + compliance·reaction, in double-double.

@@ -19,8 +19,5 @@ pub fn serendipity<'py>(py: Python<'py>, xi: PyReadonlyArray2<'py, f64>) -> PyRe
         values.extend_from_slice(&at.value);
         gradients.extend(at.gradient.iter().flatten());
     }
-    Ok((
-        PyArray1::from_vec(py, values).reshape([count, 8])?,
-        PyArray1::from_vec(py, gradients).reshape([count, 8, 2])?,
-    ))
+    Ok((PyArray1::from_vec(py, values).reshape([count, 8])?, PyArray1::from_vec(py, gradients).reshape([count, 8, 2])?))
 }

@@ -25,9 +25,13 @@ pub fn lemke(
 ) -> PyResult<LcpSolution> {
     let (rows, columns) = (matrix.shape()[0], matrix.shape()[1]);
     if rows != columns || rows != q.len() {
-        return Err(invalid(format!("M is {rows} x {columns} and q has {} entries; M must be square, with a row for every entry of q", q.len())));
+        return Err(invalid(format!(
+            "M is {rows} x {columns} and q has {} entries; M must be square, with a row for every entry of q",
+            q.len()
+        )));
     }
-    let matrix: Vec<f64> = matrix.as_array().iter().copied().collect();
+    let view = matrix.as_array();
+    let matrix = view.as_slice().map_or_else(|| view.iter().copied().collect(), <[f64]>::to_vec);
     let q = q.as_array().to_vec();
     let covering = covering.map(|d| d.as_array().to_vec());
     let start = start.map(|basis| basis.as_array().to_vec());

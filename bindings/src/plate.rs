@@ -61,9 +61,8 @@ impl Plate {
         let thickness = sized("thickness", &thickness, points.len())?;
         let frames = frames.map(|f| rows_of::<2, f64>("frames", &f)).transpose()?;
         let material = Material { young, poisson, shear_factor };
-        let inner = py
-            .detach(|| plate::Plate::new(points, elements, thickness, material, kind, frames))
-            .map_err(invalid)?;
+        let inner =
+            py.detach(|| plate::Plate::new(points, elements, thickness, material, kind, frames)).map_err(invalid)?;
         Ok(Self { inner: Arc::new(inner) })
     }
 

@@ -62,35 +62,6 @@ pub struct LowerTriangle {
     pub value: Vec<f64>,
 }
 
-/// One column at a time: dense values with the list of rows touched.
-struct Accumulator {
-    value: Vec<f64>,
-    touched: Vec<bool>,
-    rows: Vec<usize>,
-}
-
-impl Accumulator {
-    fn new(size: usize) -> Self {
-        Self { value: vec![0.0; size], touched: vec![false; size], rows: Vec::with_capacity(128) }
-    }
-
-    fn add(&mut self, row: usize, value: f64) {
-        if !self.touched[row] {
-            self.touched[row] = true;
-            self.rows.push(row);
-        }
-        self.value[row] += value;
-    }
-
-    fn clear(&mut self) {
-        for &row in &self.rows {
-            self.value[row] = 0.0;
-            self.touched[row] = false;
-        }
-        self.rows.clear();
-    }
-}
-
 /// Where a node sits: (element, local node) pairs, compressed by node.
 struct Incidence {
     start: Vec<usize>,
@@ -124,29 +95,126 @@ impl Incidence {
     }
 }
 
+/// The three columns of one node: its neighbours and the 3×3 block that each shares with it.
+struct NodeColumns<'a> {
+    plate: &'a Plate,
+    springs: &'a Springs,
+    attached: &'a [Vec<usize>],
+    incidence: &'a Incidence,
+    node: usize,
+    slot: Vec<usize>,
+    neighbours: Vec<usize>,
+    block: Vec<[[f64; 3]; 3]>,
+}
+
+impl<'a> NodeColumns<'a> {
+    fn new(plate: &'a Plate, springs: &'a Springs, attached: &'a [Vec<usize>], incidence: &'a Incidence) -> Self {
+        let slot = vec![usize::MAX; plate.node_count()];
+        Self { plate, springs, attached, incidence, node: usize::MAX, slot, neighbours: Vec::new(), block: Vec::new() }
+    }
+
+    /// Finds a node's neighbours, itself among them.
+    fn meet(&mut self, node: usize) {
+        for &n in &self.neighbours {
+            self.slot[n] = usize::MAX;
+        }
+        self.neighbours.clear();
+        self.node = node;
+        for &(e, _) in self.incidence.of(node) {
+            for &n in &self.plate.elements()[e] {
+                if self.slot[n] == usize::MAX {
+                    self.slot[n] = self.neighbours.len();
+                    self.neighbours.push(n);
+                }
+            }
+        }
+    }
+
+    /// Sums the blocks of a node's columns.
+    fn sum(&mut self, node: usize) {
+        self.meet(node);
+        self.block.clear();
+        self.block.resize(self.neighbours.len(), [[0.0; 3]; 3]);
+        for &(e, local) in self.incidence.of(node) {
+            let lower = self.plate.element_stiffness(e);
+            for (i, &n) in self.plate.elements()[e].iter().enumerate() {
+                let block = &mut self.block[self.slot[n]];
+                for a in 0..3 {
+                    for b in 0..3 {
+                        block[a][b] += lower[packed(3 * i + a, 3 * local + b)];
+                    }
+                }
+            }
+        }
+        if self.plate.has_frames() {
+            for (block, &n) in self.block.iter_mut().zip(&self.neighbours) {
+                into_frames(block, self.plate.frame(n), self.plate.frame(node));
+            }
+        }
+        if self.attached.is_empty() {
+            return;
+        }
+        for &(e, local) in self.incidence.of(node) {
+            for &spring in &self.attached[e] {
+                let (row, k) = (&self.springs.rows.coefficient[spring], self.springs.stiffness[spring]);
+                for (i, &n) in self.plate.elements()[e].iter().enumerate() {
+                    let block = &mut self.block[self.slot[n]];
+                    for a in 0..3 {
+                        for b in 0..3 {
+                            block[a][b] += k * row[3 * i + a] * row[3 * local + b];
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// T_rowᵀ · block · T_column, T the turn of a node's slopes.
+fn into_frames(block: &mut [[f64; 3]; 3], row: Option<[f64; 2]>, column: Option<[f64; 2]>) {
+    if let Some([c, s]) = row {
+        for b in 0..3 {
+            let [x, y] = [block[1][b], block[2][b]];
+            block[1][b] = c * x + s * y;
+            block[2][b] = c * y - s * x;
+        }
+    }
+    if let Some([c, s]) = column {
+        for values in block.iter_mut() {
+            let [x, y] = [values[1], values[2]];
+            values[1] = c * x + s * y;
+            values[2] = c * y - s * x;
+        }
+    }
+}
+
 /// Assembles K with the springs added, in parallel over columns; the sums do not depend on the number of threads.
 pub fn assemble(plate: &Plate, springs: &Springs, numbering: &Numbering) -> LowerTriangle {
+    const CHUNK: usize = 4096;
     let incidence = Incidence::new(plate);
     let attached = attached_springs(plate, springs);
     let columns = numbering.len();
-    const CHUNK: usize = 4096;
+    let start = || NodeColumns::new(plate, springs, &attached, &incidence);
+    let below = |node: usize, column: usize| {
+        (0..3).filter(move |&a| {
+            let row = numbering.column[3 * node + a];
+            row != HELD && row >= column
+        })
+    };
 
     let counts: Vec<Vec<usize>> = (0..columns.div_ceil(CHUNK))
         .into_par_iter()
-        .map_init(
-            || Accumulator::new(columns),
-            |accumulator, chunk| {
-                let range = chunk * CHUNK..columns.min((chunk + 1) * CHUNK);
-                range
-                    .map(|column| {
-                        visit(plate, numbering, &incidence, column, |_, _, row, _| accumulator.add(row, 0.0));
-                        let count = accumulator.rows.len();
-                        accumulator.clear();
-                        count
-                    })
-                    .collect()
-            },
-        )
+        .map_init(start, |node_columns, chunk| {
+            (chunk * CHUNK..columns.min((chunk + 1) * CHUNK))
+                .map(|column| {
+                    let node = numbering.dof[column] / 3;
+                    if node_columns.node != node {
+                        node_columns.meet(node);
+                    }
+                    node_columns.neighbours.iter().map(|&n| below(n, column).count()).sum()
+                })
+                .collect()
+        })
         .collect();
     let mut column_start = Vec::with_capacity(columns + 1);
     column_start.push(0);
@@ -168,75 +236,23 @@ pub fn assemble(plate: &Plate, springs: &Springs, numbering: &Numbering) -> Lowe
         pieces.push((first..last, row_piece, value_piece));
         (row_rest, value_rest) = (row_tail, value_tail);
     }
-    pieces.into_par_iter().for_each_init(
-        || Accumulator::new(columns),
-        |accumulator, (range, row_piece, value_piece)| {
-            let mut next = 0;
-            for column in range {
-                visit(plate, numbering, &incidence, column, |e, j, row, i| {
-                    accumulator.add(row, entry(plate, e, i, j));
-                    for &spring in attached.get(e).map_or(&[][..], Vec::as_slice) {
-                        let r = &springs.rows.coefficient[spring];
-                        accumulator.add(row, springs.stiffness[spring] * r[i] * r[j]);
-                    }
-                });
-                for &r in &accumulator.rows {
-                    row_piece[next] = r;
-                    value_piece[next] = accumulator.value[r];
+    pieces.into_par_iter().for_each_init(start, |node_columns, (range, row_piece, value_piece)| {
+        let mut next = 0;
+        for column in range {
+            let dof = numbering.dof[column];
+            if node_columns.node != dof / 3 {
+                node_columns.sum(dof / 3);
+            }
+            for (&n, block) in node_columns.neighbours.iter().zip(&node_columns.block) {
+                for a in below(n, column) {
+                    row_piece[next] = numbering.column[3 * n + a];
+                    value_piece[next] = block[a][dof % 3];
                     next += 1;
                 }
-                accumulator.clear();
             }
-        },
-    );
+        }
+    });
     LowerTriangle { column_start, row, value }
-}
-
-/// Calls `each(element, local column dof, row, local row dof)` for every element entry in or below the diagonal.
-fn visit(
-    plate: &Plate,
-    numbering: &Numbering,
-    incidence: &Incidence,
-    column: usize,
-    mut each: impl FnMut(usize, usize, usize, usize),
-) {
-    let dof = numbering.dof[column];
-    for &(e, local) in incidence.of(dof / 3) {
-        let j = 3 * local + dof % 3;
-        for (n, &node) in plate.elements()[e].iter().enumerate() {
-            for a in 0..3 {
-                let row = numbering.column[3 * node + a];
-                if row != HELD && row >= column {
-                    each(e, j, row, 3 * n + a);
-                }
-            }
-        }
-    }
-}
-
-/// Entry (i, j) of an element matrix in the nodes' frames.
-fn entry(plate: &Plate, e: usize, i: usize, j: usize) -> f64 {
-    let lower = plate.element_stiffness(e);
-    if !plate.has_frames() {
-        return lower[packed(i, j)];
-    }
-    let nodes = &plate.elements()[e];
-    let parts = |k: usize| -> [(usize, f64); 2] {
-        match plate.frame(nodes[k / 3]) {
-            Some([c, s]) if k % 3 == 1 => [(k, c), (k + 1, s)],
-            Some([c, s]) if k % 3 == 2 => [(k - 1, -s), (k, c)],
-            _ => [(k, 1.0), (k, 0.0)],
-        }
-    };
-    let mut sum = 0.0;
-    for (p, a) in parts(i) {
-        for (q, b) in parts(j) {
-            if a != 0.0 && b != 0.0 {
-                sum += a * b * lower[packed(p, q)];
-            }
-        }
-    }
-    sum
 }
 
 /// Springs by element; empty where there are none.

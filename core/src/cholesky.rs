@@ -3,8 +3,8 @@
 use crate::assembly::LowerTriangle;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::{LltError as PivotError, LltParams, LltRegularization};
-use faer::sparse::linalg::cholesky::{simplicial, supernodal};
 use faer::sparse::linalg::SymbolicSupernodalParams;
+use faer::sparse::linalg::cholesky::{simplicial, supernodal};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, MatMut, Par, Spec};
 
@@ -133,16 +133,20 @@ impl Factor {
         supernodal::SupernodalLltRef::new(&self.symbolic, &self.values)
     }
 
-    /// Overwrites `rhs` with K⁻¹ times it and returns its last `trailing` entries as they were after forward substitution.
-    pub fn solve(&self, rhs: &mut [f64], trailing: usize) -> Result<Vec<f64>, FactorError> {
+    /// Overwrites `rhs` with L⁻¹ times it.
+    pub fn forward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(1, PAR))?;
-        let stack = MemStack::new(&mut memory);
-        let n = self.len();
-        self.view().l_solve_with_conj(Conj::No, MatMut::from_column_major_slice_mut(rhs, n, 1), PAR, stack);
-        let forward = rhs[n - trailing..].to_vec();
-        let rhs = MatMut::from_column_major_slice_mut(rhs, n, 1);
-        self.view().l_transpose_solve_with_conj(Conj::No, rhs, PAR, stack);
-        Ok(forward)
+        let rhs = MatMut::from_column_major_slice_mut(rhs, self.len(), 1);
+        self.view().l_solve_with_conj(Conj::No, rhs, PAR, MemStack::new(&mut memory));
+        Ok(())
+    }
+
+    /// Overwrites `rhs` with L⁻ᵀ times it.
+    pub fn backward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
+        let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(1, PAR))?;
+        let rhs = MatMut::from_column_major_slice_mut(rhs, self.len(), 1);
+        self.view().l_transpose_solve_with_conj(Conj::No, rhs, PAR, MemStack::new(&mut memory));
+        Ok(())
     }
 
     /// The last `size` rows and columns of L: the Cholesky factor of the Schur complement onto them.

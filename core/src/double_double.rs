@@ -35,6 +35,14 @@ impl DoubleDouble {
         self.hi + self.lo
     }
 
+    /// Adds a · b.
+    #[inline]
+    pub fn add_product(&mut self, a: f64, b: f64) {
+        let (product, error) = two_product(a, b);
+        let (sum, carried) = two_sum(self.hi, product);
+        *self = Self { hi: sum, lo: self.lo + (carried + error) };
+    }
+
     /// `self · factor`.
     pub fn times(self, factor: f64) -> Self {
         let (p, e) = two_product(self.hi, factor);

@@ -3,7 +3,7 @@
 //! Dofs are (w, θ1, θ2) node by node. θ1, θ2 are θx, θy, or, at a node with a frame (c, s), the slopes along
 //! (c, s) and (−s, c), so that one of them can be held alone.
 
-use crate::element::{self, ALL_DOFS, DOFS, Geometry, Kind, Material, PACKED};
+use crate::element::{self, ALL_DOFS, Centre, DOFS, Geometry, Kind, Material, PACKED};
 use rayon::prelude::*;
 
 /// What is wrong with the arrays of a plate.
@@ -43,6 +43,7 @@ pub struct Plate {
     pub material: Material,
     pub kind: Kind,
     stiffness: Vec<f64>,
+    centres: Vec<Centre>,
 }
 
 impl Plate {
@@ -82,15 +83,19 @@ impl Plate {
                 return Err(PlateError::NoSuchNode { element, node });
             }
         }
-        let mut plate = Self { points, elements, thickness, frames, material, kind, stiffness: Vec::new() };
+        let mut plate =
+            Self { points, elements, thickness, frames, material, kind, stiffness: Vec::new(), centres: Vec::new() };
         if let Some(element) = (0..plate.elements.len()).into_par_iter().find_first(|&e| plate.is_inverted(e)) {
             return Err(PlateError::Inverted { element });
         }
         let mut stiffness = vec![0.0; PACKED * plate.elements.len()];
-        stiffness.par_chunks_mut(PACKED).enumerate().for_each(|(e, out)| {
-            out.copy_from_slice(&element::stiffness(kind, &plate.geometry(e), &plate.material).packed);
+        let computed = stiffness.par_chunks_mut(PACKED).enumerate().map(|(e, out)| {
+            let found = element::stiffness(kind, &plate.geometry(e), &plate.material);
+            out.copy_from_slice(&found.packed);
+            found.centre
         });
-        plate.stiffness = stiffness;
+        let centres = computed.collect();
+        (plate.stiffness, plate.centres) = (stiffness, centres);
         Ok(plate)
     }
 
@@ -123,6 +128,11 @@ impl Plate {
         &self.stiffness[PACKED * e..PACKED * (e + 1)]
     }
 
+    /// What brings an element's centre rotations back.
+    pub fn centre(&self, e: usize) -> &Centre {
+        &self.centres[e]
+    }
+
     pub fn geometry(&self, e: usize) -> Geometry {
         let nodes = &self.elements[e];
         let origin = self.points[nodes[0]];
@@ -133,9 +143,8 @@ impl Plate {
     }
 
     pub fn centroid(&self, e: usize) -> [f64; 2] {
-        let sum = self.elements[e][..4]
-            .iter()
-            .fold([0.0; 2], |s, &n| [s[0] + self.points[n][0], s[1] + self.points[n][1]]);
+        let sum =
+            self.elements[e][..4].iter().fold([0.0; 2], |s, &n| [s[0] + self.points[n][0], s[1] + self.points[n][1]]);
         sum.map(|s| 0.25 * s)
     }
 
@@ -178,10 +187,9 @@ impl Plate {
                 row[3 * i + field] = values[i];
             }
             if values[8] != 0.0 {
-                let inner = element::stiffness(self.kind, &self.geometry(e), &self.material);
                 centre[field - 1] = values[8];
                 for j in 0..DOFS {
-                    row[j] -= values[8] * inner.coupling[field - 1][j];
+                    row[j] -= values[8] * self.centres[e].coupling[field - 1][j];
                 }
             }
         }
@@ -198,18 +206,18 @@ impl Plate {
             let geometry = self.geometry(e);
             let all = element::curvature_load(self.kind, &geometry, &self.material, curvature);
             let couples = [all[DOFS], all[DOFS + 1]];
-            self.add_condensed(e, &geometry, &all, &mut load);
+            self.add_condensed(e, &all, &mut load);
             centre[2 * e] = couples[0];
             centre[2 * e + 1] = couples[1];
         }
         (load, centre)
     }
 
-    fn add_condensed(&self, e: usize, geometry: &Geometry, all: &[f64; ALL_DOFS], load: &mut [f64]) {
-        let inner = element::stiffness(self.kind, geometry, &self.material);
+    fn add_condensed(&self, e: usize, all: &[f64; ALL_DOFS], load: &mut [f64]) {
+        let coupling = &self.centres[e].coupling;
         let mut nodal = [0.0; DOFS];
         for j in 0..DOFS {
-            nodal[j] = all[j] - inner.coupling[0][j] * all[DOFS] - inner.coupling[1][j] * all[DOFS + 1];
+            nodal[j] = all[j] - coupling[0][j] * all[DOFS] - coupling[1][j] * all[DOFS + 1];
         }
         self.into_frames(e, &mut nodal);
         for (i, &node) in self.elements[e].iter().enumerate() {

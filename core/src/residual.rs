@@ -159,15 +159,14 @@ pub fn internal_magnitude(plate: &Plate, held: &[bool], displacement: &Displacem
 }
 
 fn internal_force(lower: &[f64], displacement: &[f64; DOFS]) -> [f64; DOFS] {
-    let mut force = [0.0; DOFS];
+    let mut force = [DoubleDouble::default(); DOFS];
     for i in 0..DOFS {
         let row = &lower[packed(i, 0)..=packed(i, i)];
-        let mut sum = 0.0;
         for j in 0..i {
-            sum += row[j] * displacement[j];
-            force[j] += row[j] * displacement[i];
+            force[i].add_product(row[j], displacement[j]);
+            force[j].add_product(row[j], displacement[i]);
         }
-        force[i] += sum + row[i] * displacement[i];
+        force[i].add_product(row[i], displacement[i]);
     }
-    force
+    force.map(DoubleDouble::value)
 }

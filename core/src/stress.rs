@@ -4,7 +4,7 @@
 //! 1976), and carried to the nodes by the bilinear function through the four values, averaged over the elements that
 //! meet there (Hinton & Campbell 1974).
 
-use crate::element::quadrature::{GAUSS_2, square};
+use crate::element::quadrature::GAUSS_2;
 use crate::element::{self, ALL_DOFS, DOFS, shape::NODES};
 use crate::plate::Plate;
 use crate::residual::Displacement;
@@ -27,16 +27,18 @@ pub fn at_gauss_points(
     let strained = displacement.strained(plate, e);
     let mut all = [0.0; ALL_DOFS];
     all[..DOFS].copy_from_slice(&strained);
-    let inner = element::stiffness(plate.kind, &geometry, &plate.material);
+    let inner = plate.centre(e);
     for a in 0..2 {
         all[DOFS + a] = inner.compliance[a][0] * couples[0] + inner.compliance[a][1] * couples[1]
             - inner.coupling[a].iter().zip(&strained).map(|(c, u)| c * u).sum::<f64>();
     }
     let mut out = [[0.0; 5]; 4];
-    for (stress, (xi, eta, _)) in out.iter_mut().zip(square(GAUSS_2)) {
+    let [low, high] = GAUSS_2.map(|(at, _)| at);
+    let points = [(low, low), (high, low), (low, high), (high, high)];
+    let strains = element::strain_matrices(plate.kind, &geometry, points);
+    for ((stress, (xi, eta)), rows) in out.iter_mut().zip(points).zip(strains) {
         let thickness = geometry.jacobian(xi, eta).thickness;
-        let strain = element::strain_matrix(plate.kind, &geometry, xi, eta)
-            .map(|row| row.iter().zip(&all).map(|(b, u)| b * u).sum::<f64>());
+        let strain = rows.map(|row| row.iter().zip(&all).map(|(b, u)| b * u).sum::<f64>());
         let elastic = [strain[0] - curvature[0], strain[1] - curvature[1], strain[2] - 2.0 * curvature[2]];
         let moment = plate.material.bending(thickness, elastic);
         let shear = plate.material.shear_rigidity(thickness);

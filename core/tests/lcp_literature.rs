@@ -104,18 +104,16 @@ fn cyclic_problem_of_kostreva() {
     assert_close(&solution.z, &[1.0 / 3.0; 3]);
 }
 
-/// Shapley & Scarf's form: a bimatrix game with costs A, B > 0 is M = [[0, A], [Bᵀ, 0]], q = −e, which is neither
-/// semidefinite nor copositive-plus. Lemke's path from d = e may end in a ray; a covering vector that is larger on one
-/// player's rows finds the equilibrium of matching pennies.
+/// Matching pennies with costs A, B > 0: M = [[0, A], [Bᵀ, 0]], q = −e. M is copositive but not copositive-plus, so
+/// Lemke's ray says nothing (Cottle, Pang & Stone 1992, section 4.4), and it does not pass for a proof.
 #[test]
-fn covering_vector_finds_the_equilibrium_of_matching_pennies() {
+fn ray_of_a_bimatrix_game_proves_nothing() {
     let matrix = [0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 2.0, 1.0, 2.0, 1.0, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0];
     let lcp = Lcp::new(&matrix, &[-1.0; 4]).unwrap();
-    for covering in [[1.0, 1.0, 1.0, 1.0], [2.0, 1.0, 3.0, 1.0]] {
-        let options = LemkeOptions { covering: Some(&covering), ..LemkeOptions::default() };
-        let solution = lemke(&lcp, &options).unwrap();
-        println!("{solution:?}");
-    }
+    assert!(lcp.residuals(&[1.0 / 3.0; 4], &[0.0; 4]).unwrap().worst() < 1e-15);
+    let solution = lemke(&lcp, &LemkeOptions::default()).unwrap();
+    assert_eq!(solution.status, LcpStatus::Ray);
+    assert!(!lcp.infeasibility(&solution.ray.unwrap()).unwrap().holds(1e-10));
 }
 
 #[test]
@@ -178,7 +176,8 @@ fn errors_name_the_entry() {
         assert_eq!(error.to_string(), message);
     }
     let lcp = Lcp::new(&[1.0, 0.0, 0.0, 1.0], &[-1.0; 2]).unwrap();
-    let cover = |covering: &[f64]| lemke(&lcp, &LemkeOptions { covering: Some(covering), max_pivots: None }).unwrap_err();
+    let cover =
+        |covering: &[f64]| lemke(&lcp, &LemkeOptions { covering: Some(covering), max_pivots: None }).unwrap_err();
     assert_eq!(cover(&[1.0]), LcpError::Length { name: "covering", found: 1, order: 2 });
     for value in [0.0, -1.0, f64::INFINITY] {
         assert_eq!(cover(&[1.0, value]), LcpError::Covering { index: 1, value });
@@ -195,9 +194,12 @@ fn residuals_catch_each_fault() {
     let judge = |z: [f64; 2], w: [f64; 2]| lcp.residuals(&z, &w).unwrap();
     assert_eq!(judge([1.0, 0.0], [0.0, 4.0]).worst(), 0.0);
     assert_eq!(judge([1.0, -0.5], [0.0, 3.0]).negative_z, 0.5);
-    assert_eq!(judge([0.5, 0.0], [-1.0, 4.0]).negative_w, 1.0 / 3.0);
+    // s = (3, 4), W = 1.5, √(2W) = √3.
+    assert_eq!(judge([0.5, 0.0], [-1.0, 4.0]).negative_w, 1.0 / (3.0 + 3.0_f64.sqrt()));
+    // s = (6, 4), W = 12.
     assert_eq!(judge([2.0, 0.0], [2.0, 4.0]).complementarity, 4.0 / 12.0);
-    assert_eq!(judge([1.0, 0.0], [0.0, 3.0]).equation, 0.25);
+    // s = (4, 4), W = 4.
+    assert_eq!(judge([1.0, 0.0], [0.0, 3.0]).equation, 1.0 / (4.0 + 8.0_f64.sqrt()));
     assert!(judge([f64::NAN, 0.0], [0.0, 4.0]).worst().is_nan());
     assert!(judge([1.0, 0.0], [0.0, f64::NAN]).worst().is_nan());
 }

@@ -64,8 +64,13 @@ impl Problem {
     /// Repeated rows, and a solution in which many pairs are zero on both sides.
     fn degenerate(random: &mut Random) -> Self {
         let order = random.integer(2, 10) as usize;
+        Self::degenerate_of(random, order)
+    }
+
+    fn degenerate_of(random: &mut Random, order: usize) -> Self {
         let kinds: Vec<_> = (0..order.div_ceil(2)).map(|_| random.vector(3, -2, 2)).collect();
-        let g: Vec<_> = (0..order).map(|_| kinds[random.integer(0, kinds.len() as i128 - 1) as usize].clone()).collect();
+        let g: Vec<_> =
+            (0..order).map(|_| kinds[random.integer(0, kinds.len() as i128 - 1) as usize].clone()).collect();
         let matrix = Self::semidefinite(random, &g, false);
         let z: Vec<_> = (0..order).map(|_| random.integer(-3, 2).max(0)).collect();
         let w = z.iter().map(|&z| if z > 0 { 0 } else { random.integer(-3, 2).max(0) });
@@ -76,6 +81,10 @@ impl Problem {
     /// vᵀM = 0 and vᵀq < 0 with v ≥ 0.
     fn infeasible(random: &mut Random) -> Self {
         let order = random.integer(1, 10) as usize;
+        Self::infeasible_of(random, order)
+    }
+
+    fn infeasible_of(random: &mut Random, order: usize) -> Self {
         let v: Vec<i128> = (1..order).map(|_| random.integer(0, 2)).collect();
         let mut g: Vec<_> = (1..order).map(|_| random.vector(3, -1, 1)).collect();
         g.push((0..3).map(|k| -(0..order - 1).map(|i| v[i] * g[i][k]).sum::<i128>()).collect());
@@ -204,6 +213,27 @@ fn degenerate_problems_are_all_solved() {
 #[test]
 fn infeasible_problems_all_end_in_a_ray() {
     assert_eq!(compare(Problem::infeasible), 0);
+}
+
+/// Orders no enumeration reaches, and past the tableau's block of delayed updates: rank 3, ties everywhere.
+#[test]
+fn large_degenerate_problems_are_solved_and_infeasible_ones_proved() {
+    for seed in 0..40 {
+        let mut random = Random::new(seed);
+        let order = 40 + 8 * seed;
+        let degenerate = Problem::degenerate_of(&mut random, order);
+        let infeasible = Problem::infeasible_of(&mut random, order);
+        for (problem, status) in [(degenerate, LcpStatus::Solved), (infeasible, LcpStatus::Ray)] {
+            let (matrix, q) = problem.as_floats();
+            let lcp = Lcp::new(&matrix, &q).unwrap();
+            let solution = lemke(&lcp, &LemkeOptions::default()).unwrap();
+            assert_eq!(solution.status, status, "problem {seed}");
+            match &solution.ray {
+                Some(ray) => assert!(lcp.infeasibility(ray).unwrap().holds(1e-12), "problem {seed}"),
+                None => assert!(lcp.residuals(&solution.z, &solution.w).unwrap().worst() < 1e-13, "problem {seed}"),
+            }
+        }
+    }
 }
 
 /// M = G Gᵀ + ε I with rows of any size, and any q.

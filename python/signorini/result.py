@@ -17,6 +17,7 @@ from signorini.certificate import Certificate
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError, unknown
+from signorini.kinds import describe, symbol
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
 from signorini.problem import spring_arrays
@@ -230,16 +231,27 @@ class Result:
 
     def _repr_html_(self) -> str:
         """Show the supports' table in a notebook."""
-        head = "<tr><th>support</th><th>kind</th><th>reaction</th><th>closed</th><th>open</th></tr>"
+        units = self.model.units
+        unit = f" [{html.escape(units.force)}]" if units.force else ""
+        number = 'style="text-align: right"'
+        words = 'style="text-align: left"'
+        head = (
+            f"<tr><th></th><th {words}>support</th><th {words}>kind</th>"
+            f"<th {number}>reaction{unit}</th><th {number}>closed</th><th {number}>open</th></tr>"
+        )
         rows = "".join(
-            f"<tr><td>{html.escape(s.name)}</td><td>{html.escape(s.kind)}</td><td>{s.reaction:.6g}</td>"
-            f"<td>{s.closed_count}</td><td>{s.open_count}</td></tr>"
-            for s in self.supports
+            f"<tr><td {words}>{symbol(support)}</td><td {words}>{html.escape(s.name)}</td>"
+            f"<td {words}>{html.escape(s.kind)}</td><td {number}>{s.reaction:.6g}</td>"
+            f"<td {number}>{s.closed_count}</td><td {number}>{s.open_count}</td></tr>"
+            for support, s in zip(self.model.support, self.supports, strict=False)
         )
-        verdict = html.escape(
-            self.message or f"{self.method}, {self.iterations} pivots; certificate {self.certificate}"
-        )
-        return f"<p><b>{html.escape(self.name)}</b>: {self.status}</p><table>{head}{rows}</table><p>{verdict}</p>"
+        title = f"<p><b>{html.escape(self.name)}</b>: {self.status.replace('_', ' ')}</p>"
+        if self.status != "solved":
+            return f"{title}<p>{html.escape(self.message)}</p>"
+        length = f" {units.length}" if units.length else ""
+        ends = f"deflection {self.deflection.min():.6g} to {self.deflection.max():.6g}{length}, positive down"
+        verdict = f"{html.escape(ends)}<br>{self.method}, {self.iterations} pivots; certificate {self.certificate}"
+        return f"{title}<table>{head}{rows}</table><p>{verdict}</p>"
 
 
 def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
@@ -313,27 +325,6 @@ def _as_written(support: Support, positions: Floats) -> np.ndarray[tuple[int], n
     given = np.array(support.at)
     nearest = ((positions[:, None] - given) ** 2).sum(axis=2).argmin(axis=1)
     return np.argsort(nearest, kind="stable")
-
-
-def describe(support: Support) -> str:
-    """Say in words where a support is and which way it holds.
-
-    Examples
-    --------
-    >>> describe(Support(at=[1, 1], resists="down", gap=0.001))
-    'points, pushes up only, rigid, with gap'
-    >>> describe(Support(edge="left", fix="clamped"))
-    'edge, clamped'
-    """
-    where = {"at": "points"}.get(support.place, support.place)
-    if support.fix is not None:
-        how = support.fix if isinstance(support.fix, str) else " ".join(support.fix) + " held"
-        return f"{where}, {how}" + (", elastic" if support.stiffness is not None else "")
-    ways = {"down": "pushes up only", "up": "holds down only", "both": "holds both ways"}
-    parts = [where, ways[support.resists or "both"], "rigid" if support.stiffness is None else "elastic"]
-    if not (support.gap.is_constant and support.gap.value == 0):
-        parts.append("with gap")
-    return ", ".join(parts)
 
 
 def support_marks(result: Result) -> list[SupportMark]:

@@ -122,7 +122,11 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
     answer = problem.solve(load)
     spent = time.perf_counter() - begun
     if answer.status == "no_equilibrium":
-        reason = "Lemke's algorithm ended in a ray: no reactions of the supports balance the load."
+        # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
+        reason = (
+            "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and "
+            "settlements. Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
+        )
         return unsolved_result(found, combination.name, reason), spent
     if answer.status != "solved":
         raise NotCertifiedError(

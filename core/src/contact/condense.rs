@@ -46,12 +46,19 @@ pub enum Form {
 
 /// What one load does at the contact points, past the reactions already acting.
 pub struct Drive {
-    /// G K̃⁻¹ r: displacement of the points under the imbalance r.
+    /// G K̃⁻¹ r: displacement of the points under the imbalance r; empty where the stiffness serves.
     pub displacement: Vec<f64>,
-    /// r condensed onto the contact dofs.
+    /// r condensed onto the contact points; zero where the flexibility serves.
     pub force: Vec<f64>,
     /// What is left of each gap.
     pub remaining: Vec<f64>,
+}
+
+/// What the points do in one contact state.
+pub struct Response {
+    pub reaction: Vec<f64>,
+    pub gap: Vec<f64>,
+    pub moved: Vec<f64>,
 }
 
 /// An LCP w = Mz + q over the one-sided points, row-major, and the way back.
@@ -111,17 +118,25 @@ impl Condensed {
         if self.stiffness.is_some() { Form::Stiffness } else { Form::Dual }
     }
 
-    /// Forces on the contact dofs as forces on the points; zero where the rows do not pick single dofs.
-    pub fn at_points(&self, on_dofs: &[f64]) -> Vec<f64> {
-        self.rows
-            .iter()
-            .map(|row| if self.stiffness.is_some() { on_dofs[row[0].0] / row[0].1 } else { 0.0 })
-            .collect()
+    /// Forces on the points, from the last part of a forward-substituted right-hand side: f̂ = L z.
+    ///
+    /// Zero where the rows do not pick single dofs.
+    pub fn condensed_force(&self, forward: &[f64]) -> Vec<f64> {
+        if self.stiffness.is_none() {
+            return vec![0.0; self.len()];
+        }
+        let on_dof = |i: usize| (0..=i).map(|j| self.trailing[(i, j)] * forward[j]).sum::<f64>();
+        self.rows.iter().map(|row| on_dof(row[0].0) / row[0].1).collect()
     }
 
-    /// The forward-substituted last part of a right-hand side as forces on the contact dofs.
-    pub fn condensed_force(&self, forward: &[f64]) -> Vec<f64> {
-        (0..forward.len()).map(|i| (0..=i).map(|j| self.trailing[(i, j)] * forward[j]).sum()).collect()
+    /// The last part of a forward-substituted vector whose back substitution moves the points by `moved`: z = Lᵀu.
+    pub fn prescribing(&self, moved: &[f64]) -> Vec<f64> {
+        let mut on_dofs = vec![0.0; self.trailing.nrows()];
+        for (row, y) in self.rows.iter().zip(moved) {
+            on_dofs[row[0].0] = y / row[0].1;
+        }
+        let size = on_dofs.len();
+        (0..size).map(|i| (i..size).map(|j| self.trailing[(j, i)] * on_dofs[j]).sum()).collect()
     }
 
     /// The LCP past `reaction`s already acting.
@@ -150,8 +165,8 @@ impl Condensed {
         }
     }
 
-    /// Increments of the reactions of closed points, and gaps of open ones, in one contact state.
-    pub fn solve_state(&self, state: &ContactState, drive: &Drive) -> (Vec<f64>, Vec<f64>) {
+    /// Increments of the reactions of closed points, gaps of open ones, and displacements of all, in one contact state.
+    pub fn solve_state(&self, state: &ContactState, drive: &Drive) -> Response {
         match &self.stiffness {
             Some(stiffness) => self.solve_stiffness_state(stiffness, state, drive),
             None => self.solve_flexibility_state(state, drive),
@@ -175,8 +190,7 @@ impl Condensed {
                 let through = stiffness[(i, j)] * self.compliance[j];
                 if i == j { 1.0 + through } else { through }
             });
-            let mut right =
-                Mat::from_fn(m, m + 1, |i, j| if j < m { stiffness[(i, j)] } else { q[i] });
+            let mut right = Mat::from_fn(m, m + 1, |i, j| if j < m { stiffness[(i, j)] } else { q[i] });
             coupled.partial_piv_lu().solve_in_place(right.as_mut());
             q = (0..m).map(|i| right[(i, m)]).collect();
             let entry = |i: usize, j: usize| 0.5 * (right[(i, j)] + right[(j, i)]);
@@ -201,7 +215,7 @@ impl Condensed {
         Some(ContactState { closed, unknown, factor: StateFactor::Stiffness(factor) })
     }
 
-    fn solve_stiffness_state(&self, stiffness: &Mat<f64>, state: &ContactState, drive: &Drive) -> (Vec<f64>, Vec<f64>) {
+    fn solve_stiffness_state(&self, stiffness: &Mat<f64>, state: &ContactState, drive: &Drive) -> Response {
         let m = self.len();
         let rigid = |i: usize| state.closed[i] && self.compliance[i] == 0.0;
         let mut moved: Vec<f64> = (0..m).map(|i| if rigid(i) { drive.remaining[i] } else { 0.0 }).collect();
@@ -228,7 +242,7 @@ impl Condensed {
                 reaction[i] = (moved[i] - drive.remaining[i]) / self.compliance[i];
             }
         }
-        (reaction, gap)
+        Response { reaction, gap, moved }
     }
 
     // --- flexibility ---
@@ -337,7 +351,7 @@ impl Condensed {
         regular.then_some(ContactState { closed, unknown, factor: StateFactor::Flexibility(factor) })
     }
 
-    fn solve_flexibility_state(&self, state: &ContactState, drive: &Drive) -> (Vec<f64>, Vec<f64>) {
+    fn solve_flexibility_state(&self, state: &ContactState, drive: &Drive) -> Response {
         let p = self.flexibility();
         let closing = self.closing(p, drive, &vec![0.0; self.len()]);
         let mut reaction = vec![0.0; self.len()];
@@ -358,7 +372,8 @@ impl Condensed {
                 gap[i] = state.unknown.iter().map(through).sum::<f64>() - closing[i];
             }
         }
-        (reaction, gap)
+        let moved = (0..self.len()).map(|i| drive.remaining[i] - gap[i] + self.compliance[i] * reaction[i]).collect();
+        Response { reaction, gap, moved }
     }
 }
 

@@ -8,5 +8,5 @@ pub mod problem;
 pub mod solve;
 
 pub use condense::{Condensed, Form};
-pub use problem::{ContactProblem, Constraints};
+pub use problem::{Constraints, ContactProblem};
 pub use solve::{ContactSolution, Outcome};

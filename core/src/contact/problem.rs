@@ -92,15 +92,26 @@ impl ContactProblem {
         Ok(Self { plate, springs, held, constraints, numbering, factor, condensed, seconds })
     }
 
-    /// K̃⁻¹ times a nodal load (dofs held stay at zero), and the load condensed onto the contact points.
-    pub fn apply_inverse(&self, load: &[f64]) -> Result<(Vec<f64>, Vec<f64>), FactorError> {
-        let mut rhs: Vec<f64> = self.numbering.dof.iter().map(|&dof| load[dof]).collect();
-        let forward = self.factor.solve(&mut rhs, self.numbering.trailing)?;
-        let mut out = vec![0.0; load.len()];
-        for (&dof, value) in self.numbering.dof.iter().zip(rhs) {
+    /// A nodal load in elimination order, without the dofs held.
+    pub fn gather(&self, load: &[f64]) -> Vec<f64> {
+        self.numbering.dof.iter().map(|&dof| load[dof]).collect()
+    }
+
+    /// A vector in elimination order as a nodal one; dofs held are zero.
+    pub fn scatter(&self, ordered: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; self.plate.dof_count()];
+        for (&dof, &value) in self.numbering.dof.iter().zip(ordered) {
             out[dof] = value;
         }
-        Ok((out, self.condensed.at_points(&self.condensed.condensed_force(&forward))))
+        out
+    }
+
+    /// K̃⁻¹ times a nodal load.
+    pub fn apply_inverse(&self, load: &[f64]) -> Result<Vec<f64>, FactorError> {
+        let mut ordered = self.gather(load);
+        self.factor.forward(&mut ordered)?;
+        self.factor.backward(&mut ordered)?;
+        Ok(self.scatter(&ordered))
     }
 
     /// row_i·vector for every contact point.

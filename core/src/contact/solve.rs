@@ -48,9 +48,9 @@ struct Step {
     worst: f64,
 }
 
-/// K̃⁻¹ times an imbalance, and what it does at the contact points.
+/// An imbalance after forward substitution, and what it does at the contact points.
 struct Motion {
-    nodal: Vec<f64>,
+    forward: Vec<f64>,
     drive: Drive,
 }
 
@@ -66,9 +66,10 @@ impl ContactProblem {
         form: Option<Form>,
         max_pivots: Option<usize>,
     ) -> Result<ContactSolution, FactorError> {
+        let form = form.unwrap_or(self.condensed.better_form());
         let mut solution = self.at_rest(load.len(), held_value);
         let mut step = self.step(load, &solution);
-        let mut motion = self.motion(&step)?;
+        let mut motion = self.motion(&step, form)?;
         for _ in 0..STATES {
             let (outcome, closed) = self.contact_state(&motion, &mut solution, form, max_pivots);
             if outcome != Outcome::Solved {
@@ -82,7 +83,7 @@ impl ContactProblem {
                 };
                 if self.release_open(&mut solution) {
                     step = self.step(load, &solution);
-                    motion = self.motion(&step)?;
+                    motion = self.motion(&step, form)?;
                 }
                 step = self.refine(load, &state, step, motion, &mut solution)?;
             }
@@ -93,7 +94,7 @@ impl ContactProblem {
                 solution.outcome = Outcome::Solved;
                 return Ok(solution);
             }
-            motion = self.motion(&step)?;
+            motion = self.motion(&step, form)?;
         }
         Ok(unsolved(solution, Outcome::Unsolved))
     }
@@ -101,8 +102,9 @@ impl ContactProblem {
     /// The LCP that [`ContactProblem::solve`] poses first.
     pub fn lcp(&self, load: &[f64], held_value: &[f64], form: Option<Form>) -> Result<PosedLcp, FactorError> {
         let rest = self.at_rest(load.len(), held_value);
-        let motion = self.motion(&self.step(load, &rest))?;
-        Ok(self.condensed.lcp(form.unwrap_or(self.condensed.better_form()), &motion.drive, &rest.reaction))
+        let form = form.unwrap_or(self.condensed.better_form());
+        let motion = self.motion(&self.step(load, &rest), form)?;
+        Ok(self.condensed.lcp(form, &motion.drive, &rest.reaction))
     }
 
     fn at_rest(&self, dofs: usize, held_value: &[f64]) -> ContactSolution {
@@ -129,13 +131,12 @@ impl ContactProblem {
         &self,
         motion: &Motion,
         solution: &mut ContactSolution,
-        form: Option<Form>,
+        form: Form,
         max_pivots: Option<usize>,
     ) -> (Outcome, Vec<bool>) {
         if self.constraints.two_sided.iter().all(|&t| t) {
             return (Outcome::Solved, self.constraints.two_sided.clone());
         }
-        let form = form.unwrap_or(self.condensed.better_form());
         let posed = self.condensed.lcp(form, &motion.drive, &solution.reaction);
         let options = LemkeOptions { max_pivots, ..LemkeOptions::default() };
         let Ok(found) = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| lemke(&lcp, &options)) else {
@@ -175,7 +176,7 @@ impl ContactProblem {
         for _ in 0..CORRECTIONS {
             let now = match motion.take() {
                 Some(motion) => motion,
-                None => self.motion(&step)?,
+                None => self.motion(&step, self.condensed.better_form())?,
             };
             let before = solution.clone();
             self.correct(state, now, solution)?;
@@ -195,34 +196,28 @@ impl ContactProblem {
     }
 
     /// One correction: the state's increments of reaction, the gaps they leave, and the motion that goes with them.
-    fn correct(
-        &self,
-        state: &ContactState,
-        motion: Motion,
-        solution: &mut ContactSolution,
-    ) -> Result<(), FactorError> {
-        let m = solution.reaction.len();
-        let mut moved = motion.nodal;
-        if m > 0 {
-            let drive = motion.drive;
-            let (increment, gap) = self.condensed.solve_state(state, &drive);
-            let push: Vec<f64> = (0..m)
-                .map(|i| {
-                    let carried = drive.remaining[i] - gap[i] + self.condensed.compliance[i] * increment[i];
-                    self.condensed.regularization[i] * carried - increment[i]
-                })
-                .collect();
-            let mut force = vec![0.0; moved.len()];
-            self.spread(&push, &mut force);
-            for (a, b) in moved.iter_mut().zip(self.apply_inverse(&force)?.0) {
-                *a += b;
+    fn correct(&self, state: &ContactState, motion: Motion, solution: &mut ContactSolution) -> Result<(), FactorError> {
+        let Motion { mut forward, drive } = motion;
+        let leading = forward.len() - self.numbering.trailing;
+        let mut pushed = None;
+        if !self.condensed.is_empty() {
+            let response = self.condensed.solve_state(state, &drive);
+            if self.condensed.better_form() == Form::Stiffness {
+                forward[leading..].copy_from_slice(&self.condensed.prescribing(&response.moved));
+            } else {
+                let carried = self.condensed.regularization.iter().zip(&response.moved).map(|(d, y)| d * y);
+                let push: Vec<f64> = carried.zip(&response.reaction).map(|(c, r)| c - r).collect();
+                let mut force = vec![0.0; self.plate.dof_count()];
+                self.spread(&push, &mut force);
+                pushed = Some(self.apply_inverse(&force)?);
             }
-            for (reaction, d) in solution.reaction.iter_mut().zip(&increment) {
+            for (reaction, d) in solution.reaction.iter_mut().zip(&response.reaction) {
                 *reaction += d;
             }
         }
-        for (dof, value) in moved.into_iter().enumerate() {
-            solution.displacement.add(dof, value);
+        self.factor.backward(&mut forward)?;
+        for (dof, value) in self.scatter(&forward).into_iter().enumerate() {
+            solution.displacement.add(dof, value + pushed.as_ref().map_or(0.0, |p| p[dof]));
         }
         solution.corrections += 1;
         Ok(())
@@ -240,10 +235,20 @@ impl ContactProblem {
         Step { imbalance, remaining: self.remaining(&solution.displacement, &solution.reaction), worst }
     }
 
-    fn motion(&self, step: &Step) -> Result<Motion, FactorError> {
-        let (nodal, force) = self.apply_inverse(&step.imbalance)?;
-        let drive = Drive { displacement: self.at_points(&nodal), force, remaining: step.remaining.clone() };
-        Ok(Motion { nodal, drive })
+    fn motion(&self, step: &Step, form: Form) -> Result<Motion, FactorError> {
+        let mut forward = self.gather(&step.imbalance);
+        self.factor.forward(&mut forward)?;
+        let trailing = &forward[forward.len() - self.numbering.trailing..];
+        let force = self.condensed.condensed_force(trailing);
+        let needs_flexibility = form == Form::Dual || self.condensed.better_form() == Form::Dual;
+        let displacement = if needs_flexibility && !self.condensed.is_empty() {
+            let mut ordered = forward.clone();
+            self.factor.backward(&mut ordered)?;
+            self.at_points(&self.scatter(&ordered))
+        } else {
+            Vec::new()
+        };
+        Ok(Motion { forward, drive: Drive { displacement, force, remaining: step.remaining.clone() } })
     }
 
     fn largest_force(&self, load: &[f64], solution: &ContactSolution) -> f64 {
@@ -255,8 +260,7 @@ impl ContactProblem {
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         let force = SIGN * largest(&solution.reaction);
         let length = SIGN * largest(&solution.gap).max(largest(&c.distance));
-        (0..c.two_sided.len())
-            .all(|i| c.two_sided[i] || (solution.reaction[i] >= -force && solution.gap[i] >= -length))
+        (0..c.two_sided.len()).all(|i| c.two_sided[i] || (solution.reaction[i] >= -force && solution.gap[i] >= -length))
     }
 }
 

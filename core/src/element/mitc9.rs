@@ -5,8 +5,10 @@
 //! (tangential part) and in its two mean values over the reference square.
 
 use super::quadrature::{GAUSS_3, square};
-use super::shape::lagrange;
-use super::{ALL_DOFS, DOFS, Geometry, Material, PACKED, Stiffness, StrainMatrix, packed};
+use super::shape::{Shape, lagrange, serendipity};
+use std::sync::LazyLock;
+
+use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Stiffness, StrainMatrix, packed};
 
 const TIES: usize = 5;
 const GAUSS: f64 = 0.577_350_269_189_625_8;
@@ -34,18 +36,53 @@ fn interpolation(along: f64, across: f64) -> [f64; TIES] {
     ]
 }
 
-/// Adds `weight` times the covariant component `a` of ∇w − θ at one point.
-fn add_covariant(row: &mut [f64; ALL_DOFS], geometry: &Geometry, component: usize, xi: f64, eta: f64, weight: f64) {
-    let jacobian = geometry.jacobian(xi, eta);
-    let rotation = lagrange(xi, eta).value;
-    let [tx, ty] = jacobian.tangent[component];
-    for i in 0..8 {
-        row[3 * i] += weight * jacobian.shape.gradient[i][component];
-        row[3 * i + 1] -= weight * rotation[i] * tx;
-        row[3 * i + 2] -= weight * rotation[i] * ty;
+/// Both families of shape functions at one reference point, and its weight.
+struct Station {
+    xi: f64,
+    eta: f64,
+    weight: f64,
+    shape: Shape<8>,
+    rotation: Shape<9>,
+}
+
+impl Station {
+    fn new(xi: f64, eta: f64, weight: f64) -> Self {
+        Self { xi, eta, weight, shape: serendipity(xi, eta), rotation: lagrange(xi, eta) }
     }
-    row[CENTRE] -= weight * rotation[8] * tx;
-    row[CENTRE + 1] -= weight * rotation[8] * ty;
+}
+
+/// The 3×3 Gauss points.
+static GAUSS_POINTS: LazyLock<[Station; 9]> = LazyLock::new(|| {
+    let mut points = square(GAUSS_3).map(|(xi, eta, weight)| Station::new(xi, eta, weight));
+    std::array::from_fn(|_| points.next().expect("nine points"))
+});
+
+/// The four tying points of each component.
+static TYING_POINTS: LazyLock<[[Station; 4]; 2]> = LazyLock::new(|| {
+    std::array::from_fn(|component| {
+        std::array::from_fn(|tie| {
+            let (xi, eta) = tying_point(component, tie);
+            Station::new(xi, eta, 1.0)
+        })
+    })
+});
+
+/// Adds `weight` times one covariant component of ∇w − θ at one point.
+fn add_covariant(row: &mut [f64; ALL_DOFS], geometry: &Geometry, component: usize, at: &Station, weight: f64) {
+    let mut tangent = [0.0; 2];
+    for i in 0..8 {
+        let slope = at.shape.gradient[i][component];
+        tangent[0] += slope * geometry.at[i][0];
+        tangent[1] += slope * geometry.at[i][1];
+    }
+    let [tx, ty] = tangent.map(|t| weight * t);
+    for i in 0..8 {
+        row[3 * i] += weight * at.shape.gradient[i][component];
+        row[3 * i + 1] -= at.rotation.value[i] * tx;
+        row[3 * i + 2] -= at.rotation.value[i] * ty;
+    }
+    row[CENTRE] -= at.rotation.value[8] * tx;
+    row[CENTRE + 1] -= at.rotation.value[8] * ty;
 }
 
 /// The five tied values of each covariant component as rows over all dofs.
@@ -53,18 +90,22 @@ fn ties(geometry: &Geometry) -> [[[f64; ALL_DOFS]; TIES]; 2] {
     let mut rows = [[[0.0; ALL_DOFS]; TIES]; 2];
     for component in 0..2 {
         for tie in 0..4 {
-            let (xi, eta) = tying_point(component, tie);
-            add_covariant(&mut rows[component][tie], geometry, component, xi, eta, 1.0);
+            add_covariant(&mut rows[component][tie], geometry, component, &TYING_POINTS[component][tie], 1.0);
         }
-        for (xi, eta, weight) in square(GAUSS_3) {
-            add_covariant(&mut rows[component][4], geometry, component, xi, eta, 0.25 * weight);
+        for point in GAUSS_POINTS.iter() {
+            add_covariant(&mut rows[component][4], geometry, component, point, 0.25 * point.weight);
         }
     }
     rows
 }
 
-/// κ = sym ∇θ on nine nodes and the tied shear, both in x and y.
-pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
+/// κ = sym ∇θ on nine nodes and the tied shear, both in x and y, at each of the points.
+pub fn strain_matrices<const N: usize>(geometry: &Geometry, at: [(f64, f64); N]) -> [StrainMatrix; N] {
+    let rows = ties(geometry);
+    at.map(|(xi, eta)| strain_matrix(geometry, &rows, xi, eta))
+}
+
+fn strain_matrix(geometry: &Geometry, rows: &[[[f64; ALL_DOFS]; TIES]; 2], xi: f64, eta: f64) -> StrainMatrix {
     let jacobian = geometry.jacobian(xi, eta);
     let rotation = lagrange(xi, eta);
     let mut strain = [[0.0; ALL_DOFS]; 5];
@@ -76,7 +117,6 @@ pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
         strain[2][first] = y;
         strain[2][first + 1] = x;
     }
-    let rows = ties(geometry);
     let weights = [interpolation(xi, eta), interpolation(eta, xi)];
     for dof in 0..ALL_DOFS {
         let covariant = [0, 1].map(|a| (0..TIES).map(|t| weights[a][t] * rows[a][t][dof]).sum::<f64>());
@@ -91,10 +131,11 @@ pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
 pub fn stiffness(geometry: &Geometry, material: &Material) -> Stiffness {
     let mut full = [[0.0; ALL_DOFS]; ALL_DOFS];
     let mut form = [[0.0; 2 * TIES]; 2 * TIES];
-    for (xi, eta, weight) in square(GAUSS_3) {
-        let jacobian = geometry.jacobian(xi, eta);
-        let scale = weight * jacobian.determinant;
-        add_bending(&mut full, &jacobian, scale, material, xi, eta);
+    for point in GAUSS_POINTS.iter() {
+        let (xi, eta) = (point.xi, point.eta);
+        let jacobian = geometry.jacobian_of(point.shape);
+        let scale = point.weight * jacobian.determinant;
+        add_bending(&mut full, &jacobian, scale, material, &point.rotation);
 
         let shear = scale * material.shear_rigidity(jacobian.thickness);
         let inv = &jacobian.inverse;
@@ -125,10 +166,8 @@ fn add_bending(
     jacobian: &super::Jacobian,
     scale: f64,
     material: &Material,
-    xi: f64,
-    eta: f64,
+    rotation: &Shape<9>,
 ) {
-    let rotation = lagrange(xi, eta);
     let gradient: [[f64; 2]; 9] = std::array::from_fn(|i| jacobian.physical(rotation.gradient[i]));
     let rigidity = scale * material.bending_rigidity(jacobian.thickness);
     let nu = material.poisson;
@@ -165,7 +204,7 @@ fn add_shear(
     for s in 0..2 * TIES {
         for i in 0..ALL_DOFS {
             let r = rows[s][i];
-            for j in 0..ALL_DOFS {
+            for j in 0..=i {
                 full[i][j] += r * product[s][j];
             }
         }
@@ -190,5 +229,5 @@ fn condense(full: &[[f64; ALL_DOFS]; ALL_DOFS]) -> Stiffness {
             lower[packed(i, j)] = full[i][j] - inner;
         }
     }
-    Stiffness { packed: lower, coupling, compliance }
+    Stiffness { packed: lower, centre: Centre { coupling, compliance } }
 }

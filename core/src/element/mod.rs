@@ -8,7 +8,7 @@ pub mod q8r;
 pub mod quadrature;
 pub mod shape;
 
-use quadrature::{GAUSS_3, square};
+use quadrature::{GAUSS_2, GAUSS_3, square};
 use shape::{Shape, serendipity};
 
 /// Dofs that an element shows to the mesh.
@@ -80,7 +80,11 @@ pub struct Jacobian {
 
 impl Geometry {
     pub fn jacobian(&self, xi: f64, eta: f64) -> Jacobian {
-        let shape = serendipity(xi, eta);
+        self.jacobian_of(serendipity(xi, eta))
+    }
+
+    /// The map where the shape functions are known already.
+    pub fn jacobian_of(&self, shape: Shape<8>) -> Jacobian {
         let mut t = [[0.0; 2]; 2];
         let mut thickness = 0.0;
         for i in 0..8 {
@@ -92,10 +96,8 @@ impl Geometry {
             thickness += shape.value[i] * self.thickness[i];
         }
         let determinant = t[0][0] * t[1][1] - t[0][1] * t[1][0];
-        let inverse = [
-            [t[1][1] / determinant, -t[0][1] / determinant],
-            [-t[1][0] / determinant, t[0][0] / determinant],
-        ];
+        let inverse =
+            [[t[1][1] / determinant, -t[0][1] / determinant], [-t[1][0] / determinant, t[0][0] / determinant]];
         Jacobian { shape, tangent: t, inverse, determinant, thickness }
     }
 }
@@ -103,23 +105,25 @@ impl Geometry {
 impl Jacobian {
     pub fn physical(&self, gradient: [f64; 2]) -> [f64; 2] {
         let inv = &self.inverse;
-        [
-            inv[0][0] * gradient[0] + inv[0][1] * gradient[1],
-            inv[1][0] * gradient[0] + inv[1][1] * gradient[1],
-        ]
+        [inv[0][0] * gradient[0] + inv[0][1] * gradient[1], inv[1][0] * gradient[0] + inv[1][1] * gradient[1]]
     }
 }
 
 /// Strain rows [κxx, κyy, 2κxy, γx, γy] over the dofs with the centre rotations last.
 pub type StrainMatrix = [[f64; ALL_DOFS]; 5];
 
-/// The stiffness that the mesh sees, and what brings the centre rotations back.
+/// What brings the condensed centre rotations back: θ = compliance·m − coupling·u, m the couples that act on them.
+#[derive(Clone, Debug, Default)]
+pub struct Centre {
+    pub coupling: [[f64; DOFS]; 2],
+    pub compliance: [[f64; 2]; 2],
+}
+
+/// The stiffness that the mesh sees, and the centre behind it; a centre of zeros where the element has none.
 pub struct Stiffness {
     /// Packed lower triangle, [`PACKED`] entries.
     pub packed: [f64; PACKED],
-    /// θ_centre = compliance·m − coupling·u, with m the couples that act on the centre rotations.
-    pub coupling: [[f64; DOFS]; 2],
-    pub compliance: [[f64; 2]; 2],
+    pub centre: Centre,
 }
 
 /// Stiffness of one element.
@@ -130,11 +134,11 @@ pub fn stiffness(kind: Kind, geometry: &Geometry, material: &Material) -> Stiffn
     }
 }
 
-/// Strains at a reference point.
-pub fn strain_matrix(kind: Kind, geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
+/// Strains at reference points.
+pub fn strain_matrices<const N: usize>(kind: Kind, geometry: &Geometry, at: [(f64, f64); N]) -> [StrainMatrix; N] {
     match kind {
-        Kind::Mitc9 => mitc9::strain_matrix(geometry, xi, eta),
-        Kind::Q8r => q8r::strain_matrix(geometry, xi, eta),
+        Kind::Mitc9 => mitc9::strain_matrices(geometry, at),
+        Kind::Q8r => at.map(|(xi, eta)| q8r::strain_matrix(geometry, xi, eta)),
     }
 }
 
@@ -152,19 +156,33 @@ pub fn rotation_functions(kind: Kind, xi: f64, eta: f64) -> [f64; 9] {
 
 /// Work-equivalent forces of the stress-free curvature `[κxx, κyy, κxy]` over [`ALL_DOFS`]: ∫ Bᵀ D κ⁰.
 pub fn curvature_load(kind: Kind, geometry: &Geometry, material: &Material, curvature: [f64; 3]) -> [f64; ALL_DOFS] {
+    match kind {
+        Kind::Mitc9 => curvature_load_by(kind, geometry, material, curvature, points::<3, 9>(GAUSS_3)),
+        Kind::Q8r => curvature_load_by(kind, geometry, material, curvature, points::<2, 4>(GAUSS_2)),
+    }
+}
+
+fn points<const N: usize, const M: usize>(rule: [(f64, f64); N]) -> [(f64, f64, f64); M] {
+    let mut all = square(rule);
+    std::array::from_fn(|_| all.next().expect("M = N²"))
+}
+
+fn curvature_load_by<const M: usize>(
+    kind: Kind,
+    geometry: &Geometry,
+    material: &Material,
+    curvature: [f64; 3],
+    rule: [(f64, f64, f64); M],
+) -> [f64; ALL_DOFS] {
     let mut load = [0.0; ALL_DOFS];
-    let mut add = |xi: f64, eta: f64, weight: f64| {
+    let strains = strain_matrices(kind, geometry, rule.map(|(xi, eta, _)| (xi, eta)));
+    for ((xi, eta, weight), strain) in rule.into_iter().zip(strains) {
         let jacobian = geometry.jacobian(xi, eta);
-        let strain = strain_matrix(kind, geometry, xi, eta);
         let moment = material.bending(jacobian.thickness, [curvature[0], curvature[1], 2.0 * curvature[2]]);
         for (i, f) in load.iter_mut().enumerate() {
             let work: f64 = (0..3).map(|a| strain[a][i] * moment[a]).sum();
             *f += weight * jacobian.determinant * work;
         }
-    };
-    match kind {
-        Kind::Mitc9 => square(GAUSS_3).for_each(|(x, y, w)| add(x, y, w)),
-        Kind::Q8r => square(quadrature::GAUSS_2).for_each(|(x, y, w)| add(x, y, w)),
     }
     load
 }

@@ -1,7 +1,7 @@
 //! The 8-node serendipity plate element with uniform 2×2 integration (Hinton & Owen 1977), as the paper uses it.
 
 use super::quadrature::{GAUSS_2, square};
-use super::{ALL_DOFS, DOFS, Geometry, Material, PACKED, Stiffness, StrainMatrix, packed};
+use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Stiffness, StrainMatrix, packed};
 
 /// κ = sym ∇θ and γ = ∇w − θ, all on the serendipity functions.
 pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
@@ -41,5 +41,5 @@ pub fn stiffness(geometry: &Geometry, material: &Material) -> Stiffness {
             }
         }
     }
-    Stiffness { packed: full, coupling: [[0.0; DOFS]; 2], compliance: [[0.0; 2]; 2] }
+    Stiffness { packed: full, centre: Centre::default() }
 }

@@ -2,17 +2,8 @@
 //! one between the first two corners, then (for nine nodes) the centre.
 
 /// Reference coordinates of the nine nodes; the first eight are those of the serendipity family.
-pub const NODES: [[f64; 2]; 9] = [
-    [-1.0, -1.0],
-    [1.0, -1.0],
-    [1.0, 1.0],
-    [-1.0, 1.0],
-    [0.0, -1.0],
-    [1.0, 0.0],
-    [0.0, 1.0],
-    [-1.0, 0.0],
-    [0.0, 0.0],
-];
+pub const NODES: [[f64; 2]; 9] =
+    [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, 0.0]];
 
 /// Values and reference gradients of N functions at one point.
 #[derive(Clone, Copy, Debug)]
@@ -57,11 +48,7 @@ pub fn serendipity(xi: f64, eta: f64) -> Shape<8> {
 /// ```
 pub fn lagrange(xi: f64, eta: f64) -> Shape<9> {
     let quadratic = |at: f64, s: f64| {
-        if at == 0.0 {
-            [1.0 - s * s, -2.0 * s]
-        } else {
-            [0.5 * s * (s + at), s + 0.5 * at]
-        }
+        if at == 0.0 { [1.0 - s * s, -2.0 * s] } else { [0.5 * s * (s + at), s + 0.5 * at] }
     };
     let mut value = [0.0; 9];
     let mut gradient = [[0.0; 2]; 9];

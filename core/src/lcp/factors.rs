@@ -7,7 +7,7 @@ use faer::{Conj, Mat, MatMut, Par};
 use super::ratio_test::PIVOT_TOLERANCE;
 
 /// From this order on dense operations are worth all of rayon's threads.
-pub(super) const PARALLEL_ORDER: usize = 200;
+pub(super) const PARALLEL_ORDER: usize = 400;
 
 pub(super) fn parallelism(order: usize) -> Par {
     if order < PARALLEL_ORDER { Par::Seq } else { Par::rayon(0) }

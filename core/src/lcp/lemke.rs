@@ -28,7 +28,8 @@ pub fn default_max_pivots(order: usize) -> usize {
 /// the proof. M need not be symmetric. The last basis is solved afresh, so z and w carry no error of the tableau; z ≥ 0
 /// and w ≥ 0 hold exactly.
 ///
-/// Memory is 8 m² bytes twice; a pivot takes about 2 m² operations.
+/// M is scaled by powers of two to largest entries of about 1 first, so the tolerances, stated where they are used, are
+/// relative. Memory is about three times that of M; a pivot takes about 2 m² operations.
 ///
 /// # Errors
 /// When the covering vector has the wrong length or an entry that is not positive.
@@ -64,7 +65,7 @@ pub fn lemke_from(lcp: &Lcp, options: &LemkeOptions, basis: &[bool]) -> Result<L
     solve(lcp, options, Some(basis))
 }
 
-/// How often the path may be taken up again at a basis that its freshly solved values show to be infeasible.
+/// How often the path may be taken up again at the basis of a cold start whose freshly solved values are infeasible.
 const RESTARTS: usize = 4;
 
 /// The relative tolerance at which a ray of a warm start counts as a proof.
@@ -108,11 +109,12 @@ fn solve(lcp: &Lcp, options: &LemkeOptions, warm: Option<&[bool]>) -> Result<Lcp
                 if let Some(solution) = solved(basis.clone(), pivots) {
                     return Ok(solution);
                 }
-                start = Some(basis);
+                start = Some(basis).filter(|_| !cold_start_left);
             }
             End::Ray(direction) => {
                 let (slack, complement) = direction.split_at(lcp.order());
-                let mut ray: Vec<f64> = (0..lcp.order()).map(|i| if origin[i] { slack[i] } else { complement[i] }).collect();
+                let mut ray: Vec<f64> =
+                    (0..lcp.order()).map(|i| if origin[i] { slack[i] } else { complement[i] }).collect();
                 scaling.unscale_z(&mut ray);
                 let largest = ray.iter().fold(0.0_f64, |a, x| a.max(*x));
                 ray.iter_mut().for_each(|x| *x /= largest);

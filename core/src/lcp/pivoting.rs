@@ -6,9 +6,10 @@ use super::scaling::CoveredLcp;
 use super::tableau::Tableau;
 use crate::double_double::DoubleDouble;
 
-/// A basis is infeasible if one of its variables is below minus this, relative to the largest z for a z, and to
-/// |q_i| + Σ_j |M_ij z_j| for w_i. What is above, but negative, is rounding and becomes zero.
-pub(super) const FEASIBILITY_TOLERANCE: f64 = 1e-11;
+/// A basis is infeasible if one of its variables is below minus this, relative to the largest z for a z, and for w_i to
+/// |q_i| + Σ_j |M_ij z_j| + √(|M_ii| Σ_j |q_j z_j|), whose root bounds |(Mz)_i| for a semidefinite M. What is above, but
+/// negative, is rounding and becomes zero.
+const FEASIBILITY_TOLERANCE: f64 = 1e-11;
 
 impl CoveredLcp<'_> {
     /// The problem as it reads with z_i and w_i exchanged wherever `basis` is true, with covering vector e; None if the
@@ -30,7 +31,7 @@ impl CoveredLcp<'_> {
         let order = self.order();
         let basic = indices(basis);
         let count = basic.len();
-        let block = Mat::from_fn(count, count, |i, j| self.entry(basic[i], basic[j]));
+        let block = self.principal_block(&basic);
         let factors = Factors::of(&block)?;
         let right: Vec<f64> = basic.iter().map(|&i| -self.q[i]).collect();
         let mut solution = right.clone();
@@ -46,8 +47,9 @@ impl CoveredLcp<'_> {
         }
         z.iter_mut().for_each(|x| *x = x.max(0.0));
 
+        let work: f64 = basic.iter().map(|&j| self.q[j].abs() * z[j]).sum();
         let slack = |i: usize| {
-            let (mut sum, mut size) = (self.q[i], self.q[i].abs());
+            let (mut sum, mut size) = (self.q[i], self.q[i].abs() + (self.entry(i, i).abs() * work).sqrt());
             for &j in &basic {
                 let term = self.entry(i, j) * z[j];
                 sum += term;
@@ -64,6 +66,19 @@ impl CoveredLcp<'_> {
             w[i] = slack.max(0.0);
         }
         Some((z, w))
+    }
+
+    /// M_αα for the indices α; by eight rows at a time, because M lies by rows and the block by columns.
+    fn principal_block(&self, indices: &[usize]) -> Mat<f64> {
+        let mut block = Mat::zeros(indices.len(), indices.len());
+        for (tile, rows) in indices.chunks(8).enumerate() {
+            for (j, &column) in indices.iter().enumerate() {
+                for (a, &row) in block.col_as_slice_mut(j)[8 * tile..].iter_mut().zip(rows) {
+                    *a = self.entry(row, column);
+                }
+            }
+        }
+        block
     }
 }
 

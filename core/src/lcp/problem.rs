@@ -67,14 +67,16 @@ pub struct LcpSolution {
 
 /// How far a pair (z, w) is from solving a problem. Every figure is relative and at least zero; NaN where an input is.
 ///
-/// With the size of row i taken as t_i = |q_i| + Σ_j |M_ij z_j|:
+/// With s_i = |q_i| + Σ_j |M_ij z_j| and the work W = Σ_i |z_i| s_i, row i has the size t_i = s_i + √(|M_ii| W): for a
+/// semidefinite M the root bounds |(Mz)_i|, so that a row in which all that counts is zero is not judged by its
+/// rounding. Neither the figures of w nor the complementarity depend on the units of the unknowns.
 #[derive(Clone, Copy, Debug)]
 pub struct Residuals {
     /// max_i −z_i / max_j |z_j|.
     pub negative_z: f64,
     /// max_i −w_i / t_i.
     pub negative_w: f64,
-    /// max_i |z_i w_i| / Σ_j |z_j| t_j.
+    /// max_i |z_i w_i| / W.
     pub complementarity: f64,
     /// max_i |w_i − (Mz)_i − q_i| / t_i.
     pub equation: f64,
@@ -152,22 +154,20 @@ impl<'a> Lcp<'a> {
         self.check_length("z", z.len())?;
         self.check_length("w", w.len())?;
         let largest = z.iter().map(|x| x.abs()).fold(0.0, larger);
+        let slack_and_size = |i: usize| {
+            let terms = || self.row(i).iter().zip(z).map(|(a, x)| a * x);
+            (self.q[i] + terms().sum::<f64>(), self.q[i].abs() + terms().map(f64::abs).sum::<f64>())
+        };
+        let rows: Vec<(f64, f64)> = (0..self.order()).map(slack_and_size).collect();
+        let work: f64 = rows.iter().zip(z).map(|((_, size), x)| size * x.abs()).sum();
         let mut found = Residuals { negative_z: 0.0, negative_w: 0.0, complementarity: 0.0, equation: 0.0 };
-        let mut work = 0.0;
-        for i in 0..self.order() {
-            let mut slack = self.q[i];
-            let mut size = self.q[i].abs();
-            for (a, x) in self.row(i).iter().zip(z) {
-                slack += a * x;
-                size += (a * x).abs();
-            }
-            work += z[i].abs() * size;
+        for (i, (slack, size)) in rows.into_iter().enumerate() {
+            let size = size + (self.row(i)[i].abs() * work).sqrt();
             found.negative_z = larger(found.negative_z, relative(-z[i], largest));
             found.negative_w = larger(found.negative_w, relative(-w[i], size));
-            found.complementarity = larger(found.complementarity, (z[i] * w[i]).abs());
+            found.complementarity = larger(found.complementarity, relative((z[i] * w[i]).abs(), work));
             found.equation = larger(found.equation, relative((w[i] - slack).abs(), size));
         }
-        found.complementarity = relative(found.complementarity, work);
         Ok(found)
     }
 

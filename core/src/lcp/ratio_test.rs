@@ -35,7 +35,7 @@ pub(super) struct Leaving {
 ///
 /// The artificial variable leaves whenever it can: the basis is then complementary, which is all that is asked.
 pub(super) fn leaving_row(tableau: &Tableau, column: &[f64]) -> Option<Leaving> {
-    let largest = column.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
+    let largest = largest_size(column).max(1.0);
     let least = -PIVOT_TOLERANCE * largest;
     let values = &tableau.values;
     let falling = || values.iter().zip(column).enumerate().filter(|(_, (_, a))| **a < least);
@@ -66,4 +66,15 @@ fn lexicographic_minimum(tableau: &Tableau, column: &[f64], mut tied: Vec<usize>
         }
     }
     tied.into_iter().min_by(|&a, &b| column[a].total_cmp(&column[b]))
+}
+
+/// The largest absolute value, by eight running maxima so that none waits for the one before.
+fn largest_size(entries: &[f64]) -> f64 {
+    let mut lanes = [0.0_f64; 8];
+    for chunk in entries.chunks(8) {
+        for (lane, x) in lanes.iter_mut().zip(chunk) {
+            *lane = if x.abs() > *lane { x.abs() } else { *lane };
+        }
+    }
+    lanes.into_iter().fold(0.0, f64::max)
 }

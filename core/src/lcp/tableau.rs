@@ -140,8 +140,9 @@ impl Tableau {
         let left = MatRef::from_column_major_slice(&self.left[..pending * order], order, pending).get(r..r + 1, ..);
         let right = MatRef::from_row_major_slice(used, pending, stride);
         matmul(RowMut::from_slice_mut(row).as_mat_mut(), Accum::Add, left, right, -1.0, Par::Seq);
-        row.iter_mut().for_each(|x| *x /= pivot);
-        row[s] = -1.0 / pivot;
+        let reciprocal = pivot.recip();
+        row.iter_mut().for_each(|x| *x *= reciprocal);
+        row[s] = -reciprocal;
 
         self.cleared.push(s);
         for k in 0..pending {

@@ -11,23 +11,16 @@ from rich.text import Text
 
 from signorini.check import Check
 from signorini.discretise import Discretisation
+from signorini.kinds import MEANINGS, SYMBOLS, describe, kinds
 from signorini.model import Support, Units
-from signorini.result import Result, SupportResult, describe
+from signorini.result import Result, SupportResult
 from signorini.solve import Results
 
-_SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic": "~"}
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
-_MEANINGS = {
-    "down": "pushes up only",
-    "up": "holds down only",
-    "both": "holds both ways",
-    "fixed": "fixed",
-    "elastic": "elastic",
-}
 _MOST_OPEN = 8
 """Open points named below a table; where more are open their number says enough."""
 _ROUNDING = 1e-12
-"""Part of a field's largest value below which a probe shows zero."""
+"""Part of the largest value of its kind below which a figure shows zero."""
 
 
 def print_results(console: Console, results: Results) -> None:
@@ -85,12 +78,13 @@ def _print_result(console: Console, result: Result) -> None:
     units = result.model.units
     console.print(Text(result.name, style="bold") + Text(f": solved by {result.method}, {result.iterations} pivots"))
     table = _table("", "support", "kind", right=[f"reaction{_in(units.force)}", "closed", "open"])
+    least = _ROUNDING * float(abs(result.nodal_reaction).max())
     for support, found in zip(result.model.support, result.supports, strict=True):
         table.add_row(
             _symbol(support, console),
             Text(found.name),
             found.kind,
-            _number(found.reaction),
+            _number(found.reaction if abs(found.reaction) > least else 0.0),
             str(found.closed_count),
             str(found.open_count),
         )
@@ -145,21 +139,16 @@ def _probes(result: Result, units: Units) -> Table:
 
 def _print_legend(console: Console, supports: Sequence[Support]) -> None:
     marks = _marks(console)
-    used = {kind for support in supports for kind in _kinds(support)}
-    console.print("  ".join(f"{marks[kind]} {meaning}" for kind, meaning in _MEANINGS.items() if kind in used))
-
-
-def _kinds(support: Support) -> list[str]:
-    elastic = ["elastic"] if support.stiffness is not None else []
-    return ["fixed" if support.fix is not None else support.resists or "both", *elastic]
+    used = {kind for support in supports for kind in kinds(support)}
+    console.print("  ".join(f"{marks[kind]} {meaning}" for kind, meaning in MEANINGS.items() if kind in used))
 
 
 def _symbol(support: Support, console: Console) -> str:
-    return "".join(_marks(console)[kind] for kind in _kinds(support))
+    return "".join(_marks(console)[kind] for kind in kinds(support))
 
 
 def _marks(console: Console) -> dict[str, str]:
-    return _SYMBOLS if console.encoding.lower().startswith("utf") else _PLAIN
+    return SYMBOLS if console.encoding.lower().startswith("utf") else _PLAIN
 
 
 def _table(*left: str, right: Sequence[str]) -> Table:
@@ -172,7 +161,8 @@ def _table(*left: str, right: Sequence[str]) -> Table:
 
 
 def _number(value: float, digits: int = 6) -> str:
-    return f"{value:.{digits}g}"
+    # Forces in newtons pass six digits soon; an exponent would be harder to read than some more of them.
+    return f"{value:.0f}" if 1e5 <= abs(value) < 1e10 else f"{value:.{digits}g}"
 
 
 def _point(at: Sequence[float]) -> str:

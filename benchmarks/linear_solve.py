@@ -1,0 +1,162 @@
+"""One linear solve of a plate against MKL PARDISO on the same matrix: time and memory, as ratios in one run.
+
+Time is order + analyse + factor + one solve; memory is the growth of the process's peak from before the matrix is
+there. Each solver runs in a process of its own, the two taking turns. Ours assembles the matrix itself; PARDISO reads
+it from a file, and its memory counts from before that. Assembly is shown beside the solve.
+
+    python benchmarks/linear_solve.py [--elements 160] [--repeat 5]     needs pypardiso
+    python benchmarks/linear_solve.py --check                           correctness only, against SuperLU
+"""
+
+import argparse
+import json
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import scipy.sparse as sp
+
+
+def clamped_plate(elements):
+    """Clamped square, h/a = 0.01."""
+    from signorini import Model
+    from signorini.discretise import discretise
+
+    return discretise(
+        Model(
+            material={"E": 30e9, "nu": 0.2},
+            plate={"shape": "rectangle", "size": [1, 1], "thickness": 0.01},
+            mesh={"divisions": [elements, elements]},
+            support=[{"edge": ["left", "right", "bottom", "top"], "fix": "clamped"}],
+            load=[{"pressure": 1e3}],
+        )
+    )
+
+
+def peak_mb():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def ours(elements, folder):
+    from signorini import contact_problem
+
+    plate = clamped_plate(elements)
+    load = plate.cases["load"].nodal
+    before = peak_mb()
+    problem = contact_problem(plate)
+    begun = time.perf_counter()
+    solution = problem.core.apply_inverse(load)
+    solve = time.perf_counter() - begun
+    memory = peak_mb() - before
+    np.save(Path(folder, "ours.npy"), solution[~plate.held.dofs])
+    part = problem.seconds
+    return {
+        "seconds": part["order"] + part["factor"] + solve,
+        "assemble": part["assemble"],
+        "memory": memory,
+        "entries": problem.core.factor_entries,
+        "dofs": plate.dof_count,
+    }
+
+
+def pardiso(elements, folder):
+    import pypardiso
+
+    before = peak_mb()
+    upper = sp.csr_matrix(sp.load_npz(Path(folder, "upper.npz")))
+    load = np.load(Path(folder, "load.npy"))
+    solver = pypardiso.PyPardisoSolver(mtype=2)
+    begun = time.perf_counter()
+    solver.factorize(upper)
+    solution = solver.solve(upper, load)
+    seconds = time.perf_counter() - begun
+    memory = peak_mb() - before
+    np.save(Path(folder, "pardiso.npy"), solution)
+    return {"seconds": seconds, "memory": memory, "entries": int(solver.get_iparm(18))}
+
+
+def write_matrix(elements, folder):
+    from signorini import contact_problem
+
+    problem = contact_problem(clamped_plate(elements))
+    plate = problem.discretisation
+    free = ~plate.held.dofs
+    matrix = sp.csr_matrix(problem.K[free][:, free])
+    upper = sp.triu(matrix, format="csr")
+    upper.sort_indices()
+    sp.save_npz(Path(folder, "upper.npz"), upper, compressed=False)
+    np.save(Path(folder, "load.npy"), plate.cases["load"].nodal[free])
+    return {}
+
+
+def run(what, elements, folder):
+    command = [sys.executable, __file__, "--run", what, "--elements", str(elements), "--folder", folder]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def check():
+    """Ours equals SuperLU on a small plate."""
+    from scipy.sparse.linalg import spsolve
+
+    from signorini import contact_problem
+
+    problem = contact_problem(clamped_plate(20))
+    plate = problem.discretisation
+    free = ~plate.held.dofs
+    load = plate.cases["load"].nodal
+    expected = spsolve(sp.csc_matrix(problem.K[free][:, free]), load[free])
+    error = np.abs(problem.core.apply_inverse(load)[free] - expected).max() / np.abs(expected).max()
+    print(f"largest difference from SuperLU, relative: {error:.1e}")
+    sys.exit(0 if error < 1e-7 else 1)
+
+
+def compare(elements, repeat):
+    with tempfile.TemporaryDirectory() as folder:
+        run("write_matrix", elements, folder)
+        rows = {"ours": [], "pardiso": []}
+        for _ in range(repeat):
+            for name, found in rows.items():
+                found.append(run(name, elements, folder))
+        a, b = (np.load(Path(folder, f"{name}.npy")) for name in rows)
+    best = {
+        name: {key: statistics.median(row[key] for row in found) for key in found[0]} for name, found in rows.items()
+    }
+    mine, theirs = best["ours"], best["pardiso"]
+    print(f"{elements}x{elements} mitc9, {mine['dofs']} dofs, median of {repeat}")
+    print(f"ours     {mine['seconds']:.3f} s  {mine['memory']:.0f} MB  {mine['entries'] / 1e6:.1f}M entries")
+    print(f"PARDISO  {theirs['seconds']:.3f} s  {theirs['memory']:.0f} MB  {theirs['entries'] / 1e6:.1f}M entries")
+    print(f"ratio of time {mine['seconds'] / theirs['seconds']:.2f}, of memory {mine['memory'] / theirs['memory']:.2f}")
+    print(f"assembly over solve {mine['assemble'] / mine['seconds']:.2f}")
+    print(f"largest difference, relative {np.abs(a - b).max() / np.abs(b).max():.1e}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--elements", type=int, default=160)
+    parser.add_argument("--repeat", type=int, default=5)
+    parser.add_argument("--check", action="store_true")
+    parser.add_argument("--run", choices=["ours", "pardiso", "write_matrix"], help=argparse.SUPPRESS)
+    parser.add_argument("--folder", help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.check:
+        check()
+    elif given.run:
+        print(
+            json.dumps(
+                {"ours": ours, "pardiso": pardiso, "write_matrix": write_matrix}[given.run](
+                    given.elements, given.folder
+                )
+            )
+        )
+    else:
+        compare(given.elements, given.repeat)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,334 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import pytest
+from typer.testing import CliRunner, Result
+
+import signorini
+from signorini.cli import app
+
+SLAB = """
+title = "Slab [bold]on[/bold] pads"
+units = { length = "m", force = "kN" }
+material = { E = 30e6, nu = 0.2 }
+plate = { shape = "rectangle", size = [4, 4], thickness = 0.2 }
+mesh = { divisions = [4, 4] }
+
+[[support]]
+name = "pads"
+at = [[1, 1], [3, 1], [3, 3], [1, 3]]
+resists = "down"
+
+[[load]]
+case = "G"
+pressure = 5
+
+[[load]]
+case = "Q"
+force = 80
+at = [0.2, 1.0]
+
+[[load]]
+case = "W"
+pressure = -8
+
+[[combination]]
+name = "calm"
+factors = { G = 1, Q = 1 }
+"""
+STORM = """
+[[combination]]
+name = "storm"
+factors = { G = 1, W = 1 }
+"""
+KINDS = """
+[[support]]
+name = "anchor"
+at = [3.5, 3.5]
+resists = "up"
+
+[[support]]
+name = "prop"
+at = [2, 2]
+stiffness = 100
+
+[[support]]
+name = "wall"
+edge = "left"
+fix = "simple"
+"""
+
+
+def run(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def slab(tmp_path: Path) -> Path:
+    path = tmp_path / "slab.toml"
+    path.write_text(SLAB)
+    return path
+
+
+def test_solve_writes_beside_the_input_and_prints_a_table(slab: Path) -> None:
+    done = run("solve", slab)
+    assert (done.exit_code, done.stderr) == (0, "")
+    names = ["calm.png", "calm.vtu", "reactions.csv", "results.json"]
+    assert sorted(path.name for path in slab.with_name("slab-results").iterdir()) == names
+    lines = done.stdout.splitlines()
+    assert lines[0] == "Slab [bold]on[/bold] pads"
+    (row,) = (line.split() for line in lines if line.startswith("▲  "))
+    assert row == ["▲", "pads", "points,", "pushes", "up", "only,", "rigid", "160", "3", "1"]
+    assert "reaction [kN]" in done.stdout
+    assert "pads, open: [3, 1]" in lines
+    assert any(line.startswith("certificate passed: penetration") for line in lines)
+    assert any(line.startswith("deflection, positive down: max ") for line in lines)
+    assert f"Written to {slab.with_name('slab-results')}/" in lines
+
+
+def test_solve_writes_where_it_is_told(slab: Path) -> None:
+    out = slab.parent / "a" / "b"
+    assert run("solve", slab, "-o", out).exit_code == 0
+    assert json.loads((out / "results.json").read_text())["combinations"][0]["status"] == "solved"
+    assert not slab.with_name("slab-results").exists()
+
+
+def test_the_table_shows_what_kind_each_support_is(slab: Path) -> None:
+    slab.write_text(SLAB + KINDS)
+    for command in ("solve", "check"):
+        lines = run(command, slab).stdout.splitlines()
+        symbols = {line.split()[1]: line.split()[0] for line in lines if line.startswith(("▲  ", "▼  ", "◆", "▬"))}
+        assert symbols == {"pads": "▲", "anchor": "▼", "prop": "◆~", "wall": "▬"}
+        assert "▲ pushes up only  ▼ holds down only  ◆ holds both ways  ▬ fixed  ~ elastic" in lines
+
+
+def test_probes_are_printed_without_rounding_noise(slab: Path) -> None:
+    slab.write_text(SLAB.replace("Q = 1", "Q = 0") + "[[probe]]\nat = [2, 2]\n")
+    lines = run("solve", slab).stdout.splitlines()
+    (row,) = (line.split("]")[1].split() for line in lines if line.startswith("[2, 2]"))
+    deflection, *slopes, mx, my, mxy, qx, qy = map(float, row)
+    assert slopes == [0, 0] and (mxy, qx, qy) == (0, 0, 0)
+    assert mx == my != 0 != deflection
+
+
+def test_one_combination_without_equilibrium_is_named_and_the_others_are_written(slab: Path) -> None:
+    slab.write_text(SLAB + STORM)
+    done = run("solve", slab)
+    assert done.exit_code == 3
+    assert "storm: no equilibrium" in done.stdout
+    assert done.stderr.startswith(
+        "No equilibrium.\nstorm: The plate lifts off its supports: the load's resultant is 48 kN"
+    )
+    assert sorted(path.name for path in slab.with_name("slab-results").iterdir()) == [
+        *("calm.png", "calm.vtu", "reactions.csv", "results.json")
+    ]
+
+
+def test_nothing_is_written_where_no_combination_has_equilibrium(slab: Path) -> None:
+    slab.write_text(SLAB.replace('"calm"\nfactors = { G = 1, Q = 1 }', '"storm"\nfactors = { W = 1 }'))
+    done = run("solve", slab)
+    assert (done.exit_code, done.stdout) == (3, "")
+    assert "storm: The plate lifts off" in done.stderr
+    assert [path.name for path in slab.parent.iterdir()] == ["slab.toml"]
+
+
+def test_results_of_an_earlier_run_are_called_so(slab: Path) -> None:
+    assert run("solve", slab).exit_code == 0
+    slab.write_text(SLAB.replace("factors = { G = 1, Q = 1 }", "factors = { W = 1 }"))
+    done = run("solve", slab)
+    assert done.exit_code == 3
+    assert "Nothing is written" in done.stderr and "results of an earlier run" in done.stderr
+
+
+def test_what_is_not_certified_is_refused_and_not_written(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("signorini.certificate.TOLERANCE", -1.0)
+    done = run("solve", slab)
+    assert (done.exit_code, done.stdout) == (4, "")
+    assert 'Combination "calm" is refused' in done.stderr
+    assert [path.name for path in slab.parent.iterdir()] == ["slab.toml"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("thickness", "thicknes", "plate.thicknes: unknown key 'thicknes'. Did you mean 'thickness'?"),
+        ("at = [0.2, 1.0]", "at = [5, 0]", "load[2].at: The point [5, 0] is not on the plate"),
+        ("Q = 1", "R = 1", "Unknown case 'R'. This model has: G, Q, W."),
+        ("units = {", "units = {{", "slab.toml:3: this is not TOML"),
+    ],
+)
+def test_bad_input_is_said_in_place(slab: Path, old: str, new: str, message: str) -> None:
+    slab.write_text(SLAB.replace(old, new))
+    for command in ("solve", "check"):
+        done = run(command, slab)
+        assert (done.exit_code, done.stdout) == (2, "")
+        assert done.stderr.startswith("Error: ") and message in done.stderr
+        assert [path.name for path in slab.parent.iterdir()] == ["slab.toml"]
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["solve"], ["sovle", "x"], ["solve", "--fast", "x"], ["solve", "no.toml"], ["solve", "."]]
+)
+def test_wrong_usage_ends_with_2_and_a_message(arguments: list[str]) -> None:
+    done = run(*arguments)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert "Traceback" not in done.stderr and len(done.stderr) > 20
+
+
+def test_a_directory_that_cannot_be_is_refused_before_solving(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(signorini, "solve", None)
+    done = run("solve", slab, "-o", slab)
+    assert done.exit_code == 2
+    assert (
+        done.stderr == f"Error: {slab}: the results cannot be written there: Not a directory. Name another directory.\n"
+    )
+
+
+def test_check_draws_and_says_where_the_load_acts(slab: Path) -> None:
+    done = run("check", slab)
+    assert (done.exit_code, done.stderr) == (0, "")
+    assert slab.with_name("slab-check.png").read_bytes().startswith(b"\x89PNG")
+    # 80 kN at (2, 2) and 80 kN at (0.2, 1)
+    (row,) = (line for line in done.stdout.splitlines() if line.startswith("calm"))
+    assert row.split() == ["calm", "160", "[1.1,", "1.5]", "yes"]
+    assert not slab.with_name("slab-results").exists()
+
+
+def test_check_finds_the_combination_without_equilibrium(slab: Path) -> None:
+    slab.write_text(SLAB + STORM)
+    picture = slab.with_name("plan.svg")
+    done = run("check", slab, "-o", picture)
+    assert done.exit_code == 3
+    assert done.stderr.startswith("No equilibrium.\nstorm: The plate lifts off")
+    assert picture.read_text().startswith("<?xml")
+
+
+def test_check_draws_every_kind_of_support_and_load(slab: Path) -> None:
+    more = """
+    [[support]]
+    line = [[0.5, 3.7], [2.5, 3.7]]
+    resists = "down"
+    gap = 0.001
+    [[support]]
+    circle = { center = [2, 2], radius = 0.7 }
+    fix = "simple"
+    [[support]]
+    area = { polygon = [[3, 0], [4, 0], [4, 1]] }
+    resists = "down"
+    stiffness = 1e3
+    [[load]]
+    line_load = 2
+    edge = "top"
+    [[load]]
+    pressure = 1
+    area = { circle = { center = [1, 3], radius = 0.5 } }
+    [[load]]
+    moment = [1, 2]
+    at = [2, 1]
+    """
+    slab.write_text(SLAB + KINDS + more)
+    assert run("check", slab, "-o", slab.with_name("plan.pdf")).exit_code == 0
+
+
+def test_check_refuses_a_picture_of_no_known_format(slab: Path) -> None:
+    done = run("check", slab, "-o", "plan.foo")
+    assert done.exit_code == 2
+    assert 'found the suffix ".foo"; a picture ends in .png, .svg, .pdf.' in done.stderr
+
+
+def test_schema_accepts_the_examples() -> None:
+    done = run("schema")
+    assert done.exit_code == 0
+    schema = json.loads(done.stdout)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    assert schema == signorini.schema()
+    for path in (Path(__file__).parents[1] / "examples").glob("*.toml"):
+        jsonschema.validate(tomllib.loads(path.read_text("utf-8")), schema)
+
+
+def test_version() -> None:
+    done = run("--version")
+    assert (done.exit_code, done.stdout) == (0, f"signorini {signorini.__version__}\n")
+
+
+def test_a_fault_of_the_program_is_one_line(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(_: object) -> None:
+        raise ZeroDivisionError("by\nzero")
+
+    monkeypatch.setattr(signorini, "solve", fail)
+    done = run("solve", slab)
+    assert done.exit_code == 1
+    assert done.stderr.startswith("Internal error (ZeroDivisionError: by zero).")
+    assert done.stderr.count("\n") == 1 and "please report" in done.stderr
+
+
+def test_an_interrupt_ends_with_130_and_leaves_nothing(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(signorini.Result, "to_vtk", interrupt)
+    done = run("solve", slab)
+    assert done.exit_code == 130
+    assert done.stderr == "Interrupted; nothing is written.\n"
+    assert [path.name for path in slab.parent.iterdir()] == ["slab.toml"]
+
+
+def process(*arguments: str | Path, **options: object) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "signorini", *map(str, arguments)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)  # type: ignore[call-overload,no-any-return]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_a_terminated_run_leaves_nothing(slab: Path) -> None:
+    # Named pipes hold the run where the test wants it: while it reads its input.
+    pipe = slab.with_name("pipe.toml")
+    os.mkfifo(pipe)
+    running = process("solve", pipe)
+    with pipe.open("w"):
+        time.sleep(0.05)
+        running.send_signal(signal.SIGTERM)
+        _, errors = running.communicate(timeout=20)
+    assert running.returncode in (143, -signal.SIGTERM)
+    assert "Traceback" not in errors
+    assert sorted(path.name for path in slab.parent.iterdir()) == ["pipe.toml", "slab.toml"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a closed pipe is of POSIX")
+def test_a_reader_that_leaves_gets_no_traceback() -> None:
+    running = process("schema")
+    assert running.stdout is not None and running.stderr is not None
+    running.stdout.close()
+    errors = running.stderr.read()
+    running.wait(timeout=20)
+    running.stderr.close()
+    assert errors == ""
+
+
+def test_a_terminal_without_the_symbols_gets_plain_ones(slab: Path) -> None:
+    running = process("solve", slab, env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    out, errors = running.communicate(timeout=60)
+    assert (running.returncode, errors) == (0, "")
+    assert any(line.startswith("^ ") and "pads" in line for line in out.splitlines())
+
+
+def test_a_row_stays_on_one_line_when_the_output_is_a_file(slab: Path) -> None:
+    slab.write_text(SLAB.replace('"pads"', f'"{"long " * 12}name"'))
+    running = process("solve", slab, env={**os.environ, "COLUMNS": "40"})
+    out, _ = running.communicate(timeout=60)
+    assert any("long name" in line and "160" in line for line in out.splitlines())
+
+
+def test_supports_that_contradict_each_other_are_told_from_a_load_they_cannot_hold(slab: Path) -> None:
+    floor = '[[support]]\nat = [2, 2]\nresists = "down"\n'
+    ceiling = '[[support]]\nat = [2, 2]\nresists = "up"\nsettlement = 0.01\n'
+    slab.write_text(SLAB + floor + ceiling)
+    done = run("solve", slab)
+    assert done.exit_code == 3
+    assert "calm: The rigid supports contradict each other" in done.stderr

@@ -1,0 +1,246 @@
+import csv
+import io
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import signorini
+from signorini.errors import InputError
+from signorini.output import reactions_csv, require_writable, results_json, unique_slugs, write
+
+
+def model(**changes: object) -> signorini.Model:
+    data = {
+        "title": "Table, with a comma",
+        "units": {"length": "m", "force": "kN"},
+        "material": {"E": 30e6, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        "mesh": {"divisions": [4, 4]},
+        "support": [
+            {"name": "legs", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"},
+            {"name": "prop", "at": [2, 2.1], "resists": "down", "gap": 1e-3, "stiffness": 1e4},
+        ],
+        "load": [
+            {"case": "G", "pressure": 5},
+            {"case": "Q", "force": 60, "at": [0.2, 0.2]},
+            {"case": "W", "force": -500, "at": [0, 0]},
+        ],
+        "combination": [
+            {"name": "G+Q", "factors": {"G": 1, "Q": 1}},
+            {"name": "g q", "factors": {"G": 1, "Q": 0}},
+            {"name": "storm", "factors": {"W": 1}},
+        ],
+        "probe": [{"at": [[2, 2], [0.2, 0.2]]}],
+    }
+    return signorini.validate(data | changes)
+
+
+@pytest.fixture(scope="module")
+def results() -> signorini.Results:
+    return signorini.solve(model())
+
+
+def keys(node: object) -> object:
+    """Return the skeleton of a JSON document: the keys of its tables, the first element of its lists."""
+    if isinstance(node, dict):
+        return {key: keys(part) for key, part in node.items()}
+    return [keys(node[0])] if isinstance(node, list) and node and isinstance(node[0], dict) else None
+
+
+def test_results_json_has_every_key_of_the_contract(results: signorini.Results) -> None:
+    found = results_json(results)
+    support = dict.fromkeys(["name", "kind", "reaction", "closed", "open", "contact_area", "max_pressure"])
+    assert keys(found) == {
+        "schema": None,
+        "title": None,
+        "units": dict.fromkeys(["length", "force"]),
+        "model": dict.fromkeys(["nodes", "elements", "dofs", "contact_points"]),
+        "combinations": [
+            {
+                **dict.fromkeys(["name", "status", "message", "method", "iterations"]),
+                "certificate": dict.fromkeys(
+                    [
+                        "penetration",
+                        "tension",
+                        "complementarity",
+                        "equilibrium",
+                        "balance",
+                        "equilibrium_limit",
+                        "passed",
+                    ]
+                ),
+                "deflection": dict.fromkeys(["max", "max_at", "min", "min_at"]),
+                "supports": [support | {"points": [dict.fromkeys(["at", "reaction", "gap", "state"])]}],
+                "probes": [dict.fromkeys(["at", "deflection", "rotation", "moment", "shear"])],
+            }
+        ],
+        "seconds": dict.fromkeys(["mesh", "assemble", "order", "factor", "contact", "recover", "total"]),
+        "files": None,
+    }
+    assert found["schema"] == 1
+    assert found["model"] == {"nodes": 65, "elements": 16, "dofs": 195, "contact_points": 5}
+
+
+def test_results_json_says_what_the_result_says(results: signorini.Results) -> None:
+    found = results_json(results)["combinations"][0]
+    result = results["G+Q"]
+    assert found["certificate"]["passed"] is True
+    assert found["deflection"]["max"] == result.deflection.max()
+    assert np.allclose(found["deflection"]["max_at"], result.mesh.points[result.deflection.argmax()])
+    legs = found["supports"][0]
+    assert legs["reaction"] == pytest.approx(140, rel=1e-9)
+    assert legs["contact_area"] is None and legs["max_pressure"] is None
+    assert [point["at"] for point in legs["points"]] == [[1, 1], [3, 1], [3, 3], [1, 3]]
+    assert sum(point["reaction"] for point in legs["points"]) == pytest.approx(legs["reaction"], rel=1e-12)
+    for point in legs["points"]:
+        assert (point["state"] == "open") == (point["gap"] > 0) == (point["reaction"] == 0)
+    assert found["probes"][1]["deflection"] == pytest.approx(result.probe((0.2, 0.2))[0].deflection, rel=1e-12)
+
+
+def test_a_point_with_travel_both_ways_is_one_point() -> None:
+    legs = model().support[0]
+    for gap, state in [(1e-3, "open"), (1e-6, "closed")]:
+        tie = {"name": "tie", "at": [2, 2.1], "resists": "both", "gap": gap}
+        results = signorini.solve(model(support=[legs, tie], combination=[{"name": "G", "factors": {"G": 1}}]))
+        found = results_json(results)["combinations"][0]["supports"][1]
+        (point,) = found["points"]
+        assert (found["closed"], found["open"]) == ((0, 1) if state == "open" else (1, 0))
+        # The nearer of the two sides counts.
+        left = gap - abs(results["G"].probe((2, 2.1))[0].deflection)
+        assert (point["state"], point["gap"]) == (state, pytest.approx(left, rel=1e-6, abs=1e-15))
+        assert point["reaction"] == found["reaction"] == pytest.approx(results["G"].reactions["tie"])
+
+
+def test_points_of_areas_are_not_listed() -> None:
+    soil = {"name": "soil", "area": "all", "resists": "down", "stiffness": 1e4}
+    results = signorini.solve(model(support=[soil], combination=[{"factors": {"G": 1}}]))
+    found = results_json(results)["combinations"][0]["supports"][0]
+    assert "points" not in found
+    assert found["contact_area"] == pytest.approx(16, rel=1e-9)
+    assert found["max_pressure"] == pytest.approx(5, rel=1e-6)
+
+
+def test_a_combination_without_equilibrium_has_a_reason_and_no_numbers(results: signorini.Results) -> None:
+    found = results_json(results)["combinations"][2]
+    assert (found["name"], found["status"]) == ("storm", "no_equilibrium")
+    assert "The plate lifts off its supports: the load's resultant is 500 kN up" in found["message"]
+    assert (found["certificate"], found["deflection"]) == (None, None)
+    assert (found["supports"], found["probes"]) == ([], [])
+
+
+def test_no_number_is_nan(results: signorini.Results) -> None:
+    assert json.loads(json.dumps(results_json(results), allow_nan=False)) == results_json(results)
+
+
+def test_reactions_csv_has_a_row_a_support_and_a_row_a_point(results: signorini.Results) -> None:
+    rows = list(csv.DictReader(io.StringIO(reactions_csv(results))))
+    totals = [(row["combination"], row["support"]) for row in rows if row["point"] == "total"]
+    assert totals == [(name, support) for name in ("G+Q", "g q", "storm") for support in ("legs", "prop")]
+    points = [row for row in rows if (row["combination"], row["support"]) == ("G+Q", "legs")][1:]
+    assert [row["point"] for row in points] == ["1", "2", "3", "4"]
+    assert sum(float(row["reaction"]) for row in points) == pytest.approx(140, rel=1e-9)
+    storm = [row for row in rows if row["combination"] == "storm"]
+    assert [(row["state"], row["reaction"]) for row in storm] == 2 * [("no_equilibrium", "")]
+
+
+def test_write_leaves_whole_files_of_the_solved_combinations(results: signorini.Results, tmp_path: Path) -> None:
+    written = write(results, tmp_path / "a" / "out")
+    names = ["g-q-2.png", "g-q-2.vtu", "g-q.png", "g-q.vtu", "reactions.csv", "results.json"]
+    assert sorted(path.name for path in written) == names
+    assert sorted(path.name for path in (tmp_path / "a" / "out").iterdir()) == names
+    assert [path.name for path in (tmp_path / "a").iterdir()] == ["out"]
+    found = json.loads((tmp_path / "a" / "out" / "results.json").read_text("utf-8"))
+    assert found == results_json(results)
+    mesh = meshio.read(tmp_path / "a" / "out" / "g-q.vtu")
+    assert np.allclose(mesh.point_data["displacement"][:, 2], -results["G+Q"].deflection)
+    assert (tmp_path / "a" / "out" / "g-q.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_second_run_replaces_the_first_and_nothing_else(results: signorini.Results, tmp_path: Path) -> None:
+    write(results, tmp_path)
+    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "other.vtu").write_text("mine too")
+    fewer = signorini.solve(model(combination=[{"name": "only", "factors": {"G": 1}}]))
+    write(fewer, tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        *("notes.txt", "only.png", "only.vtu", "other.vtu", "reactions.csv", "results.json")
+    ]
+
+
+@pytest.mark.parametrize("names", ['["../precious.vtu", "/etc/passwd"]', "7", '{"a": 1}', "[3]"])
+def test_a_forged_list_of_former_files_removes_nothing_else(
+    results: signorini.Results, tmp_path: Path, names: str
+) -> None:
+    (tmp_path / "precious.vtu").write_text("mine")
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "results.json").write_text(f'{{"files": {names}}}')
+    write(results, tmp_path / "out")
+    assert (tmp_path / "precious.vtu").read_text() == "mine"
+
+
+@pytest.mark.parametrize("moment", ["to_vtk", "rename"])
+def test_a_failure_on_the_way_leaves_everything_as_it_was(
+    results: signorini.Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str
+) -> None:
+    write(results, tmp_path / "out")
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+
+    if moment == "to_vtk":
+        monkeypatch.setattr(signorini.Result, "to_vtk", _full_disk)
+    else:
+        rename, count = Path.rename, iter(range(100))
+        monkeypatch.setattr(Path, "rename", lambda path, to: _full_disk() if next(count) == 8 else rename(path, to))
+    with pytest.raises(InputError, match="the results cannot be written there: No space left"):
+        write(results, tmp_path / "out")
+    monkeypatch.undo()
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
+
+
+def test_a_failure_on_the_way_leaves_no_directory(
+    results: signorini.Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(signorini.Result, "to_vtk", _full_disk)
+    with pytest.raises(InputError):
+        write(results, tmp_path / "a" / "b" / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def _full_disk(*_: object) -> Path:
+    raise OSError(28, "No space left on device")
+
+
+def test_a_directory_that_cannot_be_is_refused_beforehand(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    for place in (tmp_path / "file", tmp_path / "file" / "out", Path("/proc/signorini")):
+        with pytest.raises(InputError, match="the results cannot be written there"):
+            require_writable(place)
+    require_writable(tmp_path / "new" / "out")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_directory_with_the_name_of_a_file_is_not_removed(results: signorini.Results, tmp_path: Path) -> None:
+    (tmp_path / "results.json").mkdir()
+    with pytest.raises(InputError, match="a directory has the name of a file"):
+        write(results, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["results.json"]
+
+
+@given(st.lists(st.text(max_size=90)))
+def test_file_names_are_safe_and_differ_on_every_file_system(names: list[str]) -> None:
+    slugs = unique_slugs(names)
+    assert len({slug.lower() for slug in slugs}) == len(names)
+    for slug in slugs:
+        assert slug and len(slug) < 90 and set(slug) <= set("abcdefghijklmnopqrstuvwxyz0123456789-_.")
+        assert slug[0] not in "-." and slug not in ("con", "nul", "aux", "prn")
+
+
+def test_importing_the_package_imports_no_plotting() -> None:
+    code = "import signorini, sys; print(sorted({'matplotlib', 'typer'} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "[]"

@@ -1,0 +1,195 @@
+"""Element matrices against a second derivation, dense and slow, straight from the energy.
+
+½∫κᵀ D_b κ + ½∫ S |∇w − θ|² on shape functions fitted to monomials; the tying conditions of MITC9 as Bathe, Brezzi &
+Fortin (1989), Int. J. Num. Meth. Eng. 28, 1787–1801, write them, solved as linear equations.
+"""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from signorini import _core
+
+E, NU, KAPPA = 3.0, 0.27, 5 / 6
+NODES = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0], [0, 0]], float)
+SERENDIPITY = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (2, 1), (1, 2)]
+LAGRANGE = [(i, j) for i in range(3) for j in range(3)]
+SHEAR = {0: [(0, 0), (1, 0), (0, 1), (1, 1), (0, 2)], 1: [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0)]}
+ELEMENTS = ["mitc9", "q8r"]
+
+
+def monomials(powers, at, derivative=None):
+    values = []
+    for power in powers:
+        terms = [at[a] ** power[a] for a in (0, 1)]
+        if derivative is not None:
+            k = power[derivative]
+            terms[derivative] = k * at[derivative] ** (k - 1) if k else 0.0
+        values.append(terms[0] * terms[1])
+    return np.array(values)
+
+
+def shape(powers, at):
+    """Values and reference gradients of the functions that are 1 at one node and 0 at the others."""
+    fit = np.linalg.inv([monomials(powers, node) for node in NODES[: len(powers)]])
+    return monomials(powers, at) @ fit, np.array([monomials(powers, at, a) @ fit for a in (0, 1)])
+
+
+def points(order):
+    x, weights = np.polynomial.legendre.leggauss(order)
+    return [((a, b), u * v) for a, u in zip(x, weights, strict=True) for b, v in zip(x, weights, strict=True)]
+
+
+def covariant(element, nodes, at):
+    """∇w − θ along ξ and η: rows (2, 26)."""
+    _, slope = shape(SERENDIPITY, at)
+    tangents = slope @ nodes
+    rotation = np.zeros(9)
+    if element == "mitc9":
+        rotation = shape(LAGRANGE, at)[0]
+    else:
+        rotation[:8] = shape(SERENDIPITY, at)[0]
+    rows = np.zeros((2, 26))
+    rows[:, 0:24:3] = slope
+    for part in (0, 1):
+        rows[:, [*range(1 + part, 24, 3), 24 + part]] = -tangents[:, part, None] * rotation
+    return rows
+
+
+def tied(nodes, at):
+    """Covariant shear of MITC9 at a point: the polynomial with the five tied values, rows (2, 26)."""
+    g = 1 / np.sqrt(3)
+    rows = []
+    for a in (0, 1):
+        ties = [(s, t) if a == 0 else (t, s) for t in (-1, 1) for s in (-g, g)]
+        conditions = [monomials(SHEAR[a], tie) for tie in ties]
+        values = [covariant("mitc9", nodes, tie)[a] for tie in ties]
+        conditions.append(sum(weight * monomials(SHEAR[a], p) for p, weight in points(3)))
+        values.append(sum(weight * covariant("mitc9", nodes, p)[a] for p, weight in points(3)))
+        rows.append(monomials(SHEAR[a], at) @ np.linalg.solve(conditions, values))
+    return np.array(rows)
+
+
+def strains(element, nodes, at):
+    """[κxx, κyy, 2κxy, γx, γy] over 24 nodal dofs and two centre rotations, and the Jacobian's determinant."""
+    jacobian = shape(SERENDIPITY, at)[1] @ nodes
+    powers = LAGRANGE if element == "mitc9" else SERENDIPITY
+    gradient = np.zeros((2, 9))
+    gradient[:, : len(powers)] = np.linalg.solve(jacobian, shape(powers, at)[1])
+    rows = np.zeros((5, 26))
+    first, second = [*range(1, 24, 3), 24], [*range(2, 24, 3), 25]
+    rows[0, first], rows[1, second] = gradient
+    rows[2, first], rows[2, second] = gradient[1], gradient[0]
+    shear = tied(nodes, at) if element == "mitc9" else covariant(element, nodes, at)
+    rows[3:] = np.linalg.solve(jacobian, shear)
+    return rows, np.linalg.det(jacobian)
+
+
+def full_matrix(element, nodes, thickness):
+    matrix = np.zeros((26, 26))
+    for at, weight in points(3 if element == "mitc9" else 2):
+        h = shape(SERENDIPITY, at)[0] @ thickness
+        bending = E * h**3 / 12 / (1 - NU**2) * np.array([[1, NU, 0], [NU, 1, 0], [0, 0, (1 - NU) / 2]])
+        elasticity = np.zeros((5, 5))
+        elasticity[:3, :3] = bending
+        elasticity[3:, 3:] = KAPPA * E / 2 / (1 + NU) * h * np.eye(2)
+        rows, determinant = strains(element, nodes, at)
+        matrix += weight * determinant * rows.T @ elasticity @ rows
+    return matrix
+
+
+def condensed(element, nodes, thickness):
+    full = full_matrix(element, nodes, thickness)
+    if element == "q8r":
+        return full[:24, :24]
+    return full[:24, :24] - full[:24, 24:] @ np.linalg.solve(full[24:, 24:], full[24:, :24])
+
+
+def core_plate(element, nodes, thickness):
+    return _core.Plate(nodes, np.arange(8)[None], thickness, E, NU, KAPPA, element)
+
+
+def core_matrix(element, nodes, thickness):
+    matrix = np.zeros((24, 24))
+    matrix[np.tril_indices(24)] = core_plate(element, nodes, thickness).element_stiffness()[0]
+    return matrix + np.tril(matrix, -1).T
+
+
+@st.composite
+def shapes(draw):
+    """Quadrilaterals with curved sides: the reference square, every node moved, turned, stretched and shifted."""
+    random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    nodes = NODES[:8] + random.uniform(-0.18, 0.18, (8, 2))
+    angle = random.uniform(0, 2 * np.pi)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    return (nodes * [random.uniform(0.3, 1), 1]) @ turn.T + random.uniform(-3, 3, 2)
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+@settings(max_examples=25, deadline=None)
+@given(nodes=shapes(), log_thickness=st.floats(-3, 0), taper=st.floats(0, 0.3))
+def test_element_matrix_is_the_one_derived_from_the_energy(element, nodes, log_thickness, taper):
+    thickness = 10**log_thickness * (1 + taper * NODES[:8, 0])
+    expected = condensed(element, nodes, thickness)
+    assert core_matrix(element, nodes, thickness) == pytest.approx(expected, rel=0, abs=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(("element", "modes"), [("mitc9", 3), ("q8r", 4)])
+@settings(max_examples=50, deadline=None)
+@given(nodes=shapes(), log_thickness=st.floats(-1.5, 0))
+def test_a_free_element_has_three_zero_energy_modes_and_q8r_one_more(element, modes, nodes, log_thickness):
+    values = np.linalg.eigvalsh(core_matrix(element, nodes, np.full(8, 10**log_thickness)))
+    assert (np.abs(values) < 1e-12 * values[-1]).sum() == modes
+    assert values[modes] > 1e-8 * values[-1]
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+@settings(max_examples=25, deadline=None)
+@given(nodes=shapes(), log_thickness=st.floats(-4, 0), motion=st.tuples(*[st.floats(-1, 1)] * 3))
+def test_rigid_motions_leave_no_force(element, nodes, log_thickness, motion):
+    plate = core_plate(element, nodes, np.full(8, 10**log_thickness))
+    w, x, y = motion
+    rigid = np.column_stack([w + nodes @ [x, y], np.full(8, x), np.full(8, y)]).ravel()
+    nothing = (np.zeros(0, np.int64), np.zeros((0, 24)), np.zeros(0), np.zeros(0))
+    force = plate.residual(nothing, np.zeros(24), rigid, np.zeros(24))
+    largest = plate.element_stiffness().max()
+    assert np.abs(force).max() <= 1e-14 * largest * max(np.abs(rigid).max(), 1e-300)
+
+
+def edge_forces(nodes, traction):
+    """∮ N q·n ds over the four parabolic sides, with N along a side the parabolas through its three nodes."""
+    force = np.zeros(8)
+    for a, b, middle in ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7)):
+        side = [a, middle, b]
+        for s, weight in zip(*np.polynomial.legendre.leggauss(3), strict=True):
+            values = np.array([s * (s - 1) / 2, 1 - s * s, s * (s + 1) / 2])
+            dx, dy = np.array([s - 0.5, -2 * s, s + 0.5]) @ nodes[side]
+            force[side] += weight * values * (traction @ [dy, -dx])
+    return force
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+@settings(max_examples=25, deadline=None)
+@given(nodes=shapes(), slope=st.tuples(st.floats(-1, 1), st.floats(-1, 1)), rotation=st.tuples(*[st.floats(-1, 1)] * 2))
+def test_constant_shear_between_held_rotations_is_exact_on_any_shape(element, nodes, slope, rotation):
+    """The shear patch test of Bathe, Brezzi & Fortin: w linear, every rotation held at one value, the centre's too.
+
+    Each element answers with the constant shear everywhere and with nodal forces that depend on its sides alone, so
+    that in any patch those of neighbours cancel.
+    """
+    thickness = np.full(8, 0.1)
+    shear = KAPPA * E / 2 / (1 + NU) * 0.1 * (np.array(slope) - rotation)
+    nodal = np.column_stack([nodes @ slope, np.tile(rotation, (8, 1))]).ravel()
+    couples = np.zeros(2)
+    if element == "mitc9":
+        couples = full_matrix(element, nodes, thickness)[24:] @ [*nodal, *rotation]
+    plate = core_plate(element, nodes, thickness)
+    _, sampled = plate.stresses(nodal, np.zeros(24), (0, 0, 0), couples)
+    assert sampled[0, :, 3:] == pytest.approx(np.tile(shear, (4, 1)), abs=1e-12)
+    assert sampled[0, :, :3] == pytest.approx(np.zeros((4, 3)), abs=1e-12)
+    force = core_matrix(element, nodes, thickness) @ nodal
+    for part in (0, 1):
+        row, _ = plate.interpolation_rows(np.zeros(1, np.int64), np.zeros((1, 2)), 1 + part)
+        force -= row[0] * couples[part]
+    assert force[::3] == pytest.approx(edge_forces(nodes, shear), abs=1e-12)
