@@ -159,12 +159,7 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
             place="support",
         )
     freedom = rigid_freedom(found)
-    regularization = np.zeros(len(contacts))
-    if not freedom.regular:
-        rigidity = found.model.material.E * found.thickness.max() ** 3 / 12
-        regularization[contacts.two_sided] = _CARRIED * rigidity
-        regularization[restraining_points(freedom)] = _CARRIED * rigidity
-        regularization[~contacts.slope] /= found.mesh.size**2
+    regularization = _regularization(found, freedom)
     rows = contacts.rows
     try:
         core = _core.ContactProblem(
@@ -188,3 +183,25 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     except MemoryError:
         raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
     return ContactProblem(found, freedom, core)
+
+
+def _regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
+    """Stiffness (m,) that the factor carries at contact points.
+
+    Compliant ones are there with their own, unless they are stiffer than the plate in shear; where one-sided supports
+    alone hold the plate, some rigid ones are there too, about as stiff as a plate under a point load.
+    """
+    contacts, material = found.contacts, found.model.material
+    thickness = float(found.thickness.max())
+    shear = found.model.plate.shear_factor * material.E * thickness / (2 * (1 + material.nu))
+    with np.errstate(divide="ignore"):
+        stiffness = np.where(contacts.compliance > 0, 1.0 / contacts.compliance, np.inf)
+    carried = np.where(stiffness <= shear, stiffness, 0.0)
+    if not freedom.regular:
+        rigidity = _CARRIED * material.E * thickness**3 / 12
+        needed = np.zeros(len(contacts))
+        needed[contacts.two_sided] = rigidity
+        needed[restraining_points(freedom)] = rigidity
+        needed[~contacts.slope] /= found.mesh.size**2
+        carried = np.maximum(carried, np.minimum(needed, stiffness))
+    return np.asarray(carried)

@@ -31,7 +31,12 @@ class Waves:
     @classmethod
     def product(cls, first, second):
         """(Σ aᵢ sin(kᵢ·x)) (Σ bⱼ sin(lⱼ·x)), each given as pairs of amplitude and wave vector."""
-        pairs = [(0.5 * sign * a * b, np.subtract(k, sign * np.array(q))) for a, k in first for b, q in second for sign in (1, -1)]
+        pairs = [
+            (0.5 * sign * a * b, np.subtract(k, sign * np.array(q)))
+            for a, k in first
+            for b, q in second
+            for sign in (1, -1)
+        ]
         return cls([c for c, _ in pairs], [k for _, k in pairs], np.zeros(len(pairs)))
 
     def laplacian(self):
@@ -95,6 +100,7 @@ def errors(mesh, exact, nodal_w, sampled):
 
 
 def rates(found):
+    found = np.array(found)
     return np.log2(found[:-1] / found[1:])
 
 
@@ -165,3 +171,64 @@ def hard_errors(element, thickness, n):
     nodal = np.column_stack([result.moment, result.shear])
     sampled = np.einsum("gi,eif->egf", values, nodal[result.mesh.elements])
     return errors(result.mesh, exact, result.deflection, sampled)
+
+
+@pytest.mark.parametrize("thickness", THICKNESSES)
+def test_mitc9_on_the_hard_square_under_a_sine(thickness):
+    """Navier's term with the shear deflection, from an input like a user's."""
+    found = rates([hard_errors("mitc9", thickness, n) for n in MESHES])[-1]
+    assert found[0] == pytest.approx(3.1, abs=0.1)
+    assert found[1] == pytest.approx(2.0, abs=0.05)
+    assert found[2] > 2.8
+
+
+@pytest.mark.parametrize("thickness", THICKNESSES)
+@pytest.mark.parametrize(
+    ("mesher", "edges"),
+    [(rectangles, None), (parallelograms, SKEW), (subdivided, None)],
+    ids=lambda m: getattr(m, "__name__", ""),
+)
+def test_mitc9_clamped_on_affine_meshes(prescribed, mesher, edges, thickness):
+    """Orders 3 and 2, and 3 for moments at the 2 × 2 points, at any h/a; so too where elements tend to affine."""
+    found = rates([clamped_errors(prescribed, "mitc9", thickness, mesher(n), edges) for n in MESHES])[-1]
+    assert found[0] == pytest.approx(3.07, abs=0.1)
+    assert found[1] == pytest.approx(2.1, abs=0.12)
+    assert found[2] > 2.75
+
+
+@pytest.mark.parametrize("mesher", [rectangles, subdivided, scattered])
+def test_thinness_costs_mitc9_nothing(prescribed, mesher):
+    coarse = [clamped_errors(prescribed, "mitc9", thickness, mesher(16)) for thickness in THICKNESSES]
+    assert coarse[2:] == pytest.approx(np.tile(coarse[-1], (3, 1)), rel=2e-3)
+    assert (np.array(coarse) < 1.3 * np.array(coarse[0])).all()
+
+
+@pytest.mark.parametrize("thickness", [0.1, 1e-3, 1e-5])
+def test_mitc9_on_meshes_scattered_anew(prescribed, thickness):
+    """Where quadrilaterals stay general: orders of 2.1 to 2.3 in deflection and 1.3 in moments, again for any h/a.
+
+    The constants are small: 2e-4 and 7e-3 on 32 × 32.
+    """
+    found = np.array([clamped_errors(prescribed, "mitc9", thickness, scattered(n)) for n in (16, 32, 64)])
+    assert (rates(found)[-1] > [2.0, 1.2, 1.0]).all()
+    assert (found[1, :2] < [2e-4, 8e-3]).all()
+
+
+@pytest.mark.parametrize("mesher", [rectangles, subdivided, scattered])
+def test_q8r_of_a_thick_plate(prescribed, mesher):
+    """The same orders as long as nothing locks, at h/a = 0.2, scattered meshes included."""
+    found = rates([clamped_errors(prescribed, "q8r", 0.2, mesher(n)) for n in MESHES])[-1]
+    assert found[0] == pytest.approx(3.0, abs=0.05)
+    assert found[1] == pytest.approx(2.0, abs=0.06)
+
+
+def test_q8r_locks_in_thin_clamped_plates_and_mitc9_does_not(square):
+    """Ratio to the exact centre deflection on 8 × 8 elements, a known limit of the paper's element."""
+    exact = {0.1: 0.00150463, 0.01: 0.00126786, 0.001: 0.00126534, 0.0001: 0.00126532}
+
+    def ratios(element):
+        found = [(square({"fix": "clamped"}, h, 4, element), w) for h, w in exact.items()]
+        return [result.deflection.max() * d / w for (result, d), w in found]
+
+    assert ratios("q8r") == pytest.approx([1.000, 0.993, 0.66, 0.10], abs=5e-3)
+    assert ratios("mitc9") == pytest.approx([1.0003, 1.0005, 1.0006, 1.0006], abs=6e-5)

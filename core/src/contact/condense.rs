@@ -1,4 +1,4 @@
-//! The contact points alone: from a plate on constraints to an LCP and back. The one file that speaks both languages:
+//! The contact points alone: from a plate on constraints to an LCP and back. The one module that speaks both languages:
 //! outside, `reaction` and `gap`; inside, z, w, M, q.
 //!
 //! Constraints read Gu + gap − C·reaction = g. A factor of K̃ = K + Gᵀ diag(δ) G, with the contact dofs last, knows
@@ -10,12 +10,16 @@
 //! - *flexibility*: P̃ = G K̃⁻¹ Gᵀ, and (I − P̃δ)·gap = B·reaction − s̃ with B = P̃(I − δC) + C and
 //!   s̃ = G K̃⁻¹f + P̃δg − g. δ = 0 gives the paper's dual, gap = (P + C)·reaction − s, whose unknown is the reaction.
 //!   Exchanging reaction and gap on a set J is a principal pivot: where the plate is free to move, J holds its rigid
-//!   motions and has δ > 0.
+//!   motions and has δ > 0. A compliant point whose whole stiffness is in the factor, δ = 1/C, is the simplest: its
+//!   column of B is C alone, so that M = δ − δP̃δ.
 //!
 //! Two-sided points have no gap and a reaction of either sign; they are eliminated from the LCP.
 
-use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
-use faer::{Mat, MatRef, Side};
+mod flexibility;
+mod stiffness;
+
+use faer::Mat;
+use faer::linalg::solvers::{Llt, PartialPivLu};
 use std::sync::OnceLock;
 
 /// The contact points of a factored plate.
@@ -171,209 +175,6 @@ impl Condensed {
             Some(stiffness) => self.solve_stiffness_state(stiffness, state, drive),
             None => self.solve_flexibility_state(state, drive),
         }
-    }
-
-    // --- stiffness ---
-
-    /// M = (I + SC)⁻¹S, q = (I + SC)⁻¹(f̂ + reaction − S(remaining − C·reaction)).
-    fn stiffness_lcp(&self, stiffness: &Mat<f64>, drive: &Drive, reaction: &[f64]) -> PosedLcp {
-        let m = self.len();
-        let travel: Vec<f64> = (0..m).map(|i| drive.remaining[i] - self.compliance[i] * reaction[i]).collect();
-        let mut q: Vec<f64> = (0..m)
-            .map(|i| drive.force[i] + reaction[i] - (0..m).map(|j| stiffness[(i, j)] * travel[j]).sum::<f64>())
-            .collect();
-        let point: Vec<usize> = (0..m).filter(|&i| !self.two_sided[i]).collect();
-        let matrix: Vec<f64> = if self.compliance.iter().all(|&c| c == 0.0) {
-            point.iter().flat_map(|&i| point.iter().map(move |&j| stiffness[(i, j)])).collect()
-        } else {
-            let coupled = Mat::from_fn(m, m, |i, j| {
-                let through = stiffness[(i, j)] * self.compliance[j];
-                if i == j { 1.0 + through } else { through }
-            });
-            let mut right = Mat::from_fn(m, m + 1, |i, j| if j < m { stiffness[(i, j)] } else { q[i] });
-            coupled.partial_piv_lu().solve_in_place(right.as_mut());
-            q = (0..m).map(|i| right[(i, m)]).collect();
-            let entry = |i: usize, j: usize| 0.5 * (right[(i, j)] + right[(j, i)]);
-            point.iter().flat_map(|&i| point.iter().map(move |&j| entry(i, j))).collect()
-        };
-        let q = point.iter().map(|&i| q[i]).collect();
-        PosedLcp { matrix, q, gap_is_z: vec![true; point.len()], point }
-    }
-
-    /// Points whose displacement is not known: open ones, and closed ones on springs.
-    fn stiffness_state(&self, stiffness: &Mat<f64>, closed: Vec<bool>) -> Option<ContactState> {
-        let unknown: Vec<usize> = (0..self.len()).filter(|&i| !closed[i] || self.compliance[i] > 0.0).collect();
-        if unknown.is_empty() {
-            return Some(ContactState { closed, unknown, factor: StateFactor::Nothing });
-        }
-        let matrix = Mat::from_fn(unknown.len(), unknown.len(), |r, c| {
-            let (i, j) = (unknown[r], unknown[c]);
-            let spring = if i == j && closed[i] { 1.0 / self.compliance[i] } else { 0.0 };
-            stiffness[(i, j)] + spring
-        });
-        let factor = matrix.llt(Side::Lower).ok()?;
-        Some(ContactState { closed, unknown, factor: StateFactor::Stiffness(factor) })
-    }
-
-    fn solve_stiffness_state(&self, stiffness: &Mat<f64>, state: &ContactState, drive: &Drive) -> Response {
-        let m = self.len();
-        let rigid = |i: usize| state.closed[i] && self.compliance[i] == 0.0;
-        let mut moved: Vec<f64> = (0..m).map(|i| if rigid(i) { drive.remaining[i] } else { 0.0 }).collect();
-        let held = |i: usize, moved: &[f64]| (0..m).map(|j| stiffness[(i, j)] * moved[j]).sum::<f64>();
-        if let StateFactor::Stiffness(factor) = &state.factor {
-            let mut right = Mat::from_fn(state.unknown.len(), 1, |r, _| {
-                let i = state.unknown[r];
-                let spring = if state.closed[i] { drive.remaining[i] / self.compliance[i] } else { 0.0 };
-                drive.force[i] + spring - held(i, &moved)
-            });
-            factor.solve_in_place(right.as_mut());
-            for (r, &i) in state.unknown.iter().enumerate() {
-                moved[i] = right[(r, 0)];
-            }
-        }
-        let mut reaction = vec![0.0; m];
-        let mut gap = vec![0.0; m];
-        for i in 0..m {
-            if !state.closed[i] {
-                gap[i] = drive.remaining[i] - moved[i];
-            } else if rigid(i) {
-                reaction[i] = drive.force[i] - held(i, &moved);
-            } else {
-                reaction[i] = (moved[i] - drive.remaining[i]) / self.compliance[i];
-            }
-        }
-        Response { reaction, gap, moved }
-    }
-
-    // --- flexibility ---
-
-    /// P̃ = G (L Lᵀ)⁻¹ Gᵀ.
-    fn flexibility(&self) -> MatRef<'_, f64> {
-        let compute = || {
-            let mut half = Mat::zeros(self.trailing.nrows(), self.rows.len());
-            for (j, row) in self.rows.iter().enumerate() {
-                for &(dof, c) in row {
-                    half[(dof, j)] += c;
-                }
-            }
-            let par = faer::Par::rayon(0);
-            faer::linalg::triangular_solve::solve_lower_triangular_in_place(self.trailing.as_ref(), half.as_mut(), par);
-            half.transpose() * &half
-        };
-        self.flexibility.get_or_init(compute).as_ref()
-    }
-
-    /// Entry of B = P̃(I − δC) + C.
-    fn b(&self, p: MatRef<'_, f64>, i: usize, j: usize) -> f64 {
-        let through = p[(i, j)] * (1.0 - self.regularization[j] * self.compliance[j]);
-        if i == j { through + self.compliance[i] } else { through }
-    }
-
-    /// Entry of I − P̃δ.
-    fn a(&self, p: MatRef<'_, f64>, i: usize, j: usize) -> f64 {
-        let through = -p[(i, j)] * self.regularization[j];
-        if i == j { 1.0 + through } else { through }
-    }
-
-    /// s̃, past reactions already acting.
-    fn closing(&self, p: MatRef<'_, f64>, drive: &Drive, reaction: &[f64]) -> Vec<f64> {
-        (0..self.len())
-            .map(|i| {
-                let mut s = drive.displacement[i] - drive.remaining[i];
-                for j in 0..self.len() {
-                    s += p[(i, j)] * self.regularization[j] * drive.remaining[j];
-                    s += self.b(p, i, j) * reaction[j];
-                }
-                s
-            })
-            .collect()
-    }
-
-    /// The LCP with the points of `closed_first` (and all that are regularised or two-sided) exchanged.
-    fn flexibility_lcp(&self, drive: &Drive, reaction: &[f64], closed_first: &[bool]) -> PosedLcp {
-        let p = self.flexibility();
-        let closing = self.closing(p, drive, reaction);
-        let exchanged = |i: usize| closed_first[i] || self.two_sided[i] || self.regularization[i] > 0.0;
-        let (inside, outside): (Vec<usize>, Vec<usize>) = (0..self.len()).partition(|&i| exchanged(i));
-        let (nj, no) = (inside.len(), outside.len());
-
-        // Right-hand sides on J: columns gap_J, reaction_O, 1.
-        let mut right = Mat::from_fn(nj, nj + no + 1, |r, c| {
-            let i = inside[r];
-            if c < nj {
-                self.a(p, i, inside[c])
-            } else if c < nj + no {
-                -p[(i, outside[c - nj])]
-            } else {
-                closing[i]
-            }
-        });
-        if nj > 0 {
-            let b = Mat::from_fn(nj, nj, |r, c| self.b(p, inside[r], inside[c]));
-            b.partial_piv_lu().solve_in_place(right.as_mut());
-        }
-        let carried = Mat::from_fn(no, nj, |r, c| self.b(p, outside[r], inside[c])) * &right;
-
-        let mut rows: Vec<usize> = (0..nj).filter(|&r| !self.two_sided[inside[r]]).collect();
-        let kept = rows.len();
-        rows.extend(nj..nj + no);
-        let entry = |r: usize, c: usize| -> f64 {
-            if r < nj {
-                return right[(r, c)];
-            }
-            let (i, from) = (outside[r - nj], carried[(r - nj, c)]);
-            if c < nj {
-                from + p[(i, inside[c])] * self.regularization[inside[c]]
-            } else if c < nj + no {
-                from + self.b(p, i, outside[c - nj])
-            } else {
-                from - closing[i]
-            }
-        };
-        let matrix = rows.iter().flat_map(|&r| rows.iter().map(move |&c| (r, c))).map(|(r, c)| entry(r, c)).collect();
-        let q = rows.iter().map(|&r| entry(r, nj + no)).collect();
-        let point = rows.iter().map(|&r| if r < nj { inside[r] } else { outside[r - nj] }).collect();
-        PosedLcp { matrix, q, point, gap_is_z: (0..rows.len()).map(|r| r < kept).collect() }
-    }
-
-    fn flexibility_state(&self, closed: Vec<bool>) -> Option<ContactState> {
-        let p = self.flexibility();
-        let unknown: Vec<usize> = (0..self.len()).filter(|&i| closed[i] || self.regularization[i] > 0.0).collect();
-        if unknown.is_empty() {
-            return Some(ContactState { closed, unknown, factor: StateFactor::Nothing });
-        }
-        let matrix = Mat::from_fn(unknown.len(), unknown.len(), |r, c| {
-            let (i, j) = (unknown[r], unknown[c]);
-            if closed[j] { -self.b(p, i, j) } else { self.a(p, i, j) }
-        });
-        let factor = matrix.partial_piv_lu();
-        let regular = (0..unknown.len()).all(|i| factor.U()[(i, i)] != 0.0 && factor.U()[(i, i)].is_finite());
-        regular.then_some(ContactState { closed, unknown, factor: StateFactor::Flexibility(factor) })
-    }
-
-    fn solve_flexibility_state(&self, state: &ContactState, drive: &Drive) -> Response {
-        let p = self.flexibility();
-        let closing = self.closing(p, drive, &vec![0.0; self.len()]);
-        let mut reaction = vec![0.0; self.len()];
-        let mut gap = vec![0.0; self.len()];
-        if let StateFactor::Flexibility(factor) = &state.factor {
-            let mut right = Mat::from_fn(state.unknown.len(), 1, |r, _| -closing[state.unknown[r]]);
-            factor.solve_in_place(right.as_mut());
-            for (r, &i) in state.unknown.iter().enumerate() {
-                let side = if state.closed[i] { &mut reaction } else { &mut gap };
-                side[i] = right[(r, 0)];
-            }
-        }
-        for i in 0..self.len() {
-            if !state.closed[i] && self.regularization[i] == 0.0 {
-                let through = |&j: &usize| {
-                    if state.closed[j] { self.b(p, i, j) * reaction[j] } else { -self.a(p, i, j) * gap[j] }
-                };
-                gap[i] = state.unknown.iter().map(through).sum::<f64>() - closing[i];
-            }
-        }
-        let moved = (0..self.len()).map(|i| drive.remaining[i] - gap[i] + self.compliance[i] * reaction[i]).collect();
-        Response { reaction, gap, moved }
     }
 }
 

@@ -1,0 +1,162 @@
+//! The plate at its contact points by flexibility: (I − P̃δ)·gap = B·reaction − s̃.
+
+use super::{Condensed, ContactState, Drive, PosedLcp, Response, StateFactor};
+use faer::linalg::solvers::Solve;
+use faer::{Mat, MatRef};
+
+impl Condensed {
+    /// P̃ = G (L Lᵀ)⁻¹ Gᵀ.
+    fn flexibility(&self) -> MatRef<'_, f64> {
+        let compute = || {
+            let mut half = Mat::zeros(self.trailing.nrows(), self.rows.len());
+            for (j, row) in self.rows.iter().enumerate() {
+                for &(dof, c) in row {
+                    half[(dof, j)] += c;
+                }
+            }
+            let par = faer::Par::rayon(0);
+            faer::linalg::triangular_solve::solve_lower_triangular_in_place(self.trailing.as_ref(), half.as_mut(), par);
+            half.transpose() * &half
+        };
+        self.flexibility.get_or_init(compute).as_ref()
+    }
+
+    /// Whether the factor carries the whole stiffness of a compliant point.
+    fn absorbed(&self, i: usize) -> bool {
+        self.compliance[i] > 0.0 && (1.0 - self.regularization[i] * self.compliance[i]).abs() < 1e-12
+    }
+
+    /// Entry of B = P̃(I − δC) + C.
+    fn b(&self, p: MatRef<'_, f64>, i: usize, j: usize) -> f64 {
+        let through =
+            if self.absorbed(j) { 0.0 } else { p[(i, j)] * (1.0 - self.regularization[j] * self.compliance[j]) };
+        if i == j { through + self.compliance[i] } else { through }
+    }
+
+    /// Entry of I − P̃δ.
+    fn a(&self, p: MatRef<'_, f64>, i: usize, j: usize) -> f64 {
+        let through = -p[(i, j)] * self.regularization[j];
+        if i == j { 1.0 + through } else { through }
+    }
+
+    /// s̃, past reactions already acting.
+    fn closing(&self, p: MatRef<'_, f64>, drive: &Drive, reaction: &[f64]) -> Vec<f64> {
+        (0..self.len())
+            .map(|i| {
+                let mut s = drive.displacement[i] - drive.remaining[i];
+                for j in 0..self.len() {
+                    s += p[(i, j)] * self.regularization[j] * drive.remaining[j];
+                    s += self.b(p, i, j) * reaction[j];
+                }
+                s
+            })
+            .collect()
+    }
+
+    /// The LCP with the points of `closed_first` (and all that are regularised or two-sided) exchanged.
+    pub(super) fn flexibility_lcp(&self, drive: &Drive, reaction: &[f64], closed_first: &[bool]) -> PosedLcp {
+        let p = self.flexibility();
+        let closing = self.closing(p, drive, reaction);
+        let exchanged = |i: usize| closed_first[i] || self.two_sided[i] || self.regularization[i] > 0.0;
+        let (mut inside, outside): (Vec<usize>, Vec<usize>) = (0..self.len()).partition(|&i| exchanged(i));
+        inside.sort_by_key(|&i| self.absorbed(i));
+        let coupled = inside.partition_point(|&i| !self.absorbed(i));
+        let (nj, no) = (inside.len(), outside.len());
+
+        // B_JJ · reaction_J in terms of gap_J, reaction_O and 1; the columns of absorbed points are diagonal.
+        let mut right = Mat::from_fn(nj, nj + no + 1, |r, c| {
+            let i = inside[r];
+            if c < nj {
+                self.a(p, i, inside[c])
+            } else if c < nj + no {
+                -self.b(p, i, outside[c - nj])
+            } else {
+                closing[i]
+            }
+        });
+        if coupled > 0 {
+            let (mut top, mut bottom) = right.as_mut().split_at_row_mut(coupled);
+            let b = Mat::from_fn(coupled, coupled, |r, c| self.b(p, inside[r], inside[c]));
+            b.partial_piv_lu().solve_in_place(top.as_mut());
+            let across = Mat::from_fn(nj - coupled, coupled, |r, c| self.b(p, inside[coupled + r], inside[c]));
+            bottom -= across * &top;
+        }
+        for (r, &i) in inside.iter().enumerate().skip(coupled) {
+            for c in 0..right.ncols() {
+                right[(r, c)] /= self.compliance[i];
+            }
+        }
+        let spread = Mat::from_fn(no, coupled, |r, c| self.b(p, outside[r], inside[c]));
+        let carried = spread * right.as_ref().subrows(0, coupled);
+
+        let mut rows: Vec<usize> = (0..nj).filter(|&r| !self.two_sided[inside[r]]).collect();
+        let kept = rows.len();
+        rows.extend(nj..nj + no);
+        let entry = |r: usize, c: usize| -> f64 {
+            if r < nj {
+                return right[(r, c)];
+            }
+            let (i, from) = (outside[r - nj], carried[(r - nj, c)]);
+            if c < nj {
+                from - self.a(p, i, inside[c])
+            } else if c < nj + no {
+                from + self.b(p, i, outside[c - nj])
+            } else {
+                from - closing[i]
+            }
+        };
+        let matrix = rows.iter().flat_map(|&r| rows.iter().map(move |&c| (r, c))).map(|(r, c)| entry(r, c)).collect();
+        let q = rows.iter().map(|&r| entry(r, nj + no)).collect();
+        let point = rows.iter().map(|&r| if r < nj { inside[r] } else { outside[r - nj] }).collect();
+        PosedLcp { matrix, q, point, gap_is_z: (0..rows.len()).map(|r| r < kept).collect() }
+    }
+
+    /// What one point's unknown, its reaction where closed and its gap where open, does in another's equation.
+    fn column(&self, p: MatRef<'_, f64>, closed: &[bool], i: usize, j: usize) -> f64 {
+        if closed[j] { -self.b(p, i, j) } else { self.a(p, i, j) }
+    }
+
+    /// Points whose unknown enters the equations of others.
+    pub(super) fn flexibility_state(&self, closed: Vec<bool>) -> Option<ContactState> {
+        let p = self.flexibility();
+        let enters = |i: usize| if closed[i] { !self.absorbed(i) } else { self.regularization[i] > 0.0 };
+        let unknown: Vec<usize> = (0..self.len()).filter(|&i| enters(i)).collect();
+        if unknown.is_empty() {
+            return Some(ContactState { closed, unknown, factor: StateFactor::Nothing });
+        }
+        let size = unknown.len();
+        let matrix = Mat::from_fn(size, size, |r, c| self.column(p, &closed, unknown[r], unknown[c]));
+        let factor = matrix.partial_piv_lu();
+        let regular = (0..size).all(|i| factor.U()[(i, i)] != 0.0 && factor.U()[(i, i)].is_finite());
+        regular.then_some(ContactState { closed, unknown, factor: StateFactor::Flexibility(factor) })
+    }
+
+    pub(super) fn solve_flexibility_state(&self, state: &ContactState, drive: &Drive) -> Response {
+        let p = self.flexibility();
+        let closing = self.closing(p, drive, &vec![0.0; self.len()]);
+        let mut reaction = vec![0.0; self.len()];
+        let mut gap = vec![0.0; self.len()];
+        let mut solved = vec![false; self.len()];
+        let mut found = Mat::zeros(0, 1);
+        if let StateFactor::Flexibility(factor) = &state.factor {
+            found = Mat::from_fn(state.unknown.len(), 1, |r, _| -closing[state.unknown[r]]);
+            factor.solve_in_place(found.as_mut());
+            for (r, &i) in state.unknown.iter().enumerate() {
+                let side = if state.closed[i] { &mut reaction } else { &mut gap };
+                side[i] = found[(r, 0)];
+                solved[i] = true;
+            }
+        }
+        for i in (0..self.len()).filter(|&i| !solved[i]) {
+            let of_others = |(r, &j): (usize, &usize)| self.column(p, &state.closed, i, j) * found[(r, 0)];
+            let rest = closing[i] + state.unknown.iter().enumerate().map(of_others).sum::<f64>();
+            if state.closed[i] {
+                reaction[i] = rest / self.compliance[i];
+            } else {
+                gap[i] = -rest;
+            }
+        }
+        let moved = (0..self.len()).map(|i| drive.remaining[i] - gap[i] + self.compliance[i] * reaction[i]).collect();
+        Response { reaction, gap, moved }
+    }
+}

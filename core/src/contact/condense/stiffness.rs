@@ -1,0 +1,77 @@
+//! The plate at its contact points by stiffness: reaction = f̂ − S y.
+
+use super::{Condensed, ContactState, Drive, PosedLcp, Response, StateFactor};
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+
+impl Condensed {
+    /// M = (I + SC)⁻¹S, q = (I + SC)⁻¹(f̂ + reaction − S(remaining − C·reaction)).
+    pub(super) fn stiffness_lcp(&self, stiffness: &Mat<f64>, drive: &Drive, reaction: &[f64]) -> PosedLcp {
+        let m = self.len();
+        let travel: Vec<f64> = (0..m).map(|i| drive.remaining[i] - self.compliance[i] * reaction[i]).collect();
+        let mut q: Vec<f64> = (0..m)
+            .map(|i| drive.force[i] + reaction[i] - (0..m).map(|j| stiffness[(i, j)] * travel[j]).sum::<f64>())
+            .collect();
+        let point: Vec<usize> = (0..m).filter(|&i| !self.two_sided[i]).collect();
+        let matrix: Vec<f64> = if self.compliance.iter().all(|&c| c == 0.0) {
+            point.iter().flat_map(|&i| point.iter().map(move |&j| stiffness[(i, j)])).collect()
+        } else {
+            let coupled = Mat::from_fn(m, m, |i, j| {
+                let through = stiffness[(i, j)] * self.compliance[j];
+                if i == j { 1.0 + through } else { through }
+            });
+            let mut right = Mat::from_fn(m, m + 1, |i, j| if j < m { stiffness[(i, j)] } else { q[i] });
+            coupled.partial_piv_lu().solve_in_place(right.as_mut());
+            q = (0..m).map(|i| right[(i, m)]).collect();
+            let entry = |i: usize, j: usize| 0.5 * (right[(i, j)] + right[(j, i)]);
+            point.iter().flat_map(|&i| point.iter().map(move |&j| entry(i, j))).collect()
+        };
+        let q = point.iter().map(|&i| q[i]).collect();
+        PosedLcp { matrix, q, gap_is_z: vec![true; point.len()], point }
+    }
+
+    /// Points whose displacement is not known: open ones, and closed ones on springs.
+    pub(super) fn stiffness_state(&self, stiffness: &Mat<f64>, closed: Vec<bool>) -> Option<ContactState> {
+        let unknown: Vec<usize> = (0..self.len()).filter(|&i| !closed[i] || self.compliance[i] > 0.0).collect();
+        if unknown.is_empty() {
+            return Some(ContactState { closed, unknown, factor: StateFactor::Nothing });
+        }
+        let matrix = Mat::from_fn(unknown.len(), unknown.len(), |r, c| {
+            let (i, j) = (unknown[r], unknown[c]);
+            let spring = if i == j && closed[i] { 1.0 / self.compliance[i] } else { 0.0 };
+            stiffness[(i, j)] + spring
+        });
+        let factor = matrix.llt(Side::Lower).ok()?;
+        Some(ContactState { closed, unknown, factor: StateFactor::Stiffness(factor) })
+    }
+
+    pub(super) fn solve_stiffness_state(&self, stiffness: &Mat<f64>, state: &ContactState, drive: &Drive) -> Response {
+        let m = self.len();
+        let rigid = |i: usize| state.closed[i] && self.compliance[i] == 0.0;
+        let mut moved: Vec<f64> = (0..m).map(|i| if rigid(i) { drive.remaining[i] } else { 0.0 }).collect();
+        let held = |i: usize, moved: &[f64]| (0..m).map(|j| stiffness[(i, j)] * moved[j]).sum::<f64>();
+        if let StateFactor::Stiffness(factor) = &state.factor {
+            let mut right = Mat::from_fn(state.unknown.len(), 1, |r, _| {
+                let i = state.unknown[r];
+                let spring = if state.closed[i] { drive.remaining[i] / self.compliance[i] } else { 0.0 };
+                drive.force[i] + spring - held(i, &moved)
+            });
+            factor.solve_in_place(right.as_mut());
+            for (r, &i) in state.unknown.iter().enumerate() {
+                moved[i] = right[(r, 0)];
+            }
+        }
+        let mut reaction = vec![0.0; m];
+        let mut gap = vec![0.0; m];
+        for i in 0..m {
+            if !state.closed[i] {
+                gap[i] = drive.remaining[i] - moved[i];
+            } else if rigid(i) {
+                reaction[i] = drive.force[i] - held(i, &moved);
+            } else {
+                reaction[i] = (moved[i] - drive.remaining[i]) / self.compliance[i];
+            }
+        }
+        Response { reaction, gap, moved }
+    }
+}
