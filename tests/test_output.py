@@ -73,6 +73,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                         "equilibrium",
                         "balance",
                         "equilibrium_limit",
+                        "balance_limit",
                         "passed",
                     ]
                 ),

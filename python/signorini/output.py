@@ -10,6 +10,7 @@ import re
 import tempfile
 import unicodedata
 from collections.abc import Iterable, Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -225,9 +226,7 @@ def _combination(result: Result) -> dict[str, Any]:
 
 
 def _certificate(result: Result) -> dict[str, Any]:
-    found = result.certificate
-    names = ("penetration", "tension", "complementarity", "equilibrium", "balance", "equilibrium_limit")
-    return {**{name: float(getattr(found, name)) for name in names}, "passed": found.passed}
+    return {**asdict(result.certificate), "passed": result.certificate.passed}
 
 
 def _extremes(result: Result) -> dict[str, Any]:

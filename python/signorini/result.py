@@ -15,6 +15,7 @@ import numpy as np
 from signorini import _core
 from signorini.certificate import Certificate
 from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.places import region
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError, unknown
 from signorini.kinds import describe, symbol
@@ -47,6 +48,8 @@ class SupportResult:
         nodes are always closed.
     weights : (k,) array
         Length or area that each point stands for; 1 at a point.
+    max_pressure : float or None
+        Largest pressure on an area, at its points and, where it is elastic, at the nodes in it; None elsewhere.
     """
 
     name: str
@@ -58,6 +61,7 @@ class SupportResult:
     closed: Bools
     weights: Floats
     place: Literal["at", "edge", "line", "circle", "area"]
+    max_pressure: float | None
 
     @property
     def closed_count(self) -> int:
@@ -73,11 +77,6 @@ class SupportResult:
     def contact_area(self) -> float | None:
         """Area in contact; None unless the support is an area."""
         return float(self.weights[self.closed].sum()) if self.place == "area" else None
-
-    @property
-    def max_pressure(self) -> float | None:
-        """Largest pressure; None unless the support is an area."""
-        return float((self.reactions / self.weights).max(initial=0.0)) if self.place == "area" else None
 
 
 @dataclass(frozen=True)
@@ -315,7 +314,21 @@ def _support_result(
         closed[order],
         weights[order],
         support.place,
+        _max_pressure(found.mesh, support, reactions / weights, (answer.hi + answer.lo)[::3]),
     )
+
+
+def _max_pressure(mesh: Mesh, support: Support, at_points: Floats, deflection: Floats) -> float | None:
+    if support.area is None:
+        return None
+    largest = float(at_points.max(initial=0.0))
+    if support.stiffness is None or support.resists == "up":
+        return largest
+    within = region(support.area)
+    nodes = np.ones(mesh.node_count, np.bool_) if within is None else within.contains(mesh.points)
+    x, y = mesh.points[nodes].T
+    pressure = support.stiffness(x, y) * (deflection[nodes] - support.settlement(x, y) - support.gap(x, y))
+    return max(largest, float(pressure.max(initial=0.0)))
 
 
 def _as_written(support: Support, positions: Floats) -> np.ndarray[tuple[int], np.dtype[np.int64]]:

@@ -27,7 +27,7 @@ def circle(fix, thickness, element, divisions):
     ("fix", "deflection", "moment"), [("simple", 703.425, 3.3 / 16), ("clamped", 178.425, 1.3 / 16)]
 )
 def test_code_aster_circle(fix, deflection, moment, element):
-    """Code_Aster SSLS101 (V3.03.101, simply supported) and SSLS100 (V3.03.100, clamped): R = 1, h = 0.1, E = 1, p = 1."""
+    """Code_Aster SSLS101 (simply supported) and SSLS100 (clamped): R = 1, h = 0.1, E = 1, p = 1."""
     results = [circle(fix, 0.1, element, divisions) for divisions in ([4, 16], [8, 32], [16, 64])]
     errors = np.abs([result.probes[0].deflection / deflection - 1 for result in results])
     assert errors[0] < 2e-3
