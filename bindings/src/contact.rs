@@ -1,5 +1,5 @@
 use crate::arrays::{SpringArrays, element_rows, flags, invalid, matrix, sized, springs};
-use crate::plate::{Plate, displacement};
+use crate::plate::Plate;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -52,6 +52,7 @@ impl ContactProblem {
         held: PyReadonlyArray1<'_, bool>,
         spring_arrays: SpringArrays<'_>,
         constraint_arrays: ConstraintArrays<'_>,
+        soft: PyReadonlyArray1<'_, bool>,
     ) -> PyResult<Self> {
         let count = plate.inner.elements().len();
         let held = flags("held", &held, plate.inner.dof_count())?;
@@ -59,6 +60,7 @@ impl ContactProblem {
         let (elements, rows, distance, compliance, two_sided, regularization) = &constraint_arrays;
         let rows = element_rows(elements, rows, count)?;
         let m = rows.len();
+        let soft = flags("soft", &soft, m)?;
         let constraints = Constraints {
             rows,
             distance: sized("distance", distance, m)?,
@@ -74,7 +76,8 @@ impl ContactProblem {
             return Err(invalid("compliance and regularization must be finite and not negative, distances finite"));
         }
         let shared = plate.inner.clone();
-        let inner = py.detach(|| contact::ContactProblem::new(shared, springs, held, constraints)).map_err(failed)?;
+        let inner =
+            py.detach(|| contact::ContactProblem::new(shared, springs, held, constraints, &soft)).map_err(failed)?;
         Ok(Self { inner })
     }
 
@@ -128,19 +131,6 @@ impl ContactProblem {
         let load = sized("the load", &load, self.inner.plate.dof_count())?;
         let out = py.detach(|| self.inner.apply_inverse(&load)).map_err(failed)?;
         Ok(PyArray1::from_vec(py, out))
-    }
-
-    /// What is left of every gap (m,): distance − row·u + compliance·reaction, in double-double.
-    fn remaining<'py>(
-        &self,
-        py: Python<'py>,
-        hi: PyReadonlyArray1<'_, f64>,
-        lo: PyReadonlyArray1<'_, f64>,
-        reaction: PyReadonlyArray1<'_, f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let displacement = displacement(&hi, &lo, self.inner.plate.dof_count())?;
-        let reaction = sized("reaction", &reaction, self.inner.constraints.rows.len())?;
-        Ok(PyArray1::from_vec(py, self.inner.remaining(&displacement, &reaction)))
     }
 
     /// Seconds spent to order, assemble, factor and condense.
@@ -203,6 +193,16 @@ impl ContactSolution {
     #[getter]
     fn pivots(&self) -> usize {
         self.inner.pivots
+    }
+
+    #[getter]
+    fn iterations(&self) -> usize {
+        self.inner.iterations
+    }
+
+    #[getter]
+    fn gradients(&self) -> usize {
+        self.inner.gradients
     }
 
     #[getter]

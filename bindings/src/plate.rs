@@ -147,7 +147,7 @@ impl Plate {
     /// Lower triangle of K with springs, in the mesh's own order: column starts, rows, values.
     fn stiffness_matrix<'py>(&self, py: Python<'py>, spring_arrays: SpringArrays<'_>) -> PyResult<Compressed<'py>> {
         let springs = springs(&spring_arrays, self.inner.elements().len())?;
-        let lower = py.detach(|| assemble(&self.inner, &springs, &Numbering::natural(&self.inner)));
+        let lower = py.detach(|| assemble(&self.inner, &springs, &[], &Numbering::natural(&self.inner)));
         let signed = |v: Vec<usize>| v.into_iter().map(|i| i as i64).collect::<Vec<_>>();
         Ok((
             PyArray1::from_vec(py, signed(lower.column_start)),

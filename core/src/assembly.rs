@@ -100,6 +100,7 @@ struct NodeColumns<'a> {
     plate: &'a Plate,
     springs: &'a Springs,
     attached: &'a [Vec<usize>],
+    bedding: &'a [[f64; 36]],
     incidence: &'a Incidence,
     node: usize,
     slot: Vec<usize>,
@@ -108,9 +109,25 @@ struct NodeColumns<'a> {
 }
 
 impl<'a> NodeColumns<'a> {
-    fn new(plate: &'a Plate, springs: &'a Springs, attached: &'a [Vec<usize>], incidence: &'a Incidence) -> Self {
+    fn new(
+        plate: &'a Plate,
+        springs: &'a Springs,
+        attached: &'a [Vec<usize>],
+        bedding: &'a [[f64; 36]],
+        incidence: &'a Incidence,
+    ) -> Self {
         let slot = vec![usize::MAX; plate.node_count()];
-        Self { plate, springs, attached, incidence, node: usize::MAX, slot, neighbours: Vec::new(), block: Vec::new() }
+        Self {
+            plate,
+            springs,
+            attached,
+            bedding,
+            incidence,
+            node: usize::MAX,
+            slot,
+            neighbours: Vec::new(),
+            block: Vec::new(),
+        }
     }
 
     /// Finds a node's neighbours, itself among them.
@@ -143,6 +160,9 @@ impl<'a> NodeColumns<'a> {
                     for b in 0..3 {
                         block[a][b] += lower[packed(3 * i + a, 3 * local + b)];
                     }
+                }
+                if let Some(bed) = self.bedding.get(e) {
+                    block[0][0] += bed[packed(i, local)];
                 }
             }
         }
@@ -188,13 +208,13 @@ fn into_frames(block: &mut [[f64; 3]; 3], row: Option<[f64; 2]>, column: Option<
     }
 }
 
-/// Assembles K with the springs added, in parallel over columns; the sums do not depend on the number of threads.
-pub fn assemble(plate: &Plate, springs: &Springs, numbering: &Numbering) -> LowerTriangle {
+/// Assembles K with springs and bedding added (over the deflections of each element, packed; empty without), in parallel over columns; the sums do not depend on the number of threads.
+pub fn assemble(plate: &Plate, springs: &Springs, bedding: &[[f64; 36]], numbering: &Numbering) -> LowerTriangle {
     const CHUNK: usize = 4096;
     let incidence = Incidence::new(plate);
     let attached = attached_springs(plate, springs);
     let columns = numbering.len();
-    let start = || NodeColumns::new(plate, springs, &attached, &incidence);
+    let start = || NodeColumns::new(plate, springs, &attached, bedding, &incidence);
     let below = |node: usize, column: usize| {
         (0..3).filter(move |&a| {
             let row = numbering.column[3 * node + a];

@@ -22,6 +22,9 @@ Form = Literal["auto", "dual", "stiffness"]
 MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
 
+_FEW = 300
+"""Elastic points up to which the LCP takes them too."""
+
 _CARRIED = 100.0
 """Stiffness that the factor carries at restraining points, over D/a²: about a plate's own under a point load."""
 
@@ -152,14 +155,16 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     """
     found = model if isinstance(model, Discretisation) else discretise(model)
     contacts = found.contacts
-    if len(contacts) > MOST_POINTS:
-        raise InputError(
-            f"Found {len(contacts)} contact points; at most {MOST_POINTS} can be condensed. "
-            "Take a coarser mesh, or hold long lines and areas both ways.",
-            place="support",
-        )
     freedom = rigid_freedom(found)
     regularization = _regularization(found, freedom)
+    soft = _soft_points(found, regularization)
+    condensed = len(contacts) - int(soft.sum())
+    if condensed > MOST_POINTS:
+        raise InputError(
+            f"Found {condensed} contact points that need condensing; at most {MOST_POINTS} can be. "
+            "Take a coarser mesh, or give long lines and areas a stiffness.",
+            place="support",
+        )
     rows = contacts.rows
     try:
         core = _core.ContactProblem(
@@ -174,6 +179,7 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
                 contacts.two_sided,
                 regularization,
             ),
+            soft,
         )
     except RuntimeError as error:
         raise SignoriniError(
@@ -205,3 +211,13 @@ def _regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
         needed[~contacts.slope] /= found.mesh.size**2
         carried = np.maximum(carried, np.minimum(needed, stiffness))
     return np.asarray(carried)
+
+
+def _soft_points(found: Discretisation, regularization: Floats) -> Bools:
+    """Points (m,) that the active set handles instead of the LCP: elastic ones that the factor carries, if many."""
+    contacts = found.contacts
+    soft = (contacts.compliance > 0) & (np.abs(regularization * contacts.compliance - 1) < 1e-12)
+    few = int(soft.sum()) <= _FEW and len(contacts) <= MOST_POINTS
+    if found.model.solver.method == "lemke" or (found.model.solver.method == "auto" and few):
+        soft[:] = False
+    return np.asarray(soft)

@@ -104,7 +104,7 @@ def solve(model: Model) -> Results:
 
 
 def _require_method(model: Model) -> None:
-    if model.solver.method not in ("auto", "lemke"):
+    if model.solver.method == "interior_point":
         raise InputError(
             f'Found "{model.solver.method}"; this version solves by "lemke". Write "auto", which picks for you.',
             place="solver.method",

@@ -3,6 +3,7 @@
 //! `condense` turns this into a linear complementarity problem and back; `problem` holds the factor that every load
 //! case shares; `solve` goes from a load to displacements, reactions and gaps.
 
+pub mod active_set;
 pub mod condense;
 pub mod problem;
 pub mod solve;

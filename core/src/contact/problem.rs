@@ -1,5 +1,6 @@
 //! A plate on its supports, factored once.
 
+use super::active_set::SoftPoints;
 use super::condense::Condensed;
 use crate::assembly::{HELD, Numbering, assemble};
 use crate::cholesky::{Analysis, Factor, FactorError};
@@ -22,6 +23,13 @@ pub struct Constraints {
     pub regularization: Vec<f64>,
 }
 
+/// Positions, in the caller's order, of the points of the LCP and of the soft ones.
+#[derive(Clone, Debug, Default)]
+pub struct PointOrder {
+    pub hard: Vec<usize>,
+    pub soft: Vec<usize>,
+}
+
 /// Seconds of each stage.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seconds {
@@ -35,7 +43,11 @@ pub struct ContactProblem {
     pub plate: Arc<Plate>,
     pub springs: Springs,
     pub held: Vec<bool>,
+    /// Points that the LCP is about.
     pub constraints: Constraints,
+    /// Points of the active set, and where both kinds stand in the caller's order.
+    pub soft: SoftPoints,
+    pub order: PointOrder,
     pub numbering: Numbering,
     pub factor: Factor,
     pub condensed: Condensed,
@@ -49,8 +61,10 @@ impl ContactProblem {
         springs: Springs,
         held: Vec<bool>,
         constraints: Constraints,
+        soft: &[bool],
     ) -> Result<Self, FactorError> {
         let clock = Instant::now();
+        let (constraints, soft, point_order) = split(constraints, soft);
         let rows = &constraints.rows;
         let mut trailing = vec![false; plate.dof_count()];
         for row in 0..rows.len() {
@@ -62,7 +76,12 @@ impl ContactProblem {
         let order = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
-        let matrix = assemble(&plate, &with_regularization(&springs, &constraints), &numbering);
+        let matrix = assemble(
+            &plate,
+            &with_regularization(&springs, &constraints),
+            &soft.stiffness_by_element(&plate),
+            &numbering,
+        );
         let assemble = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
@@ -89,7 +108,7 @@ impl ContactProblem {
         );
         let condense = clock.elapsed().as_secs_f64();
         let seconds = Seconds { order, assemble, factor: factoring, condense };
-        Ok(Self { plate, springs, held, constraints, numbering, factor, condensed, seconds })
+        Ok(Self { plate, springs, held, constraints, soft, order: point_order, numbering, factor, condensed, seconds })
     }
 
     /// A nodal load in elimination order, without the dofs held.
@@ -131,6 +150,7 @@ impl ContactProblem {
     /// f − Ku − springs − Gᵀ·reaction at every dof: out of balance where free, the support's upward force where held.
     pub fn imbalance(&self, load: &[f64], displacement: &Displacement, reaction: &[f64]) -> Vec<f64> {
         let mut out = residual(&self.plate, &self.springs, load, displacement);
+        self.take_soft_forces(displacement, &mut out);
         let downward: Vec<f64> = reaction.iter().map(|r| -r).collect();
         self.spread(&downward, &mut out);
         out
@@ -156,4 +176,30 @@ fn with_regularization(springs: &Springs, constraints: &Constraints) -> Springs 
         }
     }
     all
+}
+
+/// Takes the points marked soft out of the LCP's.
+fn split(constraints: Constraints, soft: &[bool]) -> (Constraints, SoftPoints, PointOrder) {
+    let mut hard = Constraints::default();
+    let mut taken = SoftPoints::default();
+    let mut order = PointOrder::default();
+    for (i, &soft) in soft.iter().enumerate() {
+        let coefficient = constraints.rows.coefficient[i];
+        if soft {
+            taken.element.push(constraints.rows.element[i]);
+            taken.value.push(std::array::from_fn(|node| coefficient[3 * node]));
+            taken.stiffness.push(1.0 / constraints.compliance[i]);
+            taken.distance.push(constraints.distance[i]);
+            order.soft.push(i);
+        } else {
+            hard.rows.element.push(constraints.rows.element[i]);
+            hard.rows.coefficient.push(coefficient);
+            hard.distance.push(constraints.distance[i]);
+            hard.compliance.push(constraints.compliance[i]);
+            hard.two_sided.push(constraints.two_sided[i]);
+            hard.regularization.push(constraints.regularization[i]);
+            order.hard.push(i);
+        }
+    }
+    (hard, taken, order)
 }

@@ -27,6 +27,10 @@ pub struct ContactSolution {
     pub gap: Vec<f64>,
     pub closed: Vec<bool>,
     pub pivots: usize,
+    /// Newton steps over soft points.
+    pub iterations: usize,
+    /// Conjugate gradient steps in them.
+    pub gradients: usize,
     /// Corrections made with the refined residual.
     pub corrections: usize,
 }
@@ -37,19 +41,19 @@ const STATES: usize = 5;
 /// A correction that leaves more than this part of the imbalance before it ends the refinement.
 const PROGRESS: f64 = 0.25;
 /// An imbalance this small, relative to the largest nodal force, is rounding.
-const ROUNDING: f64 = 1e-15;
+pub(super) const ROUNDING: f64 = 1e-15;
 /// Reactions and gaps of the wrong sign, relative to the largest of their kind, that are rounding.
 const SIGN: f64 = 1e-11;
 
 /// What is out of balance and what is left of the gaps.
-struct Step {
-    imbalance: Vec<f64>,
-    remaining: Vec<f64>,
-    worst: f64,
+pub(super) struct Step {
+    pub(super) imbalance: Vec<f64>,
+    pub(super) remaining: Vec<f64>,
+    pub(super) worst: f64,
 }
 
 /// An imbalance after forward substitution, and what it does at the contact points.
-struct Motion {
+pub(super) struct Motion {
     forward: Vec<f64>,
     drive: Drive,
 }
@@ -92,7 +96,7 @@ impl ContactProblem {
             }
             if settled || self.signs_hold(&solution) {
                 solution.outcome = Outcome::Solved;
-                return Ok(solution);
+                return Ok(self.in_order(solution));
             }
             motion = self.motion(&step, form)?;
         }
@@ -122,6 +126,8 @@ impl ContactProblem {
             gap: vec![0.0; m],
             closed: self.constraints.two_sided.clone(),
             pivots: 0,
+            iterations: 0,
+            gradients: 0,
             corrections: 0,
         }
     }
@@ -171,6 +177,11 @@ impl ContactProblem {
         motion: Motion,
         solution: &mut ContactSolution,
     ) -> Result<Step, FactorError> {
+        if !self.soft.is_empty() {
+            self.correct(state, motion, solution)?;
+            let step = self.step(load, solution);
+            return self.settle_soft(load, state, step, solution);
+        }
         let mut motion = Some(motion);
         let mut first = true;
         for _ in 0..CORRECTIONS {
@@ -196,10 +207,29 @@ impl ContactProblem {
     }
 
     /// One correction: the state's increments of reaction, the gaps they leave, and the motion that goes with them.
-    fn correct(&self, state: &ContactState, motion: Motion, solution: &mut ContactSolution) -> Result<(), FactorError> {
+    pub(super) fn correct(
+        &self,
+        state: &ContactState,
+        motion: Motion,
+        solution: &mut ContactSolution,
+    ) -> Result<(), FactorError> {
+        let (nodal, reaction) = self.respond(state, motion)?;
+        for (dof, value) in nodal.into_iter().enumerate() {
+            solution.displacement.add(dof, value);
+        }
+        for (total, increment) in solution.reaction.iter_mut().zip(&reaction) {
+            *total += increment;
+        }
+        solution.corrections += 1;
+        Ok(())
+    }
+
+    /// Motion of the plate and increments of the reactions in one contact state.
+    pub(super) fn respond(&self, state: &ContactState, motion: Motion) -> Result<(Vec<f64>, Vec<f64>), FactorError> {
         let Motion { mut forward, drive } = motion;
         let leading = forward.len() - self.numbering.trailing;
         let mut pushed = None;
+        let mut reaction = Vec::new();
         if !self.condensed.is_empty() {
             let response = self.condensed.solve_state(state, &drive);
             if self.condensed.better_form() == Form::Stiffness {
@@ -211,19 +241,17 @@ impl ContactProblem {
                 self.spread(&push, &mut force);
                 pushed = Some(self.apply_inverse(&force)?);
             }
-            for (reaction, d) in solution.reaction.iter_mut().zip(&response.reaction) {
-                *reaction += d;
-            }
+            reaction = response.reaction;
         }
         self.factor.backward(&mut forward)?;
-        for (dof, value) in self.scatter(&forward).into_iter().enumerate() {
-            solution.displacement.add(dof, value + pushed.as_ref().map_or(0.0, |p| p[dof]));
+        let mut nodal = self.scatter(&forward);
+        for (value, push) in nodal.iter_mut().zip(pushed.unwrap_or_default()) {
+            *value += push;
         }
-        solution.corrections += 1;
-        Ok(())
+        Ok((nodal, reaction))
     }
 
-    fn step(&self, load: &[f64], solution: &ContactSolution) -> Step {
+    pub(super) fn step(&self, load: &[f64], solution: &ContactSolution) -> Step {
         let mut imbalance = self.imbalance(load, &solution.displacement, &solution.reaction);
         let mut worst = 0.0;
         for (value, &held) in imbalance.iter_mut().zip(&self.held) {
@@ -235,7 +263,7 @@ impl ContactProblem {
         Step { imbalance, remaining: self.remaining(&solution.displacement, &solution.reaction), worst }
     }
 
-    fn motion(&self, step: &Step, form: Form) -> Result<Motion, FactorError> {
+    pub(super) fn motion(&self, step: &Step, form: Form) -> Result<Motion, FactorError> {
         let mut forward = self.gather(&step.imbalance);
         self.factor.forward(&mut forward)?;
         let trailing = &forward[forward.len() - self.numbering.trailing..];
@@ -251,7 +279,7 @@ impl ContactProblem {
         Ok(Motion { forward, drive: Drive { displacement, force, remaining: step.remaining.clone() } })
     }
 
-    fn largest_force(&self, load: &[f64], solution: &ContactSolution) -> f64 {
+    pub(super) fn largest_force(&self, load: &[f64], solution: &ContactSolution) -> f64 {
         load.iter().chain(&solution.reaction).fold(0.0, |a, b| a.max(b.abs()))
     }
 
@@ -261,6 +289,31 @@ impl ContactProblem {
         let force = SIGN * largest(&solution.reaction);
         let length = SIGN * largest(&solution.gap).max(largest(&c.distance));
         (0..c.two_sided.len()).all(|i| c.two_sided[i] || (solution.reaction[i] >= -force && solution.gap[i] >= -length))
+    }
+}
+
+impl ContactProblem {
+    /// Puts the soft points' reactions, gaps and states among the others, in the caller's order.
+    fn in_order(&self, solution: ContactSolution) -> ContactSolution {
+        let count = self.order.hard.len() + self.order.soft.len();
+        let mut all = ContactSolution {
+            reaction: vec![0.0; count],
+            gap: vec![0.0; count],
+            closed: vec![false; count],
+            ..solution.clone()
+        };
+        for (at, &i) in self.order.hard.iter().enumerate() {
+            all.reaction[i] = solution.reaction[at];
+            all.gap[i] = solution.gap[at];
+            all.closed[i] = solution.closed[at];
+        }
+        let stretch = self.soft.stretch(&self.plate, &solution.displacement);
+        for (at, &i) in self.order.soft.iter().enumerate() {
+            all.reaction[i] = self.soft.stiffness[at] * stretch[at].max(0.0);
+            all.gap[i] = (-stretch[at]).max(0.0);
+            all.closed[i] = stretch[at] > 0.0;
+        }
+        all
     }
 }
 
