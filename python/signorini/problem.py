@@ -65,6 +65,7 @@ class ContactProblem:
     discretisation: Discretisation
     freedom: RigidFreedom
     core: _core.ContactProblem
+    soft: Bools
 
     @cached_property
     def K(self) -> csc_array:
@@ -125,6 +126,11 @@ class ContactProblem:
             )
         posed = self.lcp(load, "dual")
         return posed.M, -posed.q
+
+    @property
+    def method(self) -> Literal["lemke", "active_set"]:
+        """How the contact problem is solved; rigid points go to Lemke's algorithm either way."""
+        return "active_set" if self.soft.any() else "lemke"
 
     def solve(self, load: CaseLoad, form: Form = "auto") -> _core.ContactSolution:
         """Displacements, reactions and gaps of one load."""
@@ -188,7 +194,7 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
         ) from None
     except MemoryError:
         raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
-    return ContactProblem(found, freedom, core)
+    return ContactProblem(found, freedom, core, soft)
 
 
 def _regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:

@@ -14,8 +14,8 @@ import numpy as np
 
 from signorini import _core
 from signorini.certificate import Certificate
-from signorini.discretise import CaseLoad, Discretisation
-from signorini.discretise.places import region
+from signorini.contact_field import contact_area, largest_pressure
+from signorini.discretise import CaseLoad, ContactPoints, Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError, unknown
 from signorini.kinds import describe, symbol
@@ -48,8 +48,8 @@ class SupportResult:
         nodes are always closed.
     weights : (k,) array
         Length or area that each point stands for; 1 at a point.
-    max_pressure : float or None
-        Largest pressure on an area, at its points and, where it is elastic, at the nodes in it; None elsewhere.
+    contact_area, max_pressure : float or None
+        Area in contact and largest pressure of an area, from the deflection field where it is elastic; None elsewhere.
     """
 
     name: str
@@ -61,6 +61,7 @@ class SupportResult:
     closed: Bools
     weights: Floats
     place: Literal["at", "edge", "line", "circle", "area"]
+    contact_area: float | None
     max_pressure: float | None
 
     @property
@@ -72,11 +73,6 @@ class SupportResult:
     def open_count(self) -> int:
         """Number of open points."""
         return len(self.closed) - self.closed_count
-
-    @property
-    def contact_area(self) -> float | None:
-        """Area in contact; None unless the support is an area."""
-        return float(self.weights[self.closed].sum()) if self.place == "area" else None
 
 
 @dataclass(frozen=True)
@@ -106,8 +102,10 @@ class Result:
         qx, qy.
     nodal_reaction : (n,) array
         Upward force of every support on every node that it acts on.
+    method : str
+        "lemke" or "active_set".
     iterations : int
-        Lemke's pivots.
+        Lemke's pivots, or the active set's Newton steps.
     """
 
     name: str
@@ -132,6 +130,7 @@ class Result:
         cls,
         found: Discretisation,
         name: str,
+        method: str,
         load: CaseLoad,
         answer: _core.ContactSolution,
         certificate: Certificate,
@@ -157,8 +156,8 @@ class Result:
             name,
             "solved",
             "",
-            "lemke",
-            answer.pivots,
+            method,
+            answer.iterations if method == "active_set" else answer.pivots,
             found.mesh,
             found.model,
             certificate,
@@ -314,21 +313,29 @@ def _support_result(
         closed[order],
         weights[order],
         support.place,
-        _max_pressure(found.mesh, support, reactions / weights, (answer.hi + answer.lo)[::3]),
+        *_contact_field(found.mesh, support, points, closed, weights, reactions, (answer.hi + answer.lo)[::3]),
     )
 
 
-def _max_pressure(mesh: Mesh, support: Support, at_points: Floats, deflection: Floats) -> float | None:
+def _contact_field(
+    mesh: Mesh,
+    support: Support,
+    points: ContactPoints,
+    closed: Bools,
+    weights: Floats,
+    reactions: Floats,
+    deflection: Floats,
+) -> tuple[float | None, float | None]:
+    """Area in contact and largest pressure of an area."""
     if support.area is None:
-        return None
-    largest = float(at_points.max(initial=0.0))
-    if support.stiffness is None or support.resists == "up":
-        return largest
-    within = region(support.area)
-    nodes = np.ones(mesh.node_count, np.bool_) if within is None else within.contains(mesh.points)
-    x, y = mesh.points[nodes].T
-    pressure = support.stiffness(x, y) * (deflection[nodes] - support.settlement(x, y) - support.gap(x, y))
-    return max(largest, float(pressure.max(initial=0.0)))
+        return None, None
+    largest = float((reactions / weights).max(initial=0.0))
+    if support.stiffness is None:
+        return float(weights[closed].sum()), largest
+    largest = max(largest, largest_pressure(mesh, support, deflection))
+    if support.resists == "both":
+        return float(weights[closed].sum()), largest
+    return contact_area(mesh, support, deflection, points.rows.elements, weights, closed), largest
 
 
 def _as_written(support: Support, positions: Floats) -> np.ndarray[tuple[int], np.dtype[np.int64]]:

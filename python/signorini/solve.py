@@ -135,4 +135,4 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
     certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
     if not certificate.passed:
         raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {certificate}.')
-    return Result.of(found, combination.name, load, answer, certificate), spent
+    return Result.of(found, combination.name, problem.method, load, answer, certificate), spent
