@@ -90,7 +90,7 @@ def discretise(model: Model) -> Discretisation:
     >>> found = discretise(plate)
     >>> found.mesh.node_count, len(found.contacts)
     (121, 18)
-    >>> round(found.cases["load"].nodal[::3].sum(), 6)
+    >>> print(round(found.cases["load"].nodal[::3].sum(), 6))
     40000.0
     """
     begun = time.perf_counter()
