@@ -57,9 +57,10 @@ def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
     path : str or path-like
         The input file.
     """
-    if not re.fullmatch(r"[a-z_]+(\[\d+\])?(\.[a-z_]+(\[\d+\])?)*", error.place):
+    tables = "|".join(Model.model_fields)
+    if not re.fullmatch(rf"({tables})(\[\d+\])?(\.[A-Za-z_]+(\[\d+\])?)*", error.place):
         return error
-    keys = re.findall(r"[a-z_]+|\d+", error.place)
+    keys = re.findall(r"[A-Za-z_]+|\d+", error.place)
     line = Lines(_read(path)).of(tuple(int(key) - 1 if key.isdigit() else key for key in keys))
     return InputError(error.message, place=f"{os.path.basename(path)}:{line}: {error.place}")
 
