@@ -332,3 +332,16 @@ def test_supports_that_contradict_each_other_are_told_from_a_load_they_cannot_ho
     done = run("solve", slab)
     assert done.exit_code == 3
     assert "calm: The rigid supports contradict each other" in done.stderr
+
+
+def test_an_error_found_while_meshing_names_the_line_in_the_file(tmp_path: Path) -> None:
+    file = tmp_path / "slab.toml"
+    file.write_text(
+        "material = { E = 30e9, nu = 0.2 }\n"
+        'plate = { shape = "rectangle", size = [4, 4], thickness = 0.2 }\n'
+        '[[support]]\nedge = "left"\nfix = "clamped"\n'
+        "[[load]]\nforce = 1e3\nat = [5, 2]\n"
+    )
+    done = run("solve", file)
+    assert done.exit_code == 2
+    assert "slab.toml:8: load[1].at: The point [5, 2] is not on the plate" in done.stderr

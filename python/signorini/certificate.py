@@ -17,6 +17,8 @@ from signorini.problem import spring_arrays
 TOLERANCE = 1e-8
 _ROUNDINGS = 4.0
 """Units of rounding, of the internal forces that cancel at a node, below which no imbalance can be seen."""
+_NIL = 1e-6
+"""Deflections below this part of F a²/D are rounding of the elimination."""
 
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 
@@ -28,11 +30,12 @@ class Certificate:
     Parameters
     ----------
     penetration : float
-        Deepest penetration, or largest violation of a held deflection, over the largest deflection or gap.
+        Deepest penetration, or largest violation of a held deflection, over the largest deflection or gap, or, where
+        supports leave none, a millionth of the deflection F a²/D by which the load F scales on a plate of size a.
     tension : float
-        Largest reaction of the wrong sign over the largest reaction.
+        Largest reaction of the wrong sign over the largest reaction or nodal load.
     complementarity : float
-        Largest product of a reaction and its gap over the product of the largest of each.
+        Largest product of a reaction and its gap over the product of the sizes these two are judged by.
     equilibrium : float
         Largest nodal force out of balance over the largest nodal load (couples over the element size).
     balance : float
@@ -101,22 +104,24 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
         dofs = contacts.rows.dofs(elements)
         moved = (contacts.rows.coefficients.astype(np.longdouble) * (hi.astype(np.longdouble) + lo)[dofs]).sum(axis=1)
         gap = np.asarray(contacts.distance - moved + contacts.compliance * reaction, dtype=np.float64)
-        length = max(_largest(hi[::3]), _largest(contacts.distance), _largest(held.values))
+        length = max(_largest(hi[::3]), _largest(contacts.distance), _largest(held.values), _nil_deflection(found, load))
         slip = np.abs(np.where(held.dofs, hi + lo - held.values, 0.0))[::3]
         open_by = np.where(contacts.two_sided, np.abs(gap), -gap)
         one_sided = np.where(contacts.two_sided, 0.0, reaction)
 
         across = float(np.sqrt(found.mesh.element_area.mean()))
         forces = _nodal_size(load.nodal, across)
-        scale = forces or _nodal_size(at_holds, across) or _largest(reaction)
+        # Under no load every force is rounding: at least that of a deflection carried over the plate.
+        rigidity = found.model.material.E * found.thickness.max() ** 3 / 12
+        rest = float(np.finfo(float).eps * rigidity * length / found.mesh.size**2)
+        scale = max(forces or _nodal_size(at_holds, across) or _largest(reaction), rest)
+        pressing = max(scale, _largest(reaction))
         figures = {
             "penetration": _ratio(max(_largest(np.maximum(open_by, 0.0)), _largest(slip)), length),
-            "tension": _ratio(_largest(np.maximum(-one_sided, 0.0)), _largest(reaction)),
-            "complementarity": _ratio(
-                _largest(one_sided * np.where(contacts.two_sided, 0.0, gap)), _largest(reaction) * length
-            ),
+            "tension": _ratio(_largest(np.maximum(-one_sided, 0.0)), pressing),
+            "complementarity": _ratio(_largest(one_sided * np.where(contacts.two_sided, 0.0, gap)), pressing * length),
             "equilibrium": _ratio(_nodal_size(at_free.ravel(), across), scale),
-            "balance": _balance(found, load.nodal, hi + lo, at_holds, reaction),
+            "balance": _balance(found, load.nodal, hi + lo, at_holds, reaction, rest),
         }
     if max(figures["equilibrium"], figures["balance"]) <= TOLERANCE:
         return Certificate(**figures)
@@ -127,7 +132,9 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
     return Certificate(**figures, equilibrium_limit=_ratio(rounding, scale), balance_limit=_ratio(resultant, total))
 
 
-def _balance(found: Discretisation, nodal: Floats, displacement: Floats, at_holds: Floats, reaction: Floats) -> float:
+def _balance(
+    found: Discretisation, nodal: Floats, displacement: Floats, at_holds: Floats, reaction: Floats, rest: float
+) -> float:
     """The three resultants of load and reactions, from the supports' forces alone."""
     springs, elements, size = found.springs, found.mesh.elements, found.mesh.size
     pull = springs.stiffness * (springs.rows.dot(elements, displacement) - springs.base)
@@ -135,7 +142,15 @@ def _balance(found: Discretisation, nodal: Floats, displacement: Floats, at_hold
     against += found.contacts.rows.spread(elements, reaction, len(nodal))
     motions = found.rigid_motions / np.array([1.0, size, size])
     total = max(np.abs(nodal) @ np.abs(motions).max(axis=1), np.abs(against) @ np.abs(motions).max(axis=1))
-    return _ratio(_largest(motions.T @ (nodal - against)), float(total))
+    return _ratio(_largest(motions.T @ (nodal - against)), max(float(total), rest))
+
+
+def _nil_deflection(found: Discretisation, load: CaseLoad) -> float:
+    """Deflection that counts as none under a load."""
+    forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0)
+    size, material = found.mesh.size, found.model.material
+    rigidity = material.E * float(found.thickness.min()) ** 3 / 12
+    return _NIL * float(forces + sum(couples) / size) * size**2 / rigidity
 
 
 def _nodal_size(nodal: Floats, across: float) -> float:

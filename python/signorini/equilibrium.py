@@ -7,18 +7,23 @@ three unknowns.
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import qr
 from scipy.optimize import linprog
+from scipy.spatial import ConvexHull, QhullError
 
-from signorini.discretise import Discretisation
-from signorini.discretise.rows import Floats, Ints, Rows
+from signorini.discretise import ContactPoints, Discretisation
+from signorini.discretise.rows import Bools, Floats, Ints, Rows
 from signorini.errors import InputError
 
 _RANK = 1e-9
 """Rigid motions of unit size that move a support by less than this part of the plate's size do not move it."""
+_MANY = 100
+"""Points from which on their hull is taken."""
+
 _WORK = 1e-10
 """Work below this part of the load times the motion is rounding."""
 
@@ -33,12 +38,16 @@ class RigidFreedom:
         Basis of the free rigid motions; components are w, and the slopes times the plate's size, about its middle.
     moves : (m, d) array
         How each contact point's row changes with them; two-sided points are among the bilateral supports.
+    deciding : (k,) array
+        One-sided contact points that decide whether a rigid motion is allowed: of many that act the same way, the
+        corners of their hull.
     regular : bool
         Whether held dofs and springs alone hold the plate, so that K has an inverse.
     """
 
     motions: Floats
     moves: Floats
+    deciding: Ints
     regular: bool
 
     @property
@@ -76,7 +85,19 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
             "Add a support that resists it (points that are not all on one line, or an edge or area).",
             place="support",
         )
-    return RigidFreedom(motions, moves, regular=_null_space(in_stiffness).shape[1] == 0)
+    return RigidFreedom(motions, moves, _outermost(contacts), regular=_null_space(in_stiffness).shape[1] == 0)
+
+
+def _outermost(contacts: ContactPoints) -> Ints:
+    deciding = []
+    for direction in (1.0, -1.0):
+        those = np.flatnonzero(~contacts.two_sided & (contacts.direction == direction))
+        if len(those) > _MANY:
+            # On one line there is no hull, and every point stays.
+            with contextlib.suppress(QhullError):
+                those = those[np.sort(ConvexHull(contacts.positions[those]).vertices)]
+        deciding.append(those)
+    return np.concatenate(deciding)
 
 
 def _null_space(rows: Floats) -> Floats:
@@ -129,7 +150,7 @@ def no_equilibrium(found: Discretisation, freedom: RigidFreedom, nodal: Floats) 
     total = np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / size
     if total == 0:
         return ""
-    one_sided = freedom.moves[~found.contacts.two_sided]
+    one_sided = freedom.moves[freedom.deciding]
     lifting = _lifting(freedom, one_sided, work, _WORK * total)
     if lifting:
         return _explain_lifting(found, freedom, nodal, lifting)
@@ -170,7 +191,7 @@ def _least_holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, 
     total = float(np.abs(resultant).max())
     sign = 1.0 if way == "down" else -1.0
     extra = sign * (np.array([1.0, *(at - found.middle)]) / scale) @ freedom.motions
-    one_sided = freedom.moves[~found.contacts.two_sided]
+    one_sided = freedom.moves[freedom.deciding]
     cost = np.zeros(1 + len(one_sided))
     cost[0] = 1.0
     balance = np.column_stack([-extra, one_sided.T])
@@ -203,7 +224,7 @@ def _explain_tipping(
     offset = w / turning - float(normal @ middle)
     work = found.rigid_motions.T @ nodal
     moment = float(work @ np.array([w, *slopes])) / turning
-    names = _hinges(found, np.abs(opening) <= 1e-7 * np.abs(opening).max(initial=0.0))
+    names = _hinges(found, freedom, np.abs(opening) <= 1e-7 * np.abs(opening).max(initial=0.0))
     # Weight holds it best where the motion lifts the plate most.
     lift = -(found.mesh.points @ normal + offset)
     farthest = int(lift.argmax())
@@ -214,8 +235,8 @@ def _explain_tipping(
     return text + _holding(found, freedom, nodal, found.mesh.points[farthest], "down")
 
 
-def _hinges(found: Discretisation, closed: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> str:
-    contacts = found.contacts.pick(~found.contacts.two_sided).pick(closed)
+def _hinges(found: Discretisation, freedom: RigidFreedom, closed: Bools) -> str:
+    contacts = found.contacts.pick(freedom.deciding[closed])
     if not len(contacts):
         return ""
     owners = [found.model.support[i].name for i in np.unique(contacts.support)]

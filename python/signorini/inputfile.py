@@ -47,6 +47,24 @@ def load(path: str | os.PathLike[str]) -> Model:
     return model
 
 
+def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
+    """Put the file and line before the place of an error that was found only after reading.
+
+    Parameters
+    ----------
+    error : InputError
+        With a place such as ``load[2].at``; any other is returned as it is.
+    path : str or path-like
+        The input file.
+    """
+    tables = "|".join(Model.model_fields)
+    if not re.fullmatch(rf"({tables})(\[\d+\])?(\.[A-Za-z_]+(\[\d+\])?)*", error.place):
+        return error
+    keys = re.findall(r"[A-Za-z_]+|\d+", error.place)
+    line = Lines(_read(path)).of(tuple(int(key) - 1 if key.isdigit() else key for key in keys))
+    return InputError(error.message, place=f"{os.path.basename(path)}:{line}: {error.place}")
+
+
 def _read(path: str | os.PathLike[str]) -> str:
     place = str(path)
     try:

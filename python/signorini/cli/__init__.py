@@ -17,7 +17,8 @@ from rich.console import Console
 
 import signorini
 from signorini.cli import tables
-from signorini.errors import NoEquilibriumError, SignoriniError
+from signorini.errors import InputError, NoEquilibriumError, SignoriniError
+from signorini.inputfile import with_line
 
 _INTERRUPTED = 130
 _TERMINATED = 143
@@ -83,7 +84,7 @@ def solve(
     ] = None,
 ) -> None:
     """Solve every combination; write results.json, reactions.csv, a .vtu file and a picture each; print a table."""
-    with _messages():
+    with _messages(file):
         from signorini import output as files
 
         model = signorini.load(file)
@@ -112,7 +113,7 @@ def check(
     ] = None,
 ) -> None:
     """Validate, mesh, draw, and see whether the supports can balance every combination; solve nothing."""
-    with _messages():
+    with _messages(file):
         from signorini.check import check as checked
         from signorini.check import require_picture
 
@@ -142,10 +143,12 @@ def _refuse(messages: dict[str, str]) -> None:
 
 
 @contextmanager
-def _messages() -> Iterator[None]:
-    """Turn what can go wrong into a message on standard error and an exit code."""
+def _messages(file: Path | None = None) -> Iterator[None]:
+    """Turn what can go wrong with an input file into a message on standard error and an exit code."""
     try:
         yield
+    except InputError as error:
+        _end(f"Error: {error if file is None else with_line(error, file)}", error.exit_code)
     except NoEquilibriumError as error:
         _end(f"No equilibrium.\n{error}", error.exit_code)
     except SignoriniError as error:

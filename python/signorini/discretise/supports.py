@@ -38,7 +38,7 @@ class _Table:
         columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
         return cls(Rows.join([part.rows for part in parts]), **columns)
 
-    def pick(self, which: Bools) -> Self:
+    def pick(self, which: Bools | Ints) -> Self:
         """Keep the rows marked."""
         names = [field.name for field in fields(self)]
         return type(self)(**{name: getattr(self, name)[which] for name in names})

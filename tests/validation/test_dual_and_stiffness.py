@@ -1,0 +1,113 @@
+"""The paper's dual form, whose unknown is the reaction, and the stiffness form, whose unknown is the gap, agree."""
+
+import numpy as np
+import pytest
+
+import signorini
+from signorini import _core, contact_problem
+
+CLAMPED = {"edge": "left", "fix": "clamped"}
+OFF_NODES = [[3.9, 0.1], [3.71, 2.83], [2.13, 1.37]]
+ALL_EDGES = {"edge": ["left", "right", "top", "bottom"], "resists": "down"}
+
+HELD = {
+    "points at nodes": [CLAMPED, {"at": [[4, 0], [4, 3], [2, 1.5]], "resists": "down"}],
+    "points between nodes": [CLAMPED, {"at": OFF_NODES, "resists": "down"}],
+    "an edge and points": [
+        CLAMPED,
+        {"edge": "right", "resists": "down", "gap": 2e-5},
+        {"at": OFF_NODES, "resists": "up"},
+    ],
+    "elastic points and line": [
+        CLAMPED,
+        {"at": OFF_NODES, "resists": "down", "stiffness": 5e7},
+        {"line": [[1.1, 0], [1.1, 3]], "resists": "up", "stiffness": 1e8, "gap": 1e-5},
+    ],
+    "elastic points with travel both ways": [CLAMPED, {"at": OFF_NODES, "gap": 5e-5, "stiffness": 3e7}],
+}
+ALONE = {
+    "edges, with three points both ways": [
+        {"at": [[0.3, 0.3], [3.7, 0.3], [2.1, 2.9]]},
+        {"edge": ["top", "right"], "resists": "down", "gap": 1e-5},
+    ],
+    "edges": [ALL_EDGES],
+    "edges and anchors": [ALL_EDGES, {"at": [[0.2, 0.2], [3.8, 2.8]], "resists": "up", "gap": 1e-6}],
+    "elastic points": [{"at": [[0.3, 0.3], [3.7, 0.3], [2.1, 2.9], [0.4, 2.8]], "resists": "down", "stiffness": 1e7}],
+    "settled edges and a line": [
+        {"edge": ["left", "right"], "resists": "down", "settlement": "1e-4*x"},
+        {"line": [[2, 0], [2, 3]], "resists": "down", "gap": 1e-4},
+    ],
+}
+
+
+def problem_of(support, thickness=0.2):
+    model = signorini.Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 3], "thickness": thickness},
+        mesh={"divisions": [8, 6]},
+        support=support,
+        load=[{"pressure": 5e3}, {"force": 50e3, "at": [0.7, 0.9]}],
+    )
+    return contact_problem(model)
+
+
+def relative(found, wanted):
+    return np.abs(found - wanted).max() / np.abs(wanted).max()
+
+
+@pytest.mark.parametrize("thickness", [0.2, 0.004])
+@pytest.mark.parametrize("support", HELD | ALONE)
+def test_both_forms_give_the_same_plate(support, thickness):
+    problem = problem_of((HELD | ALONE)[support], thickness)
+    assert problem.freedom.regular == (support in HELD)
+    load = problem.discretisation.cases["load"]
+    dual, stiffness = (problem.solve(load, form) for form in ("dual", "stiffness"))
+    assert dual.status == stiffness.status == "solved"
+    assert relative(dual.hi + dual.lo, stiffness.hi + stiffness.lo) < 1e-8
+    assert relative(dual.reaction, stiffness.reaction) < 1e-8
+    assert np.abs(dual.gap - stiffness.gap).max() < 1e-8 * max(np.abs(problem.gaps).max(), np.abs(dual.hi[::3]).max())
+    assert (dual.closed == stiffness.closed).all()
+
+
+@pytest.mark.parametrize("support", HELD | ALONE)
+def test_both_linear_complementarity_problems_have_the_same_solution(support):
+    """Each as posed, solved on its own, before any refinement."""
+    problem = problem_of((HELD | ALONE)[support])
+    load = problem.load("all")
+    reactions, gaps = [], []
+    for form in ("dual", "stiffness"):
+        posed = problem.lcp(load, form)
+        answer = _core.lemke(posed.M, posed.q)
+        assert answer.status == "solved"
+        reaction, gap = np.zeros((2, len(problem.gaps)))
+        reaction[posed.points] = np.where(posed.gap_is_z, answer.w, answer.z)
+        gap[posed.points] = np.where(posed.gap_is_z, answer.z, answer.w)
+        reactions.append(reaction)
+        gaps.append(gap)
+    assert relative(reactions[0], reactions[1]) < 1e-8
+    assert np.abs(gaps[0] - gaps[1]).max() < 1e-8 * max(gaps[1].max(), problem.gaps.max(), 1e-6)
+
+
+@pytest.mark.parametrize("support", ["points at nodes", "points between nodes", "an edge and points"])
+def test_the_dual_is_the_papers(support):
+    """P = G K⁻¹ Gᵀ and s = G K⁻¹ f − g, (26) and (27) of the paper, from K, G and g as plain arrays."""
+    problem = problem_of(HELD[support])
+    load = problem.load("all")
+    p, s = problem.dual(load)
+    free = ~problem.discretisation.held.dofs
+    stiffness, g = problem.K.toarray()[np.ix_(free, free)], problem.G.toarray()[:, free]
+    assert p == pytest.approx(g @ np.linalg.solve(stiffness, g.T), rel=1e-8)
+    assert s == pytest.approx(g @ np.linalg.solve(stiffness, load[free]) - problem.gaps, rel=1e-8)
+
+
+def test_rigid_travel_both_ways_is_contact_on_the_side_that_is_reached():
+    """Opposite rigid stops share a dof, so that only the dual form exists; it gives what each stop alone would."""
+    point = {"at": [[3.71, 2.83]], "gap": 2e-5}
+    between = problem_of([CLAMPED, point])
+    stop = problem_of([CLAMPED, {**point, "resists": "down"}])
+    load = between.discretisation.cases["load"]
+    answer, alone = between.solve(load), stop.solve(stop.discretisation.cases["load"])
+    assert answer.reaction == pytest.approx([alone.reaction[0], 0.0], rel=1e-10)
+    lifted = between.solve(-1.0 * load)
+    assert lifted.reaction[::-1] == pytest.approx(answer.reaction, rel=1e-10)
+    assert lifted.hi == pytest.approx(-answer.hi, rel=1e-10, abs=1e-20)

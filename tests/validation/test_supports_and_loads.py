@@ -1,0 +1,275 @@
+"""Every kind of support and load against statics, closed forms, or the same thing said otherwise."""
+
+import numpy as np
+import pytest
+
+import signorini
+
+THREE = [[0.13, 0.21], [3.71, 0.37], [1.87, 2.83]]
+RECTANGLE = {"shape": "rectangle", "size": [4, 3], "thickness": 0.2}
+CONCRETE = {"E": 30e9, "nu": 0.2}
+
+
+def solve(support, load, plate=RECTANGLE, material=CONCRETE, divisions=(8, 6), **more):
+    model = signorini.Model(
+        material=material, plate=plate, mesh={"divisions": list(divisions)}, support=support, load=load, **more
+    )
+    return signorini.solve(model)["all"]
+
+
+def statics(points, force, moment_x, moment_y):
+    """Reactions of three points under the resultants Σ F, Σ F x, Σ F y."""
+    return np.linalg.solve(np.vstack([np.ones(3), np.array(points).T]), [force, moment_x, moment_y])
+
+
+# A strip with ν = 0 is Timoshenko's cantilever; its cubic deflection is in the elements' reach on rectangles.
+STRIP = {"shape": "rectangle", "size": [2, 0.5], "thickness": 0.1}
+STEEL = {"E": 200e9, "nu": 0.0}
+CANTILEVER = {"name": "wall", "edge": "left", "fix": "clamped"}
+
+
+def cantilever_flexibility():
+    """Tip deflection under a unit force."""
+    inertia, area = 0.5 * 0.1**3 / 12, 0.5 * 0.1
+    return 2**3 / (3 * 200e9 * inertia) + 2 / (5 / 6 * 100e9 * area)
+
+
+def cantilever(force, *supports):
+    return solve(
+        [CANTILEVER, *supports],
+        [{"line_load": force / 0.5, "edge": "right"}],
+        plate=STRIP,
+        material=STEEL,
+        divisions=(4, 2),
+        probe=[{"at": [2, 0.25]}],
+    )
+
+
+def test_cantilever_under_a_line_load_on_its_edge():
+    result = cantilever(1e3)
+    assert result.probes[0].deflection == pytest.approx(1e3 * cantilever_flexibility(), rel=1e-10)
+    assert result.reactions["wall"] == pytest.approx(1e3, rel=1e-12)
+    at_wall = np.abs(result.mesh.points[:, 0]) < 1e-12
+    assert result.moment[at_wall, 0] == pytest.approx(-1e3 * 2 / 0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("resists", "force", "acts"),
+    [("down", 1, True), ("up", -1, True), ("both", 1, True), ("both", -1, True), ("down", -1, False), ("up", 1, False)],
+)
+def test_prop_with_a_gap_acts_the_way_it_resists(resists, force, acts):
+    """Force past the gap is shared with the prop: R = F − gap/flexibility."""
+    force, gap = force * 1e3, 1e-4
+    free = force * cantilever_flexibility()
+    prop = {"name": "prop", "edge": "right", "resists": resists, "gap": gap}
+    result = cantilever(force, prop)
+    expected = force - np.sign(force) * gap / cantilever_flexibility() if acts else 0.0
+    assert result.reactions["prop"] == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    tip = np.sign(force) * gap if acts else free
+    assert result.probes[0].deflection == pytest.approx(tip, rel=1e-9)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_gap_that_is_not_reached(sign):
+    result = cantilever(sign * 1e3, {"name": "prop", "edge": "right", "gap": 1.001e3 * cantilever_flexibility()})
+    assert result.reactions["prop"] == 0
+    assert result.probes[0].deflection == pytest.approx(sign * 1e3 * cantilever_flexibility(), rel=1e-10)
+
+
+@pytest.mark.parametrize("resists", ["both", "down"])
+def test_elastic_line_under_the_tip(resists):
+    """F − R bends the cantilever, and R = k w."""
+    k, flexibility = 3e5, cantilever_flexibility()
+    tip = 1e3 * flexibility / (1 + k * flexibility)
+    line = {"name": "line", "line": [[2, 0], [2, 0.5]], "resists": resists, "stiffness": k / 0.5}
+    result = cantilever(1e3, line)
+    assert result.probes[0].deflection == pytest.approx(tip, rel=1e-9)
+    assert result.reactions["line"] == pytest.approx(k * tip, rel=1e-9)
+
+
+def test_settlement_of_the_prop():
+    """A prop whose base goes down by s carries (w − s) over the sum of the flexibilities."""
+    flexibility = cantilever_flexibility()
+    free = 1e3 * flexibility
+    for stiffness in (None, 3e5):
+        more = {} if stiffness is None else {"stiffness": stiffness / 0.5}
+        prop = {"name": "prop", "edge": "right", "resists": "down", "settlement": free / 3, **more}
+        give = flexibility + (1 / stiffness if stiffness else 0.0)
+        assert cantilever(1e3, prop).reactions["prop"] == pytest.approx((free - free / 3) / give, rel=1e-9)
+
+
+@pytest.mark.parametrize("way", [{}, {"resists": "down"}, {"stiffness": 1e7}, {"resists": "down", "stiffness": 1e7}])
+def test_three_points_between_nodes_carry_by_statics(way):
+    result = solve([{"name": "points", "at": THREE, **way}], [{"force": 10e3, "at": [1.9, 1.1]}, {"pressure": 500}])
+    expected = statics(THREE, 10e3 + 6e3, 19e3 + 12e3, 11e3 + 9e3)
+    assert (expected > 0).all()
+    assert result.supports[0].reactions == pytest.approx(expected, rel=1e-9)
+    if "stiffness" in way:
+        at_points = [probe.deflection for probe in result.probe(THREE)]
+        assert at_points == pytest.approx(expected / 1e7, rel=1e-9)
+
+
+def test_the_point_that_would_pull_lifts_off_and_an_anchor_would_hold_it():
+    """Springs under a stiff plate: bilateral, the far corner would pull by about F/4."""
+    corners = [[0.3, 0.3], [3.7, 0.3], [0.3, 2.7], [3.7, 2.7]]
+    load, spring = [{"force": 10e3, "at": [0.5, 0.4]}], {"stiffness": 1e6}
+    bilateral = solve([{"at": corners, **spring}], load).supports[0].reactions
+    assert bilateral[3] == pytest.approx(-2e3, rel=0.2)
+
+    points = solve([{"at": corners, "resists": "down", **spring}], load).supports[0]
+    assert points.closed.tolist() == [True, True, True, False]
+    assert points.reactions[:3] == pytest.approx(statics(corners[:3], 10e3, 5e3, 4e3), rel=1e-9)
+    assert points.reactions[3] == 0
+    assert points.gaps[3] > 0
+
+    anchor = {"name": "anchor", "at": corners[3], "resists": "up", **spring}
+    anchored = solve([{"at": corners[:3], "resists": "down", **spring}, anchor], load)
+    assert anchored.reactions["anchor"] == pytest.approx(bilateral[3], rel=1e-9)
+    assert anchored.supports[0].reactions == pytest.approx(bilateral[:3], rel=1e-9)
+
+
+def test_uniform_pressure_on_a_uniform_bed_settles_evenly():
+    for resists in ("both", "down"):
+        bed = {"name": "bed", "area": "all", "resists": resists, "stiffness": 30e6}
+        result = solve([bed], [{"pressure": 2e3}])
+        assert result.deflection == pytest.approx(2e3 / 30e6, rel=1e-10)
+        assert result.reactions["bed"] == pytest.approx(24e3, rel=1e-12)
+        assert np.abs(result.moment).max() < 1e-6 * 2e3
+
+
+@pytest.mark.parametrize("supports", [[{"edge": ["left", "top"]}], [{"at": THREE}]])
+def test_plane_settlement_tilts_the_plate_and_strains_nothing(supports):
+    plane = "0.001 + 0.002*x - 0.003*y"
+    result = solve([{**supports[0], "settlement": plane}], [{"pressure": 0.0}])
+    x, y = result.mesh.points.T
+    assert result.deflection == pytest.approx(0.001 + 0.002 * x - 0.003 * y, rel=1e-9, abs=1e-13)
+    assert result.rotation == pytest.approx(np.tile([0.002, -0.003], (len(x), 1)), rel=1e-9)
+
+
+@pytest.mark.parametrize("at", [[2.0, 1.5], [2.25, 1.25], [1.83, 0.97]], ids=["node", "element centre", "anywhere"])
+def test_couples_do_work_on_the_slopes(at):
+    """Couples on ∂w/∂x and ∂w/∂y are in equilibrium as forces at a lever arm are, wherever they act."""
+    result = solve([{"name": "points", "at": THREE}], [{"moment": [3e3, -2e3], "at": at}])
+    assert result.supports[0].reactions == pytest.approx(statics(THREE, 0, 3e3, -2e3), rel=1e-9)
+
+
+def test_deflection_by_a_couple_and_slope_by_a_force_are_reciprocal():
+    """Betti (1872), with the force between nodes."""
+    wall, at, other = [{"edge": "left", "fix": "clamped"}], [3.0, 1.5], [2.21, 2.1]
+    by_couple = solve(wall, [{"moment": [1e3, 0], "at": at}])
+    by_force = solve(wall, [{"force": 1e3, "at": other}])
+    assert by_couple.probe(other)[0].deflection == pytest.approx(by_force.probe(at)[0].rotation[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("element", ["mitc9", "q8r"])
+def test_free_plate_curls_to_its_stress_free_curvature(element):
+    """w = ½ kx x² + ½ ky y² + kxy x y less the plane through its three points, without moments or reactions."""
+    kx, ky, kxy = 1e-3, -2e-3, 5e-4
+    nodes = [[0, 0], [4, 0], [0, 3]]
+    load = [{"curvature": [kx, ky, kxy]}]
+    result = solve([{"name": "points", "at": nodes}], load, plate={**RECTANGLE, "element": element})
+
+    def curl(x, y):
+        return kx * x**2 / 2 + ky * y**2 / 2 + kxy * x * y
+
+    x, y = result.mesh.points.T
+    assert result.deflection == pytest.approx(curl(x, y) - curl(4, 0) * x / 4 - curl(0, 3) * y / 3, abs=1e-13)
+    rigidity = 30e9 * 0.2**3 / 12 / (1 - 0.2**2)
+    assert np.abs(result.moment).max() < 1e-9 * rigidity * 2e-3
+    assert np.abs(result.supports[0].reactions).max() < 1e-9 * rigidity * 2e-3
+
+
+@pytest.mark.parametrize("element", ["mitc9", "q8r"])
+def test_clamped_plate_stays_flat_under_a_curvature_it_cannot_take(element):
+    """M = −D(κ − κ⁰) with κ = 0: uniform D(1 + ν)k, positive, as a plate bent back flat sags."""
+    result = solve(
+        [{"edge": ["left", "right", "bottom", "top"], "fix": "clamped"}],
+        [{"curvature": [1e-3, 1e-3, 0]}],
+        plate={**RECTANGLE, "element": element},
+    )
+    rigidity = 30e9 * 0.2**3 / 12 / (1 - 0.2**2)
+    assert np.abs(result.deflection).max() < 1e-15
+    assert result.moment[:, :2] == pytest.approx(rigidity * 1.2 * 1e-3, rel=1e-10)
+    assert np.abs(result.moment[:, 2]).max() < 1e-9 * rigidity * 1e-3
+
+
+def power(a, b, n):
+    """∫ tⁿ from a to b."""
+    return (b ** (n + 1) - a ** (n + 1)) / (n + 1)
+
+
+VARYING = [power(0.3, 1.3, i) * power(0.2, 2.2, j) for i, j in ((1, 2), (2, 2), (1, 3))]
+
+
+@pytest.mark.parametrize(
+    ("load", "resultants"),
+    [
+        ({"line_load": 700.0, "line": [[0.31, 0.27], [3.11, 2.37]]}, np.array([1, 1.71, 1.32]) * 700 * 3.5),
+        ({"line_load": "100*x", "line": [[0, 1.1], [4, 1.1]]}, [800, 6400 / 3, 880]),
+        ({"line_load": 50.0, "edge": "top"}, [200, 400, 600]),
+        ({"line_load": 50.0, "circle": {"center": [2.1, 1.4], "radius": 0.9}}, np.array([1, 2.1, 1.4]) * 90 * np.pi),
+        ({"pressure": "x*y**2", "area": {"rectangle": [0.3, 0.2, 1.3, 2.2]}}, VARYING),
+        (
+            {"pressure": 9.0, "area": {"circle": {"center": [2.1, 1.4], "radius": 0.9}}},
+            np.array([1, 2.1, 1.4]) * 7.29 * np.pi,
+        ),
+    ],
+    ids=["oblique line", "varying line", "edge", "circle", "varying pressure", "disc"],
+)
+def test_loads_across_elements_have_their_resultants(load, resultants):
+    result = solve([{"at": THREE}], [load])
+    assert result.supports[0].reactions == pytest.approx(statics(THREE, *resultants), rel=1e-8)
+
+
+def test_self_weight_follows_the_thickness():
+    result = solve(
+        [{"at": THREE}],
+        [{"self_weight": True}],
+        plate={**RECTANGLE, "thickness": "0.2 + 0.05*x"},
+        material={**CONCRETE, "unit_weight": 25e3},
+    )
+    weights = 25e3 * 3 * np.array([0.2 * 4 + 0.05 * 8, 0.2 * 8 + 0.05 * 64 / 3, 1.5 * (0.2 * 4 + 0.05 * 8)])
+    assert result.supports[0].reactions == pytest.approx(statics(THREE, *weights), rel=1e-9)
+
+
+def disc(sector, support, load):
+    sides = [{"name": "sides", "edge": ["start", "end"], "fix": "symmetry"}] if sector < 360 else []
+    plate = {"shape": "disc", "radius": 1.0, "thickness": 0.05, "sector": sector}
+    return solve([*support, *sides], load, plate=plate, divisions=(8, 32 * sector // 360))
+
+
+@pytest.mark.parametrize("sector", [90, 180])
+@pytest.mark.parametrize(
+    "support",
+    [
+        [{"name": "ring", "edge": "rim", "fix": "simple"}],
+        [{"name": "ring", "edge": "rim", "fix": "clamped"}],
+        [{"name": "ring", "circle": {"radius": 0.7}, "resists": "down", "stiffness": 1e9}],
+        [{"name": "ring", "edge": "rim", "resists": "down"}, {"at": [0, 0], "resists": "down", "gap": 1e-6}],
+    ],
+    ids=["simple", "clamped", "elastic ring", "one-sided ring and a stop"],
+)
+def test_a_sector_with_symmetric_sides_is_the_whole_disc(support, sector):
+    load = [{"pressure": 1e4, "area": {"circle": {"radius": 0.5}}}]
+    whole, part = disc(360, support, load), disc(sector, support, load)
+    x, y = part.mesh.points.T
+    inside = np.hypot(x, y) < 0.999
+    found = whole.probe(part.mesh.points[inside])
+    deflection = np.array([probe.deflection for probe in found])
+    assert part.deflection[inside] == pytest.approx(deflection, abs=1e-10 * np.abs(deflection).max())
+    assert part.reactions["ring"] * 360 / sector == pytest.approx(whole.reactions["ring"], rel=1e-10)
+
+
+def test_a_quarter_of_a_plate_on_one_sided_edges_is_the_whole_plate(square):
+    quarter, _ = square({"resists": "down"}, 0.02, 12)
+    whole = solve(
+        [{"name": "edges", "edge": ["left", "right", "bottom", "top"], "resists": "down"}],
+        [{"pressure": 1.0}],
+        plate={"shape": "rectangle", "size": [1, 1], "origin": [-0.5, -0.5], "thickness": 0.02},
+        material={"E": 1.0, "nu": 0.3},
+        divisions=(24, 24),
+    )
+    found = whole.probe(quarter.mesh.points)
+    deflection = np.array([probe.deflection for probe in found])
+    assert quarter.deflection == pytest.approx(deflection, abs=1e-10 * deflection.max())
+    assert quarter.reactions["edges"] * 4 == pytest.approx(whole.reactions["edges"], rel=1e-10)
