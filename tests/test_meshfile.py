@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from signorini.errors import InputError
-from signorini.meshers import annulus, rectangle
-from signorini.meshfile import read
+from signorini.mesh.meshers import annulus, rectangle
+from signorini.mesh.meshfile import read
 
 PLATE = rectangle((0.0, 0.0), (4.0, 2.0), (4, 2))
 

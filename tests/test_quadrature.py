@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from signorini.errors import InputError
 from signorini.mesh import Mesh
-from signorini.meshers import annulus, disc, rectangle
+from signorini.mesh.meshers import annulus, disc, rectangle
 from signorini.quadrature import area_quadrature, curve_quadrature, edge_quadrature, off_plate
+from signorini.quadrature.roots import roots
 from signorini.regions import Circle, Polygon, Polyline, Rectangle, Ring
-from signorini.roots import roots
 
 
 def distorted(mesh, bend, seed=1):

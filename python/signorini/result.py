@@ -172,6 +172,11 @@ class Result:
         )
 
     @property
+    def counted(self) -> str:
+        """What ``iterations`` counts."""
+        return "Newton steps" if self.method == "active_set" else "pivots"
+
+    @property
     def reactions(self) -> Mapping[str, float]:
         """Total reaction of every support by name, positive when it pushes the plate up."""
         return {support.name: support.reaction for support in self.supports}
@@ -248,7 +253,9 @@ class Result:
             return f"{title}<p>{html.escape(self.message)}</p>"
         length = f" {units.length}" if units.length else ""
         ends = f"deflection {self.deflection.min():.6g} to {self.deflection.max():.6g}{length}, positive down"
-        verdict = f"{html.escape(ends)}<br>{self.method}, {self.iterations} pivots; certificate {self.certificate}"
+        verdict = (
+            f"{html.escape(ends)}<br>{self.method}, {self.iterations} {self.counted}; certificate {self.certificate}"
+        )
         return f"{title}<table>{head}{rows}</table><p>{verdict}</p>"
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import signorini
-from signorini.meshers import rectangle
+from signorini.mesh.meshers import rectangle
 
 both_elements = pytest.mark.parametrize("element", ["mitc9", "q8r"])
 

@@ -11,7 +11,7 @@ import pytest
 import signorini
 from signorini import _core
 from signorini.mesh import Mesh
-from signorini.meshers import rectangle
+from signorini.mesh.meshers import rectangle
 
 E, NU, KAPPA = 1.0, 0.3, 5 / 6
 THICKNESSES = (0.1, 1e-2, 1e-3, 1e-4, 1e-5)

@@ -76,7 +76,9 @@ def _print_model(console: Console, found: Discretisation) -> None:
 
 def _print_result(console: Console, result: Result) -> None:
     units = result.model.units
-    console.print(Text(result.name, style="bold") + Text(f": solved by {result.method}, {result.iterations} pivots"))
+    console.print(
+        Text(result.name, style="bold") + Text(f": solved by {result.method}, {result.iterations} {result.counted}")
+    )
     table = _table("", "support", "kind", right=[f"reaction{_in(units.force)}", "closed", "open"])
     least = _ROUNDING * float(abs(result.nodal_reaction).max())
     for support, found in zip(result.model.support, result.supports, strict=True):

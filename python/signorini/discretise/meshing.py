@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from signorini.discretise.places import curve, region
 from signorini.mesh import Mesh
-from signorini.meshers import annulus, disc, rectangle
-from signorini.meshfile import read
+from signorini.mesh.meshers import annulus, disc, rectangle
+from signorini.mesh.meshfile import read
 from signorini.model import AnnulusPlate, DiscPlate, Load, MeshPlate, Model, RectanglePlate, Support
 from signorini.regions import Curve, Region
 

@@ -16,9 +16,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from signorini.errors import InputError
-from signorini.isoparametric import SIDES
 from signorini.mesh import Mesh
-from signorini.mesh_checks import loops, on_boundary
+from signorini.mesh.checks import loops, on_boundary
+from signorini.mesh.isoparametric import SIDES
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]

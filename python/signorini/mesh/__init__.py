@@ -10,11 +10,11 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from signorini import mesh_checks
-from signorini.boxtree import BoxTree
 from signorini.errors import InputError
-from signorini.isoparametric import SIDES, determinants, invert, jacobians, positions, side_boxes
-from signorini.mesh_curves import edges_on_polyline, edges_on_ring
+from signorini.mesh import checks as mesh_checks
+from signorini.mesh.boxtree import BoxTree
+from signorini.mesh.curves import edges_on_polyline, edges_on_ring
+from signorini.mesh.isoparametric import SIDES, determinants, invert, jacobians, positions, side_boxes
 from signorini.regions import Curve, Ring
 
 Floats = npt.NDArray[np.float64]

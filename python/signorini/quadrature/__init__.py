@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from signorini.arcs import arcs_of
-from signorini.cutcells import cut
-from signorini.isoparametric import CORNERS
 from signorini.mesh import Mesh
+from signorini.mesh.isoparametric import CORNERS
+from signorini.quadrature.arcs import arcs_of
+from signorini.quadrature.cutcells import cut
 from signorini.regions import Curve, Polyline, Region, Ring
 
 Floats = npt.NDArray[np.float64]
@@ -69,7 +69,7 @@ def area_quadrature(mesh: Mesh, region: Region | None = None, order: int = 3) ->
         None: the whole plate.
     order : int
         Gauss points in each direction of a whole element. Elements that the outline cuts get more, see
-        `signorini.cutcells`.
+        `signorini.quadrature.cutcells`.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def area_quadrature(mesh: Mesh, region: Region | None = None, order: int = 3) ->
 
     Examples
     --------
-    >>> from signorini.meshers import rectangle
+    >>> from signorini.mesh.meshers import rectangle
     >>> from signorini.regions import Circle
     >>> mesh = rectangle((0.0, 0.0), (4.0, 4.0), (3, 3))
     >>> over = area_quadrature(mesh, Circle((2.1, 1.9), 1.0))
@@ -129,7 +129,7 @@ def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3) -> LineQuadrature
 
     Examples
     --------
-    >>> from signorini.meshers import rectangle
+    >>> from signorini.mesh.meshers import rectangle
     >>> from signorini.regions import Polyline
     >>> mesh = rectangle((0.0, 0.0), (4.0, 4.0), (3, 3))
     >>> along = curve_quadrature(mesh, Polyline(((0.5, 1.0), (3.5, 5.0))))
@@ -172,7 +172,7 @@ def edge_quadrature(mesh: Mesh, triples: Ints, order: int = 3) -> LineQuadrature
 
     Examples
     --------
-    >>> from signorini.meshers import rectangle
+    >>> from signorini.mesh.meshers import rectangle
     >>> mesh = rectangle((0.0, 0.0), (4.0, 2.0), (3, 3))
     >>> left = edge_quadrature(mesh, mesh.edges["left"])
     >>> round(left.total, 12), left.normals[0].tolist()
@@ -218,7 +218,7 @@ def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature) -> floa
 
     Examples
     --------
-    >>> from signorini.meshers import rectangle
+    >>> from signorini.mesh.meshers import rectangle
     >>> from signorini.regions import Rectangle
     >>> mesh, patch = rectangle((0.0, 0.0), (4.0, 2.0), (3, 3)), Rectangle(3.0, 1.0, 5.0, 2.0)
     >>> round(off_plate(mesh, patch, area_quadrature(mesh, patch)), 12)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from signorini.errors import InputError
-from signorini.outlines import (
+from signorini.regions.outlines import (
     Box,
     Outline,
     Point,

@@ -7,9 +7,9 @@ import numpy.typing as npt
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from signorini.boxtree import BoxTree
 from signorini.errors import InputError
-from signorini.isoparametric import CORNERS, SIDES, determinants, side_boxes
+from signorini.mesh.boxtree import BoxTree
+from signorini.mesh.isoparametric import CORNERS, SIDES, determinants, side_boxes
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]

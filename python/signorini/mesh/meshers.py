@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from signorini.errors import InputError
 from signorini.mesh import Mesh
-from signorini.outlines import Point
-from signorini.subdivision import subdivide
+from signorini.mesh.subdivision import subdivide
+from signorini.regions.outlines import Point
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -38,7 +38,7 @@ def rectangle(
     divisions : (int, int)
         Elements along x and along y; the numbers are kept.
     x_lines, y_lines : sequence of float
-        Coordinates that grid lines should have; see `signorini.subdivision.subdivide` for which are followed.
+        Coordinates that grid lines should have; see `signorini.mesh.subdivision.subdivide` for which are followed.
 
     Returns
     -------
@@ -92,7 +92,7 @@ def annulus(
     sector : 360, 180 or 90
         Degrees.
     radii : sequence of float
-        Radii of circles that the mesh should have; see `signorini.subdivision.subdivide` for which are followed.
+        Radii of circles that the mesh should have; see `signorini.mesh.subdivision.subdivide` for which are followed.
 
     Returns
     -------
@@ -155,7 +155,7 @@ def disc(
         Degrees.
     radii : sequence of float
         Radii of circles that the mesh should have; those that leave room for the core are followed as
-        `signorini.subdivision.subdivide` says.
+        `signorini.mesh.subdivision.subdivide` says.
 
     Returns
     -------

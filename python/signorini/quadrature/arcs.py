@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from signorini.crossings import quadratics, touched, with_circles, with_segments
-from signorini.isoparametric import side_boxes
-from signorini.outlines import Outline
+from signorini.mesh.isoparametric import side_boxes
+from signorini.quadrature.crossings import quadratics, touched, with_circles, with_segments
 from signorini.regions import Curve, Ring
+from signorini.regions.outlines import Outline
 
 Floats = npt.NDArray[np.float64]
 

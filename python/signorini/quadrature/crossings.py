@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from signorini.outlines import Outline
-from signorini.roots import roots
+from signorini.quadrature.roots import roots
+from signorini.regions.outlines import Outline
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

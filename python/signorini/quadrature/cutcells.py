@@ -13,9 +13,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from signorini.crossings import quadratics, touched, with_circles, with_segments
 from signorini.mesh import Mesh
-from signorini.pieces import Pieces, straightened
+from signorini.quadrature.crossings import quadratics, touched, with_circles, with_segments
+from signorini.quadrature.pieces import Pieces, straightened
 from signorini.regions import Region
 
 Floats = npt.NDArray[np.float64]
