@@ -169,19 +169,19 @@ fn follow_path(problem: &CoveredLcp, limit: usize) -> Path {
         return Path { end: End::Stopped, pivots: 0 };
     }
     let mut tableau = Tableau::new(problem);
-    let mut column = problem.covering.clone();
     let mut entering = tableau.artificial();
+    let mut tied = Vec::new();
     let mut row = first_row(&problem.q, &problem.covering);
     for pivots in 1..=limit {
-        let left = tableau.exchange(row, entering, &column);
+        let left = tableau.exchange(row, entering);
         if left == tableau.artificial() {
             let exchanged = (0..order).map(|i| !tableau.is_basic(i)).collect();
             return Path { end: End::Complementary(exchanged), pivots };
         }
         entering = tableau.complement(left);
         row = loop {
-            tableau.column(entering, &mut column);
-            let leaving = leaving_row(&tableau, &column);
+            tableau.choose(entering);
+            let leaving = leaving_row(&tableau, &mut tied);
             let trusted_age = match &leaving {
                 Some(leaving) if leaving.doubtful => RECOMPUTE_AGE,
                 Some(_) => usize::MAX,
@@ -190,7 +190,7 @@ fn follow_path(problem: &CoveredLcp, limit: usize) -> Path {
             if tableau.age < trusted_age {
                 match leaving {
                     Some(leaving) => break leaving.row,
-                    None => return Path { end: End::Ray(tableau.direction(entering, &column)), pivots },
+                    None => return Path { end: End::Ray(tableau.direction(entering)), pivots },
                 }
             }
             match tableau.recomputed(problem) {

@@ -10,9 +10,11 @@
 //! | `pivoting` | principal pivotal transforms and the freshly solved basic solution |
 //! | `factors` | LU factors of a block, which know when it is singular |
 //! | `tableau` | the condensed tableau and its delayed updates |
+//! | `kernels` | inner loops, compiled for the widest registers the machine turns out to have |
 //! | `ratio_test` | which variable leaves: the lexicographic rule and its tolerances |
 
 mod factors;
+mod kernels;
 mod lemke;
 mod pivoting;
 mod problem;

@@ -2,6 +2,7 @@
 use faer::{Mat, MatMut};
 
 use super::factors::Factors;
+use super::kernels::vectorized;
 use super::scaling::CoveredLcp;
 use super::tableau::Tableau;
 use crate::double_double::DoubleDouble;
@@ -48,18 +49,18 @@ impl CoveredLcp<'_> {
         z.iter_mut().for_each(|x| *x = x.max(0.0));
 
         let work: f64 = basic.iter().map(|&j| self.q[j].abs() * z[j]).sum();
-        let slack = |i: usize| {
-            let (mut sum, mut size) = (self.q[i], self.q[i].abs() + (self.entry(i, i).abs() * work).sqrt());
-            for &j in &basic {
-                let term = self.entry(i, j) * z[j];
-                sum += term;
-                size += term.abs();
-            }
-            (sum, size)
-        };
+        let scaled: Vec<f64> = basic.iter().map(|&j| z[j] * self.units[j]).collect();
         let mut w = vec![0.0; order];
         for i in (0..order).filter(|&i| !basis[i]) {
-            let (slack, size) = slack(i);
+            let row = &self.matrix[i * order..(i + 1) * order];
+            let (mut product, mut size) = (0.0, 0.0);
+            for (&j, x) in basic.iter().zip(&scaled) {
+                let term = row[j] * x;
+                product += term;
+                size += term.abs();
+            }
+            let slack = self.q[i] + product * self.units[i];
+            let size = self.q[i].abs() + size * self.units[i] + (self.entry(i, i).abs() * work).sqrt();
             if slack < -FEASIBILITY_TOLERANCE * size {
                 return None;
             }
@@ -68,13 +69,16 @@ impl CoveredLcp<'_> {
         Some((z, w))
     }
 
-    /// M_αα for the indices α; by eight rows at a time, because M lies by rows and the block by columns.
+    /// M′_αα for the indices α; by eight rows at a time, because M lies by rows and the block by columns.
     fn principal_block(&self, indices: &[usize]) -> Mat<f64> {
+        let order = self.order();
+        let units: Vec<f64> = indices.iter().map(|&i| self.units[i]).collect();
         let mut block = Mat::zeros(indices.len(), indices.len());
-        for (tile, rows) in indices.chunks(8).enumerate() {
-            for (j, &column) in indices.iter().enumerate() {
-                for (a, &row) in block.col_as_slice_mut(j)[8 * tile..].iter_mut().zip(rows) {
-                    *a = self.entry(row, column);
+        for (tile, (rows, row_units)) in indices.chunks(8).zip(units.chunks(8)).enumerate() {
+            for (j, (&column, unit)) in indices.iter().zip(&units).enumerate() {
+                let target = &mut block.col_as_slice_mut(j)[8 * tile..];
+                for ((a, row), row_unit) in target.iter_mut().zip(rows).zip(row_units) {
+                    *a = self.matrix[row * order + column] * row_unit * unit;
                 }
             }
         }
@@ -84,13 +88,20 @@ impl CoveredLcp<'_> {
 
 /// right − block · x, summed in double-double, column by column so that no sum waits for itself.
 fn residual(block: &Mat<f64>, x: &[f64], right: &[f64]) -> Vec<f64> {
-    let mut sums: Vec<DoubleDouble> = right.iter().map(|&b| b.into()).collect();
-    for (j, x) in x.iter().enumerate() {
-        for (sum, a) in sums.iter_mut().zip(block.col_as_slice(j)) {
-            *sum = *sum - DoubleDouble::from(*a).times(*x);
-        }
-    }
-    sums.into_iter().map(DoubleDouble::value).collect()
+    let (mut high, mut low) = (right.to_vec(), vec![0.0; right.len()]);
+    vectorized(
+        #[inline(always)]
+        || {
+            for (j, x) in x.iter().enumerate() {
+                for ((hi, lo), a) in high.iter_mut().zip(&mut low).zip(block.col_as_slice(j)) {
+                    let mut sum = DoubleDouble { hi: *hi, lo: *lo };
+                    sum.add_product(-a, *x);
+                    (*hi, *lo) = (sum.hi, sum.lo);
+                }
+            }
+        },
+    );
+    high.iter().zip(&low).map(|(hi, lo)| hi + lo).collect()
 }
 
 fn indices(basis: &[bool]) -> Vec<usize> {

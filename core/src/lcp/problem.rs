@@ -1,6 +1,8 @@
 //! The linear complementarity problem, its solution and the judgement of one by the other.
 use std::fmt;
 
+use super::kernels::vectorized;
+
 /// The problem of finding z, w with w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0.
 ///
 /// ```
@@ -202,7 +204,12 @@ impl<'a> Lcp<'a> {
 
 /// Where the first entry stands that is not finite; looked for by the chunk, which is fast.
 fn first_not_finite(entries: &[f64]) -> Option<usize> {
-    let all_finite = |chunk: &[f64]| chunk.iter().fold(true, |finite, x| finite & x.is_finite());
+    let all_finite = |chunk: &[f64]| {
+        vectorized(
+            #[inline(always)]
+            || chunk.iter().fold(true, |finite, x| finite & x.is_finite()),
+        )
+    };
     let chunk = entries.chunks(1024).position(|chunk| !all_finite(chunk))?;
     (chunk * 1024..entries.len()).find(|&at| !entries[at].is_finite())
 }

@@ -3,6 +3,7 @@
 //! q is thought of as q + (ε, ε², …), ε > 0 arbitrarily small. Then no two ratios are equal, the artificial variable
 //! falls at every pivot and no basis returns. The coefficients of ε, ε², … in the basic variables are the columns of
 //! the initial basis: minus the tableau's column where slack j is nonbasic, a unit vector where it is basic.
+use super::kernels::{LANES, largest_size, vectorized};
 use super::tableau::Tableau;
 
 /// A pivot must exceed this times the larger of 1 and its column's largest entry (the problem is scaled to entries of
@@ -34,23 +35,30 @@ pub(super) struct Leaving {
 /// The row that leaves when the variable of `column` grows from zero; None if nothing stops it.
 ///
 /// The artificial variable leaves whenever it can: the basis is then complementary, which is all that is asked.
-pub(super) fn leaving_row(tableau: &Tableau, column: &[f64]) -> Option<Leaving> {
-    let largest = largest_size(column).max(1.0);
-    let least = -PIVOT_TOLERANCE * largest;
-    let values = &tableau.values;
-    let falling = || values.iter().zip(column).enumerate().filter(|(_, (_, a))| **a < least);
-    let step = falling().map(|(_, (value, a))| value.max(0.0) / -a).reduce(f64::min)?;
-    let at_zero = falling().filter(|(_, (value, a))| *value + step * *a <= TIE_TOLERANCE * value.abs().max(1.0));
-    let tied: Vec<usize> = at_zero.map(|(i, _)| i).collect();
+///
+/// `tied` is room to work in.
+pub(super) fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
+    let (values, column) = (&tableau.values, &tableau.column);
+    let largest = vectorized(
+        #[inline(always)]
+        || {
+            let largest = largest_size(column).max(1.0);
+            let least = -PIVOT_TOLERANCE * largest;
+            let step = least_ratio(values, column, least);
+            find_tied(values, column, least, step, tied);
+            largest
+        },
+    );
     let row = match tied.iter().find(|&&i| tableau.row_variable[i] == tableau.artificial()) {
         Some(&i) => i,
-        None => lexicographic_minimum(tableau, column, tied)?,
+        None => lexicographic_minimum(tableau, tied)?,
     };
     Some(Leaving { row, doubtful: -column[row] < DOUBT * largest })
 }
 
-fn lexicographic_minimum(tableau: &Tableau, column: &[f64], mut tied: Vec<usize>) -> Option<usize> {
-    for slack in 0..column.len() {
+fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usize> {
+    let column = &tableau.column;
+    for slack in 0..tableau.artificial() / 2 {
         if tied.len() == 1 {
             break;
         }
@@ -65,16 +73,38 @@ fn lexicographic_minimum(tableau: &Tableau, column: &[f64], mut tied: Vec<usize>
             }
         }
     }
-    tied.into_iter().min_by(|&a, &b| column[a].total_cmp(&column[b]))
+    tied.iter().copied().min_by(|&a, &b| column[a].total_cmp(&column[b]))
 }
 
-/// The largest absolute value, by eight running maxima so that none waits for the one before.
-fn largest_size(entries: &[f64]) -> f64 {
-    let mut lanes = [0.0_f64; 8];
-    for chunk in entries.chunks(8) {
-        for (lane, x) in lanes.iter_mut().zip(chunk) {
-            *lane = if x.abs() > *lane { x.abs() } else { *lane };
+/// The least max(value, 0) / −a of the rows whose entry a of the column is less than `least`; infinite if there is none.
+#[inline(always)]
+fn least_ratio(values: &[f64], column: &[f64], least: f64) -> f64 {
+    let mut lanes = [f64::INFINITY; LANES];
+    for (values, column) in values.chunks_exact(LANES).zip(column.chunks_exact(LANES)) {
+        for ((lane, value), a) in lanes.iter_mut().zip(values).zip(column) {
+            let value = if *value > 0.0 { *value } else { 0.0 };
+            let ratio = if *a < least { value / -a } else { f64::INFINITY };
+            *lane = if ratio < *lane { ratio } else { *lane };
         }
     }
-    lanes.into_iter().fold(0.0, f64::max)
+    lanes.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// Finds the rows that may leave at `step`.
+#[inline(always)]
+fn find_tied(values: &[f64], column: &[f64], least: f64, step: f64, tied: &mut Vec<usize>) {
+    let reaches = |value: f64, a: f64| {
+        let size = if value.abs() > 1.0 { value.abs() } else { 1.0 };
+        (a < least) & (value + step * a <= TIE_TOLERANCE * size)
+    };
+    tied.clear();
+    for (chunk, (values, column)) in values.chunks_exact(LANES).zip(column.chunks_exact(LANES)).enumerate() {
+        if values.iter().zip(column).fold(false, |any, (value, a)| any | reaches(*value, *a)) {
+            for i in 0..LANES {
+                if reaches(values[i], column[i]) {
+                    tied.push(chunk * LANES + i);
+                }
+            }
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Scaling by powers of two, which changes no digit and no pivot.
 use std::borrow::Cow;
 
+use super::kernels::{LANES, largest_size, vectorized};
 use super::problem::Lcp;
 
 /// w = M′z + q + d z₀ with M′_ij = u_i M_ij u_j and a covering vector d > 0: what a path starts from.
@@ -25,9 +26,14 @@ impl CoveredLcp<'_> {
     pub(super) fn copy_row(&self, i: usize, target: &mut [f64]) {
         let row = &self.matrix[i * self.order()..(i + 1) * self.order()];
         let unit = self.units[i];
-        for ((t, a), u) in target.iter_mut().zip(row).zip(self.units.iter()) {
-            *t = a * unit * u;
-        }
+        vectorized(
+            #[inline(always)]
+            || {
+                for ((t, a), u) in target.iter_mut().zip(row).zip(self.units.iter()) {
+                    *t = a * unit * u;
+                }
+            },
+        );
     }
 }
 
@@ -92,27 +98,31 @@ impl Scaling {
 
 /// The largest |D_i M_ij D_j| in row or column i, for every i.
 fn largest_entries(lcp: &Lcp, diagonal: &[f64]) -> Vec<f64> {
-    let mut columns = vec![0.0_f64; lcp.order()];
-    let mut rows = Vec::with_capacity(lcp.order());
-    for (i, di) in diagonal.iter().enumerate() {
-        // Eight running maxima, so that the row's is not one long chain of dependent steps.
-        let mut lanes = [0.0_f64; 8];
-        let chunks = columns.chunks_mut(8).zip(lcp.row(i).chunks(8)).zip(diagonal.chunks(8));
-        for ((column, entries), factors) in chunks {
-            for (((c, a), d), lane) in column.iter_mut().zip(entries).zip(factors).zip(&mut lanes) {
-                let size = a.abs() * di * d;
-                *c = if size > *c { size } else { *c };
-                *lane = if size > *lane { size } else { *lane };
+    let order = lcp.order();
+    let mut largest = vec![0.0_f64; order];
+    let mut sizes = vec![0.0; order.next_multiple_of(LANES)];
+    vectorized(
+        #[inline(always)]
+        || {
+            for (i, di) in diagonal.iter().enumerate() {
+                for (((c, size), a), d) in largest.iter_mut().zip(&mut sizes).zip(lcp.row(i)).zip(diagonal) {
+                    *size = a.abs() * di * d;
+                    *c = if *size > *c { *size } else { *c };
+                }
+                largest[i] = largest[i].max(largest_size(&sizes));
             }
-        }
-        rows.push(lanes.into_iter().fold(0.0, f64::max));
-    }
-    rows.iter().zip(&columns).map(|(r, c)| r.max(*c)).collect()
+        },
+    );
+    largest
 }
 
-/// The power of two nearest to 1/√size; 1 for a size that is zero or infinite.
+/// The power of two f nearest to 1/√size, so that ½ ≤ f² size < 2; 1 for a size that is zero or infinite.
 fn even_factor(size: f64) -> f64 {
-    if size > 0.0 && size.is_finite() { (-0.5 * size.log2()).round().exp2().clamp(LEAST, MOST) } else { 1.0 }
+    if size <= 0.0 || !size.is_finite() {
+        return 1.0;
+    }
+    let exponent = (size.to_bits() >> 52) as i64 - 1023;
+    f64::from_bits(((1023 + (-exponent).div_euclid(2)) as u64) << 52).clamp(LEAST, MOST)
 }
 
 /// The power of two at or below the largest of `sizes`; 1 if that is zero.

@@ -5,10 +5,11 @@
 //! subtracted from the base BLOCK at a time as one matrix product, so that the base is read and written once a block
 //! instead of once a pivot; in between, only the columns and rows that a pivot asks for are formed.
 use faer::linalg::matmul::matmul;
-use faer::{Accum, ColMut, Mat, MatMut, MatRef, Par, RowMut};
+use faer::{Accum, Mat, MatMut, MatRef};
 use rayon::prelude::*;
 
 use super::factors::{Factors, PARALLEL_ORDER, parallelism};
+use super::kernels::{LANES, subtract_multiples};
 use super::ratio_test::PIVOT_TOLERANCE;
 use super::scaling::CoveredLcp;
 
@@ -18,17 +19,18 @@ const BLOCK: usize = 32;
 /// Variables are numbered: slack i is i, its complement is m + i, the artificial variable is 2m.
 pub(super) struct Tableau {
     order: usize,
-    /// Columns of the base, and the distance from one row to the next.
+    /// Columns of the base, and the distance from one row to the next, to which all its vectors are padded.
     columns: usize,
     stride: usize,
     base: Vec<f64>,
-    /// U by columns and V by rows, `pending` of each in use.
+    /// U by columns and V by rows, one term after the other.
     left: Vec<f64>,
     right: Vec<f64>,
-    pending: usize,
-    /// Columns of the base that count as zero until the pending terms are subtracted.
+    /// Columns of the base that count as zero until the pending terms are subtracted, one a term.
     cleared: Vec<usize>,
     pub(super) values: Vec<f64>,
+    /// T's column of the variable that enters next.
+    pub(super) column: Vec<f64>,
     pub(super) row_variable: Vec<usize>,
     column_variable: Vec<usize>,
     /// Row i as i, column j as m + j.
@@ -38,12 +40,12 @@ pub(super) struct Tableau {
 }
 
 impl Tableau {
-    /// The tableau whose basis is the slacks: w = q + Mz + d z₀.
+    /// The tableau whose basis is the slacks: w = q + Mz + d z₀. The artificial variable enters next.
     pub(super) fn new(problem: &CoveredLcp) -> Self {
         let order = problem.order();
         let columns = order + 1;
         // An odd number of cache lines, so that a column's entries do not fall into a few cache sets.
-        let stride = (columns.div_ceil(8) | 1) * 8;
+        let stride = (columns.div_ceil(LANES) | 1) * LANES;
         let mut base = vec![0.0; order * stride];
         let fill = |(i, row): (usize, &mut [f64])| {
             problem.copy_row(i, &mut row[..order]);
@@ -54,16 +56,22 @@ impl Tableau {
         } else {
             base.par_chunks_exact_mut(stride).enumerate().for_each(fill);
         }
+        let padded = |entries: &[f64]| {
+            let mut vector = Vec::with_capacity(stride);
+            vector.extend_from_slice(entries);
+            vector.resize(stride, 0.0);
+            vector
+        };
         Self {
             order,
             columns,
             stride,
             base,
-            left: vec![0.0; BLOCK * order],
-            right: vec![0.0; BLOCK * stride],
-            pending: 0,
+            left: Vec::with_capacity(BLOCK * stride),
+            right: Vec::with_capacity(BLOCK * stride),
             cleared: Vec::with_capacity(BLOCK),
-            values: problem.q.clone(),
+            values: padded(&problem.q),
+            column: padded(&problem.covering),
             row_variable: (0..order).collect(),
             column_variable: (order..=2 * order).collect(),
             place: (0..=2 * order).collect(),
@@ -105,71 +113,68 @@ impl Tableau {
     /// T's entry in row i and the column of a nonbasic variable.
     pub(super) fn entry(&self, i: usize, nonbasic: usize) -> f64 {
         let j = self.column_of(nonbasic);
-        let terms = (0..self.pending).map(|k| self.left[k * self.order + i] * self.right[k * self.stride + j]);
+        let terms = (0..self.cleared.len()).map(|k| self.left[k * self.stride + i] * self.right[k * self.stride + j]);
         let base = if self.cleared.contains(&j) { 0.0 } else { self.base[i * self.stride + j] };
         base - terms.sum::<f64>()
     }
 
-    /// T's column of a nonbasic variable.
-    pub(super) fn column(&self, nonbasic: usize, column: &mut [f64]) {
-        let j = self.column_of(nonbasic);
+    /// Chooses the nonbasic variable that enters next.
+    pub(super) fn choose(&mut self, entering: usize) {
+        let j = self.column_of(entering);
         if self.cleared.contains(&j) {
-            column.fill(0.0);
+            self.column.fill(0.0);
         } else {
-            for (x, row) in column.iter_mut().zip(self.base.chunks_exact(self.stride)) {
+            for (x, row) in self.column.iter_mut().zip(self.base.chunks_exact(self.stride)) {
                 *x = row[j];
             }
         }
-        let left = MatRef::from_column_major_slice(&self.left[..self.pending * self.order], self.order, self.pending);
-        let right = MatRef::from_row_major_slice(&self.right[..self.pending * self.stride], self.pending, self.stride);
-        let column = ColMut::from_slice_mut(column).as_mat_mut();
-        matmul(column, Accum::Add, left, right.get(.., j..j + 1), -1.0, Par::Seq);
+        let mut factors = [0.0; BLOCK];
+        for (factor, row) in factors.iter_mut().zip(self.right.chunks_exact(self.stride)) {
+            *factor = row[j];
+        }
+        subtract_multiples(&mut self.column, &factors, &self.left);
     }
 
-    /// Makes `entering`, whose column of T is `column`, basic in row `r`, and returns the variable that leaves.
-    pub(super) fn exchange(&mut self, r: usize, entering: usize, column: &[f64]) -> usize {
-        let s = self.column_of(entering);
-        let (order, stride, pending) = (self.order, self.stride, self.pending);
-        let pivot = column[r];
-        let (used, free) = self.right.split_at_mut(pending * stride);
-        let row = &mut free[..stride];
-        let base_row = &mut self.base[r * stride..(r + 1) * stride];
-        row.copy_from_slice(base_row);
-        base_row.fill(0.0);
-        self.cleared.iter().for_each(|&j| row[j] = 0.0);
-        let left = MatRef::from_column_major_slice(&self.left[..pending * order], order, pending).get(r..r + 1, ..);
-        let right = MatRef::from_row_major_slice(used, pending, stride);
-        matmul(RowMut::from_slice_mut(row).as_mat_mut(), Accum::Add, left, right, -1.0, Par::Seq);
-        let reciprocal = pivot.recip();
-        row.iter_mut().for_each(|x| *x *= reciprocal);
-        row[s] = -reciprocal;
-
-        self.cleared.push(s);
-        for k in 0..pending {
-            self.left[k * order + r] = 0.0;
-            self.right[k * stride + s] = 0.0;
-        }
-        self.left[pending * order..(pending + 1) * order].copy_from_slice(column);
-        self.left[pending * order + r] = 1.0;
-        self.pending += 1;
-
-        let step = -self.values[r] / pivot;
-        subtract_multiples(&mut self.values, std::iter::once((-step, column)));
-        self.values[r] = step;
-        self.swap_variables(r, s);
-        self.age += 1;
-        if self.pending == BLOCK {
+    /// Makes `entering`, the variable of `column`, basic in row `r`, and returns the variable that leaves.
+    pub(super) fn exchange(&mut self, r: usize, entering: usize) -> usize {
+        if self.cleared.len() == BLOCK {
             self.flush();
         }
+        let s = self.column_of(entering);
+        let (stride, reciprocal) = (self.stride, self.column[r].recip());
+        // Row r, the terms' own row r and column s are zero from now on; the new term restores them.
+        let mut factors = [0.0; BLOCK];
+        for (factor, column) in factors.iter_mut().zip(self.left.chunks_exact_mut(stride)) {
+            *factor = std::mem::take(&mut column[r]);
+        }
+        let base_row = &mut self.base[r * stride..(r + 1) * stride];
+        let from = self.right.len();
+        self.right.extend_from_slice(base_row);
+        base_row.fill(0.0);
+        let (used, row) = self.right.split_at_mut(from);
+        self.cleared.iter().for_each(|&j| row[j] = 0.0);
+        subtract_multiples(row, &factors, used);
+        used.chunks_exact_mut(stride).for_each(|used| used[s] = 0.0);
+        row.iter_mut().for_each(|x| *x *= reciprocal);
+        row[s] = -reciprocal;
+        self.cleared.push(s);
+
+        let step = -self.values[r] * reciprocal;
+        subtract_multiples(&mut self.values, &[-step], &self.column);
+        self.values[r] = step;
+        self.column[r] = 1.0;
+        self.left.extend_from_slice(&self.column);
+        self.swap_variables(r, s);
+        self.age += 1;
         self.column_variable[s]
     }
 
-    /// The direction of all variables but the artificial one as `entering`, whose column is `column`, grows.
-    pub(super) fn direction(&self, entering: usize, column: &[f64]) -> Vec<f64> {
-        let least = PIVOT_TOLERANCE * column.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
+    /// The direction of all variables but the artificial one as `entering`, the variable of `column`, grows.
+    pub(super) fn direction(&self, entering: usize) -> Vec<f64> {
+        let least = PIVOT_TOLERANCE * self.column.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
         let mut direction = vec![0.0; 2 * self.order + 1];
         direction[entering] = 1.0;
-        for (&variable, &a) in self.row_variable.iter().zip(column) {
+        for (&variable, &a) in self.row_variable.iter().zip(&self.column) {
             direction[variable] = if a > least { a } else { 0.0 };
         }
         direction.pop();
@@ -182,16 +187,17 @@ impl Tableau {
         for row in self.base.chunks_exact_mut(stride) {
             self.cleared.iter().for_each(|&j| row[j] = 0.0);
         }
-        self.cleared.clear();
         matmul(
             row_major_mut(&mut self.base, order, columns, stride),
             Accum::Add,
-            MatRef::from_column_major_slice(&self.left[..self.pending * order], order, self.pending),
-            MatRef::from_row_major_slice_with_stride(&self.right, self.pending, columns, stride),
+            MatRef::from_column_major_slice_with_stride(&self.left, order, self.cleared.len(), stride),
+            MatRef::from_row_major_slice_with_stride(&self.right, self.cleared.len(), columns, stride),
             -1.0,
             parallelism(order),
         );
-        self.pending = 0;
+        self.cleared.clear();
+        self.left.clear();
+        self.right.clear();
     }
 
     /// Makes column variables `entering` basic in rows `leaving`, pairwise and all at once, by one LU factorization.
@@ -245,7 +251,8 @@ impl Tableau {
     }
 
     /// T without the artificial variable's column, row-major; meant for a tableau with no exchange pending.
-    pub(super) fn into_matrix_and_values(self) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn into_matrix_and_values(mut self) -> (Vec<f64>, Vec<f64>) {
+        self.values.truncate(self.order);
         let rows = self.base.chunks_exact(self.stride);
         (rows.flat_map(|row| &row[..self.order]).copied().collect(), self.values)
     }
@@ -260,11 +267,4 @@ impl Tableau {
 /// faer 0.24.4's own `from_row_major_slice_with_stride_mut` takes its stride for that of the columns.
 fn row_major_mut(entries: &mut [f64], rows: usize, columns: usize, stride: usize) -> MatMut<'_, f64> {
     MatMut::from_column_major_slice_with_stride_mut(entries, columns, rows, stride).transpose_mut()
-}
-
-/// target ← target − Σ factor · source.
-fn subtract_multiples<'a>(target: &mut [f64], terms: impl Iterator<Item = (f64, &'a [f64])>) {
-    for (factor, source) in terms {
-        target.iter_mut().zip(source).for_each(|(t, s)| *t -= factor * s);
-    }
 }

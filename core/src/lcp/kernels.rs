@@ -1,0 +1,75 @@
+//! Inner loops, compiled for the widest registers the machine turns out to have.
+use pulp::{Arch, Simd, WithSimd};
+
+/// Vectors are padded with zeros to a multiple of this.
+pub(super) const LANES: usize = 8;
+
+/// Runs `work` with all that is inlined into it vectorized for this machine.
+#[inline(always)]
+pub(super) fn vectorized<R>(work: impl FnOnce() -> R) -> R {
+    Arch::new().dispatch(work)
+}
+
+/// The largest absolute value of a padded vector, by as many running maxima as there are lanes, so that none waits for the one before.
+#[inline(always)]
+pub(super) fn largest_size(vector: &[f64]) -> f64 {
+    let mut lanes = [0.0_f64; LANES];
+    for chunk in vector.chunks_exact(LANES) {
+        for (lane, a) in lanes.iter_mut().zip(chunk) {
+            *lane = if a.abs() > *lane { a.abs() } else { *lane };
+        }
+    }
+    lanes.into_iter().fold(0.0, f64::max)
+}
+
+/// target ← target − Σ_k factors_k · source_k, where the sources lie one after the other in `sources`. Their common
+/// length is a multiple of [`LANES`].
+pub(super) fn subtract_multiples(target: &mut [f64], factors: &[f64], sources: &[f64]) {
+    Arch::new().dispatch(SubtractMultiples { target, factors, sources });
+}
+
+struct SubtractMultiples<'a> {
+    target: &'a mut [f64],
+    factors: &'a [f64],
+    sources: &'a [f64],
+}
+
+impl WithSimd for SubtractMultiples<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let target = S::as_mut_simd_f64s(self.target).0;
+        let sources = S::as_simd_f64s(self.sources).0;
+        let mut from = 0;
+        while from + 4 <= target.len() {
+            subtract_in_strip::<S, 4>(simd, from, target, self.factors, sources);
+            from += 4;
+        }
+        while from < target.len() {
+            subtract_in_strip::<S, 1>(simd, from, target, self.factors, sources);
+            from += 1;
+        }
+    }
+}
+
+/// The N registers from `from` on, summed without going back to memory.
+#[inline(always)]
+fn subtract_in_strip<S: Simd, const N: usize>(
+    simd: S,
+    from: usize,
+    target: &mut [S::f64s],
+    factors: &[f64],
+    sources: &[S::f64s],
+) {
+    let mut sums = [simd.splat_f64s(0.0); N];
+    for (factor, source) in factors.iter().zip(sources.chunks_exact(target.len())) {
+        let factor = simd.splat_f64s(*factor);
+        for (sum, s) in sums.iter_mut().zip(&source[from..from + N]) {
+            *sum = simd.mul_add_e_f64s(factor, *s, *sum);
+        }
+    }
+    for (t, sum) in target[from..from + N].iter_mut().zip(sums) {
+        *t = simd.sub_f64s(*t, sum);
+    }
+}
