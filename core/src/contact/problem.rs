@@ -21,6 +21,8 @@ pub struct Constraints {
     pub two_sided: Vec<bool>,
     /// Stiffness that the factor carries at the point so that K̃ is regular; 0 for most.
     pub regularization: Vec<f64>,
+    /// Rigid motions over all dofs that springs, held dofs and two-sided points leave free.
+    pub free_motions: Vec<Vec<f64>>,
 }
 
 /// Positions, in the caller's order, of the points of the LCP and of the soft ones.
@@ -99,12 +101,14 @@ impl ContactProblem {
                     .collect()
             })
             .collect();
+        let moves = |motion: &Vec<f64>| (0..rows.len()).map(|row| rows.dot(&plate, row, motion)).collect();
         let condensed = Condensed::new(
             factor.trailing_block(numbering.trailing),
             entries,
             constraints.regularization.clone(),
             constraints.compliance.clone(),
             constraints.two_sided.clone(),
+            &constraints.free_motions.iter().map(moves).collect::<Vec<_>>(),
         );
         let condense = clock.elapsed().as_secs_f64();
         let seconds = Seconds { order, assemble, factor: factoring, condense };
@@ -180,7 +184,7 @@ fn with_regularization(springs: &Springs, constraints: &Constraints) -> Springs 
 
 /// Takes the points marked soft out of the LCP's.
 fn split(constraints: Constraints, soft: &[bool]) -> (Constraints, SoftPoints, PointOrder) {
-    let mut hard = Constraints::default();
+    let mut hard = Constraints { free_motions: constraints.free_motions, ..Constraints::default() };
     let mut taken = SoftPoints::default();
     let mut order = PointOrder::default();
     for (i, &soft) in soft.iter().enumerate() {
