@@ -68,7 +68,7 @@ impl ContactProblem {
         let (elements, rows, distance, compliance, two_sided, regularization) = &constraint_arrays;
         let rows = element_rows(elements, rows, count)?;
         let m = rows.len();
-        let soft = soft.map_or_else(|| Ok(vec![false; m]), |soft| flags("soft", &soft, m))?;
+        let soft = soft.map_or(Ok(Vec::new()), |soft| flags("soft", &soft, m))?;
         let constraints = Constraints {
             rows,
             distance: sized("distance", distance, m)?,

@@ -45,7 +45,7 @@ fn free_on_points(at: &[(f64, f64)], gap: &[f64], soft: bool) -> ContactProblem 
         constraints.regularization.push(if i < 3 { 10.0 } else { 0.0 });
     }
     let held = vec![false; plate.dof_count()];
-    ContactProblem::new(plate, Springs::default(), held, constraints).unwrap()
+    ContactProblem::new(plate, Springs::default(), held, constraints, &[]).unwrap()
 }
 
 fn load(plate: &Plate, element: usize, force: f64) -> Vec<f64> {

@@ -182,14 +182,13 @@ fn with_regularization(springs: &Springs, constraints: &Constraints) -> Springs 
     all
 }
 
-/// Takes the points marked soft out of the LCP's.
+/// Takes the points marked soft out of the LCP's; none is if there are no marks.
 fn split(constraints: Constraints, soft: &[bool]) -> (Constraints, SoftPoints, PointOrder) {
     let mut hard = Constraints { free_motions: constraints.free_motions, ..Constraints::default() };
     let mut taken = SoftPoints::default();
     let mut order = PointOrder::default();
-    for (i, &soft) in soft.iter().enumerate() {
-        let coefficient = constraints.rows.coefficient[i];
-        if soft {
+    for (i, &coefficient) in constraints.rows.coefficient.iter().enumerate() {
+        if soft.get(i) == Some(&true) {
             taken.element.push(constraints.rows.element[i]);
             taken.value.push(std::array::from_fn(|node| coefficient[3 * node]));
             taken.stiffness.push(1.0 / constraints.compliance[i]);
