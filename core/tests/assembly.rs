@@ -133,7 +133,7 @@ proptest! {
         let springs = springs(&plate, seed);
         let held = marks(plate.dof_count(), seed, 15);
         let numbering = Numbering::new(&plate, &held, &marks(plate.dof_count(), seed + 2, 20));
-        let sparse = unpacked(&assemble(&plate, &springs, &numbering));
+        let sparse = unpacked(&assemble(&plate, &springs, &[], &numbering));
         let all = dense(&plate, &springs);
         let expected = Mat::from_fn(numbering.len(), numbering.len(), |i, j| all[(numbering.dof[i], numbering.dof[j])]);
         prop_assert!(largest(&(sparse - &expected)) <= 1e-12 * largest(&expected));
@@ -146,7 +146,7 @@ proptest! {
         let mut held = marks(plate.dof_count(), seed, 10);
         held[..9].fill(true);
         let numbering = Numbering::new(&plate, &held, &marks(plate.dof_count(), seed + 2, 20));
-        let lower = assemble(&plate, &springs, &numbering);
+        let lower = assemble(&plate, &springs, &[], &numbering);
         let (full, factor) = (unpacked(&lower), factor(&lower).unwrap());
         let n = numbering.len();
         let right = Mat::from_fn(n, 1, |i, _| (i as f64 + seed as f64).sin());
@@ -183,7 +183,7 @@ proptest! {
 #[test]
 fn a_free_plate_has_no_factor() {
     let plate = plate(2, 2, 1);
-    let lower = assemble(&plate, &Springs::default(), &Numbering::natural(&plate));
+    let lower = assemble(&plate, &Springs::default(), &[], &Numbering::natural(&plate));
     let minus = LowerTriangle { value: lower.value.iter().map(|v| -v).collect(), ..lower };
     assert!(matches!(factor(&minus), Err(FactorError::NotPositiveDefinite { .. })));
 }
