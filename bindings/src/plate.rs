@@ -16,6 +16,8 @@ pub struct Plate {
 }
 
 type Pair<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+type RowPair<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+type Stresses<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>);
 type Compressed<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
 
 pub fn displacement(
@@ -74,7 +76,7 @@ impl Plate {
         elements: PyReadonlyArray1<'_, i64>,
         xi: PyReadonlyArray2<'_, f64>,
         field: usize,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+    ) -> PyResult<RowPair<'py>> {
         let elements = indices("elements", &elements, self.inner.elements().len())?;
         let xi = rows_of::<2, f64>("reference points", &xi)?;
         if xi.len() != elements.len() || field > 2 {
@@ -134,7 +136,7 @@ impl Plate {
         lo: PyReadonlyArray1<'_, f64>,
         curvature: [f64; 3],
         couples: PyReadonlyArray1<'_, f64>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>)> {
+    ) -> PyResult<Stresses<'py>> {
         let count = self.inner.elements().len();
         let displacement = displacement(&hi, &lo, self.inner.dof_count())?;
         let couples = sized("couples", &couples, 2 * count)?;
