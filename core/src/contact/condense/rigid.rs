@@ -58,14 +58,18 @@ impl Condensed {
             *missing += lcp.point.iter().map(|&i| self.moves[(i, k)] * reaction[i]).sum::<f64>();
             *missing -= (0..inside).map(|r| n[(r, k)] * lcp.q[r]).sum::<f64>();
         }
+        // S itself keeps its soft modes, and q what goes with them, better than a projection does.
+        let imposed = order > inside || self.stiffness.is_none();
         for r in 0..inside {
-            lcp.q[r] += (0..free).map(|k| dual[(r, k)] * missing[k]).sum::<f64>();
+            if imposed {
+                lcp.q[r] += (0..free).map(|k| dual[(r, k)] * missing[k]).sum::<f64>();
+            }
             let size: f64 = (0..free).map(|k| dual[(r, k)].abs() * drive.work_size[k]).sum();
             let held: f64 = lcp.matrix[r * order..r * order + inside].iter().map(|m| m.abs() * length).sum();
             if lcp.q[r].abs() <= ROUNDING * size + SUM * held {
                 lcp.q[r] = 0.0;
             }
-            for c in 0..inside {
+            for c in (0..inside).filter(|_| imposed) {
                 let even = 0.5 * (within[(r, c)] + within[(c, r)]);
                 lcp.matrix[r * order + c] = if loose[r] || loose[c] { 0.0 } else { even };
             }
@@ -75,5 +79,17 @@ impl Condensed {
             }
         }
         lcp
+    }
+
+    /// Displacements of the points without the free motion nearest to them, which no reaction answers.
+    pub(super) fn without_rigid_motion(&self, moved: &[f64]) -> Vec<f64> {
+        let n = &self.moves;
+        if n.ncols() == 0 {
+            return moved.to_vec();
+        }
+        let column = Mat::from_fn(moved.len(), 1, |i, _| moved[i]);
+        let motion = (n.transpose() * n).partial_piv_lu().solve(n.transpose() * &column);
+        let rest = column - n * motion;
+        (0..moved.len()).map(|i| rest[(i, 0)]).collect()
     }
 }
