@@ -10,7 +10,8 @@ use signorini_core::contact::{self, Constraints, Form, Outcome};
 ///
 /// `held` (3n,) marks dofs with a prescribed value; `springs` is (elements, rows, stiffness, base); `constraints` is
 /// (elements, rows, distance, compliance, two_sided, regularization), one entry a contact point:
-/// row·u + gap − compliance·reaction = distance.
+/// row·u + gap − compliance·reaction = distance. `free_motions` (d, 3n) are the rigid motions that held dofs, springs and
+/// two-sided points leave free; none if absent.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactProblem {
     inner: contact::ContactProblem,
@@ -27,6 +28,10 @@ type ConstraintArrays<'py> = (
 
 type PosedLcp<'py> =
     (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<bool>>);
+
+fn rows_of(matrix: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
+    matrix.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
+}
 
 fn failed(error: FactorError) -> PyErr {
     match error {
@@ -46,12 +51,14 @@ fn form_of(name: &str) -> PyResult<Form> {
 #[pymethods]
 impl ContactProblem {
     #[new]
+    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None))]
     fn new(
         py: Python<'_>,
         plate: &Plate,
         held: PyReadonlyArray1<'_, bool>,
         spring_arrays: SpringArrays<'_>,
         constraint_arrays: ConstraintArrays<'_>,
+        free_motions: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Self> {
         let count = plate.inner.elements().len();
         let held = flags("held", &held, plate.inner.dof_count())?;
@@ -65,7 +72,11 @@ impl ContactProblem {
             compliance: sized("compliance", compliance, m)?,
             two_sided: flags("two_sided", two_sided, m)?,
             regularization: sized("regularization", regularization, m)?,
+            free_motions: free_motions.map_or(Vec::new(), |motions| rows_of(&motions)),
         };
+        if constraints.free_motions.iter().any(|motion| motion.len() != held.len()) {
+            return Err(invalid(format!("free_motions must have {} columns", held.len())));
+        }
         let not_negative = |v: &[f64]| v.iter().all(|x| *x >= 0.0 && x.is_finite());
         if !not_negative(&constraints.compliance)
             || !not_negative(&constraints.regularization)

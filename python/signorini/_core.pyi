@@ -63,7 +63,12 @@ class Plate:
 
 class ContactProblem:
     def __new__(
-        cls, plate: Plate, held: _Bools, spring_arrays: _Springs, constraint_arrays: _Constraints
+        cls,
+        plate: Plate,
+        held: _Bools,
+        spring_arrays: _Springs,
+        constraint_arrays: _Constraints,
+        free_motions: _Floats | None = None,
     ) -> ContactProblem: ...
     def solve(
         self, load: _Floats, held_value: _Floats, form: _Form = None, max_pivots: int | None = None

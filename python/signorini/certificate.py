@@ -104,7 +104,9 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
         dofs = contacts.rows.dofs(elements)
         moved = (contacts.rows.coefficients.astype(np.longdouble) * (hi.astype(np.longdouble) + lo)[dofs]).sum(axis=1)
         gap = np.asarray(contacts.distance - moved + contacts.compliance * reaction, dtype=np.float64)
-        length = max(_largest(hi[::3]), _largest(contacts.distance), _largest(held.values), _nil_deflection(found, load))
+        length = max(
+            _largest(hi[::3]), _largest(contacts.distance), _largest(held.values), _nil_deflection(found, load)
+        )
         slip = np.abs(np.where(held.dofs, hi + lo - held.values, 0.0))[::3]
         open_by = np.where(contacts.two_sided, np.abs(gap), -gap)
         one_sided = np.where(contacts.two_sided, 0.0, reaction)

@@ -176,6 +176,12 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
             ),
         )
     except RuntimeError as error:
+        if found.model.plate.element == "q8r":
+            raise InputError(
+                "q8r bends in some shapes without resistance, and on this mesh the supports do not hold them all. "
+                'Take element = "mitc9" or a finer mesh.',
+                place="plate.element",
+            ) from None
         raise SignoriniError(
             f"The stiffness matrix cannot be factored: {error}. A part of the plate can move freely, or the plate is "
             "too thin for double precision."

@@ -16,6 +16,7 @@
 //! Two-sided points have no gap and a reaction of either sign; they are eliminated from the LCP.
 
 mod flexibility;
+mod rigid;
 mod stiffness;
 
 use faer::Mat;
@@ -34,6 +35,8 @@ pub struct Condensed {
     pub compliance: Vec<f64>,
     /// Points whose constraint is an equation.
     pub two_sided: Vec<bool>,
+    /// Gu of each free rigid motion, one a column.
+    moves: Mat<f64>,
     /// S, where the rows pick single dofs.
     stiffness: Option<Mat<f64>>,
     flexibility: OnceLock<Mat<f64>>,
@@ -54,6 +57,9 @@ pub struct Drive {
     pub displacement: Vec<f64>,
     /// r condensed onto the contact points; zero where the flexibility serves.
     pub force: Vec<f64>,
+    /// Work of r in each free rigid motion, and the sum of the load's magnitudes that its rounding is relative to.
+    pub work: Vec<f64>,
+    pub work_size: Vec<f64>,
     /// What is left of each gap.
     pub remaining: Vec<f64>,
 }
@@ -90,13 +96,15 @@ enum StateFactor {
 }
 
 impl Condensed {
-    /// `trailing` is the factor's last block, `rows` the contact rows over its dofs.
+    /// `trailing` is the factor's last block, `rows` the contact rows over its dofs, `moves` how each free rigid motion
+    /// moves the points.
     pub fn new(
         trailing: Mat<f64>,
         rows: Vec<Vec<(usize, f64)>>,
         regularization: Vec<f64>,
         compliance: Vec<f64>,
         two_sided: Vec<bool>,
+        moves: &[Vec<f64>],
     ) -> Self {
         let stiffness = picks_single_dofs(&rows, trailing.nrows()).then(|| {
             let product = &trailing * trailing.transpose();
@@ -106,7 +114,8 @@ impl Condensed {
                 0.5 * (product[(p, q)] + product[(q, p)]) / (a * b) - carried
             })
         });
-        Self { trailing, rows, regularization, compliance, two_sided, stiffness, flexibility: OnceLock::new() }
+        let moves = Mat::from_fn(rows.len(), moves.len(), |i, k| moves[k][i]);
+        Self { trailing, rows, regularization, compliance, two_sided, moves, stiffness, flexibility: OnceLock::new() }
     }
 
     pub fn len(&self) -> usize {
@@ -145,11 +154,12 @@ impl Condensed {
 
     /// The LCP past `reaction`s already acting.
     pub fn lcp(&self, form: Form, drive: &Drive, reaction: &[f64]) -> PosedLcp {
-        match (form, &self.stiffness) {
+        let posed = match (form, &self.stiffness) {
             (Form::Stiffness, Some(stiffness)) => self.stiffness_lcp(stiffness, drive, reaction),
-            (Form::Stiffness, None) => self.flexibility_lcp(drive, reaction, &vec![true; self.len()]),
-            (Form::Dual, _) => self.flexibility_lcp(drive, reaction, &vec![false; self.len()]),
-        }
+            (Form::Stiffness, None) => self.flexibility_lcp(drive, reaction, true),
+            (Form::Dual, _) => self.flexibility_lcp(drive, reaction, false),
+        };
+        self.balanced(posed, drive, reaction)
     }
 
     /// Which points are closed, given which z of the LCP are basic.

@@ -20,6 +20,8 @@ pub struct Constraints {
     pub two_sided: Vec<bool>,
     /// Stiffness that the factor carries at the point so that K̃ is regular; 0 for most.
     pub regularization: Vec<f64>,
+    /// Rigid motions over all dofs that springs, held dofs and two-sided points leave free.
+    pub free_motions: Vec<Vec<f64>>,
 }
 
 /// Seconds of each stage.
@@ -80,12 +82,14 @@ impl ContactProblem {
                     .collect()
             })
             .collect();
+        let moves = |motion: &Vec<f64>| (0..rows.len()).map(|row| rows.dot(&plate, row, motion)).collect();
         let condensed = Condensed::new(
             factor.trailing_block(numbering.trailing),
             entries,
             constraints.regularization.clone(),
             constraints.compliance.clone(),
             constraints.two_sided.clone(),
+            &constraints.free_motions.iter().map(moves).collect::<Vec<_>>(),
         );
         let condense = clock.elapsed().as_secs_f64();
         let seconds = Seconds { order, assemble, factor: factoring, condense };

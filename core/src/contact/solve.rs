@@ -38,7 +38,7 @@ const STATES: usize = 5;
 const PROGRESS: f64 = 0.25;
 /// An imbalance this small, relative to the largest nodal force, is rounding.
 const ROUNDING: f64 = 1e-15;
-/// Reactions and gaps of the wrong sign, relative to the largest of their kind, that are rounding.
+/// Reactions and gaps of the wrong sign, relative to the largest of their kind or of the load, that are rounding.
 const SIGN: f64 = 1e-11;
 
 /// What is out of balance and what is left of the gaps.
@@ -46,6 +46,8 @@ struct Step {
     imbalance: Vec<f64>,
     remaining: Vec<f64>,
     worst: f64,
+    /// Sum of the load's magnitudes in each free rigid motion.
+    work_size: Vec<f64>,
 }
 
 /// An imbalance after forward substitution, and what it does at the contact points.
@@ -70,6 +72,7 @@ impl ContactProblem {
         let mut solution = self.at_rest(load.len(), held_value);
         let mut step = self.step(load, &solution);
         let mut motion = self.motion(&step, form)?;
+        let travel = motion.drive.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         for _ in 0..STATES {
             let (outcome, closed) = self.contact_state(&motion, &mut solution, form, max_pivots);
             if outcome != Outcome::Solved {
@@ -90,7 +93,7 @@ impl ContactProblem {
             for i in 0..solution.gap.len() {
                 solution.gap[i] = if solution.closed[i] { 0.0 } else { step.remaining[i] };
             }
-            if settled || self.signs_hold(&solution) {
+            if settled || self.signs_hold(load, travel, &solution) {
                 solution.outcome = Outcome::Solved;
                 return Ok(solution);
             }
@@ -232,7 +235,10 @@ impl ContactProblem {
             }
             worst = f64::max(worst, value.abs());
         }
-        Step { imbalance, remaining: self.remaining(&solution.displacement, &solution.reaction), worst }
+        let size = |motion: &Vec<f64>| motion.iter().zip(load).map(|(u, f)| (u * f).abs()).sum();
+        let work_size = self.constraints.free_motions.iter().map(size).collect();
+        let remaining = self.remaining(&solution.displacement, &solution.reaction);
+        Step { imbalance, remaining, worst, work_size }
     }
 
     fn motion(&self, step: &Step, form: Form) -> Result<Motion, FactorError> {
@@ -248,18 +254,34 @@ impl ContactProblem {
         } else {
             Vec::new()
         };
-        Ok(Motion { forward, drive: Drive { displacement, force, remaining: step.remaining.clone() } })
+        let along = |motion: &Vec<f64>| motion.iter().zip(&step.imbalance).map(|(u, f)| u * f).sum();
+        let work = self.constraints.free_motions.iter().map(along).collect();
+        let (work_size, remaining) = (step.work_size.clone(), step.remaining.clone());
+        Ok(Motion { forward, drive: Drive { displacement, force, work, work_size, remaining } })
     }
 
     fn largest_force(&self, load: &[f64], solution: &ContactSolution) -> f64 {
         load.iter().chain(&solution.reaction).fold(0.0, |a, b| a.max(b.abs()))
     }
 
-    fn signs_hold(&self, solution: &ContactSolution) -> bool {
+    /// Largest nodal load; a couple counts by the force that it is at the size of the first element.
+    fn largest_load(&self, load: &[f64]) -> f64 {
+        let across = self.plate.geometry(0).at.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let size = |(dof, f): (usize, &f64)| if dof % 3 == 0 { f.abs() } else { f.abs() / across };
+        load.iter().enumerate().map(size).fold(0.0, f64::max)
+    }
+
+    /// Whether no reaction pulls and no gap is negative; `travel` is how far the load moves points that may move.
+    fn signs_hold(&self, load: &[f64], travel: f64, solution: &ContactSolution) -> bool {
         let c = &self.constraints;
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let force = SIGN * largest(&solution.reaction);
-        let length = SIGN * largest(&solution.gap).max(largest(&c.distance));
+        // Without a load, reactions are what the plate's stiffness makes of gaps.
+        let load = match self.largest_load(load) {
+            0.0 => largest(&c.regularization) * largest(&c.distance),
+            load => load,
+        };
+        let force = SIGN * largest(&solution.reaction).max(load);
+        let length = (SIGN * largest(&solution.gap).max(largest(&c.distance))).max(ROUNDING * travel);
         (0..c.two_sided.len()).all(|i| c.two_sided[i] || (solution.reaction[i] >= -force && solution.gap[i] >= -length))
     }
 }

@@ -53,11 +53,11 @@ impl Condensed {
             .collect()
     }
 
-    /// The LCP with the points of `closed_first` (and all that are regularised or two-sided) exchanged.
-    pub(super) fn flexibility_lcp(&self, drive: &Drive, reaction: &[f64], closed_first: &[bool]) -> PosedLcp {
+    /// The LCP with every point exchanged if all are `closed_first`, else those that are regularised or two-sided.
+    pub(super) fn flexibility_lcp(&self, drive: &Drive, reaction: &[f64], closed_first: bool) -> PosedLcp {
         let p = self.flexibility();
         let closing = self.closing(p, drive, reaction);
-        let exchanged = |i: usize| closed_first[i] || self.two_sided[i] || self.regularization[i] > 0.0;
+        let exchanged = |i: usize| closed_first || self.two_sided[i] || self.regularization[i] > 0.0;
         let (mut inside, outside): (Vec<usize>, Vec<usize>) = (0..self.len()).partition(|&i| exchanged(i));
         inside.sort_by_key(|&i| self.absorbed(i));
         let coupled = inside.partition_point(|&i| !self.absorbed(i));

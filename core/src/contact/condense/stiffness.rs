@@ -9,6 +9,7 @@ impl Condensed {
     pub(super) fn stiffness_lcp(&self, stiffness: &Mat<f64>, drive: &Drive, reaction: &[f64]) -> PosedLcp {
         let m = self.len();
         let travel: Vec<f64> = (0..m).map(|i| drive.remaining[i] - self.compliance[i] * reaction[i]).collect();
+        let travel = self.without_rigid_motion(&travel);
         let mut q: Vec<f64> = (0..m)
             .map(|i| drive.force[i] + reaction[i] - (0..m).map(|j| stiffness[(i, j)] * travel[j]).sum::<f64>())
             .collect();

@@ -1,0 +1,130 @@
+//! Contact problems on a square plate: against the conditions themselves, and the rigid motions in the LCP.
+use proptest::prelude::*;
+use signorini_core::contact::{Constraints, ContactProblem, Form, Outcome};
+use signorini_core::element::{Kind, Material};
+use signorini_core::plate::Plate;
+use signorini_core::residual::Springs;
+use std::sync::Arc;
+
+const SIZE: usize = 3;
+
+fn plate() -> Arc<Plate> {
+    let columns = 2 * SIZE + 1;
+    let mut number = vec![usize::MAX; columns * columns];
+    let mut points = Vec::new();
+    for k in (0..columns * columns).filter(|k| k % columns % 2 == 0 || k / columns % 2 == 0) {
+        number[k] = points.len();
+        points.push([0.5 * (k % columns) as f64 - 1.5, 0.5 * (k / columns) as f64 - 1.5]);
+    }
+    let corner = |e: usize| 2 * (e / SIZE) * columns + 2 * (e % SIZE);
+    let nodes = [0, 2, 2 * columns + 2, 2 * columns, 1, columns + 2, 2 * columns + 1, columns];
+    let elements = (0..SIZE * SIZE).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
+    let thickness = vec![0.2; points.len()];
+    let material = Material { young: 1000.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
+    Arc::new(Plate::new(points, elements, thickness, material, Kind::Mitc9, None).unwrap())
+}
+
+/// w = 1, w = x, w = y.
+fn motions(plate: &Plate) -> Vec<Vec<f64>> {
+    let over =
+        |values: fn([f64; 2]) -> [f64; 3]| (0..plate.node_count()).flat_map(|n| values(plate.point(n))).collect();
+    vec![over(|_| [1.0, 0.0, 0.0]), over(|p| [p[0], 1.0, 0.0]), over(|p| [p[1], 0.0, 1.0])]
+}
+
+/// Points that push up, in corner elements, then one in the middle element; the first three are regularised.
+fn free_on_points(at: &[(f64, f64)], gap: &[f64], soft: bool) -> ContactProblem {
+    let plate = plate();
+    let mut constraints = Constraints { free_motions: motions(&plate), ..Constraints::default() };
+    for (i, (&(xi, eta), &gap)) in at.iter().zip(gap).enumerate() {
+        let element = [0, 2, 8, 6, 4][i % 5];
+        constraints.rows.element.push(element);
+        constraints.rows.coefficient.push(plate.interpolation_row(element, xi, eta, 0).0);
+        constraints.distance.push(gap);
+        constraints.compliance.push(if soft && i == 3 { 0.01 } else { 0.0 });
+        constraints.two_sided.push(false);
+        constraints.regularization.push(if i < 3 { 10.0 } else { 0.0 });
+    }
+    let held = vec![false; plate.dof_count()];
+    ContactProblem::new(plate, Springs::default(), held, constraints).unwrap()
+}
+
+fn load(plate: &Plate, element: usize, force: f64) -> Vec<f64> {
+    let row = plate.interpolation_row(element, 0.1, -0.2, 0).0;
+    let mut out = vec![0.0; plate.dof_count()];
+    for (j, c) in row.iter().enumerate() {
+        out[3 * plate.elements()[element][j / 3] + j % 3] += force * c;
+    }
+    out
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn a_plate_on_points_meets_every_condition(
+        at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5),
+        gap in prop::collection::vec(prop_oneof![Just(0.0), 0.0f64..0.01], 5),
+        element in 0usize..9, soft: bool, dual: bool,
+    ) {
+        let problem = free_on_points(&at, &gap, soft);
+        let load = load(&problem.plate, element, 1.0);
+        let held = vec![0.0; load.len()];
+        let form = if dual { Form::Dual } else { Form::Stiffness };
+        let found = problem.solve(&load, &held, Some(form), None).unwrap();
+        prop_assert!(found.outcome != Outcome::Unsolved);
+        if found.outcome == Outcome::Solved {
+            let out = problem.imbalance(&load, &found.displacement, &found.reaction);
+            prop_assert!(out.iter().all(|f| f.abs() < 1e-10));
+            let left = problem.remaining(&found.displacement, &found.reaction);
+            for i in 0..5 {
+                prop_assert!(found.reaction[i] >= -1e-10 && left[i] >= -1e-11);
+                prop_assert!((found.reaction[i] * left[i]).abs() < 1e-10);
+            }
+        } else {
+            prop_assert!(found.reaction.iter().chain(&found.displacement.hi).all(|x| x.is_nan()));
+        }
+    }
+
+    /// Gaps that a rigid motion opens cost no reaction, and the posed reactions balance the load.
+    #[test]
+    fn the_lcp_knows_the_rigid_motions_exactly(at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5), element in 0usize..9) {
+        let problem = free_on_points(&at, &[0.0; 5], false);
+        let load = load(&problem.plate, element, 1.0);
+        let posed = problem.lcp(&load, &vec![0.0; load.len()], Some(Form::Dual)).unwrap();
+        let order = posed.q.len();
+        prop_assert_eq!(&posed.gap_is_z, &[true, true, true, false, false]);
+        for motion in motions(&problem.plate) {
+            let moves: Vec<f64> = problem.at_points(&motion);
+            let work: f64 = motion.iter().zip(&load).map(|(u, f)| u * f).sum();
+            let carried: f64 = (0..3).map(|r| moves[posed.point[r]] * posed.q[r]).sum();
+            prop_assert!((carried - work).abs() < 1e-13);
+            for r in 3..5 {
+                let follows: f64 = (0..3).map(|c| posed.matrix[r * order + c] * moves[posed.point[c]]).sum();
+                prop_assert!((follows - moves[posed.point[r]]).abs() < 1e-13);
+            }
+        }
+        for r in 0..3 {
+            for c in 0..3 {
+                prop_assert_eq!(posed.matrix[r * order + c], 0.0);
+            }
+            for c in 3..5 {
+                prop_assert_eq!(posed.matrix[r * order + c], -posed.matrix[c * order + r]);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_load_beyond_the_points_has_no_equilibrium() {
+    let problem = free_on_points(&[(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.0, 0.0)], &[0.0; 5], false);
+    let held = vec![0.0; problem.plate.dof_count()];
+    for (element, force) in [(0, 1.0), (8, 1.0), (4, -1.0)] {
+        let load = load(&problem.plate, element, force);
+        let (inside, up) = (element == 4, force < 0.0);
+        for form in [None, Some(Form::Dual), Some(Form::Stiffness)] {
+            let found = problem.solve(&load, &held, form, None).unwrap();
+            let expected = if inside && !up { Outcome::Solved } else { Outcome::NoEquilibrium };
+            assert_eq!(found.outcome, expected, "element {element}, {form:?}");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Plates: what arrays they refuse, what they leave unstrained, and the arithmetic underneath.
+use proptest::prelude::*;
+use signorini_core::double_double::DoubleDouble;
+use signorini_core::element::{Kind, Material};
+use signorini_core::plate::{Plate, PlateError};
+use signorini_core::residual::{Displacement, Springs, residual};
+
+const MATERIAL: Material = Material { young: 1000.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
+
+/// Points and elements of a grid of unit squares; inner nodes are moved by `skew`.
+fn grid(nx: usize, ny: usize, skew: f64) -> (Vec<[f64; 2]>, Vec<[usize; 8]>) {
+    let (columns, rows) = (2 * nx + 1, 2 * ny + 1);
+    let mut number = vec![usize::MAX; columns * rows];
+    let mut points = Vec::new();
+    for j in 0..rows {
+        for i in 0..columns {
+            if i % 2 == 1 && j % 2 == 1 {
+                continue;
+            }
+            number[j * columns + i] = points.len();
+            let inner = i > 0 && i < columns - 1 && j > 0 && j < rows - 1;
+            let shift = if inner { skew * ((3 * i + 5 * j) as f64).sin() } else { 0.0 };
+            points.push([0.5 * i as f64 + shift, 0.5 * j as f64 - shift]);
+        }
+    }
+    let at = |i: usize, j: usize| number[j * columns + i];
+    let element = |x: usize, y: usize| {
+        let (i, j) = (2 * x, 2 * y);
+        [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)].map(|(a, b)| at(i + a, j + b))
+    };
+    let elements = (0..ny).flat_map(|y| (0..nx).map(move |x| (x, y))).map(|(x, y)| element(x, y)).collect();
+    (points, elements)
+}
+
+fn plate(kind: Kind, frames: Option<Vec<[f64; 2]>>) -> Plate {
+    let (points, elements) = grid(3, 2, 0.05);
+    let thickness = vec![0.1; points.len()];
+    Plate::new(points, elements, thickness, MATERIAL, kind, frames).unwrap()
+}
+
+fn refused(change: impl FnOnce(&mut Vec<[f64; 2]>, &mut Vec<[usize; 8]>, &mut Vec<f64>)) -> PlateError {
+    let (mut points, mut elements) = grid(1, 1, 0.0);
+    let mut thickness = vec![0.1; points.len()];
+    change(&mut points, &mut elements, &mut thickness);
+    Plate::new(points, elements, thickness, MATERIAL, Kind::Mitc9, None).err().expect("refused")
+}
+
+#[test]
+fn bad_arrays_are_refused_by_name() {
+    let found = refused(|_, _, h| h.truncate(7));
+    assert_eq!(found, PlateError::Length { what: "thickness", found: 7, expected: 8 });
+    assert_eq!(refused(|p, _, _| p[1][1] = f64::NAN), PlateError::NotFinite { what: "points", index: 3 });
+    assert_eq!(refused(|_, _, h| h[2] = f64::INFINITY), PlateError::NotFinite { what: "thickness", index: 2 });
+    assert_eq!(refused(|_, _, h| h[5] = 0.0), PlateError::Range { what: "thickness", index: 5 });
+    assert_eq!(refused(|_, e, _| e[0][3] = 8), PlateError::NoSuchNode { element: 0, node: 8 });
+    assert_eq!(refused(|_, e, _| e[0].swap(0, 2)), PlateError::Inverted { element: 0 });
+    assert_eq!(refused(|p, _, _| p.iter_mut().for_each(|x| x[1] = 0.0)), PlateError::Inverted { element: 0 });
+}
+
+#[test]
+fn bad_materials_and_frames_are_refused() {
+    let made = |material: Material, frames: Option<Vec<[f64; 2]>>| {
+        let (points, elements) = grid(1, 1, 0.0);
+        let thickness = vec![0.1; points.len()];
+        Plate::new(points, elements, thickness, material, Kind::Q8r, frames).err()
+    };
+    for (young, poisson) in [(0.0, 0.3), (-1.0, 0.3), (f64::NAN, 0.3), (1.0, 0.5), (1.0, -1.0)] {
+        let found = made(Material { young, poisson, ..MATERIAL }, None);
+        assert_eq!(found, Some(PlateError::Range { what: "material", index: 0 }));
+    }
+    let found = made(Material { shear_factor: 0.0, ..MATERIAL }, None);
+    assert_eq!(found, Some(PlateError::Range { what: "shear factor", index: 0 }));
+    let mut frames = vec![[1.0, 0.0]; 8];
+    frames[4] = [0.6, 0.7];
+    assert_eq!(made(MATERIAL, Some(frames)), Some(PlateError::Range { what: "frames", index: 4 }));
+    assert_eq!(
+        made(MATERIAL, Some(vec![[1.0, 0.0]; 3])),
+        Some(PlateError::Length { what: "frames", found: 3, expected: 8 })
+    );
+}
+
+#[test]
+fn messages_say_what_was_found() {
+    let found = PlateError::Length { what: "thickness", found: 7, expected: 8 };
+    assert_eq!(found.to_string(), "thickness has length 7; expected 8");
+    assert_eq!(PlateError::Inverted { element: 3 }.to_string(), "element 3 is turned over or degenerate");
+}
+
+proptest! {
+    /// A deflection or slopes that dyadic coordinates carry without rounding strain nothing at all.
+    #[test]
+    fn a_rigid_motion_leaves_no_residual(w in -64i32..64, x in -64i32..64, y in -64i32..64, q8r: bool) {
+        let (points, elements) = grid(3, 2, 0.0);
+        let thickness = vec![0.1; points.len()];
+        let kind = if q8r { Kind::Q8r } else { Kind::Mitc9 };
+        let plate = Plate::new(points.clone(), elements, thickness, MATERIAL, kind, None).unwrap();
+        let (w, x, y) = (f64::from(w), f64::from(x), f64::from(y));
+        let mut motion = Displacement::zeros(plate.dof_count());
+        for (node, at) in points.iter().enumerate() {
+            motion.hi[3 * node] = w + x * at[0] + y * at[1];
+            motion.hi[3 * node + 1] = x;
+            motion.hi[3 * node + 2] = y;
+        }
+        let load = vec![0.0; plate.dof_count()];
+        let out = residual(&plate, &Springs::default(), &load, &motion);
+        prop_assert!(out.iter().all(|&r| r == 0.0));
+    }
+
+    /// Turning the frames turns the residual's couples and changes nothing else.
+    #[test]
+    fn frames_turn_couples(angle in -3.0f64..3.0, seed in 1u64..1000) {
+        let plain = plate(Kind::Mitc9, None);
+        let turn = [angle.cos(), angle.sin()];
+        let length = turn[0].hypot(turn[1]);
+        let turn = turn.map(|t| t / length);
+        let framed = plate(Kind::Mitc9, Some(vec![turn; plain.node_count()]));
+        let mut u = Displacement::zeros(plain.dof_count());
+        u.hi.iter_mut().enumerate().for_each(|(i, v)| *v = ((i as u64 * 7919 + seed) as f64).sin());
+        let mut v = u.clone();
+        let [c, s] = turn;
+        for node in 0..plain.node_count() {
+            let [x, y] = [u.hi[3 * node + 1], u.hi[3 * node + 2]];
+            v.hi[3 * node + 1] = c * x + s * y;
+            v.hi[3 * node + 2] = c * y - s * x;
+        }
+        let load = vec![0.0; plain.dof_count()];
+        let here = residual(&plain, &Springs::default(), &load, &u);
+        let there = residual(&framed, &Springs::default(), &load, &v);
+        let size = here.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+        for node in 0..plain.node_count() {
+            let [f, x, y] = [0, 1, 2].map(|a| here[3 * node + a]);
+            let expected = [f, c * x + s * y, c * y - s * x];
+            for a in 0..3 {
+                prop_assert!((there[3 * node + a] - expected[a]).abs() <= 1e-13 * size);
+            }
+        }
+    }
+
+    /// Sums and products of integers of up to 100 bits are exact.
+    #[test]
+    fn double_doubles_carry_a_hundred_bits(a in -(1i64 << 50)..(1i64 << 50), b in -(1i64 << 50)..(1i64 << 50)) {
+        let product = DoubleDouble::from(a as f64).times(b as f64);
+        prop_assert_eq!(product.hi as i128 + product.lo as i128, i128::from(a) * i128::from(b));
+        let difference = product - DoubleDouble::from(b as f64).times(a as f64);
+        prop_assert_eq!(difference.value(), 0.0);
+        let mut sum = product;
+        sum += b as f64;
+        prop_assert_eq!((sum - product).value(), b as f64);
+        let mut added = DoubleDouble::from(a as f64);
+        added.add_product(a as f64, b as f64);
+        let expected = i128::from(a) * i128::from(b) + i128::from(a);
+        prop_assert_eq!(added.hi as i128 + added.lo as i128, expected);
+    }
+}

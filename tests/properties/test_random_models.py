@@ -1,0 +1,98 @@
+"""Random plates: every answer is judged by dense linear algebra and by a linear program that share no code with it."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from signorini import InputError, Model, NoEquilibriumError, solve
+from signorini.errors import NotCertifiedError
+from signorini.problem import contact_problem
+
+FEW = 7
+"""Contact points whose every state is tried."""
+
+
+def posed(tables, dense):
+    """The problem, its load and its dense twin; nothing where the input is refused or supports repeat each other."""
+    try:
+        problem = contact_problem(Model(**tables))
+    except InputError as error:
+        assert str(error).endswith(".") and error.place
+        return None
+    load = problem.discretisation.cases["load"]
+    twin = dense.of(problem, load.nodal)
+    return None if twin.redundant else (problem, load, twin)
+
+
+@settings(max_examples=150)
+@given(data=st.data())
+def test_answers_satisfy_the_conditions_or_no_reactions_exist(data, drawing, dense, equilibrium_exists):
+    tables = data.draw(drawing.models())
+    found = posed(tables, dense)
+    assume(found is not None)
+    problem, load, twin = found
+    exists = equilibrium_exists(problem, load.nodal)
+    try:
+        result = solve(problem.discretisation.model)["all"]
+    except NoEquilibriumError as error:
+        assert not exists or "contradict" in str(error)
+        # Past the check, Lemke's ray says the same.
+        assert problem.solve(load).status == "no_equilibrium"
+        return
+    assert exists and result.certificate.passed
+    answer = problem.solve(load)
+    u = (answer.hi + answer.lo)[twin.free]
+    assert max(twin.violations(u, answer.reaction).values()) < 1e-8
+    assert np.array_equal(result.deflection, (answer.hi + answer.lo)[::3])
+
+
+@settings(max_examples=60)
+@given(data=st.data())
+def test_few_points_agree_with_every_contact_state_tried(data, drawing, dense):
+    tables = data.draw(drawing.models(kinds=("at",)))
+    found = posed(tables, dense)
+    assume(found is not None)
+    problem, load, twin = found
+    assume((~twin.two_sided).sum() <= FEW)
+    answer = problem.solve(load)
+    states = list(twin.states())
+    assert (answer.status == "solved") == bool(states)
+    if states and twin.pins(answer.reaction):
+        u = (answer.hi + answer.lo)[twin.free]
+        assert min(np.abs(u - v).max() for v, _ in states) <= 1e-8 * twin.length(u)
+
+
+@settings(max_examples=60)
+@given(data=st.data())
+def test_dual_and_stiffness_forms_agree(data, drawing, dense):
+    tables = data.draw(drawing.models(shapes=("rectangle", "annulus")))
+    found = posed(tables, dense)
+    assume(found is not None)
+    problem, load, twin = found
+    dual, stiffness = problem.solve(load, "dual"), problem.solve(load, "stiffness")
+    assert dual.status == stiffness.status
+    if dual.status == "solved" and twin.pins(dual.reaction):
+        u, v = dual.hi + dual.lo, stiffness.hi + stiffness.lo
+        assert np.abs(u - v).max() <= 1e-8 * twin.length(u)
+
+
+REPEATED = {
+    "points twice": [{"at": [[0.9, 1.1], [3.1, 1.3], [2.2, 2.9]], "fix": "simple"}] * 2,
+    "a line twice": [{"line": [[0.3, 0.7], [3.7, 3.1]], "fix": "simple"}, {"edge": "left", "fix": "simple"}] * 2,
+}
+
+
+@pytest.mark.xfail(raises=NotCertifiedError, strict=True, reason="rigid two-sided points that repeat each other")
+@pytest.mark.parametrize("supports", REPEATED.values(), ids=REPEATED)
+def test_rigid_supports_that_repeat_each_other(supports):
+    tables = {
+        "material": {"E": 1000.0, "nu": 0.3},
+        "plate": {"shape": "rectangle", "size": [4.0, 4.0], "thickness": 0.2},
+        "mesh": {"divisions": [3, 3]},
+        "load": [{"pressure": 1.0}],
+    }
+    once = solve(Model(**tables, support=supports[: max(1, len(supports) // 2)]))["all"]
+    twice = solve(Model(**tables, support=supports))["all"]
+    assert twice.certificate.passed
+    assert np.allclose(twice.deflection, once.deflection, rtol=0, atol=1e-9 * np.abs(once.deflection).max())
