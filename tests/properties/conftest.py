@@ -158,6 +158,8 @@ class Dense:
     compliance: np.ndarray
     two_sided: np.ndarray
     free: np.ndarray
+    whole: float
+    """Largest nodal force, those on held dofs included."""
 
     @classmethod
     def of(cls, problem, load):
@@ -176,6 +178,7 @@ class Dense:
             problem.compliance,
             found.contacts.two_sided,
             free,
+            np.abs(f).max(initial=0),
         )
 
     def length(self, u):
@@ -187,7 +190,7 @@ class Dense:
         """Equilibrium, penetration, tension and complementarity, each relative to its own size."""
         gap = self.distance - self.G @ u + self.compliance * reaction
         one = ~self.two_sided
-        force = max(np.abs(self.f).max(initial=0), np.abs(reaction).max(initial=0), 1e-300)
+        force = max(self.whole, np.abs(reaction).max(initial=0), 1e-300)
         length = self.length(u)
         penetration = max(-gap[one].min(initial=0), np.abs(gap[~one]).max(initial=0))
         # What K·u cancels is what its rounding is relative to.

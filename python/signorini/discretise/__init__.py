@@ -14,6 +14,7 @@ from signorini.discretise.holds import hold
 from signorini.discretise.loads import CaseLoad, case_loads
 from signorini.discretise.meshing import mesh_of
 from signorini.discretise.places import located
+from signorini.discretise.redundancy import that_can_act
 from signorini.discretise.rows import Floats, Rows
 from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
 from signorini.errors import InputError
@@ -112,7 +113,8 @@ def discretise(model: Model) -> Discretisation:
         )
     except ValueError as error:
         raise InputError(f"{error}. Change the mesh or the thickness.", place="plate") from None
-    springs, contacts = springs_and_contacts(model, mesh, plate, held)
+    springs, contacts = springs_and_contacts(model, mesh, plate)
+    contacts = that_can_act(mesh, held, contacts)
     cases = case_loads(model, mesh, plate, held)
     positions = np.array([point for probe in model.probe for point in probe.at]).reshape(-1, 2)
     probes = Location(np.zeros(0, np.int64), np.zeros((0, 2)))

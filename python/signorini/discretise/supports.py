@@ -9,11 +9,9 @@ from typing import Self
 import numpy as np
 
 from signorini import _core
-from signorini.discretise.frames import Held
 from signorini.discretise.holds import holds_deflection, nodes_at
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area, located, mesh_edges
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
-from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.model import Model, Plate, Support
 
@@ -84,7 +82,7 @@ class _Acting:
     slope: bool
 
 
-def springs_and_contacts(model: Model, mesh: Mesh, plate: _core.Plate, held: Held) -> tuple[Springs, ContactPoints]:
+def springs_and_contacts(model: Model, mesh: Mesh, plate: _core.Plate) -> tuple[Springs, ContactPoints]:
     """What the supports do beyond the dofs they hold at nodes."""
     none = np.zeros(0)
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
@@ -98,33 +96,7 @@ def springs_and_contacts(model: Model, mesh: Mesh, plate: _core.Plate, held: Hel
             else:
                 contacts += found
     joined = ContactPoints.join(contacts)
-    return Springs.join(springs), _that_can_act(mesh, held, joined)
-
-
-def _that_can_act(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
-    """Leave out points whose every dof is held already, unless they are compliant and pressed there.
-
-    Raises
-    ------
-    InputError
-        If a rigid one is not where the dofs are held.
-    """
-    dofs = contacts.rows.dofs(mesh.elements)
-    fixed = ~((np.abs(contacts.rows.coefficients) > 1e-12) & ~held.dofs[dofs]).any(axis=1)
-    moved = contacts.rows.dot(mesh.elements, held.values)
-    beyond = moved - contacts.distance
-    beyond[contacts.two_sided] = np.abs(beyond[contacts.two_sided])
-    pressed = beyond > 1e-9 * np.maximum(np.abs(moved), np.abs(contacts.distance))
-    contradicted = fixed & pressed & (contacts.compliance == 0)
-    if contradicted.any():
-        first = int(np.argmax(contradicted))
-        x, y = contacts.positions[first]
-        raise InputError(
-            f"Supports contradict each other at [{x:g}, {y:g}]: others hold the plate there, and this rigid one is "
-            f"{beyond[first]:g} in its way. Correct a gap or a settlement, or give a stiffness.",
-            place=f"support[{contacts.support[first] + 1}]",
-        )
-    return contacts.pick(~fixed | pressed)
+    return Springs.join(springs), joined
 
 
 def _acting(mesh: Mesh, shape: Plate, plate: _core.Plate, index: int, support: Support) -> list[_Acting]:

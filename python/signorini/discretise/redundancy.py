@@ -1,0 +1,85 @@
+"""Contact points that say again, or against one another, what the plate is held to already."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import lapack, solve_triangular
+from scipy.sparse import csr_array
+
+from signorini.discretise.frames import Held
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.supports import ContactPoints
+from signorini.errors import InputError
+from signorini.mesh import Mesh
+
+_DEPENDENT = 1e-10
+"""Part of a row, squared, that no other rows make up, below which it follows from them."""
+_CONSISTENT = 1e-9
+
+
+def that_can_act(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
+    """Leave out points that can neither open nor close because others hold the plate there.
+
+    Raises
+    ------
+    InputError
+        If rigid ones contradict each other or a held dof.
+    """
+    return _independent(mesh, held, _not_held(mesh, held, contacts))
+
+
+def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
+    """Leave out points whose every dof is held, unless they are compliant and pressed there."""
+    fixed = ~_free_entries(mesh, held, contacts).any(axis=1)
+    moved = contacts.rows.dot(mesh.elements, held.values)
+    beyond = moved - contacts.distance
+    beyond[contacts.two_sided] = np.abs(beyond[contacts.two_sided])
+    pressed = beyond > _CONSISTENT * np.maximum(np.abs(moved), np.abs(contacts.distance))
+    contradicted = fixed & pressed & (contacts.compliance == 0)
+    if contradicted.any():
+        first = int(np.argmax(contradicted))
+        raise _contradiction(contacts, first, float(beyond[first]))
+    return contacts.pick(~fixed | pressed)
+
+
+def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
+    """Leave out two-sided points that follow from other two-sided ones; those kept carry the reaction of all."""
+    equations = np.flatnonzero(contacts.two_sided)
+    if len(equations) < 2:
+        return contacts
+    points = contacts.pick(equations)
+    coefficients = np.where(_free_entries(mesh, held, points), points.rows.coefficients, 0.0)
+    coefficients /= np.linalg.norm(coefficients, axis=1, keepdims=True)
+    dofs = points.rows.dofs(mesh.elements)
+    owners = np.repeat(np.arange(len(points)), dofs.shape[1])
+    rows = csr_array((coefficients.ravel(), (owners, dofs.ravel())), shape=(len(points), 3 * mesh.node_count))
+    factor, pivots, rank, _ = lapack.dpstrf((rows @ rows.T).toarray(), lower=1, tol=_DEPENDENT)
+    if rank == len(points):
+        return contacts
+    order: Ints = pivots.astype(np.int64) - 1
+    kept, dropped = order[:rank], order[rank:]
+    # A dropped row is a combination of the kept ones; its distance must be the same combination of theirs.
+    combination = solve_triangular(factor[:rank, :rank], factor[rank:, :rank].T, lower=True, trans="T").T
+    scale = np.linalg.norm(np.where(_free_entries(mesh, held, points), points.rows.coefficients, 0.0), axis=1)
+    travel = (points.distance - points.rows.dot(mesh.elements, held.values)) / scale
+    apart = np.abs(travel[dropped] - combination @ travel[kept])
+    if (wrong := apart > _CONSISTENT * max(np.abs(travel).max(), np.abs(points.distance).max())).any():
+        first = int(np.argmax(wrong))
+        raise _contradiction(points, int(dropped[first]), float(apart[first]))
+    stay = np.ones(len(contacts), np.bool_)
+    stay[equations[dropped]] = False
+    return contacts.pick(stay)
+
+
+def _free_entries(mesh: Mesh, held: Held, contacts: ContactPoints) -> Bools:
+    dofs = contacts.rows.dofs(mesh.elements)
+    return np.asarray((np.abs(contacts.rows.coefficients) > 1e-12) & ~held.dofs[dofs])
+
+
+def _contradiction(contacts: ContactPoints, point: int, by: float) -> InputError:
+    at: Floats = contacts.positions[point]
+    return InputError(
+        f"Supports contradict each other at [{at[0]:g}, {at[1]:g}]: others hold the plate there, and this rigid one is "
+        f"{by:g} in its way. Correct a gap or a settlement, or give a stiffness.",
+        place=f"support[{contacts.support[point] + 1}]",
+    )
