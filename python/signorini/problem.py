@@ -132,6 +132,18 @@ class ContactProblem:
         """How the contact problem is solved; rigid points go to Lemke's algorithm either way."""
         return "active_set" if self.soft.any() else "lemke"
 
+    @cached_property
+    def fallback(self) -> ContactProblem | None:
+        """The same problem with every point in the LCP, for loads on which the active set does not settle.
+
+        None where it is that already, where there are too many points, or where the method is prescribed.
+        """
+        prescribed = self.discretisation.model.solver.method != "auto"
+        if prescribed or len(self.gaps) > MOST_POINTS or not self.soft.any():
+            return None
+        regularization = _regularization(self.discretisation, self.freedom)
+        return _factored(self.discretisation, self.freedom, regularization, np.zeros_like(self.soft))
+
     def solve(self, load: CaseLoad, form: Form = "auto") -> _core.ContactSolution:
         """Displacements, reactions and gaps of one load."""
         return self.core.solve(load.nodal, self.discretisation.held.values, None if form == "auto" else form)
@@ -171,6 +183,14 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
             "Take a coarser mesh, or give long lines and areas a stiffness.",
             place="support",
         )
+    return _factored(found, freedom, regularization, soft)
+
+
+def _factored(found: Discretisation, freedom: RigidFreedom, regularization: Floats, soft: Bools) -> ContactProblem:
+    contacts = found.contacts
+    # Soft points are springs to the points of the LCP, and hold what they hold.
+    motions = freedom.motions[:, :0] if soft.any() else freedom.motions
+    free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T
     rows = contacts.rows
     try:
         core = _core.ContactProblem(
@@ -185,7 +205,7 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
                 contacts.two_sided,
                 regularization,
             ),
-            freedom.motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T,
+            free_motions,
             soft,
         )
     except RuntimeError as error:

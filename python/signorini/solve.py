@@ -6,8 +6,9 @@ import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from signorini.certificate import certify
-from signorini.discretise import Discretisation, discretise
+from signorini import _core
+from signorini.certificate import Certificate, certify
+from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.equilibrium import no_equilibrium
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
@@ -106,7 +107,7 @@ def solve(model: Model) -> Results:
 def _require_method(model: Model) -> None:
     if model.solver.method == "interior_point":
         raise InputError(
-            f'Found "{model.solver.method}"; this version solves by "lemke". Write "auto", which picks for you.',
+            'Found "interior_point"; this version has "lemke" and "active_set". Write "auto", which picks for you.',
             place="solver.method",
         )
 
@@ -119,7 +120,10 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
     message = no_equilibrium(found, problem.freedom, load.nodal)
     if message:
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
-    answer = problem.solve(load)
+    answer, certificate = _answer(problem, load)
+    if not (certificate and certificate.passed) and problem.fallback is not None:
+        problem = problem.fallback
+        answer, certificate = _answer(problem, load)
     spent = time.perf_counter() - begun
     if answer.status == "no_equilibrium":
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
@@ -128,11 +132,18 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
             "settlements. Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
         )
         return unsolved_result(found, combination.name, reason), spent
-    if answer.status != "solved":
+    if certificate is None:
         raise NotCertifiedError(
             f'Combination "{combination.name}": the contact problem was not solved within {answer.pivots} pivots.'
         )
-    certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
     if not certificate.passed:
         raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {certificate}.')
     return Result.of(found, combination.name, problem.method, load, answer, certificate), spent
+
+
+def _answer(problem: ContactProblem, load: CaseLoad) -> tuple[_core.ContactSolution, Certificate | None]:
+    """Solve one load, and certify it if there is something to certify."""
+    answer = problem.solve(load)
+    if answer.status != "solved":
+        return answer, None
+    return answer, certify(problem.discretisation, load, answer.hi, answer.lo, answer.reaction)

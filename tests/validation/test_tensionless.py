@@ -179,3 +179,26 @@ def test_soil_with_bearings_anchors_and_a_wall_is_what_lemke_finds() -> None:
         assert (ours.closed == theirs.closed).all()
     hard = np.concatenate([support.closed for support in result.supports[1:]])
     assert 0 < hard.sum() < len(hard) and result.reactions["soil"] > 0
+
+
+def test_where_the_active_set_does_not_settle_every_point_goes_to_lemke(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A thin plate on very stiff soil that few points touch, on a wall that may let go."""
+    monkeypatch.setattr("signorini.problem._FEW", 0)
+    tables = {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [4.7, 3.5], "thickness": 0.0267},
+        "mesh": {"divisions": [5, 4]},
+        "support": [
+            {**SOIL, "stiffness": 4.15e8, "gap": "1e-3*abs(x-1)"},
+            {"name": "wall", "edge": "left", "resists": "down"},
+        ],
+        "load": [
+            {"pressure": 361.0},
+            {"force": -16.7e3, "at": [2.4, 2.18]},
+            {"force": 3.8e3, "at": [3.79, 0.77]},
+            {"force": 79.4e3, "at": [1.13, 2.67]},
+        ],
+    }
+    by_lemke, result = solved("lemke", **tables), solved("auto", **tables)
+    assert result.method == "lemke"
+    assert np.abs(by_lemke.deflection - result.deflection).max() < 1e-8 * np.abs(result.deflection).max()

@@ -4,9 +4,9 @@
 //! springs, and conjugate gradients preconditioned with the one factor solve it in a few steps (Hintermüller, Ito &
 //! Kunisch 2002 for the method; Gould, Hribar & Nocedal 2001 for the preconditioner with rigid points held).
 //!
-//! It cannot cycle: the energy is convex and continuously differentiable in these points, every Newton direction is
-//! followed by an exact line search on it, and every other step minimises a quadratic that lies above it (K̃ with the
-//! present forces), so that it falls in both.
+//! Among soft points alone it cannot cycle: the energy is convex and continuously differentiable in them, and every
+//! Newton direction is followed by an exact line search on it. Rigid points stay with the LCP; the two are solved in
+//! turn, which usually settles but need not.
 
 use super::condense::ContactState;
 use super::problem::ContactProblem;
@@ -31,10 +31,12 @@ pub struct SoftPoints {
 
 /// At most this many Newton steps, and conjugate gradient steps in each.
 const NEWTON: usize = 100;
-const GRADIENTS: usize = 60;
+const GRADIENTS: usize = 2000;
 /// Conjugate gradients end when rᵀz has fallen by the square of this, while the set still changes and when it does not.
 const LOOSE: f64 = 1e-2;
 const TIGHT: f64 = 1e-9;
+/// Steps on one set that hardly shrink the imbalance, one after another, that end it: what is left is rounding.
+const STALLS: usize = 3;
 /// Curvature along a direction, over that of K̃, below which the plate is taken to be free along it.
 const FREE: f64 = 1e-13;
 
@@ -114,6 +116,7 @@ impl ContactProblem {
         solution: &mut ContactSolution,
     ) -> Result<Step, FactorError> {
         let mut last: Option<Vec<bool>> = None;
+        let mut stalled = 0;
         for _ in 0..NEWTON {
             let stretch = self.soft.stretch(&self.plate, &solution.displacement);
             let open: Vec<bool> = stretch.iter().map(|&s| s <= 0.0).collect();
@@ -135,7 +138,8 @@ impl ContactProblem {
                 self.correct(state, motion, solution)?;
                 step = self.step(load, solution);
             }
-            if same && step.worst > 0.5 * before {
+            stalled = if same && step.worst > 0.5 * before { stalled + 1 } else { 0 };
+            if stalled == STALLS {
                 return Ok(step);
             }
             last = Some(open);

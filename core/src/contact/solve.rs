@@ -37,7 +37,7 @@ pub struct ContactSolution {
 
 /// At most this many corrections with one contact state, and this many contact states.
 const CORRECTIONS: usize = 8;
-const STATES: usize = 5;
+const STATES: usize = 60;
 /// A correction that leaves more than this part of the imbalance before it ends the refinement.
 const PROGRESS: f64 = 0.25;
 /// An imbalance this small, relative to the largest nodal force, is rounding.
