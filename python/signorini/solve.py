@@ -15,6 +15,9 @@ from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, contact_problem
 from signorini.result import Result, unsolved_result
 
+_SETTLED = 1e-10
+"""Nodal imbalance from which on an active set's answer is asked of Lemke's algorithm too, where that is possible."""
+
 
 @dataclass(frozen=True, eq=False)
 class Results(Mapping[str, Result]):
@@ -121,7 +124,8 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
     if message:
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
     answer, certificate = _answer(problem, load)
-    if not (certificate and certificate.passed) and problem.fallback is not None:
+    settled = certificate is not None and certificate.passed and certificate.equilibrium <= _SETTLED
+    if not settled and problem.fallback is not None:
         problem = problem.fallback
         answer, certificate = _answer(problem, load)
     spent = time.perf_counter() - begun

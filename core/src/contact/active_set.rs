@@ -35,6 +35,8 @@ const GRADIENTS: usize = 2000;
 /// Conjugate gradients end when rᵀz has fallen by the square of this, while the set still changes and when it does not.
 const LOOSE: f64 = 1e-2;
 const TIGHT: f64 = 1e-9;
+/// Imbalance, over the largest nodal force, at which an unchanged set is settled.
+const SETTLED: f64 = 1e-13;
 /// Steps on one set that hardly shrink the imbalance, one after another, that end it: what is left is rounding.
 const STALLS: usize = 3;
 /// Curvature along a direction, over that of K̃, below which the plate is taken to be free along it.
@@ -121,7 +123,7 @@ impl ContactProblem {
             let stretch = self.soft.stretch(&self.plate, &solution.displacement);
             let open: Vec<bool> = stretch.iter().map(|&s| s <= 0.0).collect();
             let same = last.as_ref() == Some(&open);
-            if same && step.worst <= self.rounding(load, solution) {
+            if same && step.worst <= SETTLED * self.largest_force(load, solution) {
                 return Ok(step);
             }
             let tolerance = if same { TIGHT } else { LOOSE };
@@ -280,11 +282,6 @@ impl ContactProblem {
             }
         }
         low
-    }
-
-    /// Smallest imbalance that rounding lets one see.
-    fn rounding(&self, load: &[f64], solution: &ContactSolution) -> f64 {
-        super::solve::ROUNDING * self.largest_force(load, solution)
     }
 
     /// Forces of the soft points on the plate, taken off a nodal vector.

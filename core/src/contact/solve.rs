@@ -41,7 +41,7 @@ const STATES: usize = 60;
 /// A correction that leaves more than this part of the imbalance before it ends the refinement.
 const PROGRESS: f64 = 0.25;
 /// An imbalance this small, relative to the largest nodal force, is rounding.
-pub(super) const ROUNDING: f64 = 1e-15;
+const ROUNDING: f64 = 1e-15;
 /// Reactions and gaps of the wrong sign, relative to the largest of their kind or of the load, that are rounding.
 const SIGN: f64 = 1e-11;
 
