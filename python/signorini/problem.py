@@ -109,7 +109,8 @@ class ContactProblem:
         that only one-sided supports hold. "auto" takes the better conditioned one: the stiffness form where every
         contact point is at a node of its own, else the dual.
         """
-        return Lcp(*self.core.lcp(load, self.discretisation.held.values, None if form == "auto" else form))
+        core = self.condensed.core
+        return Lcp(*core.lcp(load, self.discretisation.held.values, None if form == "auto" else form))
 
     def dual(self, load: Floats) -> tuple[Floats, Floats]:
         """P (m, m) and s (m,) of the paper's (26) and (27): gap = P·reaction − s.
@@ -133,6 +134,15 @@ class ContactProblem:
         return "active_set" if self.soft.any() else "lemke"
 
     @cached_property
+    def condensed(self) -> ContactProblem:
+        """The same problem with every point in the LCP, those of the active set too."""
+        if not self.soft.any():
+            return self
+        _require_condensable(len(self.gaps))
+        regularization = _regularization(self.discretisation, self.freedom)
+        return _factored(self.discretisation, self.freedom, regularization, np.zeros_like(self.soft))
+
+    @cached_property
     def fallback(self) -> ContactProblem | None:
         """The same problem with every point in the LCP, for loads on which the active set does not settle.
 
@@ -141,8 +151,7 @@ class ContactProblem:
         prescribed = self.discretisation.model.solver.method != "auto"
         if prescribed or len(self.gaps) > MOST_POINTS or not self.soft.any():
             return None
-        regularization = _regularization(self.discretisation, self.freedom)
-        return _factored(self.discretisation, self.freedom, regularization, np.zeros_like(self.soft))
+        return self.condensed
 
     def solve(self, load: CaseLoad, form: Form = "auto") -> _core.ContactSolution:
         """Displacements, reactions and gaps of one load."""
@@ -172,18 +181,20 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
         If the factorization fails.
     """
     found = model if isinstance(model, Discretisation) else discretise(model)
-    contacts = found.contacts
     freedom = rigid_freedom(found)
     regularization = _regularization(found, freedom)
     soft = _soft_points(found, regularization)
-    condensed = len(contacts) - int(soft.sum())
-    if condensed > MOST_POINTS:
+    _require_condensable(len(soft) - int(soft.sum()))
+    return _factored(found, freedom, regularization, soft)
+
+
+def _require_condensable(points: int) -> None:
+    if points > MOST_POINTS:
         raise InputError(
-            f"Found {condensed} contact points that need condensing; at most {MOST_POINTS} can be. "
+            f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. "
             "Take a coarser mesh, or give long lines and areas a stiffness.",
             place="support",
         )
-    return _factored(found, freedom, regularization, soft)
 
 
 def _factored(found: Discretisation, freedom: RigidFreedom, regularization: Floats, soft: Bools) -> ContactProblem:

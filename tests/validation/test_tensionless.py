@@ -202,3 +202,21 @@ def test_where_the_active_set_does_not_settle_every_point_goes_to_lemke(monkeypa
     by_lemke, result = solved("lemke", **tables), solved("auto", **tables)
     assert result.method == "lemke"
     assert np.abs(by_lemke.deflection - result.deflection).max() < 1e-8 * np.abs(result.deflection).max()
+
+
+def test_the_lcp_of_a_bedded_plate_has_every_point_whatever_solves_it() -> None:
+    tables = {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+        "mesh": {"divisions": [6, 6]},
+        "support": [{**SOIL, "stiffness": 30e6}],
+        "load": [{"pressure": 2e3}, {"force": 5e5, "at": [1, 1]}],
+    }
+    problem = signorini.contact_problem(Model.model_validate(tables))
+    assert problem.method == "active_set"
+    posed = problem.lcp(problem.load("all"))
+    assert sorted(posed.points) == list(range(len(problem.gaps)))
+    answer = signorini._core.lemke(posed.M, posed.q)
+    direct = problem.solve(problem.discretisation.cases["load"])
+    gap = np.where(posed.gap_is_z, answer.z, answer.w)
+    assert np.abs(gap - direct.gap[posed.points]).max() < 1e-9 * np.abs(direct.hi[::3]).max()
