@@ -62,7 +62,7 @@ class Certificate:
     def passed(self) -> bool:
         """Whether every figure is within tolerance."""
         limits = {"equilibrium": self.equilibrium_limit, "balance": self.balance_limit}
-        return all(getattr(self, name) <= max(TOLERANCE, limits.get(name, 0.0)) for name in FIGURES)
+        return all(getattr(self, name) <= max(TOLERANCE, limits.get(name, TOLERANCE)) for name in FIGURES)
 
     def __str__(self) -> str:
         """Say it in a line."""
