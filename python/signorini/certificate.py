@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
@@ -141,8 +142,9 @@ def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Flo
     gap = contacts.compliance * reaction
     for first in range(0, len(gap), _BLOCK):
         block = slice(first, first + _BLOCK)
-        moved = found.contact_rows[block].astype(np.longdouble) @ displacement
-        gap[block] += contacts.distance[block] - moved
+        rows = found.contact_rows[block]
+        extended = csr_array((rows.data.astype(np.longdouble), rows.indices, rows.indptr), shape=rows.shape)
+        gap[block] += contacts.distance[block] - extended @ displacement
     return gap
 
 
