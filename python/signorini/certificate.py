@@ -21,7 +21,7 @@ _ROUNDINGS = 4.0
 _NIL = 1e-6
 """Deflections below this part of F a²/D are rounding of the elimination."""
 
-_BLOCK = 1 << 14
+_BLOCK = 1 << 12
 """Rows in extended precision at a time."""
 
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
