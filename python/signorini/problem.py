@@ -79,16 +79,10 @@ class ContactProblem:
         upper = lower.T.tocsc()
         return csc_array(lower + upper - csc_array((lower.diagonal(), (range(size), range(size))), shape=(size, size)))
 
-    @cached_property
+    @property
     def G(self) -> csr_array:
         """Contact points' rows (m, 3n); Gu ≤ gaps."""
-        rows = self.discretisation.contacts.rows
-        dofs = rows.dofs(self.discretisation.mesh.elements)
-        point = np.repeat(np.arange(len(rows)), 24)
-        shape = (len(rows), self.discretisation.dof_count)
-        matrix = csr_array((rows.coefficients.ravel(), (point, dofs.ravel())), shape=shape)
-        matrix.eliminate_zeros()
-        return matrix
+        return self.discretisation.contact_rows
 
     @property
     def gaps(self) -> Floats:
