@@ -111,6 +111,20 @@ impl ContactProblem {
         Ok(ContactSolution { inner })
     }
 
+    /// Solves one load by an interior point method, from whose contact set the exact solution is found.
+    fn solve_by_interior_point(
+        &self,
+        py: Python<'_>,
+        load: PyReadonlyArray1<'_, f64>,
+        held_value: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<ContactSolution> {
+        let dofs = self.inner.plate.dof_count();
+        let load = sized("the load", &load, dofs)?;
+        let held_value = sized("held_value", &held_value, dofs)?;
+        let inner = py.detach(|| self.inner.solve_by_interior_point(&load, &held_value)).map_err(failed)?;
+        Ok(ContactSolution { inner })
+    }
+
     #[pyo3(signature = (load, held_value, form=None))]
     /// The LCP of one load: M (k, k), q (k,), the contact point of each row, and whether its unknown is the gap.
     fn lcp<'py>(

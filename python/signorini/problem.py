@@ -129,8 +129,14 @@ class ContactProblem:
         return posed.M, -posed.q
 
     @property
-    def method(self) -> Literal["lemke", "active_set"]:
-        """How the contact problem is solved; rigid points go to Lemke's algorithm either way."""
+    def method(self) -> Literal["lemke", "active_set", "interior_point"]:
+        """How the contact problem is solved; rigid points go to Lemke's algorithm in the first two.
+
+        The interior point method has every point, and leaves to the others to make its contact set exact.
+        """
+        prescribed = self.discretisation.model.solver.method
+        if prescribed == "interior_point" and not self.discretisation.contacts.two_sided.all():
+            return "interior_point"
         return "active_set" if self.soft.any() else "lemke"
 
     @cached_property
@@ -154,8 +160,11 @@ class ContactProblem:
         return self.condensed
 
     def solve(self, load: CaseLoad, form: Form = "auto") -> _core.ContactSolution:
-        """Displacements, reactions and gaps of one load."""
-        return self.core.solve(load.nodal, self.discretisation.held.values, None if form == "auto" else form)
+        """Displacements, reactions and gaps of one load; ``form`` does not matter to an interior point method."""
+        held = self.discretisation.held.values
+        if self.method == "interior_point":
+            return self.core.solve_by_interior_point(load.nodal, held)
+        return self.core.solve(load.nodal, held, None if form == "auto" else form)
 
     @property
     def seconds(self) -> Mapping[str, float]:
@@ -261,7 +270,9 @@ def _soft_points(found: Discretisation, regularization: Floats) -> Bools:
     """Points (m,) that the active set handles instead of the LCP: elastic ones that the factor carries, if many."""
     contacts = found.contacts
     soft = (contacts.compliance > 0) & (np.abs(regularization * contacts.compliance - 1) < 1e-12)
-    few = int(soft.sum()) <= _FEW and len(contacts) <= MOST_POINTS
-    if found.model.solver.method == "lemke" or (found.model.solver.method == "auto" and few):
+    method = found.model.solver.method
+    condensable = len(contacts) <= MOST_POINTS
+    few = int(soft.sum()) <= _FEW and condensable
+    if method == "lemke" or (method == "auto" and few) or (method == "interior_point" and condensable):
         soft[:] = False
     return np.asarray(soft)

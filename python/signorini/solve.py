@@ -10,7 +10,7 @@ from signorini import _core
 from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.equilibrium import no_equilibrium
-from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
+from signorini.errors import NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, contact_problem
 from signorini.result import Result, unsolved_result
@@ -82,7 +82,6 @@ def solve(model: Model) -> Results:
     ('solved', 200000.0, True)
     """
     begun = time.perf_counter()
-    _require_method(model)
     found = discretise(model)
     problem = contact_problem(found)
     results: dict[str, Result] = {}
@@ -105,14 +104,6 @@ def solve(model: Model) -> Results:
         "total": time.perf_counter() - begun,
     }
     return Results(found, results, seconds)
-
-
-def _require_method(model: Model) -> None:
-    if model.solver.method == "interior_point":
-        raise InputError(
-            'Found "interior_point"; this version has "lemke" and "active_set". Write "auto", which picks for you.',
-            place="solver.method",
-        )
 
 
 def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Result, float]:

@@ -4,6 +4,7 @@ use super::active_set::SoftPoints;
 use super::condense::Condensed;
 use crate::assembly::{HELD, Numbering, assemble};
 use crate::cholesky::{Analysis, Factor, FactorError};
+use crate::element::DOFS;
 use crate::plate::Plate;
 use crate::residual::{Displacement, Rows, Springs, residual};
 use std::sync::Arc;
@@ -113,6 +114,36 @@ impl ContactProblem {
         let condense = clock.elapsed().as_secs_f64();
         let seconds = Seconds { order, assemble, factor: factoring, condense };
         Ok(Self { plate, springs, held, constraints, soft, order: point_order, numbering, factor, condensed, seconds })
+    }
+
+    /// Every contact point, in the caller's order; the factor's part left out.
+    pub fn all_constraints(&self) -> Constraints {
+        let (hard, soft) = (&self.constraints, &self.soft);
+        let m = self.order.hard.len() + self.order.soft.len();
+        let mut all = Constraints {
+            rows: Rows { element: vec![0; m], coefficient: vec![[0.0; DOFS]; m] },
+            distance: vec![0.0; m],
+            compliance: vec![0.0; m],
+            two_sided: vec![false; m],
+            regularization: vec![0.0; m],
+            free_motions: hard.free_motions.clone(),
+        };
+        for (at, &i) in self.order.hard.iter().enumerate() {
+            all.rows.element[i] = hard.rows.element[at];
+            all.rows.coefficient[i] = hard.rows.coefficient[at];
+            all.distance[i] = hard.distance[at];
+            all.compliance[i] = hard.compliance[at];
+            all.two_sided[i] = hard.two_sided[at];
+        }
+        for (at, &i) in self.order.soft.iter().enumerate() {
+            all.rows.element[i] = soft.element[at];
+            for (node, &value) in soft.value[at].iter().enumerate() {
+                all.rows.coefficient[i][3 * node] = value;
+            }
+            all.distance[i] = soft.distance[at];
+            all.compliance[i] = 1.0 / soft.stiffness[at];
+        }
+        all
     }
 
     /// A nodal load in elimination order, without the dofs held.

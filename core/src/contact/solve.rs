@@ -1,9 +1,10 @@
 //! From a load to displacements, reactions and gaps.
 
 use super::condense::{ContactState, Drive, Form, PosedLcp};
+use super::interior_point::InteriorPoint;
 use super::problem::ContactProblem;
 use crate::cholesky::FactorError;
-use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke};
+use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from};
 use crate::residual::Displacement;
 
 /// How a contact problem ended.
@@ -72,13 +73,39 @@ impl ContactProblem {
         form: Option<Form>,
         max_pivots: Option<usize>,
     ) -> Result<ContactSolution, FactorError> {
+        self.solve_beginning(load, held_value, form, max_pivots, None)
+    }
+
+    /// As [`ContactProblem::solve`], beginning with the contact set, and for soft points the displacement, of an answer.
+    pub(super) fn solve_from(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        start: &InteriorPoint,
+    ) -> Result<ContactSolution, FactorError> {
+        self.solve_beginning(load, held_value, None, None, Some(start))
+    }
+
+    fn solve_beginning(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        form: Option<Form>,
+        max_pivots: Option<usize>,
+        start: Option<&InteriorPoint>,
+    ) -> Result<ContactSolution, FactorError> {
         let form = form.unwrap_or(self.condensed.better_form());
         let mut solution = self.at_rest(load.len(), held_value);
+        let mut first = start.map(|start| self.order.hard.iter().map(|&i| start.closed[i]).collect::<Vec<_>>());
+        if let (Some(start), false) = (start, self.soft.is_empty()) {
+            solution.displacement.hi.copy_from_slice(&start.displacement);
+        }
         let mut step = self.step(load, &solution);
         let mut motion = self.motion(&step, form)?;
         let travel = motion.drive.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         for _ in 0..STATES {
-            let (outcome, closed) = self.contact_state(&motion, &mut solution, form, max_pivots);
+            let (outcome, closed) =
+                self.contact_state(&motion, &mut solution, form, max_pivots, first.take().as_deref());
             if outcome != Outcome::Solved {
                 return Ok(unsolved(solution, outcome));
             }
@@ -114,6 +141,11 @@ impl ContactProblem {
         Ok(self.condensed.lcp(form, &motion.drive, &rest.reaction))
     }
 
+    /// What there is to say where no solution was found.
+    pub(super) fn without_solution(&self, held_value: &[f64], outcome: Outcome) -> ContactSolution {
+        unsolved(self.at_rest(self.plate.dof_count(), held_value), outcome)
+    }
+
     fn at_rest(&self, dofs: usize, held_value: &[f64]) -> ContactSolution {
         let m = self.constraints.rows.len();
         let mut displacement = Displacement::zeros(dofs);
@@ -135,20 +167,25 @@ impl ContactProblem {
         }
     }
 
-    /// Poses the LCP from where the solution stands and solves it.
+    /// Poses the LCP from where the solution stands and solves it, beginning with a contact set if there is one.
     fn contact_state(
         &self,
         motion: &Motion,
         solution: &mut ContactSolution,
         form: Form,
         max_pivots: Option<usize>,
+        first: Option<&[bool]>,
     ) -> (Outcome, Vec<bool>) {
         if self.constraints.two_sided.iter().all(|&t| t) {
             return (Outcome::Solved, self.constraints.two_sided.clone());
         }
         let posed = self.condensed.lcp(form, &motion.drive, &solution.reaction);
         let options = LemkeOptions { max_pivots, ..LemkeOptions::default() };
-        let Ok(found) = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| lemke(&lcp, &options)) else {
+        let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| match first {
+            Some(closed) => lemke_from(&lcp, &options, &self.condensed.basis(&posed, closed)),
+            None => lemke(&lcp, &options),
+        });
+        let Ok(found) = solved else {
             return (Outcome::Unsolved, Vec::new());
         };
         solution.pivots += found.pivots;
