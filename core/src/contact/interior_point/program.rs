@@ -8,7 +8,7 @@ use clarabel::algebra::CscMatrix;
 
 /// Residuals of a proof of infeasibility, over the magnitudes they are made of, up to which it is believed, and what it must
 /// prove, over the magnitudes that is made of: so much more that the residuals could not undo it.
-const PROOF: f64 = 1e-9;
+const PROOF: f64 = 1e-8;
 const MARGIN: f64 = 1e-6;
 
 /// The quadratic program min ½xᵀPx + qᵀx, Ax + s = b, in units in which P has the diagonal 1 and every row of A the norm 1.
