@@ -103,9 +103,9 @@ class Result:
     nodal_reaction : (n,) array
         Upward force of every support on every node that it acts on.
     method : str
-        "lemke" or "active_set".
+        "lemke", "active_set" or "interior_point".
     iterations : int
-        Lemke's pivots, or the active set's Newton steps.
+        Lemke's pivots, the active set's Newton steps, or the steps of the interior point method.
     """
 
     name: str
@@ -157,7 +157,7 @@ class Result:
             "solved",
             "",
             method,
-            answer.iterations if method == "active_set" else answer.pivots,
+            answer.pivots if method == "lemke" else answer.iterations,
             found.mesh,
             found.model,
             certificate,
@@ -174,7 +174,7 @@ class Result:
     @property
     def counted(self) -> str:
         """What ``iterations`` counts."""
-        return "Newton steps" if self.method == "active_set" else "pivots"
+        return {"lemke": "pivots", "active_set": "Newton steps"}.get(self.method, "interior point steps")
 
     @property
     def reactions(self) -> Mapping[str, float]:
