@@ -18,7 +18,7 @@ from signorini.plot import (
     save,
     supports,
 )
-from signorini.plot.tessellation import tessellate
+from signorini.tessellation import tessellate
 
 # A square whose right edge bulges, and its neighbour on the left.
 POINTS = np.array(

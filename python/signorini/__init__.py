@@ -20,8 +20,9 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini.inputfile import load, schema
 from signorini.model import Model, validate
 from signorini.problem import ContactProblem, contact_problem
-from signorini.result import ProbeResult, Result, SupportResult
+from signorini.result import ProbeResult, Result
 from signorini.solve import Results, solve
+from signorini.support_result import SupportResult
 
 __all__ = [
     "ContactProblem",

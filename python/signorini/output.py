@@ -16,8 +16,9 @@ from typing import Any
 
 from signorini.errors import InputError
 from signorini.files import replacing_together
-from signorini.result import ProbeResult, Result, SupportResult, support_marks
+from signorini.result import ProbeResult, Result, support_marks
 from signorini.solve import Results
+from signorini.support_result import SupportResult
 
 SCHEMA = 1
 JSON, CSV = "results.json", "reactions.csv"

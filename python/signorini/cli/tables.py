@@ -13,8 +13,9 @@ from signorini.check import Check
 from signorini.discretise import Discretisation
 from signorini.kinds import MEANINGS, SYMBOLS, describe, kinds
 from signorini.model import Support, Units
-from signorini.result import Result, SupportResult
+from signorini.result import Result
 from signorini.solve import Results
+from signorini.support_result import SupportResult
 
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _MOST_OPEN = 8

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from signorini.errors import InputError
 from signorini.plot.plan import INK, checked_mesh, draw_outlines, plan_axes
-from signorini.plot.tessellation import tessellate
+from signorini.tessellation import tessellate
 
 _NOISE = 1e-9
 

@@ -16,7 +16,7 @@ from signorini.files import replacing
 from signorini.plot.field import contour
 from signorini.plot.marks import Entry, LoadMark, SupportMark, draw_legend, draw_load, draw_support
 from signorini.plot.plan import INK, checked_mesh, draw_outlines, plan_axes
-from signorini.plot.tessellation import tessellate
+from signorini.tessellation import tessellate
 
 _SHEET = "#eef2f5"
 

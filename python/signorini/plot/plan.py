@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.errors import InputError
-from signorini.plot.tessellation import Tessellation
+from signorini.tessellation import Tessellation
 
 INK = "#1c2733"
 
