@@ -21,7 +21,7 @@ LAYERS = (
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
     {"equilibrium", "problem", "certificate", "contact_field", "kinds", "sketch"},
-    {"support_result", "notebook", "result", "solve"},
+    {"support_result", "probe_result", "notebook", "result", "solve"},
     {"output", "check"},
     {"__init__"},
     {"cli"},

@@ -19,8 +19,9 @@ from signorini._core import __version__
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini.inputfile import load, schema
 from signorini.model import Model, validate
+from signorini.probe_result import ProbeResult
 from signorini.problem import ContactProblem, contact_problem
-from signorini.result import ProbeResult, Result
+from signorini.result import Result
 from signorini.solve import Results, solve
 from signorini.support_result import SupportResult
 

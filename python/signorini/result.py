@@ -20,41 +20,19 @@ from signorini.errors import InputError, unknown
 from signorini.mesh import Location, Mesh
 from signorini.model import Model
 from signorini.notebook import supports_table
+from signorini.probe_result import ProbeResult, probe_results, total_pressure
 from signorini.problem import spring_arrays
-from signorini.sketch import support_mark
+from signorini.sketch import pressure_layer, support_mark
 from signorini.support_result import SupportResult, support_result
 from signorini.vtk import displacement_vector, write_vtu
 
 if TYPE_CHECKING:
-    from signorini.plot import Axes, SupportMark
+    from signorini.plot import Axes, PressureLayer, SupportMark
 
 Points: TypeAlias = Floats | Sequence[tuple[float, float]] | tuple[float, float]
 Status = Literal["solved", "no_equilibrium"]
 
 FIELDS = ("deflection", "rotation_x", "rotation_y", "mx", "my", "mxy", "qx", "qy")
-
-
-@dataclass(frozen=True)
-class ProbeResult:
-    """What a point of the plate shows.
-
-    Parameters
-    ----------
-    at : (x, y)
-    deflection : float
-    rotation : (θx, θy)
-    moment : (mx, my, mxy)
-    shear : (qx, qy)
-    pressure : float or None
-        Contact pressure of the area supports there, positive up; None where there is none.
-    """
-
-    at: tuple[float, float]
-    deflection: float
-    rotation: tuple[float, float]
-    moment: tuple[float, float, float]
-    shear: tuple[float, float]
-    pressure: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +115,7 @@ class Result:
             stress[:, 3:],
             nodal_reaction[::3],
             supports,
-            tuple(_probes(fields, found.mesh, supports, found.probes, found.probe_positions)),
+            tuple(probe_results(fields, found.mesh, supports, found.probes, found.probe_positions)),
             time.perf_counter() - begun,
         )
 
@@ -167,7 +145,7 @@ class Result:
         """
         positions, where = self._located(points)
         fields = np.column_stack(list(self.fields.values()))
-        return _probes(fields, self.mesh, self.supports, where, positions)
+        return probe_results(fields, self.mesh, self.supports, where, positions)
 
     def pressure(self, points: Points) -> Floats:
         """Contact pressure (q,) of the area supports at points (q, 2) of the plate, positive where they push it up.
@@ -192,7 +170,7 @@ class Result:
         >>> solve(model)["all"].pressure([(2, 2), (0, 0)]).round(6)
         array([2000., 2000.])
         """
-        return _pressure(self.supports, self._located(points)[1])
+        return total_pressure(self.supports, self._located(points)[1])
 
     def _located(self, points: Points) -> tuple[Floats, Location]:
         positions = np.atleast_2d(np.asarray(points, dtype=np.float64))
@@ -205,18 +183,28 @@ class Result:
     def plot(self, field: str = "deflection", ax: Axes | None = None) -> Axes:
         """Draw a field as contours with the supports, open or closed, on matplotlib axes.
 
+        Parameters
+        ----------
+        field : str
+            One of `fields`, or "pressure": the contact pressure of area supports.
+        ax : Axes, optional
+            By default the axes of a new figure.
+
         Raises
         ------
         InputError
             If there is no field of that name.
         """
-        from signorini.plot import contour, supports
+        from signorini.plot import contour, pressure, supports
 
-        if field not in self.fields:
-            raise InputError(unknown("field", field, self.fields, "This result"))
-        values = self.fields[field]
         title = ", ".join(part for part in (self.model.title, self.name) if part)
-        ax = contour(self.mesh.points, self.mesh.elements, values, ax=ax, label=field, title=title)
+        plate = (self.mesh.points, self.mesh.elements)
+        if field == "pressure":
+            ax = pressure(*plate, pressure_layers(self), ax=ax, label=field, title=title)
+            return supports(support_marks(self), ax, areas=False)
+        if field not in self.fields:
+            raise InputError(unknown("field", field, [*self.fields, "pressure"], "This result"))
+        ax = contour(*plate, self.fields[field], ax=ax, label=field, title=title)
         return supports(support_marks(self), ax)
 
     def to_vtk(self, path: str | os.PathLike[str]) -> None:
@@ -280,29 +268,12 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
 def support_marks(result: Result) -> list[SupportMark]:
     """Marks of the supports for pictures."""
     pairs = zip(result.model.support, result.supports, strict=True)
-    return [support_mark(result.mesh, support, found.positions, found.closed) for support, found in pairs]
-
-
-def _probes(
-    fields: Floats, mesh: Mesh, supports: Sequence[SupportResult], where: Location, positions: Floats
-) -> list[ProbeResult]:
-    if not len(positions):
-        return []
-    values, _ = _core.serendipity(where.xi)
-    at_points = np.einsum("qi,qif->qf", values, fields[mesh.elements[where.elements]])
     return [
-        ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p)
-        for (x, y), v, p in zip(
-            positions.tolist(), at_points.tolist(), _pressure(supports, where).tolist(), strict=True
-        )
+        support_mark(result.mesh, support, found.positions, found.closed, found.contact_boundary)
+        for support, found in pairs
     ]
 
 
-def _pressure(supports: Sequence[SupportResult], where: Location) -> Floats:
-    """Sum (q,) of the pressures of area supports; NaN where none is."""
-    total = np.full(len(where.elements), np.nan)
-    for support in supports:
-        if support.area is not None:
-            found = support.area.pressure(where.elements, where.xi)
-            total = np.where(np.isnan(found), total, np.nan_to_num(total) + found)
-    return total
+def pressure_layers(result: Result) -> list[PressureLayer]:
+    """Contact pressures of the area supports for pictures."""
+    return [pressure_layer(support.area) for support in result.supports if support.area is not None]
