@@ -152,6 +152,12 @@ def test_the_legend_counts_closed_and_open_below_the_axes() -> None:
     assert axes.get_xlabel() == "x [m]"
 
 
+def test_a_support_that_acts_nowhere_is_in_the_legend() -> None:
+    idle = SupportMark("idle", "down", np.zeros((0, 2)), np.zeros(0, bool), "area")
+    axes = supports([idle], Figure().add_subplot())
+    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == ["idle: pushes up only, 0 closed, 0 open"]
+
+
 @pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
 def test_the_hatch_of_a_fixed_edge_lies_outside(order: slice) -> None:
     axes = contour(POINTS, ELEMENTS, POINTS[:, 0])

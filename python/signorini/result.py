@@ -276,4 +276,5 @@ def support_marks(result: Result) -> list[SupportMark]:
 
 def pressure_layers(result: Result) -> list[PressureLayer]:
     """Contact pressures of the area supports for pictures."""
-    return [pressure_layer(support.area) for support in result.supports if support.area is not None]
+    areas = (support.area for support in result.supports)
+    return [pressure_layer(area) for area in areas if area is not None and len(area.elements)]

@@ -195,6 +195,14 @@ def test_where_the_plate_is_held_on_soil_it_touches_without_an_edge_of_contact()
     assert result.supports[1].contact_area == pytest.approx(100, rel=1e-9)
 
 
+def test_where_the_plate_only_touches_there_is_no_contact() -> None:
+    """Pressed down and held at its edges: what could only hold it down touches it there."""
+    edges = {"edge": ["left", "right", "top", "bottom"], "fix": "clamped"}
+    anchors = {"area": "all", "resists": "up", "stiffness": 1e6}
+    result = solved(plate=square(4), mesh={"divisions": [4, 4]}, support=[edges, anchors])
+    assert (result.supports[1].contact_area, result.supports[1].contact_boundary) == (0.0, ())
+
+
 def test_a_thinned_line_keeps_its_corners_and_stays_within_its_tolerance() -> None:
     turn = np.linspace(0, np.pi / 2, 200)
     line = np.vstack(

@@ -91,9 +91,9 @@ class Fine:
         owner = np.repeat(np.arange(count), len(self.cut.triangles) // count)[self._known]
         corners = self.positions[triangles]
         (ux, uy), (vx, vy) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
-        area, inside = 0.5 * (ux * vy - uy * vx), depths[triangles]
-        pressed, whole = (
-            np.bincount(owner, area * both_positive_part(inside, values), count)
-            for values in (self.overlap[triangles], np.ones_like(inside))
-        )
+        area, inside, overlap = 0.5 * (ux * vy - uy * vx), depths[triangles], self.overlap[triangles]
+        # A triangle that only touches everywhere is in contact if those beside it are.
+        part = both_positive_part(inside, overlap) * self.in_contact[triangles].any(axis=1)
+        pressed = np.bincount(owner, area * part, count)
+        whole = np.bincount(owner, area * both_positive_part(inside, np.ones_like(inside)), count)
         return np.where(whole > 0, pressed / np.where(whole > 0, whole, 1.0), np.nan)

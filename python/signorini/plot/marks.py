@@ -151,7 +151,7 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
         if chosen.any():
             axes.plot(*positions[chosen].T, zorder=5, **style)
             samples.append(Line2D([], [], **(style | {"markersize": max(size, 5.5), "markeredgewidth": 0.9})))
-    return mark.label, tuple(samples)
+    return mark.label, tuple(samples) or (Line2D([], [], linestyle="none"),)
 
 
 def draw_load(mark: LoadMark, axes: Axes) -> Entry:
