@@ -239,6 +239,18 @@ def test_pressure_ends_at_the_outline_of_the_area() -> None:
         np.testing.assert_array_equal(clip.vertices, outline)
 
 
+@pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
+@pytest.mark.parametrize(("end", "within"), [(0.55, ACROSS[ACROSS < 0.55].max()), (0.0, 0.0)])
+def test_colours_and_the_largest_pressure_are_of_what_is_within_the_outline(
+    order: slice, end: float, within: float
+) -> None:
+    outline = np.array([[-1, 0], [end, 0], [end, 1], [-1, 1], [-1, 0]])[order]
+    axes = pressure_picture(POINTS, ELEMENTS, [PressureLayer(CUT, ACROSS + 1, (0, np.inf), outline)]).axes[0]
+    within += 1
+    assert axes.collections[1].get_clim() == (0, within)
+    assert [text.get_text() for text in axes.texts] == [f"max {within:.4g}"]
+
+
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("values", [-np.ones_like(ACROSS), np.full_like(ACROSS, 2.0)])
 def test_pressure_that_is_nowhere_or_everywhere_the_same_can_be_drawn(values: np.ndarray) -> None:

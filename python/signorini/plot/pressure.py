@@ -19,6 +19,9 @@ from signorini.plot.field import add_colour_bar, colour_scale
 from signorini.plot.plan import INK, checked_mesh, draw_outlines, draw_sheet, plan_axes
 from signorini.tessellation import Tessellation, tessellate
 
+_ON_OUTLINE = 1e-9
+"""Part of the plate's size within which a point is on an area's outline."""
+
 
 @dataclass(frozen=True, eq=False)
 class PressureLayer:
@@ -46,10 +49,22 @@ class PressureLayer:
         """Whether there is one value an element."""
         return len(self.values) == len(self.cut.elements)
 
+    def exerted(self, nodes: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the values that the area exerts, NaN out of its outline."""
+        values = np.clip(self.values, *self.bounds)
+        if self.an_element or self.outline is None:
+            return values
+        # Which sign of the radius takes in what is on the outline depends on the way that runs.
+        path, slack = Path(self.outline), _ON_OUTLINE * float(np.ptp(nodes))
+        vertices = self.cut.interpolate(nodes)
+        within = path.contains_points(vertices, radius=slack) | path.contains_points(vertices, radius=-slack)
+        return np.where(within, values, np.nan)
+
     def largest(self, nodes: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
         """Return the largest of the values at vertices, and where it is."""
-        at = int(self.values.argmax())
-        return float(np.clip(self.values[at], *self.bounds)), self.cut.interpolate(nodes)[at]
+        values = np.nan_to_num(self.exerted(nodes), nan=-np.inf)
+        at = int(values.argmax())
+        return float(values[at]), self.cut.interpolate(nodes)[at]
 
 
 def pressure(
@@ -90,9 +105,9 @@ def pressure(
     whole = tessellate(cells)
     vertices = whole.interpolate(nodes)
     draw_sheet(axes, vertices, whole)
-    exerted = [np.clip(layer.values, *layer.bounds) for layer in layers]
-    low = min((float(values.min(initial=0.0)) for values in exerted), default=0.0)
-    high = max((float(values.max(initial=0.0)) for values in exerted), default=0.0)
+    exerted = [layer.exerted(nodes) for layer in layers]
+    low = min((float(np.fmin.reduce(values, initial=0.0)) for values in exerted), default=0.0)
+    high = max((float(np.fmax.reduce(values, initial=0.0)) for values in exerted), default=0.0)
     if low == high:
         high = 1.0
     limits = np.asarray(MaxNLocator(levels).tick_values(low, high))
