@@ -20,7 +20,7 @@ LAYERS = (
     {"expression"},
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
-    {"equilibrium", "problem", "certificate", "contact_field", "kinds", "sketch"},
+    {"equilibrium", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
     {"support_result", "probe_result", "notebook", "result", "solve"},
     {"output", "check"},
     {"__init__"},

@@ -21,6 +21,7 @@ from signorini.inputfile import load, schema
 from signorini.model import Model, validate
 from signorini.probe_result import ProbeResult
 from signorini.problem import ContactProblem, contact_problem
+from signorini.progress import Progress
 from signorini.result import Result
 from signorini.solve import Results, solve
 from signorini.support_result import SupportResult
@@ -32,6 +33,7 @@ __all__ = [
     "NoEquilibriumError",
     "NotCertifiedError",
     "ProbeResult",
+    "Progress",
     "Result",
     "Results",
     "SignoriniError",

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -72,7 +73,12 @@ class ContactProblem:
         soft: _Bools | None = None,
     ) -> ContactProblem: ...
     def solve(
-        self, load: _Floats, held_value: _Floats, form: _Form = None, max_pivots: int | None = None
+        self,
+        load: _Floats,
+        held_value: _Floats,
+        form: _Form = None,
+        max_pivots: int | None = None,
+        progress: Callable[[int, int, float], object] | None = None,
     ) -> ContactSolution: ...
     def lcp(self, load: _Floats, held_value: _Floats, form: _Form = None) -> tuple[_Floats, _Floats, _Ints, _Bools]: ...
     def apply_inverse(self, load: _Floats) -> _Floats: ...

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
@@ -18,6 +18,9 @@ from signorini.errors import InputError, SignoriniError
 from signorini.model import Model
 
 Form = Literal["auto", "dual", "stiffness"]
+
+Steps: TypeAlias = Callable[[int, int, float], object]
+"""Called with a step's number, the contact points it changed and its relative imbalance; what it raises ends it."""
 
 MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
@@ -153,9 +156,10 @@ class ContactProblem:
             return None
         return self.condensed
 
-    def solve(self, load: CaseLoad, form: Form = "auto") -> _core.ContactSolution:
-        """Displacements, reactions and gaps of one load."""
-        return self.core.solve(load.nodal, self.discretisation.held.values, None if form == "auto" else form)
+    def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> _core.ContactSolution:
+        """Displacements, reactions and gaps of one load; ``progress`` is called after every step of the active set."""
+        held = self.discretisation.held.values
+        return self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress)
 
     @property
     def seconds(self) -> Mapping[str, float]:
