@@ -259,7 +259,7 @@ def test_version() -> None:
 
 
 def test_a_fault_of_the_program_is_one_line(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(_: object) -> None:
+    def fail(_: object, progress: object) -> None:
         raise ZeroDivisionError("by\nzero")
 
     monkeypatch.setattr(signorini, "solve", fail)

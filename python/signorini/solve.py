@@ -12,7 +12,8 @@ from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.equilibrium import no_equilibrium
 from signorini.errors import NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
-from signorini.problem import ContactProblem, contact_problem
+from signorini.problem import ContactProblem, Steps, contact_problem
+from signorini.progress import Progress, Watcher
 from signorini.result import Result, unsolved_result
 
 
@@ -41,7 +42,7 @@ class Results(Mapping[str, Result]):
         return "".join(result._repr_html_() for result in self.by_name.values())
 
 
-def solve(model: Model) -> Results:
+def solve(model: Model, progress: Watcher | None = None) -> Results:
     """Solve a model for each of its combinations.
 
     A combination whose load no reactions can balance gets a result with status "no_equilibrium", NaN for every number,
@@ -50,6 +51,9 @@ def solve(model: Model) -> Results:
     Parameters
     ----------
     model : Model
+    progress : callable, optional
+        Called with a `Progress` before meshing and factoring, as every combination begins, and after every step of its
+        active set. What it raises ends the solve and reaches the caller.
 
     Returns
     -------
@@ -79,12 +83,16 @@ def solve(model: Model) -> Results:
     ('solved', 200000.0, True)
     """
     begun = time.perf_counter()
+    watcher = progress or _nobody
+    watcher(Progress(stage="mesh"))
     found = discretise(model)
+    watcher(Progress(stage="factor"))
     problem = contact_problem(found)
     results: dict[str, Result] = {}
     contact = recover = 0.0
     for combination in model.effective_combinations:
-        result, spent = _solve_one(problem, combination)
+        watcher(Progress(combination.name))
+        result, spent = _solve_one(problem, combination, watcher)
         results[combination.name] = result
         contact += spent
         recover += result.seconds
@@ -103,20 +111,30 @@ def solve(model: Model) -> Results:
     return Results(found, results, seconds)
 
 
-def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Result, float]:
+def _nobody(now: Progress) -> None:
+    """Watch nothing."""
+
+
+def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:
     """One combination, and the seconds its contact problem took."""
     found = problem.discretisation
     load = found.load(combination)
+
+    def steps(step: int, changing: int, residual: float) -> None:
+        watcher(Progress(combination.name, step, changing, residual))
+
     begun = time.perf_counter()
     message = no_equilibrium(found, problem.freedom, load.nodal)
     if message:
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
-    answer, certificate = _answer(problem, load)
+    answer, certificate = _answer(problem, load, steps)
+    methods = [problem.method]
     for method in problem.fallbacks:
         if answer.status == "no_equilibrium" or (certificate is not None and certificate.passed):
             break
+        methods.append(method)
         problem = problem.by(method)
-        answer, certificate = _answer(problem, load)
+        answer, certificate = _answer(problem, load, steps)
     spent = time.perf_counter() - begun
     if answer.status == "no_equilibrium":
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
@@ -131,12 +149,12 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
         )
     if not certificate.passed:
         raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {certificate}.')
-    return Result.of(found, combination.name, problem.method, load, answer, certificate), spent
+    return Result.of(found, combination.name, methods, load, answer, certificate), spent
 
 
-def _answer(problem: ContactProblem, load: CaseLoad) -> tuple[_core.ContactSolution, Certificate | None]:
+def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> tuple[_core.ContactSolution, Certificate | None]:
     """Solve one load, and certify it if there is something to certify."""
-    answer = problem.solve(load)
+    answer = problem.solve(load, progress=steps)
     if answer.status != "solved":
         return answer, None
     return answer, certify(problem.discretisation, load, answer.hi, answer.lo, answer.reaction)
