@@ -29,8 +29,11 @@ MOST_POINTS = 6000
 _FEW = 300
 """Elastic points up to which Lemke's algorithm is the quicker one."""
 
-_FEW_RIGID = 1500
-"""One-sided points up to which it is where they are mostly rigid."""
+_FEW_IN_AREAS = 500
+"""Points of areas up to which it is, rigid ones included."""
+
+_FEW_RIGID = 3000
+"""Rigid points, along lines for the most part, up to which it is."""
 
 _CARRIED = 100.0
 """Stiffness that the factor carries at restraining points, over D/a²: about a plate's own under a point load."""
@@ -270,5 +273,7 @@ def _method(found: Discretisation) -> Method:
         return "lemke"
     if asked != "auto":
         return asked
-    elastic = int((contacts.compliance[one_sided] > 0).sum())
-    return "active_set" if elastic > _FEW or int(one_sided.sum()) > _FEW_RIGID else "lemke"
+    in_areas = np.array([support.area is not None for support in found.model.support])[contacts.support]
+    elastic, areal = contacts.compliance[one_sided] > 0, in_areas[one_sided]
+    many = elastic.sum() > _FEW or areal.sum() > _FEW_IN_AREAS or len(areal) > _FEW_RIGID
+    return "active_set" if many else "lemke"
