@@ -118,7 +118,7 @@ impl ContactProblem {
     ///
     /// `progress(step, changing, residual)` is called after every step of the active set: points that opened or closed,
     /// and the imbalance over the largest nodal force. What it raises ends the solve.
-    #[pyo3(signature = (load, held_value, form=None, max_pivots=None, progress=None))]
+    #[pyo3(signature = (load, held_value, form=None, max_pivots=None, progress=None, reference=None))]
     fn solve(
         &self,
         py: Python<'_>,
@@ -127,12 +127,34 @@ impl ContactProblem {
         form: Option<&str>,
         max_pivots: Option<usize>,
         progress: Option<Py<PyAny>>,
+        reference: Option<&Reference>,
     ) -> PyResult<ContactSolution> {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
+        if let Some(Reference { inner }) = reference {
+            if inner.solution.displacement.hi.len() != dofs {
+                return Err(invalid("the reference is of another plate"));
+            }
+            return watched(py, progress, |watch| self.inner.solve_near(inner, &load, &held_value, watch));
+        }
         let form = form.map(form_of).transpose()?;
         watched(py, progress, |watch| self.inner.solve(&load, &held_value, form, max_pivots, watch))
+    }
+
+    /// Solves one load and factors its contact set, for others to begin with (`reference` of `solve`); None without an
+    /// active set or a solution.
+    fn reference(
+        &self,
+        py: Python<'_>,
+        load: PyReadonlyArray1<'_, f64>,
+        held_value: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Option<Reference>> {
+        let dofs = self.inner.plate.dof_count();
+        let load = sized("the load", &load, dofs)?;
+        let held_value = sized("held_value", &held_value, dofs)?;
+        let found = py.detach(|| self.inner.reference(&load, &held_value)).map_err(failed)?;
+        Ok(found.map(|inner| Reference { inner }))
     }
 
     /// Solves one load by an interior point method, from whose contact set the exact solution is found; `progress` as
@@ -197,6 +219,12 @@ impl ContactProblem {
     fn factor_entries(&self) -> usize {
         self.inner.base.factor.entries()
     }
+}
+
+/// One load's solution with its contact set factored; see `ContactProblem.reference`.
+#[pyclass(frozen, module = "signorini._core")]
+pub struct Reference {
+    inner: contact::Reference,
 }
 
 /// Displacements (3n,) as two doubles, reactions, gaps and states (m,) of one load.

@@ -17,5 +17,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<plate::Plate>()?;
     module.add_class::<contact::ContactProblem>()?;
     module.add_class::<contact::ContactSolution>()?;
+    module.add_class::<contact::Reference>()?;
     Ok(())
 }

@@ -9,7 +9,7 @@ pub mod interior_point;
 pub mod problem;
 pub mod solve;
 
-pub use active_set::Progress;
+pub use active_set::{Progress, Reference};
 pub use condense::{Condensed, Form};
 pub use problem::{Constraints, ContactProblem};
 pub use solve::{ContactSolution, Outcome};
