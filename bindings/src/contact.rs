@@ -118,7 +118,7 @@ impl ContactProblem {
     ///
     /// `progress(step, changing, residual)` is called after every step of the active set: points that opened or closed,
     /// and the imbalance over the largest nodal force. What it raises ends the solve.
-    #[pyo3(signature = (load, held_value, form=None, max_pivots=None, progress=None, reference=None))]
+    #[pyo3(signature = (load, held_value, form=None, max_pivots=None, progress=None))]
     fn solve(
         &self,
         py: Python<'_>,
@@ -127,23 +127,34 @@ impl ContactProblem {
         form: Option<&str>,
         max_pivots: Option<usize>,
         progress: Option<Py<PyAny>>,
-        reference: Option<&Reference>,
     ) -> PyResult<ContactSolution> {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        if let Some(Reference { inner }) = reference {
-            if inner.solution.displacement.hi.len() != dofs {
-                return Err(invalid("the reference is of another plate"));
-            }
-            return watched(py, progress, |watch| self.inner.solve_near(inner, &load, &held_value, watch));
-        }
         let form = form.map(form_of).transpose()?;
         watched(py, progress, |watch| self.inner.solve(&load, &held_value, form, max_pivots, watch))
     }
 
-    /// Solves one load and factors its contact set, for others to begin with (`reference` of `solve`); None without an
-    /// active set or a solution.
+    /// Solves one load beginning with the solution of another; `progress` as for `solve`.
+    #[pyo3(signature = (reference, load, held_value, progress=None))]
+    fn solve_near(
+        &self,
+        py: Python<'_>,
+        reference: &Reference,
+        load: PyReadonlyArray1<'_, f64>,
+        held_value: PyReadonlyArray1<'_, f64>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<ContactSolution> {
+        let dofs = self.inner.plate.dof_count();
+        let load = sized("the load", &load, dofs)?;
+        let held_value = sized("held_value", &held_value, dofs)?;
+        if reference.inner.solution.displacement.hi.len() != dofs {
+            return Err(invalid("the reference is of another plate"));
+        }
+        watched(py, progress, |watch| self.inner.solve_near(&reference.inner, &load, &held_value, watch))
+    }
+
+    /// Solves one load and factors its contact set, for others to begin with; None without an active set or a solution.
     fn reference(
         &self,
         py: Python<'_>,

@@ -79,7 +79,13 @@ class ContactProblem:
         form: _Form = None,
         max_pivots: int | None = None,
         progress: Callable[[int, int, float], object] | None = None,
-        reference: Reference | None = None,
+    ) -> ContactSolution: ...
+    def solve_near(
+        self,
+        reference: Reference,
+        load: _Floats,
+        held_value: _Floats,
+        progress: Callable[[int, int, float], object] | None = None,
     ) -> ContactSolution: ...
     def reference(self, load: _Floats, held_value: _Floats) -> Reference | None: ...
     def solve_by_interior_point(

@@ -88,7 +88,7 @@ def test_loads_are_solved_from_the_reference_of_another_as_they_are_from_rest(st
     reference = problem.core.reference(dead + live, held)
     assert reference is not None
     for factor in (0.1, 0.9, 1.0, 3.0):
-        near = problem.core.solve(dead + factor * live, held, reference=reference)
+        near = problem.core.solve_near(reference, dead + factor * live, held)
         cold = problem.core.solve(dead + factor * live, held)
         assert near.status == cold.status == "solved"
         assert (near.closed == cold.closed).all() and near.closed.any()
