@@ -5,6 +5,7 @@ use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 use signorini_core::cholesky::FactorError;
 use signorini_core::contact::{self, Constraints, Form, Outcome, Progress};
+use std::sync::Arc;
 
 /// A plate on its supports, factored once.
 ///
@@ -14,7 +15,7 @@ use signorini_core::contact::{self, Constraints, Form, Outcome, Progress};
 /// two-sided points leave free; none if absent. One-sided points are solved for by Lemke's algorithm, or `by_active_set`.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactProblem {
-    inner: contact::ContactProblem,
+    inner: Arc<contact::ContactProblem>,
 }
 
 type ConstraintArrays<'py> = (
@@ -111,7 +112,7 @@ impl ContactProblem {
         let inner = py
             .detach(|| contact::ContactProblem::new(shared, springs, held, constraints, by_active_set))
             .map_err(failed)?;
-        Ok(Self { inner })
+        Ok(Self { inner: Arc::new(inner) })
     }
 
     /// Solves one load; `form` is "dual", "stiffness", or None for the better conditioned of them.
@@ -148,8 +149,8 @@ impl ContactProblem {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        if reference.inner.solution.displacement.hi.len() != dofs {
-            return Err(invalid("the reference is of another plate"));
+        if !Arc::ptr_eq(&reference.of, &self.inner) {
+            return Err(invalid("the reference is of another problem"));
         }
         watched(py, progress, |watch| self.inner.solve_near(&reference.inner, &load, &held_value, watch))
     }
@@ -165,7 +166,7 @@ impl ContactProblem {
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
         let found = py.detach(|| self.inner.reference(&load, &held_value)).map_err(failed)?;
-        Ok(found.map(|inner| Reference { inner }))
+        Ok(found.map(|inner| Reference { inner, of: self.inner.clone() }))
     }
 
     /// Solves one load by an interior point method, from whose contact set the exact solution is found; `progress` as
@@ -236,6 +237,7 @@ impl ContactProblem {
 #[pyclass(frozen, module = "signorini._core")]
 pub struct Reference {
     inner: contact::Reference,
+    of: Arc<contact::ContactProblem>,
 }
 
 /// Displacements (3n,) as two doubles, reactions, gaps and states (m,) of one load.

@@ -87,6 +87,8 @@ def test_loads_are_solved_from_the_reference_of_another_as_they_are_from_rest(st
     dead, live = (problem.discretisation.cases[case].nodal for case in ("load", "Q"))
     reference = problem.core.reference(dead + live, held)
     assert reference is not None
+    with pytest.raises(ValueError, match="of another problem"):
+        contact_problem(problem.discretisation).core.solve_near(reference, dead, held)
     for factor in (0.1, 0.9, 1.0, 3.0):
         near = problem.core.solve_near(reference, dead + factor * live, held)
         cold = problem.core.solve(dead + factor * live, held)
