@@ -12,6 +12,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import signorini
+from signorini.certificate import Certificate
 from signorini.cli import app
 
 SLAB = """
@@ -148,7 +149,8 @@ def test_results_of_an_earlier_run_are_called_so(slab: Path) -> None:
 
 
 def test_what_is_not_certified_is_refused_and_not_written(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("signorini.certificate.TOLERANCE", -1.0)
+    refused = Certificate(penetration=1e-3, tension=0.0, complementarity=0.0, equilibrium=0.0, balance=0.0)
+    monkeypatch.setattr(sys.modules["signorini.solve"], "certify", lambda *_: refused)
     done = run("solve", slab)
     assert (done.exit_code, done.stdout) == (4, "")
     assert 'Combination "calm" is refused' in done.stderr
