@@ -136,6 +136,12 @@ def test_the_mark_shows_which_way_a_support_acts(kind: str, marker: str) -> None
     assert axes.lines[0].get_marker() == marker
 
 
+def test_a_support_that_acts_nowhere_stands_in_the_legend() -> None:
+    idle = SupportMark("idle", "down", np.zeros((0, 2)), np.zeros(0, dtype=bool))
+    axes = supports([idle], Figure().add_subplot())
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["idle: pushes up only, 0 closed, 0 open"]
+
+
 def test_the_legend_counts_closed_and_open_below_the_axes() -> None:
     wall = SupportMark("wall", "fixed", np.array([[0, 0], [0, 1.0]]), style="line")
     figure = deflection_picture(POINTS, ELEMENTS, POINTS[:, 0], [PADS, wall], title="ULS", length="m")
