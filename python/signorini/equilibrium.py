@@ -125,6 +125,7 @@ def _describe(motion: Floats, found: Discretisation) -> str:
     normal = np.array(slopes) / turning
     through = found.middle - w / turning * normal
     along = np.array([-normal[1], normal[0]])
+    along *= 1.0 if (along > 1e-9).any() and along[np.abs(along) > 1e-9][0] > 0 else -1.0
     return f"turning about the line through {_point(through)} along {_point(along)}"
 
 

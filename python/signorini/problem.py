@@ -176,9 +176,9 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     Raises
     ------
     InputError
-        If the plate is a mechanism, or has more contact points than can be condensed.
+        If the plate is a mechanism, has more contact points than can be condensed, or cannot be factored.
     SignoriniError
-        If the factorization fails.
+        If it does not fit into memory.
     """
     found = model if isinstance(model, Discretisation) else discretise(model)
     freedom = rigid_freedom(found)
@@ -226,9 +226,10 @@ def _factored(found: Discretisation, freedom: RigidFreedom, regularization: Floa
                 'Take element = "mitc9" or a finer mesh.',
                 place="plate.element",
             ) from None
-        raise SignoriniError(
-            f"The stiffness matrix cannot be factored: {error}. A part of the plate can move freely, or the plate is "
-            "too thin for double precision."
+        raise InputError(
+            f"The stiffness matrix cannot be factored: {error}. The plate's parts are too unlike for double precision: "
+            "see that the thickness, the elements' sides and the stiffnesses of the supports do not differ wildly.",
+            place="plate",
         ) from None
     except MemoryError:
         raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
