@@ -14,7 +14,7 @@ PACKAGE = ROOT / "python" / "signorini"
 # From the ground up; a folder counts as one module. A module imports from its own layer and from those before it,
 # never in a circle.
 LAYERS = (
-    {"errors", "files", "_core"},
+    {"errors", "files", "memory", "_core"},
     {"plot", "vtk"},
     {"expression"},
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},

@@ -11,9 +11,6 @@ import contextlib
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import qr
-from scipy.optimize import linprog
-from scipy.spatial import ConvexHull, QhullError
 
 from signorini.discretise import ContactPoints, Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
@@ -89,6 +86,8 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
 
 
 def _outermost(contacts: ContactPoints) -> Ints:
+    from scipy.spatial import ConvexHull, QhullError
+
     deciding = []
     for direction in (1.0, -1.0):
         those = np.flatnonzero(~contacts.two_sided & (contacts.direction == direction))
@@ -136,6 +135,8 @@ def _point(at: Floats) -> str:
 
 def restraining_points(freedom: RigidFreedom) -> Ints:
     """Contact points, as few as there are free motions, that hold them when closed; far apart where they can be."""
+    from scipy.linalg import qr
+
     if not freedom.count:
         return np.zeros(0, dtype=np.int64)
     _, _, order = qr(freedom.moves.T, mode="economic", pivoting=True)
@@ -144,6 +145,8 @@ def restraining_points(freedom: RigidFreedom) -> Ints:
 
 def no_equilibrium(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> str:
     """Say why no reactions balance the nodal load (3n,), or return nothing where they exist."""
+    from scipy.optimize import linprog
+
     if not freedom.count:
         return ""
     size = found.mesh.size
@@ -185,6 +188,8 @@ def _holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, best: 
 
 def _least_holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, at: Floats, way: str) -> float | None:
     """Least extra load at a point with which reactions balance the load, by a linear program in them."""
+    from scipy.optimize import linprog
+
     size = found.mesh.size
     # The conditions of equilibrium over the free motions, forces in units of the load and lengths of the plate.
     scale = np.array([1.0, size, size])

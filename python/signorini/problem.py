@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
 
 from signorini import _core
 from signorini.discretise import CaseLoad, Discretisation, discretise
@@ -16,6 +15,9 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import RigidFreedom, restraining_points, rigid_freedom
 from signorini.errors import InputError, SignoriniError
 from signorini.model import Model
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array, csr_array
 
 Form = Literal["auto", "dual", "stiffness"]
 
@@ -70,6 +72,8 @@ class ContactProblem:
     @cached_property
     def K(self) -> csc_array:
         """Stiffness (3n, 3n) of plate and springs over every dof, held ones included."""
+        from scipy.sparse import csc_array
+
         start, row, value = self.discretisation.plate.stiffness_matrix(spring_arrays(self.discretisation))
         size = self.discretisation.dof_count
         lower = csc_array((value, row, start), shape=(size, size))
@@ -79,6 +83,8 @@ class ContactProblem:
     @cached_property
     def G(self) -> csr_array:
         """Contact points' rows (m, 3n); Gu ≤ gaps."""
+        from scipy.sparse import csr_array
+
         rows = self.discretisation.contacts.rows
         dofs = rows.dofs(self.discretisation.mesh.elements)
         point = np.repeat(np.arange(len(rows)), 24)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import lapack, solve_triangular
-from scipy.sparse import csr_array
 
 from signorini.discretise.frames import Held
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -75,6 +73,9 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
 
 def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
     """Leave out two-sided points that follow from other two-sided ones; those kept carry the reaction of all."""
+    from scipy.linalg import lapack, solve_triangular
+    from scipy.sparse import csr_array
+
     equations = np.flatnonzero(contacts.two_sided)
     if len(equations) < 2:
         return contacts
