@@ -19,7 +19,7 @@ LAYERS = (
     {"expression"},
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
-    {"equilibrium", "problem", "certificate", "contact_field", "kinds", "sketch", "result", "solve"},
+    {"equilibrium", "stability", "problem", "certificate", "contact_field", "kinds", "sketch", "result", "solve"},
     {"output", "check"},
     {"__init__"},
     {"cli"},

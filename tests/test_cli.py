@@ -199,7 +199,7 @@ def test_check_draws_and_says_where_the_load_acts(slab: Path) -> None:
     assert slab.with_name("slab-check.png").read_bytes().startswith(b"\x89PNG")
     # 80 kN at (2, 2) and 80 kN at (0.2, 1)
     (row,) = (line for line in done.stdout.splitlines() if line.startswith("calm"))
-    assert row.split() == ["calm", "160", "[1.1,", "1.5]", "yes"]
+    assert row.split() == ["calm", "160", "[1.1,", "1.5]", "yes", "Q", "at", "1.25"]
     assert not slab.with_name("slab-results").exists()
 
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from signorini import _core
 from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.equilibrium import no_equilibrium
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, contact_problem
 from signorini.result import Result, unsolved_result
+from signorini.stability import why_none
 
 _SETTLED = 1e-10
 """Nodal imbalance from which on an active set's answer is asked of Lemke's algorithm too, where that is possible."""
@@ -120,7 +120,7 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
     found = problem.discretisation
     load = found.load(combination)
     begun = time.perf_counter()
-    message = no_equilibrium(found, problem.freedom, load.nodal)
+    message = why_none(found, problem.freedom, combination)
     if message:
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
     answer, certificate = _answer(problem, load)

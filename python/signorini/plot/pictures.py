@@ -13,6 +13,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike
 
 from signorini.files import replacing
+from signorini.plot.balance import BalanceMark, draw_balance
 from signorini.plot.field import contour
 from signorini.plot.marks import Entry, LoadMark, SupportMark, draw_legend, draw_load, draw_support
 from signorini.plot.plan import INK, checked_mesh, draw_outlines, plan_axes
@@ -74,10 +75,11 @@ def check_picture(
     *,
     supports: Iterable[SupportMark] = (),
     loads: Iterable[LoadMark] = (),
+    balance: Iterable[BalanceMark] = (),
     title: str = "",
     length: str = "",
 ) -> Figure:
-    """Draw a model before it is solved: mesh, supports and loads.
+    """Draw a model before it is solved: mesh, supports and loads, and what the loads amount to.
 
     Parameters
     ----------
@@ -85,6 +87,7 @@ def check_picture(
         As for :func:`contour`.
     supports : iterable of SupportMark
     loads : iterable of LoadMark
+    balance : iterable of BalanceMark
     title : str
     length : str
         The unit of length, for the two axes.
@@ -101,7 +104,10 @@ def check_picture(
     axes.tricontourf(sheet, np.zeros(len(vertices)), levels=[-1, 1], colors=[_SHEET])
     draw_outlines(axes, vertices, cut, inner=0.3)
     held = [draw_support(mark, axes) for mark in supports]
-    return _finished(axes, held + [draw_load(mark, axes) for mark in loads], length)
+    entries = held + [draw_load(mark, axes) for mark in loads]
+    for mark in balance:
+        entries += draw_balance(mark, axes)
+    return _finished(axes, entries, length)
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
