@@ -33,6 +33,10 @@ fn motions(plate: &Plate) -> Vec<Vec<f64>> {
 
 /// Points that push up, in corner elements, then one in the middle element; the first three are regularised.
 fn free_on_points(at: &[(f64, f64)], gap: &[f64], soft: bool) -> ContactProblem {
+    on_points(at, gap, soft, false)
+}
+
+fn on_points(at: &[(f64, f64)], gap: &[f64], soft: bool, by_active_set: bool) -> ContactProblem {
     let plate = plate();
     let mut constraints = Constraints { free_motions: motions(&plate), ..Constraints::default() };
     for (i, (&(xi, eta), &gap)) in at.iter().zip(gap).enumerate() {
@@ -45,7 +49,7 @@ fn free_on_points(at: &[(f64, f64)], gap: &[f64], soft: bool) -> ContactProblem 
         constraints.regularization.push(if i < 3 { 10.0 } else { 0.0 });
     }
     let held = vec![false; plate.dof_count()];
-    ContactProblem::new(plate, Springs::default(), held, constraints, &[]).unwrap()
+    ContactProblem::new(plate, Springs::default(), held, constraints, by_active_set).unwrap()
 }
 
 fn load(plate: &Plate, element: usize, force: f64) -> Vec<f64> {
@@ -70,7 +74,7 @@ proptest! {
         let load = load(&problem.plate, element, 1.0);
         let held = vec![0.0; load.len()];
         let form = if dual { Form::Dual } else { Form::Stiffness };
-        let found = problem.solve(&load, &held, Some(form), None).unwrap();
+        let found = problem.solve(&load, &held, Some(form), None, &mut |_| true).unwrap();
         prop_assert!(found.outcome != Outcome::Unsolved);
         if found.outcome == Outcome::Solved {
             let out = problem.imbalance(&load, &found.displacement, &found.reaction);
@@ -82,6 +86,26 @@ proptest! {
             }
         } else {
             prop_assert!(found.reaction.iter().chain(&found.displacement.hi).all(|x| x.is_nan()));
+        }
+    }
+
+    #[test]
+    fn the_active_set_finds_what_lemke_finds(
+        at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5),
+        gap in prop::collection::vec(prop_oneof![Just(0.0), 0.0f64..0.01], 5),
+        element in 0usize..9, soft: bool,
+    ) {
+        let problem = free_on_points(&at, &gap, soft);
+        let load = load(&problem.plate, element, 1.0);
+        let held = vec![0.0; load.len()];
+        let by_lemke = problem.solve(&load, &held, None, None, &mut |_| true).unwrap();
+        prop_assume!(by_lemke.outcome == Outcome::Solved);
+        let found = on_points(&at, &gap, soft, true).solve(&load, &held, None, None, &mut |_| true).unwrap();
+        prop_assert_eq!(found.outcome, Outcome::Solved);
+        let largest = by_lemke.displacement.hi.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        for i in 0..5 {
+            prop_assert!((found.reaction[i] - by_lemke.reaction[i]).abs() < 1e-9);
+            prop_assert!((found.gap[i] - by_lemke.gap[i]).abs() < 1e-9 * largest);
         }
     }
 
@@ -122,9 +146,23 @@ fn a_load_beyond_the_points_has_no_equilibrium() {
         let load = load(&problem.plate, element, force);
         let (inside, up) = (element == 4, force < 0.0);
         for form in [None, Some(Form::Dual), Some(Form::Stiffness)] {
-            let found = problem.solve(&load, &held, form, None).unwrap();
+            let found = problem.solve(&load, &held, form, None, &mut |_| true).unwrap();
             let expected = if inside && !up { Outcome::Solved } else { Outcome::NoEquilibrium };
             assert_eq!(found.outcome, expected, "element {element}, {form:?}");
         }
     }
+}
+
+#[test]
+fn whoever_watches_the_active_set_may_stop_it() {
+    let at = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.0, 0.0)];
+    let problem = on_points(&at, &[0.0; 5], false, true);
+    let (load, held) = (load(&problem.plate, 4, 1.0), vec![0.0; problem.plate.dof_count()]);
+    let mut steps = Vec::new();
+    let found = problem.solve(&load, &held, None, None, &mut |now| {
+        steps.push(now.step);
+        now.step < 2
+    });
+    assert_eq!(found.unwrap().outcome, Outcome::Interrupted);
+    assert_eq!(steps, [1, 2]);
 }

@@ -25,7 +25,10 @@ MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
 
 _FEW = 300
-"""Elastic points up to which the LCP takes them too."""
+"""Elastic points up to which Lemke's algorithm is the quicker one."""
+
+_FEW_RIGID = 1500
+"""One-sided points up to which it is where they are mostly rigid."""
 
 _CARRIED = 100.0
 """Stiffness that the factor carries at restraining points, over D/a²: about a plate's own under a point load."""
@@ -67,7 +70,7 @@ class ContactProblem:
     discretisation: Discretisation
     freedom: RigidFreedom
     core: _core.ContactProblem
-    soft: Bools
+    method: Literal["lemke", "active_set"]
 
     @cached_property
     def K(self) -> csc_array:
@@ -80,18 +83,10 @@ class ContactProblem:
         upper = lower.T.tocsc()
         return csc_array(lower + upper - csc_array((lower.diagonal(), (range(size), range(size))), shape=(size, size)))
 
-    @cached_property
+    @property
     def G(self) -> csr_array:
         """Contact points' rows (m, 3n); Gu ≤ gaps."""
-        from scipy.sparse import csr_array
-
-        rows = self.discretisation.contacts.rows
-        dofs = rows.dofs(self.discretisation.mesh.elements)
-        point = np.repeat(np.arange(len(rows)), 24)
-        shape = (len(rows), self.discretisation.dof_count)
-        matrix = csr_array((rows.coefficients.ravel(), (point, dofs.ravel())), shape=shape)
-        matrix.eliminate_zeros()
-        return matrix
+        return self.discretisation.contact_rows
 
     @property
     def gaps(self) -> Floats:
@@ -134,19 +129,10 @@ class ContactProblem:
         posed = self.lcp(load, "dual")
         return posed.M, -posed.q
 
-    @property
-    def method(self) -> Literal["lemke", "active_set"]:
-        """How the contact problem is solved; rigid points go to Lemke's algorithm either way."""
-        return "active_set" if self.soft.any() else "lemke"
-
     @cached_property
     def condensed(self) -> ContactProblem:
-        """The same problem with every point in the LCP, those of the active set too."""
-        if not self.soft.any():
-            return self
-        _require_condensable(len(self.gaps))
-        regularization = _regularization(self.discretisation, self.freedom)
-        return _factored(self.discretisation, self.freedom, regularization, np.zeros_like(self.soft))
+        """The same problem with every point condensed, for the LCP."""
+        return self if self.method == "lemke" else _factored(self.discretisation, self.freedom, "lemke")
 
     @cached_property
     def fallback(self) -> ContactProblem | None:
@@ -155,7 +141,7 @@ class ContactProblem:
         None where it is that already, where there are too many points, or where the method is prescribed.
         """
         prescribed = self.discretisation.model.solver.method != "auto"
-        if prescribed or len(self.gaps) > MOST_POINTS or not self.soft.any():
+        if prescribed or len(self.gaps) > MOST_POINTS or self.method == "lemke":
             return None
         return self.condensed
 
@@ -188,10 +174,7 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     """
     found = model if isinstance(model, Discretisation) else discretise(model)
     freedom = rigid_freedom(found)
-    regularization = _regularization(found, freedom)
-    soft = _soft_points(found, regularization)
-    _require_condensable(len(soft) - int(soft.sum()))
-    return _factored(found, freedom, regularization, soft)
+    return _factored(found, freedom, "active_set" if _by_active_set(found) else "lemke")
 
 
 def _require_condensable(points: int) -> None:
@@ -203,10 +186,11 @@ def _require_condensable(points: int) -> None:
         )
 
 
-def _factored(found: Discretisation, freedom: RigidFreedom, regularization: Floats, soft: Bools) -> ContactProblem:
-    contacts = found.contacts
-    # Soft points are springs to the points of the LCP, and hold what they hold.
-    motions = freedom.motions[:, :0] if soft.any() else freedom.motions
+def _factored(found: Discretisation, freedom: RigidFreedom, method: Literal["lemke", "active_set"]) -> ContactProblem:
+    contacts, by_active_set = found.contacts, method == "active_set"
+    _require_condensable(int((contacts.two_sided | (not by_active_set)).sum()))
+    # The points of the active set are springs to the condensed ones, and hold what they hold.
+    motions = freedom.motions[:, :0] if by_active_set else freedom.motions
     free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T
     rows = contacts.rows
     try:
@@ -220,10 +204,10 @@ def _factored(found: Discretisation, freedom: RigidFreedom, regularization: Floa
                 contacts.distance,
                 contacts.compliance,
                 contacts.two_sided,
-                regularization,
+                _regularization(found, freedom),
             ),
             free_motions,
-            soft,
+            by_active_set,
         )
     except RuntimeError as error:
         if found.model.plate.element == "q8r":
@@ -239,7 +223,7 @@ def _factored(found: Discretisation, freedom: RigidFreedom, regularization: Floa
         ) from None
     except MemoryError:
         raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
-    return ContactProblem(found, freedom, core, soft)
+    return ContactProblem(found, freedom, core, method)
 
 
 def _regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
@@ -264,11 +248,11 @@ def _regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
     return np.asarray(carried)
 
 
-def _soft_points(found: Discretisation, regularization: Floats) -> Bools:
-    """Points (m,) that the active set handles instead of the LCP: elastic ones that the factor carries, if many."""
-    contacts = found.contacts
-    soft = (contacts.compliance > 0) & (np.abs(regularization * contacts.compliance - 1) < 1e-12)
-    few = int(soft.sum()) <= _FEW and len(contacts) <= MOST_POINTS
-    if found.model.solver.method == "lemke" or (found.model.solver.method == "auto" and few):
-        soft[:] = False
-    return np.asarray(soft)
+def _by_active_set(found: Discretisation) -> bool:
+    """Whether the active set is the better method, or the one asked for."""
+    contacts, method = found.contacts, found.model.solver.method
+    one_sided = ~contacts.two_sided
+    if method == "auto":
+        elastic = int((contacts.compliance[one_sided] > 0).sum())
+        return elastic > _FEW or int(one_sided.sum()) > _FEW_RIGID
+    return method == "active_set" and bool(one_sided.any())

@@ -142,11 +142,11 @@ class Result:
         rotation = found.held.to_global(nodal[:, 1:])
         stress, _ = found.plate.stresses(hi, lo, tuple(load.curvature), load.couples)
         imbalance = found.plate.residual(spring_arrays(found), load.nodal, hi, lo)
-        spread = found.contacts.rows.spread(found.mesh.elements, reaction, found.dof_count)
+        spread = found.contact_rows.T @ reaction
         held_force = np.where(found.held.dofs, imbalance - spread, 0.0)
         springs = found.springs
-        pull = springs.stiffness * (springs.rows.dot(found.mesh.elements, hi + lo) - springs.base)
-        nodal_reaction = held_force + spread + springs.rows.spread(found.mesh.elements, pull, found.dof_count)
+        pull = springs.stiffness * (found.spring_rows @ (hi + lo) - springs.base)
+        nodal_reaction = held_force + spread + found.spring_rows.T @ pull
         supports = tuple(
             _support_result(found, index, support, held_force[::3], pull, answer)
             for index, support in enumerate(found.model.support)

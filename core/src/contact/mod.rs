@@ -8,6 +8,7 @@ pub mod condense;
 pub mod problem;
 pub mod solve;
 
+pub use active_set::Progress;
 pub use condense::{Condensed, Form};
 pub use problem::{Constraints, ContactProblem};
 pub use solve::{ContactSolution, Outcome};

@@ -112,7 +112,7 @@ def _press(
 
 def _push(mesh: Mesh, nodal: Floats, elements: Ints, xi: Floats, force: Floats) -> None:
     values, _ = _core.serendipity(xi)
-    np.add.at(nodal, 3 * mesh.elements[elements], force[:, None] * values)
+    nodal[::3] += np.bincount(mesh.elements[elements].ravel(), (force[:, None] * values).ravel(), mesh.node_count)
 
 
 def _twist(
