@@ -136,14 +136,15 @@ class ContactProblem:
 
     @cached_property
     def fallback(self) -> ContactProblem | None:
-        """The same problem with every point in the LCP, for loads on which the active set does not settle.
+        """The same problem by the other method, for loads on which this one comes to no certified answer.
 
-        None where it is that already, where there are too many points, or where the method is prescribed.
+        None where the LCP would have too many points, or where the method is prescribed.
         """
-        prescribed = self.discretisation.model.solver.method != "auto"
-        if prescribed or len(self.gaps) > MOST_POINTS or self.method == "lemke":
+        if self.discretisation.model.solver.method != "auto":
             return None
-        return self.condensed
+        if self.method == "lemke":
+            return _factored(self.discretisation, self.freedom, "active_set")
+        return self.condensed if len(self.gaps) <= MOST_POINTS else None
 
     def solve(self, load: CaseLoad, form: Form = "auto") -> _core.ContactSolution:
         """Displacements, reactions and gaps of one load."""

@@ -11,12 +11,14 @@ from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
-from signorini.problem import ContactProblem, contact_problem
+from signorini.problem import ContactProblem, Form, contact_problem
 from signorini.result import Result, unsolved_result
 from signorini.stability import why_none
 
+_FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
+_Answer = tuple[ContactProblem, _core.ContactSolution, Certificate | None]
 _SETTLED = 1e-10
-"""Nodal imbalance from which on an active set's answer is asked of Lemke's algorithm too, where that is possible."""
+"""Nodal imbalance from which on an active set's answer is asked of the other method too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,11 +125,7 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
     message = why_none(found, problem.freedom, combination)
     if message:
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
-    answer, certificate = _answer(problem, load)
-    settled = certificate is not None and certificate.passed and certificate.equilibrium <= _SETTLED
-    if not settled and problem.fallback is not None:
-        problem = problem.fallback
-        answer, certificate = _answer(problem, load)
+    problem, answer, certificate = _answer(problem, load)
     spent = time.perf_counter() - begun
     if answer.status == "no_equilibrium":
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
@@ -145,9 +143,31 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
     return Result.of(found, combination.name, problem.method, load, answer, certificate), spent
 
 
-def _answer(problem: ContactProblem, load: CaseLoad) -> tuple[_core.ContactSolution, Certificate | None]:
-    """Solve one load, and certify it if there is something to certify."""
-    answer = problem.solve(load)
-    if answer.status != "solved":
-        return answer, None
-    return answer, certify(problem.discretisation, load, answer.hi, answer.lo, answer.reaction)
+def _answer(problem: ContactProblem, load: CaseLoad) -> _Answer:
+    """Solve one load and certify the answer; where that fails, ask for it in every other form and by the other method.
+
+    A basis that rounding makes singular in one form is regular in another. The first attempt's word stands unless
+    another comes to an answer that is certified.
+    """
+    first: _Answer | None = None
+    passed: _Answer | None = None
+    for attempt, form in _attempts(problem):
+        answer = attempt.solve(load, form)
+        solved = answer.status == "solved"
+        certificate = certify(problem.discretisation, load, answer.hi, answer.lo, answer.reaction) if solved else None
+        found = attempt, answer, certificate
+        if certificate is not None and certificate.passed:
+            if attempt.method == "lemke" or certificate.equilibrium <= _SETTLED:
+                return found
+            passed = passed or found
+        first = first or found
+    answered = passed or first
+    assert answered is not None, "there are attempts"
+    return answered
+
+
+def _attempts(problem: ContactProblem) -> Iterator[tuple[ContactProblem, Form]]:
+    for attempt in (problem, None):
+        attempt = attempt or problem.fallback
+        if attempt is not None:
+            yield from ((attempt, form) for form in (_FORMS if attempt.method == "lemke" else _FORMS[:1]))

@@ -30,6 +30,12 @@ def test_an_input_that_once_found_a_fault(path: Path, command: str) -> None:
     assert wrong == []
 
 
+@pytest.mark.parametrize("path", sorted(CORPUS.glob("refused_*")), ids=lambda path: path.stem)
+def test_what_one_form_of_the_problem_cannot_solve_another_can(path: Path, tmp_path: Path) -> None:
+    code, errors, wrong = inputs.ended(path.read_bytes(), "solve", tmp_path, pictures=False)
+    assert wrong == [] and code in (0, 3), errors
+
+
 @pytest.mark.parametrize(
     ("content", "says"),
     [
