@@ -13,7 +13,7 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, Form, contact_problem
 from signorini.result import Result, unsolved_result
-from signorini.stability import why_none
+from signorini.stability import supports_contradict, why_none
 
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 _Answer = tuple[ContactProblem, _core.ContactSolution, Certificate | None]
@@ -127,7 +127,7 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
     problem, answer, certificate = _answer(problem, load)
     spent = time.perf_counter() - begun
-    if answer.status == "no_equilibrium":
+    if answer.status == "no_equilibrium" and supports_contradict(found):
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
         reason = (
             "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and "
@@ -136,7 +136,9 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
         return unsolved_result(found, combination.name, reason), spent
     if certificate is None:
         raise NotCertifiedError(
-            f'Combination "{combination.name}": the contact problem was not solved within {answer.pivots} pivots.'
+            f'Combination "{combination.name}" has no answer that could be certified: rounding decides which of its '
+            "supports are in contact. Take a finer mesh or fewer supports that nearly repeat each other, or give the "
+            "rigid ones a stiffness."
         )
     if not certificate.passed:
         raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {certificate}.')

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from signorini.discretise import Discretisation
@@ -11,6 +13,8 @@ from signorini.model import Combination
 
 _MOST = 1e6
 """Times a case's factor beyond which it counts as without limit."""
+_OVERLAP = 1e-7
+"""Part of the largest travel by which rigid supports must overlap to contradict each other."""
 _BRINK = 1e-9
 """Part of the load that must be to spare at every support for the plate not to be on the brink."""
 
@@ -88,6 +92,47 @@ def on_the_brink(found: Discretisation, freedom: RigidFreedom, nodal: Floats) ->
         method="highs",
     )
     return most.x is not None and bool(most.x[0] <= _BRINK)
+
+
+def supports_contradict(found: Discretisation) -> bool:
+    """Whether no deflection of the plate agrees with all rigid supports: a linear program in it, for the least overlap.
+
+    Examples
+    --------
+    >>> from signorini import Model
+    >>> from signorini.discretise import discretise
+    >>> plate = dict(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     mesh={"divisions": [2, 2]},
+    ...     load=[{"pressure": 5e3}],
+    ... )
+    >>> floor = {"at": [[0, 2], [4 / 3, 2]], "resists": "down"}
+    >>> ceiling = {"at": [[2 / 3, 2], [2, 2]], "resists": "up"}
+    >>> stops = ([floor, {**ceiling, "settlement": s}] for s in (0, 0.01))
+    >>> [supports_contradict(discretise(Model(**plate, support=support))) for support in stops]
+    [False, True]
+    """
+    from scipy.optimize import linprog
+    from scipy.sparse import csr_array, hstack, vstack
+
+    contacts, held = found.contacts, found.held
+    rigid = contacts.compliance == 0
+    rows = csr_array(found.contact_rows[np.flatnonzero(rigid)])
+    distance = contacts.distance[rigid] - rows @ held.values
+    size = float(np.abs(distance).max(initial=0.0))
+    if size == 0.0:
+        return False
+    moving = np.unique(rows.indices)
+    rows = rows[:, moving[~held.dofs[moving]]]
+    rows = vstack([rows, -rows[np.flatnonzero(contacts.two_sided[rigid])]])
+    distance = np.append(distance, -distance[contacts.two_sided[rigid]])
+    overlap = csr_array(-np.ones((len(distance), 1)))
+    cost = np.append(np.zeros(rows.shape[1]), 1.0)
+    bounds = [*[(None, None)] * rows.shape[1], (0, None)]
+    facing: Any = hstack([rows, overlap])
+    least = linprog(cost, A_ub=facing, b_ub=distance / size, bounds=bounds, method="highs")
+    return least.x is not None and bool(least.x[-1] > _OVERLAP)
 
 
 def _limits(found: Discretisation, freedom: RigidFreedom, rest: Floats, case: Floats) -> list[float]:
