@@ -260,14 +260,21 @@ def test_version() -> None:
     assert (done.exit_code, done.stdout) == (0, f"signorini {signorini.__version__}\n")
 
 
-def test_a_fault_of_the_program_is_one_line(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+class PanicException(BaseException):
+    """As pyo3 raises it."""
+
+
+@pytest.mark.parametrize("kind", [ZeroDivisionError, PanicException])
+def test_a_fault_of_the_program_is_one_line(
+    slab: Path, monkeypatch: pytest.MonkeyPatch, kind: type[BaseException]
+) -> None:
     def fail(_: object) -> None:
-        raise ZeroDivisionError("by\nzero")
+        raise kind("by\nzero")
 
     monkeypatch.setattr(signorini, "solve", fail)
     done = run("solve", slab)
     assert done.exit_code == 1
-    assert done.stderr.startswith("Internal error (ZeroDivisionError: by zero).")
+    assert done.stderr.startswith(f"Internal error ({kind.__name__}: by zero).")
     assert done.stderr.count("\n") == 1 and "please report" in done.stderr
 
 

@@ -164,7 +164,10 @@ def _messages(file: Path | None = None) -> Iterator[None]:
         _end("Error: not enough memory. Take a coarser mesh.", SignoriniError.exit_code)
     except (typer.Exit, BrokenPipeError):
         raise
-    except Exception as error:
+    except BaseException as error:
+        # What Rust calls a panic arrives as an exception that is none of Python's ordinary ones.
+        if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
+            raise
         _end(
             f"Internal error ({type(error).__name__}: {' '.join(str(error).split())}). This is a fault of signorini "
             f"{signorini.__version__}; please report it with the input file.",
