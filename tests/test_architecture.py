@@ -15,18 +15,24 @@ PACKAGE = ROOT / "python" / "signorini"
 # never in a circle.
 LAYERS = (
     {"errors", "files", "memory", "_core"},
+    {"tessellation"},
     {"plot", "vtk"},
     {"expression"},
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
-    {"equilibrium", "stability", "problem", "certificate", "contact_field", "kinds", "sketch", "result", "solve"},
+    {"equilibrium", "stability", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
+    {"support_result", "probe_result", "notebook", "result", "solve"},
     {"output", "check"},
     {"__init__"},
     {"cli"},
     {"__main__"},
 )
 # Modules that take arrays and know nothing else of the package.
-ALONE = {"plot": {"errors", "files", "_core"}, "vtk": {"errors", "files"}}
+ALONE = {
+    "tessellation": {"_core"},
+    "plot": {"errors", "files", "tessellation", "_core"},
+    "vtk": {"errors", "files"},
+}
 # Packages that only these modules may import.
 ONLY_IN = {
     "matplotlib": {"plot"},

@@ -268,7 +268,7 @@ class PanicException(BaseException):
 def test_a_fault_of_the_program_is_one_line(
     slab: Path, monkeypatch: pytest.MonkeyPatch, kind: type[BaseException]
 ) -> None:
-    def fail(_: object) -> None:
+    def fail(_: object, progress: object) -> None:
         raise kind("by\nzero")
 
     monkeypatch.setattr(signorini, "solve", fail)

@@ -48,6 +48,28 @@ fn form_of(name: &str) -> PyResult<Form> {
     }
 }
 
+/// Runs a solve with the interpreter released; what `progress` raises, or a signal, ends it.
+fn watched(
+    py: Python<'_>,
+    progress: Option<Py<PyAny>>,
+    solve: impl Send + FnOnce(&mut dyn FnMut(Progress) -> bool) -> Result<contact::ContactSolution, FactorError>,
+) -> PyResult<ContactSolution> {
+    let mut raised = None;
+    let mut watch = |now: Progress| {
+        let called = Python::attach(|py| match &progress {
+            Some(progress) => progress.call1(py, (now.step, now.changing, now.residual)).map(|_| ()),
+            None => py.check_signals(),
+        });
+        raised = called.err();
+        raised.is_none()
+    };
+    let solved = py.detach(|| solve(&mut watch)).map_err(failed);
+    match raised {
+        Some(error) => Err(error),
+        None => Ok(ContactSolution { inner: solved? }),
+    }
+}
+
 #[pymethods]
 impl ContactProblem {
     #[new]
@@ -110,20 +132,23 @@ impl ContactProblem {
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
         let form = form.map(form_of).transpose()?;
-        let mut raised = None;
-        let mut watch = |now: Progress| {
-            let called = Python::attach(|py| match &progress {
-                Some(progress) => progress.call1(py, (now.step, now.changing, now.residual)).map(|_| ()),
-                None => py.check_signals(),
-            });
-            raised = called.err();
-            raised.is_none()
-        };
-        let solved = py.detach(|| self.inner.solve(&load, &held_value, form, max_pivots, &mut watch)).map_err(failed);
-        match raised {
-            Some(error) => Err(error),
-            None => Ok(ContactSolution { inner: solved? }),
-        }
+        watched(py, progress, |watch| self.inner.solve(&load, &held_value, form, max_pivots, watch))
+    }
+
+    /// Solves one load by an interior point method, from whose contact set the exact solution is found; `progress` as
+    /// for `solve`.
+    #[pyo3(signature = (load, held_value, progress=None))]
+    fn solve_by_interior_point(
+        &self,
+        py: Python<'_>,
+        load: PyReadonlyArray1<'_, f64>,
+        held_value: PyReadonlyArray1<'_, f64>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<ContactSolution> {
+        let dofs = self.inner.plate.dof_count();
+        let load = sized("the load", &load, dofs)?;
+        let held_value = sized("held_value", &held_value, dofs)?;
+        watched(py, progress, |watch| self.inner.solve_by_interior_point(&load, &held_value, watch))
     }
 
     #[pyo3(signature = (load, held_value, form=None))]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_array, csr_array
 
 Form = Literal["auto", "dual", "stiffness"]
+Method = Literal["lemke", "active_set", "interior_point"]
+
+Steps: TypeAlias = Callable[[int, int, float], object]
+"""Called with a step's number, the contact points it changed and its relative imbalance; what it raises ends it."""
 
 MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
@@ -70,7 +74,8 @@ class ContactProblem:
     discretisation: Discretisation
     freedom: RigidFreedom
     core: _core.ContactProblem
-    method: Literal["lemke", "active_set"]
+    method: Method
+    _others: dict[Method, ContactProblem] = field(default_factory=dict, repr=False)
 
     @cached_property
     def K(self) -> csc_array:
@@ -129,26 +134,36 @@ class ContactProblem:
         posed = self.lcp(load, "dual")
         return posed.M, -posed.q
 
-    @cached_property
+    @property
     def condensed(self) -> ContactProblem:
         """The same problem with every point condensed, for the LCP."""
-        return self if self.method == "lemke" else _factored(self.discretisation, self.freedom, "lemke")
+        return self.by("lemke")
 
-    @cached_property
-    def fallback(self) -> ContactProblem | None:
-        """The same problem by the other method, for loads on which this one comes to no certified answer.
+    def by(self, method: Method) -> ContactProblem:
+        """Pose the same problem for another method; it is factored when it is first asked for."""
+        if method not in self._others:
+            self._others[method] = _factored(self.discretisation, self.freedom, method)
+        return self._others[method]
 
-        None where the LCP would have too many points, or where the method is prescribed.
-        """
-        if self.discretisation.model.solver.method != "auto":
-            return None
+    @property
+    def fallbacks(self) -> tuple[Method, ...]:
+        """Methods that take over, in turn, where this one does not settle; none where the method is prescribed."""
+        if self.discretisation.model.solver.method != "auto" or self.discretisation.contacts.two_sided.all():
+            return ()
+        can_be_condensed = len(self.gaps) <= MOST_POINTS
         if self.method == "lemke":
-            return _factored(self.discretisation, self.freedom, "active_set")
-        return self.condensed if len(self.gaps) <= MOST_POINTS else None
+            return "active_set", "interior_point"
+        return ("lemke", "interior_point") if can_be_condensed else ("interior_point",)
 
-    def solve(self, load: CaseLoad, form: Form = "auto") -> _core.ContactSolution:
-        """Displacements, reactions and gaps of one load."""
-        return self.core.solve(load.nodal, self.discretisation.held.values, None if form == "auto" else form)
+    def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> _core.ContactSolution:
+        """Displacements, reactions and gaps of one load.
+
+        ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set.
+        """
+        held = self.discretisation.held.values
+        if self.method == "interior_point":
+            return self.core.solve_by_interior_point(load.nodal, held, progress=progress)
+        return self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress)
 
     @property
     def seconds(self) -> Mapping[str, float]:
@@ -175,7 +190,7 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     """
     found = model if isinstance(model, Discretisation) else discretise(model)
     freedom = rigid_freedom(found)
-    return _factored(found, freedom, "active_set" if _by_active_set(found) else "lemke")
+    return _factored(found, freedom, _method(found))
 
 
 def _require_condensable(points: int) -> None:
@@ -187,8 +202,11 @@ def _require_condensable(points: int) -> None:
         )
 
 
-def _factored(found: Discretisation, freedom: RigidFreedom, method: Literal["lemke", "active_set"]) -> ContactProblem:
-    contacts, by_active_set = found.contacts, method == "active_set"
+def _factored(found: Discretisation, freedom: RigidFreedom, method: Method) -> ContactProblem:
+    contacts = found.contacts
+    # What the interior point method finds is made exact by one of the others.
+    many = len(contacts) > MOST_POINTS
+    by_active_set = method == "active_set" or (method == "interior_point" and many)
     _require_condensable(int((contacts.two_sided | (not by_active_set)).sum()))
     # The points of the active set are springs to the condensed ones, and hold what they hold.
     motions = freedom.motions[:, :0] if by_active_set else freedom.motions
@@ -249,11 +267,13 @@ def _regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
     return np.asarray(carried)
 
 
-def _by_active_set(found: Discretisation) -> bool:
-    """Whether the active set is the better method, or the one asked for."""
-    contacts, method = found.contacts, found.model.solver.method
+def _method(found: Discretisation) -> Method:
+    """The method asked for, or else the better one; without one-sided points all come to Lemke's without a pivot."""
+    asked, contacts = found.model.solver.method, found.contacts
     one_sided = ~contacts.two_sided
-    if method == "auto":
-        elastic = int((contacts.compliance[one_sided] > 0).sum())
-        return elastic > _FEW or int(one_sided.sum()) > _FEW_RIGID
-    return method == "active_set" and bool(one_sided.any())
+    if not one_sided.any():
+        return "lemke"
+    if asked != "auto":
+        return asked
+    elastic = int((contacts.compliance[one_sided] > 0).sum())
+    return "active_set" if elastic > _FEW or int(one_sided.sum()) > _FEW_RIGID else "lemke"

@@ -9,16 +9,24 @@ from dataclasses import dataclass
 from signorini import _core
 from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
+from signorini.errors import NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
-from signorini.problem import ContactProblem, Form, contact_problem
+from signorini.problem import ContactProblem, Form, Method, Steps, contact_problem
+from signorini.progress import Progress, Watcher
 from signorini.result import Result, unsolved_result
 from signorini.stability import supports_contradict, why_none
 
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
-_Answer = tuple[ContactProblem, _core.ContactSolution, Certificate | None]
-_SETTLED = 1e-10
-"""Nodal imbalance from which on an active set's answer is asked of the other method too."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Attempt:
+    """An answer, how it came about, and what it is worth."""
+
+    methods: list[Method]
+    answer: _core.ContactSolution
+    certificate: Certificate | None
+    infeasible: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +54,7 @@ class Results(Mapping[str, Result]):
         return "".join(result._repr_html_() for result in self.by_name.values())
 
 
-def solve(model: Model) -> Results:
+def solve(model: Model, progress: Watcher | None = None) -> Results:
     """Solve a model for each of its combinations.
 
     A combination whose load no reactions can balance gets a result with status "no_equilibrium", NaN for every number,
@@ -55,6 +63,9 @@ def solve(model: Model) -> Results:
     Parameters
     ----------
     model : Model
+    progress : callable, optional
+        Called with a `Progress` before meshing and factoring, as every combination begins, and after every step of its
+        active set. What it raises ends the solve and reaches the caller.
 
     Returns
     -------
@@ -84,13 +95,16 @@ def solve(model: Model) -> Results:
     ('solved', 200000.0, True)
     """
     begun = time.perf_counter()
-    _require_method(model)
+    watcher = progress or _nobody
+    watcher(Progress(stage="mesh"))
     found = discretise(model)
+    watcher(Progress(stage="factor"))
     problem = contact_problem(found)
     results: dict[str, Result] = {}
     contact = recover = 0.0
     for combination in model.effective_combinations:
-        result, spent = _solve_one(problem, combination)
+        watcher(Progress(combination.name))
+        result, spent = _solve_one(problem, combination, watcher)
         results[combination.name] = result
         contact += spent
         recover += result.seconds
@@ -109,67 +123,65 @@ def solve(model: Model) -> Results:
     return Results(found, results, seconds)
 
 
-def _require_method(model: Model) -> None:
-    if model.solver.method == "interior_point":
-        raise InputError(
-            'Found "interior_point"; this version has "lemke" and "active_set". Write "auto", which picks for you.',
-            place="solver.method",
-        )
+def _nobody(now: Progress) -> None:
+    """Watch nothing."""
 
 
-def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Result, float]:
+def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:
     """One combination, and the seconds its contact problem took."""
     found = problem.discretisation
     load = found.load(combination)
+
+    def steps(step: int, changing: int, residual: float) -> None:
+        watcher(Progress(combination.name, step, changing, residual))
+
     begun = time.perf_counter()
     message = why_none(found, problem.freedom, combination)
     if message:
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
-    problem, answer, certificate = _answer(problem, load)
+    tried = _answer(problem, load, steps)
     spent = time.perf_counter() - begun
-    if answer.status == "no_equilibrium" and supports_contradict(found):
+    if tried.infeasible and supports_contradict(found):
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
         reason = (
             "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and "
             "settlements. Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
         )
         return unsolved_result(found, combination.name, reason), spent
-    if certificate is None:
+    if tried.certificate is None:
         raise NotCertifiedError(
             f'Combination "{combination.name}" has no answer that could be certified: rounding decides which of its '
             "supports are in contact. Take a finer mesh or fewer supports that nearly repeat each other, or give the "
             "rigid ones a stiffness."
         )
-    if not certificate.passed:
-        raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {certificate}.')
-    return Result.of(found, combination.name, problem.method, load, answer, certificate), spent
+    if not tried.certificate.passed:
+        raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {tried.certificate}.')
+    return Result.of(found, combination.name, tried.methods, load, tried.answer, tried.certificate), spent
 
 
-def _answer(problem: ContactProblem, load: CaseLoad) -> _Answer:
-    """Solve one load and certify the answer; where that fails, ask for it in every other form and by the other method.
+def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Attempt:
+    """Solve one load and certify the answer; where that fails, ask in every other form and by every other method.
 
-    A basis that rounding makes singular in one form is regular in another. The first attempt's word stands unless
-    another comes to an answer that is certified.
+    A basis that rounding makes singular in one form is regular in another. If no answer is certified the first stands.
     """
-    first: _Answer | None = None
-    passed: _Answer | None = None
+    first: _Attempt | None = None
+    methods: list[Method] = []
+    infeasible = False
     for attempt, form in _attempts(problem):
-        answer = attempt.solve(load, form)
+        methods += [] if attempt.method in methods else [attempt.method]
+        answer = attempt.solve(load, form, steps)
         solved = answer.status == "solved"
         certificate = certify(problem.discretisation, load, answer.hi, answer.lo, answer.reaction) if solved else None
-        found = attempt, answer, certificate
+        infeasible |= answer.status == "no_equilibrium"
+        tried = _Attempt(list(methods), answer, certificate, False)
         if certificate is not None and certificate.passed:
-            if attempt.method == "lemke" or certificate.equilibrium <= _SETTLED:
-                return found
-            passed = passed or found
-        first = first or found
-    answered = passed or first
-    assert answered is not None, "there are attempts"
-    return answered
+            return tried
+        first = first or tried
+    assert first is not None, "there are attempts"
+    return _Attempt(methods, first.answer, first.certificate, infeasible)
 
 
 def _attempts(problem: ContactProblem) -> Iterator[tuple[ContactProblem, Form]]:
-    for attempt in (problem, None):
-        attempt = attempt or problem.fallback
-        if attempt is not None:
-            yield from ((attempt, form) for form in (_FORMS if attempt.method == "lemke" else _FORMS[:1]))
+    yield from ((problem, form) for form in (_FORMS if problem.method == "lemke" else _FORMS[:1]))
+    for method in problem.fallbacks:
+        yield from ((problem.by(method), form) for form in (_FORMS if method == "lemke" else _FORMS[:1]))

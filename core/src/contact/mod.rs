@@ -5,6 +5,7 @@
 
 pub mod active_set;
 pub mod condense;
+pub mod interior_point;
 pub mod problem;
 pub mod solve;
 

@@ -4,6 +4,7 @@ use super::active_set::ActivePoints;
 use super::condense::Condensed;
 use crate::assembly::{HELD, Numbering, assemble};
 use crate::cholesky::{Analysis, Factor, FactorError};
+use crate::element::DOFS;
 use crate::plate::Plate;
 use crate::residual::{Displacement, Rows, Springs, residual};
 use std::sync::Arc;
@@ -102,6 +103,36 @@ impl ContactProblem {
         let parts =
             Parts { plate: &self.plate, springs: &self.springs, constraints: &self.constraints, active: &self.active };
         parts.factored(&self.numbering, carried, &mut Some(self.analysis.clone()), &mut Seconds::default())
+    }
+
+    /// Every contact point, in the caller's order; the factor's part left out.
+    pub fn all_constraints(&self) -> Constraints {
+        let (rest, active) = (&self.constraints, &self.active);
+        let m = self.order.condensed.len() + self.order.active.len();
+        let mut all = Constraints {
+            rows: Rows { element: vec![0; m], coefficient: vec![[0.0; DOFS]; m] },
+            distance: vec![0.0; m],
+            compliance: vec![0.0; m],
+            two_sided: vec![false; m],
+            regularization: vec![0.0; m],
+            free_motions: rest.free_motions.clone(),
+        };
+        for (at, &i) in self.order.condensed.iter().enumerate() {
+            all.rows.element[i] = rest.rows.element[at];
+            all.rows.coefficient[i] = rest.rows.coefficient[at];
+            all.distance[i] = rest.distance[at];
+            all.compliance[i] = rest.compliance[at];
+            all.two_sided[i] = rest.two_sided[at];
+        }
+        for (at, &i) in self.order.active.iter().enumerate() {
+            all.rows.element[i] = active.element[at];
+            for (node, &value) in active.value[at].iter().enumerate() {
+                all.rows.coefficient[i][3 * node] = value;
+            }
+            all.distance[i] = active.distance[at];
+            all.compliance[i] = active.compliance[at];
+        }
+        all
     }
 
     /// A nodal load in elimination order, without the dofs held.

@@ -2,9 +2,10 @@
 
 use super::active_set::Progress;
 use super::condense::{ContactState, Drive, Form, PosedLcp};
+use super::interior_point::InteriorPoint;
 use super::problem::{ContactProblem, Factored};
 use crate::cholesky::FactorError;
-use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke};
+use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from};
 use crate::residual::Displacement;
 
 /// How a contact problem ended.
@@ -69,7 +70,8 @@ pub(super) struct Motion {
 impl ContactProblem {
     /// Solves for one nodal load with the held dofs at `held_value` (both vectors over all dofs).
     ///
-    /// `form` chooses the unknowns of the LCP, see [`super::condense`]; the better conditioned one if `None`. The
+    /// `form` chooses the unknowns of the LCP, see [`super::condense`]; the better conditioned one if `None`, and the
+    /// other one where that is beyond the arithmetic. The
     /// solution is refined with the double-double residual; if that shows a point on the wrong side, the LCP is posed
     /// again with the refined figures. `watch` sees every step of an active set and stops it by returning false.
     pub fn solve(
@@ -80,17 +82,47 @@ impl ContactProblem {
         max_pivots: Option<usize>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
+        let solution = self.solve_beginning(load, held_value, form, max_pivots, None, watch)?;
+        if solution.outcome == Outcome::Unsolved && form.is_none() && self.active.is_empty() {
+            let other = if self.base.condensed.better_form() == Form::Dual { Form::Stiffness } else { Form::Dual };
+            return self.solve_beginning(load, held_value, Some(other), max_pivots, None, watch);
+        }
+        Ok(solution)
+    }
+
+    /// As [`ContactProblem::solve`], beginning with the contact set, and for an active set with the displacement and the
+    /// reactions, of an answer.
+    pub(super) fn solve_from(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        start: &InteriorPoint,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<ContactSolution, FactorError> {
+        self.solve_beginning(load, held_value, None, None, Some(start), watch)
+    }
+
+    fn solve_beginning(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        form: Option<Form>,
+        max_pivots: Option<usize>,
+        start: Option<&InteriorPoint>,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<ContactSolution, FactorError> {
         if !self.active.is_empty() {
-            return self.solve_active(load, held_value, watch);
+            return self.solve_active(load, held_value, start, watch);
         }
         let with = &self.base;
         let form = form.unwrap_or(with.condensed.better_form());
         let mut solution = self.at_rest(load.len(), held_value);
+        let mut first = start.map(|start| start.closed.as_slice());
         let mut step = self.step(load, &solution);
         let mut motion = self.motion(with, &step, form)?;
         let travel = motion.drive.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         for _ in 0..STATES {
-            let (outcome, closed) = self.contact_state(&motion, &mut solution, form, max_pivots);
+            let (outcome, closed) = self.contact_state(&motion, &mut solution, form, max_pivots, first.take());
             if outcome != Outcome::Solved {
                 return Ok(solution.failed(outcome));
             }
@@ -126,6 +158,11 @@ impl ContactProblem {
         Ok(self.base.condensed.lcp(form, &motion.drive, &rest.reaction))
     }
 
+    /// What there is to say where no solution was found.
+    pub(super) fn without_solution(&self, held_value: &[f64], outcome: Outcome) -> ContactSolution {
+        self.at_rest(self.plate.dof_count(), held_value).failed(outcome)
+    }
+
     pub(super) fn at_rest(&self, dofs: usize, held_value: &[f64]) -> ContactSolution {
         let m = self.constraints.rows.len();
         let mut displacement = Displacement::zeros(dofs);
@@ -148,20 +185,25 @@ impl ContactProblem {
         }
     }
 
-    /// Poses the LCP from where the solution stands and solves it.
+    /// Poses the LCP from where the solution stands and solves it, beginning with a contact set if there is one.
     fn contact_state(
         &self,
         motion: &Motion,
         solution: &mut ContactSolution,
         form: Form,
         max_pivots: Option<usize>,
+        first: Option<&[bool]>,
     ) -> (Outcome, Vec<bool>) {
         if self.constraints.two_sided.iter().all(|&t| t) {
             return (Outcome::Solved, self.constraints.two_sided.clone());
         }
         let posed = self.base.condensed.lcp(form, &motion.drive, &solution.reaction);
         let options = LemkeOptions { max_pivots, ..LemkeOptions::default() };
-        let Ok(found) = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| lemke(&lcp, &options)) else {
+        let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| match first {
+            Some(closed) => lemke_from(&lcp, &options, &self.base.condensed.basis(&posed, closed)),
+            None => lemke(&lcp, &options),
+        });
+        let Ok(found) = solved else {
             return (Outcome::Unsolved, Vec::new());
         };
         solution.pivots += found.pivots;

@@ -17,6 +17,7 @@ from rich.console import Console
 
 import signorini
 from signorini.cli import interrupts, tables
+from signorini.cli.progress import transient_line
 from signorini.errors import InputError, NoEquilibriumError, SignoriniError
 from signorini.inputfile import with_line
 
@@ -95,13 +96,15 @@ def solve(
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
         files.require_writable(directory)
         try:
-            with interrupts.at_once():
-                results = signorini.solve(model)
+            with transient_line() as show:
+                with interrupts.at_once():
+                    results = signorini.solve(model, progress=show)
+                show("writing the results")
+                files.write(results, directory)
         except SignoriniError:
             if (directory / files.JSON).exists():
                 _stderr().print(f"Nothing is written; {directory} holds the results of an earlier run.")
             raise
-        files.write(results, directory)
         tables.print_results(_stdout(), results)
         _stdout().print(f"Written to {directory}{os.sep}")
         _refuse({result.name: result.message for result in results.values()})

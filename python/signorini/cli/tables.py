@@ -13,8 +13,9 @@ from signorini.check import Check
 from signorini.discretise import Discretisation
 from signorini.kinds import MEANINGS, SYMBOLS, describe, kinds
 from signorini.model import Support, Units
-from signorini.result import Result, SupportResult
+from signorini.result import Result
 from signorini.solve import Results
+from signorini.support_result import SupportResult
 
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _MOST_OPEN = 8
@@ -77,9 +78,9 @@ def _print_model(console: Console, found: Discretisation) -> None:
 
 def _print_result(console: Console, result: Result) -> None:
     units = result.model.units
-    console.print(
-        Text(result.name, style="bold") + Text(f": solved by {result.method}, {result.iterations} {result.counted}")
-    )
+    before = f" after {' and '.join(result.unsettled)} did not settle" if result.unsettled else ""
+    how = f": solved by {result.method}{before}, {result.iterations} {result.counted}"
+    console.print(Text(result.name, style="bold") + Text(how))
     table = _table("", "support", "kind", right=[f"reaction{_in(units.force)}", "closed", "open"])
     least = _ROUNDING * float(abs(result.nodal_reaction).max())
     for support, found in zip(result.model.support, result.supports, strict=True):
@@ -111,10 +112,8 @@ def _print_extent(console: Console, found: SupportResult, units: Units) -> None:
         console.print(f"{found.name}, open: {', '.join(map(_point, found.positions[~found.closed].tolist()))}")
     if found.contact_area is not None and found.max_pressure is not None:
         area = f"{_number(found.contact_area)}{_unit(units.length, 2)}"
-        per_area = f"{units.force}/{units.length}²" if units.force and units.length else ""
-        console.print(
-            f"{found.name}, in contact: {area}, largest pressure {_number(found.max_pressure)} {per_area}".rstrip()
-        )
+        pressure = f"{_number(found.max_pressure)} {_per_area(units)}".rstrip()
+        console.print(f"{found.name}, in contact: {area}, largest pressure {pressure}")
 
 
 def _print_deflection(console: Console, result: Result) -> None:
@@ -131,12 +130,14 @@ def _probes(result: Result, units: Units) -> Table:
     moment = f" [{units.force} {units.length}/{units.length}]" if units.force and units.length else ""
     shear = f" [{units.force}/{units.length}]" if units.force and units.length else ""
     titles = [f"deflection{_in(units.length)}", "θx", "θy", f"mx{moment}", "my", "mxy", f"qx{shear}", "qy"]
-    table = _table(f"probe{_in(units.length)}", right=titles)
+    pressed = any(probe.pressure is not None for probe in result.probes)
+    table = _table(f"probe{_in(units.length)}", right=titles + pressed * [f"pressure{_in(_per_area(units))}"])
     rounding = [_ROUNDING * float(abs(field).max()) for field in result.fields.values()]
     for probe in result.probes:
         values = (probe.deflection, *probe.rotation, *probe.moment, *probe.shear)
         shown = (value if abs(value) > least else 0.0 for value, least in zip(values, rounding, strict=True))
-        table.add_row(_point(probe.at), *(_number(value, 5) for value in shown))
+        pressure = pressed * ["" if probe.pressure is None else _number(probe.pressure, 5)]
+        table.add_row(_point(probe.at), *(_number(value, 5) for value in shown), *pressure)
     return table
 
 
@@ -170,6 +171,10 @@ def _number(value: float, digits: int = 6) -> str:
 
 def _point(at: Sequence[float]) -> str:
     return f"[{', '.join(f'{value:.6g}' for value in at)}]"
+
+
+def _per_area(units: Units) -> str:
+    return f"{units.force}/{units.length}²" if units.force and units.length else ""
 
 
 def _in(unit: str) -> str:

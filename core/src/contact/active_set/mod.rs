@@ -14,6 +14,7 @@ mod points;
 pub use points::{ActivePoints, Softened};
 
 use super::condense::ContactState;
+use super::interior_point::InteriorPoint;
 use super::problem::{ContactProblem, Factored};
 use super::solve::{ContactSolution, Outcome, Step};
 use crate::cholesky::FactorError;
@@ -46,6 +47,8 @@ const SETTLED: f64 = 1e-13;
 /// Steps on one set that leave this part of the imbalance, one after another, that end it: what is left is rounding.
 const SLOW: f64 = 0.8;
 const STALLS: usize = 3;
+/// What rounding leaves at most, in the thinnest plates; where it stalls above, supports contradict each other.
+const ROUNDING: f64 = 1e-3;
 /// Imbalance, over the largest nodal force, up to which multipliers are renewed.
 const BALANCED: f64 = 1e-3;
 /// Change of the multipliers, over the largest force, at which the next stage begins.
@@ -55,6 +58,8 @@ const STEADY: f64 = 5e-2;
 struct Descent<'a> {
     problem: &'a ContactProblem,
     load: &'a [f64],
+    /// Stiffest springs, over the plate's stiffness in shear.
+    limit: f64,
     springs: Softened,
     /// The factor in use, if not the problem's own.
     own: Option<Factored>,
@@ -84,11 +89,13 @@ impl ContactProblem {
         if all_softer { STIFFEST } else { limit }
     }
 
-    /// Displacements, reactions and gaps under one load; `watch` may stop it by returning false.
+    /// Displacements, reactions and gaps under one load, beginning with those of an answer if there is one; `watch` may
+    /// stop it by returning false.
     pub(super) fn solve_active(
         &self,
         load: &[f64],
         held_value: &[f64],
+        start: Option<&InteriorPoint>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
         let mut solution = self.at_rest(load.len(), held_value);
@@ -96,20 +103,27 @@ impl ContactProblem {
             return Ok(solution.failed(Outcome::Unsolved));
         };
         solution.closed.clone_from(&self.constraints.two_sided);
-        let step = Step::default();
-        let count = self.active.len();
+        let mut multiplier = vec![0.0; self.active.len()];
+        if let Some(start) = start {
+            solution.displacement.hi.copy_from_slice(&start.displacement);
+            for (multiplier, &i) in multiplier.iter_mut().zip(&self.order.active) {
+                *multiplier = if start.closed[i] { start.reaction[i] } else { 0.0 };
+            }
+        }
+        let limit = if start.is_some() { STIFFEST } else { self.first_limit };
         let mut descent = Descent {
             problem: self,
             load,
-            springs: Softened::default(),
+            limit,
+            springs: self.active.softened(limit),
             own: None,
             state,
             solution,
-            multiplier: vec![0.0; count],
-            stretch: vec![0.0; count],
-            step,
+            stretch: vec![0.0; multiplier.len()],
+            multiplier,
+            step: Step::default(),
         };
-        let outcome = descent.run(watch)?;
+        let outcome = descent.run(start.is_some(), watch)?;
         Ok(match outcome {
             Outcome::Solved => ContactSolution { outcome, ..descent.in_order() },
             _ => descent.in_order().failed(outcome),
@@ -122,13 +136,11 @@ impl Descent<'_> {
         self.own.as_ref().unwrap_or(&self.problem.base)
     }
 
-    fn run(&mut self, watch: &mut dyn FnMut(Progress) -> bool) -> Result<Outcome, FactorError> {
-        let mut limit = self.problem.first_limit;
-        self.springs = self.problem.active.softened(limit);
+    fn run(&mut self, started: bool, watch: &mut dyn FnMut(Progress) -> bool) -> Result<Outcome, FactorError> {
         self.refine()?;
-        // The first step takes every point closed, as the factor does.
-        let mut last = vec![true; self.problem.active.len()];
-        let mut closed = last.clone();
+        // From rest, the first step takes every point closed, as the factor does.
+        let mut closed: Vec<bool> = self.stretch.iter().map(|&s| s > 0.0 || !started).collect();
+        let mut last = closed.clone();
         let mut stalled = 0;
         let mut before = f64::INFINITY;
         for step in 1..=NEWTON {
@@ -145,9 +157,9 @@ impl Descent<'_> {
                 // Multipliers follow an equilibrium, not what comes before it.
                 let balanced = self.step.worst <= BALANCED * force;
                 let renewed = if balanced { self.renew_multipliers() / force } else { f64::INFINITY };
-                if limit < STIFFEST && renewed < STEADY {
-                    limit = f64::min(STIFFER * limit, STIFFEST);
-                    self.springs = self.problem.active.softened(limit);
+                if self.limit < STIFFEST && renewed < STEADY {
+                    self.limit = f64::min(STIFFER * self.limit, STIFFEST);
+                    self.springs = self.problem.active.softened(self.limit);
                     self.balance();
                     before = f64::INFINITY;
                 }
@@ -161,13 +173,14 @@ impl Descent<'_> {
             if !watch(Progress { step, changing, residual: worst / force }) {
                 return Ok(Outcome::Interrupted);
             }
-            if settling && limit == STIFFEST {
+            if settling && self.limit == STIFFEST {
                 if worst <= SETTLED * force {
                     return Ok(Outcome::Solved);
                 }
                 stalled = if unchanged && worst > SLOW * before { stalled + 1 } else { 0 };
                 if stalled == STALLS {
-                    return Ok(Outcome::Solved);
+                    let rounding = worst <= ROUNDING * force;
+                    return Ok(if rounding { Outcome::Solved } else { Outcome::Unsolved });
                 }
                 before = worst;
             }
