@@ -14,13 +14,13 @@ PACKAGE = ROOT / "python" / "signorini"
 # From the ground up; a folder counts as one module. A module imports from its own layer and from those before it,
 # never in a circle.
 LAYERS = (
-    {"errors", "files", "_core"},
+    {"errors", "files", "memory", "_core"},
     {"tessellation"},
     {"plot", "vtk"},
     {"expression"},
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
-    {"equilibrium", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
+    {"equilibrium", "stability", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
     {"support_result", "probe_result", "notebook", "result", "solve"},
     {"output", "check"},
     {"__init__"},

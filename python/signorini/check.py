@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from signorini.discretise import Discretisation, discretise
-from signorini.equilibrium import RigidFreedom, no_equilibrium, rigid_freedom
+from signorini.equilibrium import RigidFreedom, rigid_freedom, tipping_axis
 from signorini.errors import InputError
 from signorini.model import Combination, Model
 from signorini.sketch import load_marks, support_marks
+from signorini.stability import nearest_limit, on_the_brink, why_none
 
 _NO_FORCE = 1e-12
 _FORMATS = (".png", ".svg", ".pdf")
@@ -34,6 +35,12 @@ class Resultant:
         Couples about the middle of the plate.
     message : str
         Why no reactions balance it; empty where they do.
+    brink : bool
+        Whether they only just do: the load is on the edge of what the supports can hold.
+    limit : (case, factor) or None
+        The nearest limit of equilibrium: the case, and the factor on top of its own that reaches it alone.
+    axis : ((x, y), (x, y)) or None
+        Two points of the line about which the plate tips, if it does.
     """
 
     name: str
@@ -41,6 +48,9 @@ class Resultant:
     at: tuple[float, float] | None
     couple: tuple[float, float]
     message: str
+    brink: bool
+    limit: tuple[str, float] | None
+    axis: tuple[tuple[float, float], tuple[float, float]] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +66,7 @@ class Check:
         return not any(resultant.message for resultant in self.resultants)
 
     def save_picture(self, path: str | os.PathLike[str]) -> None:
-        """Draw mesh, supports and loads to a file.
+        """Draw mesh, supports, loads, their resultants and the lines about which they tip the plate to a file.
 
         Raises
         ------
@@ -64,7 +74,7 @@ class Check:
             If the file cannot be written, or its suffix names no format of pictures.
         """
         # Only this method needs matplotlib.
-        from signorini.plot import check_picture, save
+        from signorini.plot import BalanceMark, check_picture, save
 
         require_picture(path)
         found = self.discretisation
@@ -73,6 +83,7 @@ class Check:
             found.mesh.elements,
             supports=support_marks(found),
             loads=load_marks(found),
+            balance=[BalanceMark(r.name, r.at, r.force < 0, bool(r.message), r.axis) for r in self.resultants],
             title=found.model.title,
             length=found.model.units.length,
         )
@@ -127,4 +138,9 @@ def _resultant(found: Discretisation, freedom: RigidFreedom, combination: Combin
     if abs(force) > _NO_FORCE * np.abs(nodal[::3]).sum():
         x, y = ((found.middle + np.array([mx, my]) / force) / found.mesh.size).round(12) * found.mesh.size + 0.0
         at = (float(x), float(y))
-    return Resultant(combination.name, force, at, (mx, my), no_equilibrium(found, freedom, nodal))
+    message = why_none(found, freedom, combination)
+    ends = tipping_axis(found, freedom, nodal) if message else None
+    axis = None if ends is None else ((float(ends[0, 0]), float(ends[0, 1])), (float(ends[1, 0]), float(ends[1, 1])))
+    brink = not message and on_the_brink(found, freedom, nodal)
+    limit = nearest_limit(found, freedom, combination)
+    return Resultant(combination.name, force, at, (mx, my), message, brink, limit, axis)

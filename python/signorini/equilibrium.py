@@ -11,9 +11,6 @@ import contextlib
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import qr
-from scipy.optimize import linprog
-from scipy.spatial import ConvexHull, QhullError
 
 from signorini.discretise import ContactPoints, Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -85,6 +82,8 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
 
 
 def _outermost(contacts: ContactPoints) -> Ints:
+    from scipy.spatial import ConvexHull, QhullError
+
     deciding = []
     for direction in (1.0, -1.0):
         those = np.flatnonzero(~contacts.two_sided & (contacts.direction == direction))
@@ -121,6 +120,7 @@ def _describe(motion: Floats, found: Discretisation) -> str:
     normal = np.array(slopes) / turning
     through = found.middle - w / turning * normal
     along = np.array([-normal[1], normal[0]])
+    along *= 1.0 if (along > 1e-9).any() and along[np.abs(along) > 1e-9][0] > 0 else -1.0
     return f"turning about the line through {_point(through)} along {_point(along)}"
 
 
@@ -131,6 +131,8 @@ def _point(at: Floats) -> str:
 
 def restraining_points(freedom: RigidFreedom) -> Ints:
     """Contact points, as few as there are free motions, that hold them when closed; far apart where they can be."""
+    from scipy.linalg import qr
+
     if not freedom.count:
         return np.zeros(0, dtype=np.int64)
     # Each pick is the longest column that is left, and lengths, being convex, are greatest at corners of the hull.
@@ -138,27 +140,56 @@ def restraining_points(freedom: RigidFreedom) -> Ints:
     return freedom.deciding[order[: freedom.count]]
 
 
+def load_size(found: Discretisation, nodal: Floats) -> float:
+    """Sum of a nodal load's magnitudes; couples count by the force they are at the plate's size apart."""
+    return float(np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / found.mesh.size)
+
+
+def work_of(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats:
+    """Work (d,) of a nodal load on the free motions."""
+    size = found.mesh.size
+    return np.asarray((found.rigid_motions.T @ nodal / np.array([1.0, size, size])) @ freedom.motions)
+
+
 def no_equilibrium(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> str:
     """Say why no reactions balance the nodal load (3n,), or return nothing where they exist."""
-    if not freedom.count:
+    if way := _lifting(found, freedom, nodal):
+        return _explain_lifting(found, freedom, nodal, way)
+    best = _tipping(found, freedom, nodal)
+    if best is None:
         return ""
-    size = found.mesh.size
-    work = (found.rigid_motions.T @ nodal / np.array([1.0, size, size])) @ freedom.motions
-    total = np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / size
-    if total == 0:
-        return ""
-    one_sided = freedom.moves[freedom.deciding]
-    lifting = _lifting(freedom, one_sided, work, _WORK * total)
-    if lifting:
-        return _explain_lifting(found, freedom, nodal, lifting)
+    return _explain_tipping(found, freedom, nodal, freedom.motions @ best, freedom.moves[freedom.deciding] @ best)
+
+
+def tipping_axis(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats | None:
+    """Two points (2, 2) of the line about which a load tips the plate, as far apart as the plate is large."""
+    best = None if _lifting(found, freedom, nodal) else _tipping(found, freedom, nodal)
+    if best is None:
+        return None
+    w, *slopes = (freedom.motions @ best) / np.array([1.0, found.mesh.size, found.mesh.size])
+    normal = np.array(slopes) / np.hypot(*slopes)
+    foot = found.middle - w / np.hypot(*slopes) * normal
+    return np.asarray(foot + np.outer([-0.5, 0.5], [-normal[1], normal[0]]) * found.mesh.size)
+
+
+def _tipping(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats | None:
+    """The motion (d,) that every support allows on which the load does most work, if there is one."""
+    from scipy.optimize import linprog
+
+    total = load_size(found, nodal)
+    if not freedom.count or total == 0:
+        return None
+    work, one_sided = work_of(found, freedom, nodal), freedom.moves[freedom.deciding]
     best = linprog(-work / total, A_ub=one_sided, b_ub=np.zeros(len(one_sided)), bounds=(-1, 1), method="highs")
     if best.x is None or work @ best.x <= _WORK * total:
-        return ""
-    return _explain_tipping(found, freedom, nodal, freedom.motions @ best.x, one_sided @ best.x)
+        return None
+    return np.asarray(best.x)
 
 
-def _lifting(freedom: RigidFreedom, one_sided: Floats, work: Floats, least: float) -> str:
+def _lifting(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> str:
     """Which way the plate moves off all its supports without turning, if it does."""
+    one_sided, least = freedom.moves[freedom.deciding], _WORK * load_size(found, nodal)
+    work = work_of(found, freedom, nodal)
     for way, w in (("up", -1.0), ("down", 1.0)):
         motion = np.array([w, 0.0, 0.0])
         part = motion @ freedom.motions
@@ -181,6 +212,8 @@ def _holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, best: 
 
 def _least_holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, at: Floats, way: str) -> float | None:
     """Least extra load at a point with which reactions balance the load, by a linear program in them."""
+    from scipy.optimize import linprog
+
     size = found.mesh.size
     # The conditions of equilibrium over the free motions, forces in units of the load and lengths of the plate.
     scale = np.array([1.0, size, size])
@@ -225,11 +258,19 @@ def _explain_tipping(
     # Weight holds it best where the motion lifts the plate most.
     lift = -(found.mesh.points @ normal + offset)
     farthest = int(lift.argmax())
-    axis = f"the line {normal[0]:+.6g} x {normal[1]:+.6g} y {offset:+.6g} = 0"
+    axis = f"the line {_line(normal, offset)}"
     text = f"The plate tips about {axis}{names}, short by a moment of {moment:.6g}{moment_unit}."
     if lift[farthest] <= 1e-9 * size:
         return text
     return text + _holding(found, freedom, nodal, found.mesh.points[farthest], "down")
+
+
+def _line(normal: Floats, offset: float) -> str:
+    """Equation of a line; of one parallel to an axis, its coordinate."""
+    for i, name in enumerate("xy"):
+        if abs(normal[1 - i]) < 1e-9:
+            return f"{name} = {0.0 - offset / normal[i]:.6g}"
+    return f"{normal[0]:+.6g} x {normal[1]:+.6g} y {offset:+.6g} = 0"
 
 
 def _hinges(found: Discretisation, freedom: RigidFreedom, closed: Bools) -> str:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
 
 from signorini import _core
 from signorini.discretise import CaseLoad, Discretisation, discretise
@@ -16,6 +15,9 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import RigidFreedom, restraining_points, rigid_freedom
 from signorini.errors import InputError, SignoriniError
 from signorini.model import Model
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array, csr_array
 
 Form = Literal["auto", "dual", "stiffness"]
 Method = Literal["lemke", "active_set", "interior_point"]
@@ -81,6 +83,8 @@ class ContactProblem:
     @cached_property
     def K(self) -> csc_array:
         """Stiffness (3n, 3n) of plate and springs over every dof, held ones included."""
+        from scipy.sparse import csc_array
+
         start, row, value = self.discretisation.plate.stiffness_matrix(spring_arrays(self.discretisation))
         size = self.discretisation.dof_count
         lower = csc_array((value, row, start), shape=(size, size))
@@ -183,9 +187,9 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     Raises
     ------
     InputError
-        If the plate is a mechanism, or has more contact points than can be condensed.
+        If the plate is a mechanism, has more contact points than can be condensed, or cannot be factored.
     SignoriniError
-        If the factorization fails.
+        If it does not fit into memory.
     """
     found = model if isinstance(model, Discretisation) else discretise(model)
     freedom = rigid_freedom(found)
@@ -234,9 +238,10 @@ def _factored(found: Discretisation, freedom: RigidFreedom, method: Method) -> C
                 'Take element = "mitc9" or a finer mesh.',
                 place="plate.element",
             ) from None
-        raise SignoriniError(
-            f"The stiffness matrix cannot be factored: {error}. A part of the plate can move freely, or the plate is "
-            "too thin for double precision."
+        raise InputError(
+            f"The stiffness matrix cannot be factored: {error}. The plate's parts are too unlike for double precision: "
+            "see that the thickness, the elements' sides and the stiffnesses of the supports do not differ wildly.",
+            place="plate",
         ) from None
     except MemoryError:
         raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None

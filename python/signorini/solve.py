@@ -9,12 +9,24 @@ from dataclasses import dataclass
 from signorini import _core
 from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.equilibrium import no_equilibrium
 from signorini.errors import NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
-from signorini.problem import ContactProblem, Steps, contact_problem
+from signorini.problem import ContactProblem, Form, Method, Steps, contact_problem
 from signorini.progress import Progress, Watcher
 from signorini.result import Result, unsolved_result
+from signorini.stability import supports_contradict, why_none
+
+_FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
+
+
+@dataclass(frozen=True, eq=False)
+class _Attempt:
+    """An answer, how it came about, and what it is worth."""
+
+    methods: list[Method]
+    answer: _core.ContactSolution
+    certificate: Certificate | None
+    infeasible: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,37 +136,52 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
         watcher(Progress(combination.name, step, changing, residual))
 
     begun = time.perf_counter()
-    message = no_equilibrium(found, problem.freedom, load.nodal)
+    message = why_none(found, problem.freedom, combination)
     if message:
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
-    answer, certificate = _answer(problem, load, steps)
-    methods = [problem.method]
-    for method in problem.fallbacks:
-        if answer.status == "no_equilibrium" or (certificate is not None and certificate.passed):
-            break
-        methods.append(method)
-        problem = problem.by(method)
-        answer, certificate = _answer(problem, load, steps)
+    tried = _answer(problem, load, steps)
     spent = time.perf_counter() - begun
-    if answer.status == "no_equilibrium":
+    if tried.infeasible and supports_contradict(found):
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
         reason = (
             "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and "
             "settlements. Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
         )
         return unsolved_result(found, combination.name, reason), spent
-    if certificate is None:
+    if tried.certificate is None:
         raise NotCertifiedError(
-            f'Combination "{combination.name}": no method solved the contact problem; the last was {problem.method}.'
+            f'Combination "{combination.name}" has no answer that could be certified: rounding decides which of its '
+            "supports are in contact. Take a finer mesh or fewer supports that nearly repeat each other, or give the "
+            "rigid ones a stiffness."
         )
-    if not certificate.passed:
-        raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {certificate}.')
-    return Result.of(found, combination.name, methods, load, answer, certificate), spent
+    if not tried.certificate.passed:
+        raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {tried.certificate}.')
+    return Result.of(found, combination.name, tried.methods, load, tried.answer, tried.certificate), spent
 
 
-def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> tuple[_core.ContactSolution, Certificate | None]:
-    """Solve one load, and certify it if there is something to certify."""
-    answer = problem.solve(load, progress=steps)
-    if answer.status != "solved":
-        return answer, None
-    return answer, certify(problem.discretisation, load, answer.hi, answer.lo, answer.reaction)
+def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Attempt:
+    """Solve one load and certify the answer; where that fails, ask in every other form and by every other method.
+
+    A basis that rounding makes singular in one form is regular in another. If no answer is certified the first stands.
+    """
+    first: _Attempt | None = None
+    methods: list[Method] = []
+    infeasible = False
+    for attempt, form in _attempts(problem):
+        methods += [] if attempt.method in methods else [attempt.method]
+        answer = attempt.solve(load, form, steps)
+        solved = answer.status == "solved"
+        certificate = certify(problem.discretisation, load, answer.hi, answer.lo, answer.reaction) if solved else None
+        infeasible |= answer.status == "no_equilibrium"
+        tried = _Attempt(list(methods), answer, certificate, False)
+        if certificate is not None and certificate.passed:
+            return tried
+        first = first or tried
+    assert first is not None, "there are attempts"
+    return _Attempt(methods, first.answer, first.certificate, infeasible)
+
+
+def _attempts(problem: ContactProblem) -> Iterator[tuple[ContactProblem, Form]]:
+    yield from ((problem, form) for form in (_FORMS if problem.method == "lemke" else _FORMS[:1]))
+    for method in problem.fallbacks:
+        yield from ((problem.by(method), form) for form in (_FORMS if method == "lemke" else _FORMS[:1]))

@@ -16,13 +16,11 @@ import typer
 from rich.console import Console
 
 import signorini
-from signorini.cli import tables
+from signorini.cli import interrupts, tables
 from signorini.cli.progress import transient_line
 from signorini.errors import InputError, NoEquilibriumError, SignoriniError
 from signorini.inputfile import with_line
 
-_INTERRUPTED = 130
-_TERMINATED = 143
 _WIDTH_OF_FILES = 160
 """Where the output is no terminal, tables keep their width up to this, so that programs find a row on a line."""
 
@@ -59,7 +57,7 @@ def main() -> None:
 
 def _terminate(number: int, frame: FrameType | None) -> None:
     """Unwind, so that files half written are removed."""
-    sys.exit(_TERMINATED)
+    sys.exit(interrupts.TERMINATED)
 
 
 def _version(wanted: bool) -> None:
@@ -83,17 +81,24 @@ def solve(
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Directory of the results. [default: FILE-results]"),
     ] = None,
+    threads: Annotated[
+        int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one a core]")
+    ] = None,
 ) -> None:
     """Solve every combination; write results.json, reactions.csv, a .vtu file and a picture each; print a table."""
     with _messages(file):
         from signorini import output as files
 
+        if threads is not None:
+            # Rust's threads start at their first use and read this then.
+            os.environ["RAYON_NUM_THREADS"] = str(threads)
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
         files.require_writable(directory)
         try:
             with transient_line() as show:
-                results = signorini.solve(model, progress=show)
+                with interrupts.at_once():
+                    results = signorini.solve(model, progress=show)
                 show("writing the results")
                 files.write(results, directory)
         except SignoriniError:
@@ -157,12 +162,15 @@ def _messages(file: Path | None = None) -> Iterator[None]:
     except SignoriniError as error:
         _end(f"Error: {error}", error.exit_code)
     except KeyboardInterrupt:
-        _end("Interrupted; nothing is written.", _INTERRUPTED)
+        _end(interrupts.SAID, interrupts.INTERRUPTED)
     except MemoryError:
         _end("Error: not enough memory. Take a coarser mesh.", SignoriniError.exit_code)
     except (typer.Exit, BrokenPipeError):
         raise
-    except Exception as error:
+    except BaseException as error:
+        # What Rust calls a panic arrives as an exception that is none of Python's ordinary ones.
+        if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
+            raise
         _end(
             f"Internal error ({type(error).__name__}: {' '.join(str(error).split())}). This is a fault of signorini "
             f"{signorini.__version__}; please report it with the input file.",

@@ -54,11 +54,12 @@ def print_check(console: Console, check: Check) -> None:
         supports.add_row(_symbol(support, console), Text(support.name), describe(support), *map(str, counts))
     console.print(supports)
     console.print()
-    loads = _table("combination", right=[f"load{_in(units.force)}", f"acts at{_in(units.length)}", "balanced"])
+    loads = _table("combination", right=[f"load{_in(units.force)}", f"acts at{_in(units.length)}", "balanced", "limit"])
     for resultant in check.resultants:
         at = _point(resultant.at) if resultant.at else f"couple {_point(resultant.couple)}"
-        verdict = Text("no", style="bold red") if resultant.message else Text("yes")
-        loads.add_row(Text(resultant.name), _number(resultant.force), at, verdict)
+        verdict = Text("no", style="bold red") if resultant.message else Text("just" if resultant.brink else "yes")
+        limit = f"{resultant.limit[0]} at {resultant.limit[1]:.4g}" if resultant.limit else ""
+        loads.add_row(Text(resultant.name), _number(resultant.force), at, verdict, Text(limit))
     console.print(loads)
     console.print()
     _print_legend(console, model.support)

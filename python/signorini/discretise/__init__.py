@@ -23,6 +23,9 @@ from signorini.errors import InputError
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
 
+_THICKNESS = (1e-6, 10.0)
+"""Thickness over the plate's size: beyond, double precision holds no plate, or the plate is a block."""
+
 __all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Rows", "Springs", "discretise"]
 
 
@@ -106,11 +109,19 @@ def discretise(model: Model) -> Discretisation:
     >>> print(round(found.cases["load"].nodal[::3].sum(), 6))
     40000.0
     """
+    try:
+        return _discretise(model)
+    except InputError as error:
+        # What a mesh finds wrong with itself is the plate's fault.
+        raise InputError(error.message, place=error.place or "plate") from None
+
+
+def _discretise(model: Model) -> Discretisation:
     begun = time.perf_counter()
     mesh = mesh_of(model)
     meshed = time.perf_counter()
     held = hold(model, mesh)
-    thickness = model.plate.thickness(*mesh.points.T, above=0.0, place="plate.thickness")
+    thickness = _thickness(model, mesh)
     material = model.material
     try:
         plate = _core.Plate(
@@ -136,3 +147,18 @@ def discretise(model: Model) -> Discretisation:
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
     return Discretisation(model, mesh, plate, thickness, held, springs, contacts, cases, probes, positions, seconds)
+
+
+def _thickness(model: Model, mesh: Mesh) -> Floats:
+    """Thickness (n,) at the nodes, of a plate that is one."""
+    thickness = model.plate.thickness(*mesh.points.T, above=0.0, place="plate.thickness")
+    thinnest, thickest = _THICKNESS[0] * mesh.size, _THICKNESS[1] * mesh.size
+    wrong = (thickness < thinnest) | (thickness > thickest)
+    if wrong.any():
+        x, y = mesh.points[np.argmax(wrong)]
+        raise InputError(
+            f"Found the thickness {thickness[np.argmax(wrong)]:g} at [{x:g}, {y:g}]; on a plate {mesh.size:g} long it "
+            f"must be from {thinnest:g} to {thickest:g}. Are the units those of the plate's size?",
+            place="plate.thickness",
+        )
+    return thickness

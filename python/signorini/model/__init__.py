@@ -1,7 +1,7 @@
 """What the engineer said: the plate, its supports and its loads, under the names of the input file.
 
-``Model`` is the whole; the other classes are its tables. All are immutable. A mapping that is not a model raises
-pydantic's ``ValidationError`` in ``Model(...)`` and, in plain words, ``InputError`` in ``validate``.
+``Model`` is the whole; the other classes are its tables. All are immutable. What is wrong with them is said in an
+``InputError``, everything at once; ``validate`` makes a ``Model`` of a mapping that was read somewhere.
 """
 
 from signorini.model.area import Area, Circle

@@ -101,6 +101,9 @@ class Model(Table):
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
             return
         first, second = self.plate.divisions(self.mesh)
+        fewest = self.plate.fewest[1]
+        if second < fewest:
+            yield ("mesh", "divisions"), f"found {second} elements around; this plate needs at least {fewest}."
         if first * second > _MOST_ELEMENTS:
             key = "size" if self.mesh.size is not None else "divisions"
             yield (
