@@ -15,7 +15,7 @@ use signorini_core::contact::{self, Constraints, Form, Outcome};
 /// absent: the factor carries their stiffness.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactProblem {
-    inner: contact::ContactProblem,
+    pub inner: contact::ContactProblem,
 }
 
 type ConstraintArrays<'py> = (
@@ -34,7 +34,7 @@ fn rows_of(matrix: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
     matrix.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
 }
 
-fn failed(error: FactorError) -> PyErr {
+pub fn failed(error: FactorError) -> PyErr {
     match error {
         FactorError::OutOfMemory => PyMemoryError::new_err(error.to_string()),
         FactorError::NotPositiveDefinite { .. } => PyRuntimeError::new_err(error.to_string()),

@@ -133,18 +133,20 @@ impl Factor {
         supernodal::SupernodalLltRef::new(&self.symbolic, &self.values)
     }
 
-    /// Overwrites `rhs` with L⁻¹ times it.
+    /// Overwrites `rhs`, one vector or several one after the other, with L⁻¹ times each.
     pub fn forward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
-        let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(1, PAR))?;
-        let rhs = MatMut::from_column_major_slice_mut(rhs, self.len(), 1);
+        let count = rhs.len() / self.len().max(1);
+        let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(count, PAR))?;
+        let rhs = MatMut::from_column_major_slice_mut(rhs, self.len(), count);
         self.view().l_solve_with_conj(Conj::No, rhs, PAR, MemStack::new(&mut memory));
         Ok(())
     }
 
-    /// Overwrites `rhs` with L⁻ᵀ times it.
+    /// Overwrites `rhs`, one vector or several one after the other, with L⁻ᵀ times each.
     pub fn backward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
-        let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(1, PAR))?;
-        let rhs = MatMut::from_column_major_slice_mut(rhs, self.len(), 1);
+        let count = rhs.len() / self.len().max(1);
+        let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(count, PAR))?;
+        let rhs = MatMut::from_column_major_slice_mut(rhs, self.len(), count);
         self.view().l_transpose_solve_with_conj(Conj::No, rhs, PAR, MemStack::new(&mut memory));
         Ok(())
     }

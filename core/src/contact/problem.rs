@@ -169,7 +169,7 @@ impl ContactProblem {
     }
 }
 
-fn with_regularization(springs: &Springs, constraints: &Constraints) -> Springs {
+pub(super) fn with_regularization(springs: &Springs, constraints: &Constraints) -> Springs {
     let mut all = springs.clone();
     for (i, &delta) in constraints.regularization.iter().enumerate() {
         if delta > 0.0 {
