@@ -15,22 +15,34 @@ PACKAGE = ROOT / "python" / "signorini"
 # never in a circle.
 LAYERS = (
     {"errors", "files", "_core"},
-    {"plot", "vtk"},
+    {"plot", "vtk", "table"},
     {"expression"},
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
-    {"equilibrium", "problem", "certificate", "contact_field", "kinds", "sketch", "result", "solve"},
+    {
+        "equilibrium",
+        "problem",
+        "certificate",
+        "contact_field",
+        "kinds",
+        "sketch",
+        "supportpoints",
+        "result",
+        "solve",
+        "combine",
+    },
     {"output", "check"},
     {"__init__"},
     {"cli"},
     {"__main__"},
 )
 # Modules that take arrays and know nothing else of the package.
-ALONE = {"plot": {"errors", "files", "_core"}, "vtk": {"errors", "files"}}
+ALONE = {"plot": {"errors", "files", "_core"}, "vtk": {"errors", "files"}, "table": {"errors", "files"}}
 # Packages that only these modules may import.
 ONLY_IN = {
     "matplotlib": {"plot"},
     "meshio": {"mesh", "vtk"},
+    "pyarrow": {"table"},
     "typer": {"cli"},
     "rich": {"cli"},
     "pydantic": {"model", "inputfile", "expression"},

@@ -31,6 +31,11 @@ impl Response {
         PyArray1::from_slice(py, &self.inner.reaction)
     }
 
+    /// The same without its displacements, which the contact problem does not read.
+    fn at_points(&self) -> Self {
+        Self { inner: at_points(self) }
+    }
+
     #[getter]
     fn moved<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.inner.moved)

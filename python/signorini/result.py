@@ -23,6 +23,7 @@ from signorini.mesh import Mesh
 from signorini.model import Model, Support
 from signorini.problem import spring_arrays
 from signorini.sketch import support_mark
+from signorini.supportpoints import SupportPoints
 from signorini.vtk import displacement_vector, write_vtu
 
 if TYPE_CHECKING:
@@ -292,35 +293,24 @@ def _support_result(
     pull: Floats,
     answer: _core.ContactSolution,
 ) -> SupportResult:
-    held = (found.held.support.reshape(-1, 3)[:, 0] == index) & found.held.dofs[::3]
-    springs = found.springs.support == index
-    contacts = (found.contacts.support == index) & ~found.contacts.slope
-    points = found.contacts.pick(contacts)
-    # A point with travel both ways has two rows, first all those that push up, then all that hold down.
-    ways = 2 if len(points) and np.ptp(points.direction) > 0 else 1
-    forces = (points.direction * answer.reaction[contacts]).reshape(ways, -1).sum(axis=0)
-    travel = answer.gap[contacts].reshape(ways, -1).min(axis=0)
-    touching = answer.closed[contacts].reshape(ways, -1).any(axis=0)
-    points = points.pick(np.arange(len(points)) < len(forces))
-    nodes = int(held.sum())
-    fixed = nodes + int(springs.sum())
-    positions = np.concatenate([found.mesh.points[held], found.springs.positions[springs], points.positions])
-    reactions = np.concatenate([held_force[held], pull[springs], forces])
-    gaps = np.concatenate([np.zeros(fixed), travel])
-    closed = np.concatenate([np.ones(fixed, np.bool_), touching])
-    weights = np.concatenate([np.ones(nodes), found.springs.weights[springs], points.weights])
-    order = _as_written(support, positions)
+    points = SupportPoints.of(found, index)
+    reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.reaction)
+    closed = points.closed(answer.closed)
+    contacts = found.contacts.pick(points.rows[0])
+    area = _contact_field(
+        found.mesh, support, contacts, closed, points.weights, reactions, (answer.hi + answer.lo)[::3]
+    )
     return SupportResult(
         support.name,
         describe(support),
         float(reactions.sum()),
-        positions[order],
-        reactions[order],
-        gaps[order],
-        closed[order],
-        weights[order],
+        points.positions,
+        reactions,
+        points.gaps(answer.gap),
+        closed,
+        points.weights,
         support.place,
-        *_contact_field(found.mesh, support, points, closed, weights, reactions, (answer.hi + answer.lo)[::3]),
+        *area,
     )
 
 
@@ -343,15 +333,6 @@ def _contact_field(
     if support.resists == "both":
         return float(weights[closed].sum()), largest
     return contact_area(mesh, support, deflection, points.rows.elements, weights, closed), largest
-
-
-def _as_written(support: Support, positions: Floats) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """Order of point supports as the model lists them."""
-    if support.at is None or not len(positions):
-        return np.arange(len(positions))
-    given = np.array(support.at)
-    nearest = ((positions[:, None] - given) ** 2).sum(axis=2).argmin(axis=1)
-    return np.argsort(nearest, kind="stable")
 
 
 def support_marks(result: Result) -> list[SupportMark]:

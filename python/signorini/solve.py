@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from signorini import _core
 from signorini.certificate import Certificate, certify
+from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.equilibrium import no_equilibrium
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
@@ -15,17 +17,30 @@ from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, contact_problem
 from signorini.result import Result, unsolved_result
 
+_REASONS = 5
+"""Combinations without equilibrium that a message names where none has one."""
 _SETTLED = 1e-10
 """Nodal imbalance from which on an active set's answer is asked of Lemke's algorithm too, where that is possible."""
 
 
 @dataclass(frozen=True, eq=False)
 class Results(Mapping[str, Result]):
-    """Results by combination, in the order of the model."""
+    """Results by combination, in the order of the model.
+
+    Parameters
+    ----------
+    discretisation : Discretisation
+    by_name : mapping of Result
+        All results of every combination; where combinations are rows of a table, of those that were asked for.
+    seconds : mapping of float
+    combined : Combined or None
+        Where combinations are rows of a table: envelopes over all of them, and what governs.
+    """
 
     discretisation: Discretisation
     by_name: Mapping[str, Result]
     seconds: Mapping[str, float]
+    combined: Combined | None = None
 
     def __getitem__(self, name: str) -> Result:
         """Return the result of a combination."""
@@ -44,15 +59,21 @@ class Results(Mapping[str, Result]):
         return "".join(result._repr_html_() for result in self.by_name.values())
 
 
-def solve(model: Model) -> Results:
+def solve(model: Model, table: str | os.PathLike[str] | None = None) -> Results:
     """Solve a model for each of its combinations.
 
     A combination whose load no reactions can balance gets a result with status "no_equilibrium", NaN for every number,
     and the reason in ``message``; the others are solved.
 
+    More than a few combinations, or where ``output.combinations`` is "table", are rows of a table: the mapping then
+    holds those that ``output.fields`` asks for, and ``combined`` what is known of all.
+
     Parameters
     ----------
     model : Model
+    table : path-like, optional
+        A Parquet file to write the table to, whole or not at all; docs/results.md describes its columns. Nothing is
+        written where every combination has all results.
 
     Returns
     -------
@@ -86,13 +107,18 @@ def solve(model: Model) -> Results:
     found = discretise(model)
     problem = contact_problem(found)
     results: dict[str, Result] = {}
+    combined = None
     contact = recover = 0.0
-    for combination in model.effective_combinations:
+    if model.tabulated:
+        combined = _solve_table(problem, table)
+        contact = time.perf_counter() - begun - found.seconds["mesh"] - found.seconds["assemble"]
+        contact -= sum(problem.seconds.values())
+    for combination in _with_all_results(model, combined):
         result, spent = _solve_one(problem, combination)
         results[combination.name] = result
         contact += spent
         recover += result.seconds
-    if all(result.status == "no_equilibrium" for result in results.values()):
+    if combined is None and all(result.status == "no_equilibrium" for result in results.values()):
         raise NoEquilibriumError("\n".join(f"{name}: {result.message}" for name, result in results.items()))
     part = problem.seconds
     seconds = {
@@ -104,7 +130,39 @@ def solve(model: Model) -> Results:
         "recover": recover,
         "total": time.perf_counter() - begun,
     }
-    return Results(found, results, seconds)
+    return Results(found, results, seconds, combined)
+
+
+def _solve_table(problem: ContactProblem, table: str | os.PathLike[str] | None) -> Combined:
+    """Every combination as a row, written to the table if there is one."""
+
+    def single(combination: Combination) -> Result:
+        return _solve_one(problem, combination)[0]
+
+    if table is None:
+        combined = combine(problem, single)
+    else:
+        # Only this function needs pyarrow.
+        from signorini.table import writing
+
+        with writing(table) as sink:
+            combined = combine(problem, single, sink)
+    if not combined.solved:
+        reasons = "\n".join(f"{name}: {message}" for name, message in list(combined.unbalanced.items())[:_REASONS])
+        raise NoEquilibriumError(
+            f"None of {len(combined.combinations)} combinations has one, to begin with:\n{reasons}"
+        )
+    return combined
+
+
+def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combination]:
+    """The combinations of which every field is computed."""
+    asked = model.output.fields
+    if combined is None or asked == "all":
+        yield from model.effective_combinations
+    elif asked != "none":
+        names = set(combined.governing if asked == "governing" else asked)
+        yield from (combination for combination in model.effective_combinations if combination.name in names)
 
 
 def _require_method(model: Model) -> None:

@@ -40,8 +40,8 @@ const TOGETHER: usize = 8;
 const CORRECTIONS: usize = 8;
 /// A correction that leaves more than this part of the imbalance before it ends the refinement.
 const PROGRESS: f64 = 0.25;
-/// An imbalance this small, relative to the largest nodal force, is rounding.
-const ROUNDING: f64 = 1e-15;
+/// An imbalance this small, relative to the largest nodal force, is not worth another correction: sums add no digits.
+const ENOUGH: f64 = 1e-13;
 
 /// A response that is being refined.
 struct Draft<'a> {
@@ -126,7 +126,9 @@ impl ContactProblem {
         if let (Action::Point(i), false) = (draft.action, self.imposed()) {
             self.constraints.rows.scatter(&self.plate, i, 1.0, &mut force);
         }
-        let mut out = residual(&self.plate, springs, &force, &draft.displacement);
+        // Before the first correction nothing has moved but what is held.
+        let moved = draft.displacement.hi.iter().any(|&u| u != 0.0) || springs.base.iter().any(|&base| base != 0.0);
+        let mut out = if moved { residual(&self.plate, springs, &force, &draft.displacement) } else { force };
         if self.imposed() {
             let downward: Vec<f64> = draft.reaction.iter().map(|r| -r).collect();
             self.spread(&downward, &mut out);
@@ -178,7 +180,7 @@ impl ContactProblem {
                 draft.settled = true;
             } else {
                 let force = draft.size();
-                draft.settled = draft.worst <= ROUNDING * force || (round > 0 && draft.worst > PROGRESS * before.2);
+                draft.settled = draft.worst <= ENOUGH * force || (round > 0 && draft.worst > PROGRESS * before.2);
             }
         }
         Ok(())
