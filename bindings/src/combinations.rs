@@ -1,10 +1,13 @@
-use crate::arrays::{invalid, matrix, sized};
+use crate::arrays::{invalid, matrix, rows_of, sized};
 use crate::contact::{ContactProblem, failed};
+use crate::plate::Plate;
 use numpy::{
-    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyUntypedArrayMethods,
+    PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1,
+    PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use signorini_core::contact::{self, Verdict};
+use signorini_core::stress::{Strained, smoothed_together};
 use signorini_core::superposition::{self, Envelope};
 
 /// What the plate does under one load case, or at one contact point, alone: displacements (3n,) as two doubles,
@@ -165,6 +168,32 @@ pub fn combine<'py>(
         PyArray1::from_vec(py, closed).reshape([found.len(), count])?,
         PyArray1::from_vec(py, found.iter().map(|combined| combined.pivots as i64).collect()),
     ))
+}
+
+/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of several responses, with their curvatures (b, 3) and couples (b, 2e).
+#[pyfunction]
+pub fn response_stresses<'py>(
+    py: Python<'py>,
+    plate: &Plate,
+    responses: Vec<PyRef<'_, Response>>,
+    curvatures: PyReadonlyArray2<'_, f64>,
+    couples: PyReadonlyArray2<'_, f64>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let (number, nodes) = (responses.len(), plate.inner.node_count());
+    let curvatures = rows_of::<3, f64>("curvatures", &curvatures)?;
+    if curvatures.len() != number || couples.shape() != [number, 2 * plate.inner.elements().len()] {
+        return Err(invalid("curvatures (b, 3) and couples (b, 2e) must have a row for every response"));
+    }
+    let couples = rows(&couples);
+    let strained: Vec<Strained> = responses
+        .iter()
+        .zip(curvatures)
+        .zip(&couples)
+        .map(|((r, curvature), couples)| Strained { displacement: &r.inner.displacement, curvature, couples })
+        .collect();
+    let nodal = py.detach(|| smoothed_together(&plate.inner, &strained));
+    let values = nodal.into_iter().flat_map(|stress| stress.into_flattened()).collect();
+    PyArray1::from_vec(py, values).reshape([number, nodes, 5])
 }
 
 /// Coefficients (k, b) times vectors (b, n), each sum in the order of the vectors: (k, n).
