@@ -31,7 +31,7 @@ LAYERS = (
         "solve",
         "combine",
     },
-    {"output", "check"},
+    {"tabulated", "output", "check"},
     {"__init__"},
     {"cli"},
     {"__main__"},

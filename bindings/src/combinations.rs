@@ -104,10 +104,14 @@ pub fn load_responses(
     Ok(found.into_iter().map(|inner| Response { inner }).collect())
 }
 
-/// The responses to one unit of each contact point's own action.
+/// The responses to one unit of the own action of contact points `first` to `end`, the last excluded.
 #[pyfunction]
-pub fn point_responses(problem: &ContactProblem, py: Python<'_>) -> PyResult<Vec<Response>> {
-    let found = py.detach(|| problem.inner.point_responses()).map_err(failed)?;
+pub fn point_responses(problem: &ContactProblem, py: Python<'_>, first: usize, end: usize) -> PyResult<Vec<Response>> {
+    let count = problem.inner.constraints.rows.len();
+    if end > count {
+        return Err(invalid(format!("there are {count} contact points, not {end}")));
+    }
+    let found = py.detach(|| problem.inner.point_responses(first..end)).map_err(failed)?;
     Ok(found.into_iter().map(|inner| Response { inner }).collect())
 }
 

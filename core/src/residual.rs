@@ -199,3 +199,26 @@ impl WithSimd for InternalForce<'_> {
         std::array::from_fn(|i| high[i] + low[i])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::PACKED;
+
+    #[test]
+    fn sums_side_by_side_have_the_bits_of_sums_one_by_one() {
+        let mut seed = 1_u64;
+        let mut next = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 33) as f64 / (1u64 << 30) as f64 - 1.0
+        };
+        let lower: Vec<f64> = (0..PACKED).map(|_| next()).collect();
+        let displacement: [f64; DOFS] = std::array::from_fn(|_| next());
+        let one_by_one: [f64; DOFS] = std::array::from_fn(|i| {
+            let mut sum = DoubleDouble::default();
+            (0..DOFS).for_each(|j| sum.add_product(lower[packed(i, j)], displacement[j]));
+            sum.value()
+        });
+        assert_eq!(internal_force(&lower, &displacement), one_by_one);
+    }
+}

@@ -1,4 +1,4 @@
-"""Results as files: results.json, reactions.csv, and a .vtu and a picture of every combination."""
+"""Results as files: results.json, reactions.csv, a .vtu and a picture of combinations, the table of all of them."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import re
 import tempfile
 import unicodedata
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -18,12 +19,13 @@ from signorini.errors import InputError
 from signorini.files import replacing_together
 from signorini.result import ProbeResult, Result, SupportResult, support_marks
 from signorini.solve import Results
+from signorini.tabulated import ENVELOPE, TABLE, envelope_json, table_json, write_envelope
 
 SCHEMA = 1
 JSON, CSV = "results.json", "reactions.csv"
 _LONGEST_NAME = 80
 _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
-_OURS = re.compile(r"[\w.-]+\.(vtu|png)|reactions\.csv|results\.json")
+_OURS = re.compile(r"[\w.-]+\.(vtu|png)|reactions\.csv|results\.json|combinations\.parquet")
 _COLUMNS = (
     *("combination", "support", "kind", "point", "x", "y", "reaction", "gap", "state"),
     *("closed", "open", "contact_area", "max_pressure"),
@@ -58,7 +60,8 @@ def results_json(results: Results) -> dict[str, Any]:
     >>> found["name"], found["status"], [point["state"] for point in found["supports"][0]["points"]]
     ('all', 'solved', ['closed', 'closed', 'closed', 'closed'])
     """
-    found = results.discretisation
+    found, combined = results.discretisation, results.combined
+    tabulated = {} if combined is None else {"table": table_json(combined), "envelope": envelope_json(combined, found)}
     return {
         "schema": SCHEMA,
         "title": found.model.title,
@@ -70,6 +73,7 @@ def results_json(results: Results) -> dict[str, Any]:
             "contact_points": int((~found.contacts.two_sided).sum()),
         },
         "combinations": [_combination(result) for result in results.values()],
+        **tabulated,
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
         "files": _file_names(results),
     }
@@ -96,8 +100,13 @@ def reactions_csv(results: Results) -> str:
     return text.getvalue()
 
 
-def write(results: Results, directory: str | os.PathLike[str]) -> list[Path]:
+def write(
+    results: Results, directory: str | os.PathLike[str], table: str | os.PathLike[str] | None = None
+) -> list[Path]:
     """Write ``results.json``, ``reactions.csv`` and, of each solved combination, a ``.vtu`` and a ``.png``.
+
+    Where combinations are rows of a table, these are of the combinations in ``results``; the table and, unless no field
+    is enveloped, ``envelope.vtu`` come with them.
 
     All of them, or none: they are written elsewhere and moved into place when complete. The files of an earlier run in
     the directory are replaced as a set; other files in it stay.
@@ -107,6 +116,9 @@ def write(results: Results, directory: str | os.PathLike[str]) -> list[Path]:
     results : Results
     directory : path-like
         Made if need be.
+    table : path-like, optional
+        The table that `signorini.solve` has written, on the same file system; it is moved. Needed where combinations
+        are rows of a table.
 
     Returns
     -------
@@ -139,6 +151,10 @@ def write(results: Results, directory: str | os.PathLike[str]) -> list[Path]:
                     length=unit,
                 )
                 save(figure, beside / f"{slug}.png")
+            if results.combined is not None and results.combined.envelope.fields:
+                write_envelope(results.combined, results.discretisation, beside / ENVELOPE)
+            if table is not None:
+                Path(table).rename(beside / TABLE)
             (beside / CSV).write_text(reactions_csv(results), encoding="utf-8")
             (beside / JSON).write_text(json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
             names = found["files"]
@@ -147,8 +163,15 @@ def write(results: Results, directory: str | os.PathLike[str]) -> list[Path]:
     return [target / name for name in names]
 
 
-def require_writable(directory: str | os.PathLike[str]) -> None:
-    """Refuse a directory that results could not be written to, before the time to compute them is spent.
+@contextmanager
+def room_for(directory: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a directory, for as long as the context lasts, on the file system where results will be written.
+
+    It is refused before the time to compute them is spent.
+
+    Yields
+    ------
+    Path
 
     Raises
     ------
@@ -158,10 +181,11 @@ def require_writable(directory: str | os.PathLike[str]) -> None:
     target = Path(directory).absolute()
     nearest = next(place for place in (target, *target.parents) if place.exists())
     try:
-        with tempfile.TemporaryDirectory(prefix=".signorini-", dir=nearest):
-            pass
+        room = tempfile.TemporaryDirectory(prefix=".signorini-", dir=nearest)
     except OSError as error:
         raise _cannot_write(Path(directory), error) from None
+    with room as place:
+        yield Path(place)
 
 
 def _cannot_write(target: Path, error: OSError) -> InputError:
@@ -170,7 +194,9 @@ def _cannot_write(target: Path, error: OSError) -> InputError:
 
 
 def _file_names(results: Results) -> list[str]:
-    return [JSON, CSV, *(f"{slug}{suffix}" for _, slug in _slugs(results) for suffix in (".vtu", ".png"))]
+    combined = results.combined
+    together = [] if combined is None else [TABLE, *([ENVELOPE] if combined.envelope.fields else [])]
+    return [JSON, CSV, *together, *(f"{slug}{suffix}" for _, slug in _slugs(results) for suffix in (".vtu", ".png"))]
 
 
 def _former(target: Path) -> list[str]:
@@ -185,7 +211,9 @@ def _former(target: Path) -> list[str]:
 def _slugs(results: Results) -> Iterator[tuple[Result, str]]:
     """Solved combinations with file names of their own, on every file system."""
     solved = [result for result in results.values() if result.status == "solved"]
-    return zip(solved, unique_slugs(result.name for result in solved), strict=True)
+    taken = [] if results.combined is None else [Path(ENVELOPE).stem]
+    slugs = unique_slugs([*taken, *(result.name for result in solved)])
+    return zip(solved, slugs[len(taken) :], strict=True)
 
 
 def unique_slugs(names: Iterable[str]) -> list[str]:

@@ -54,6 +54,20 @@ class Results(Mapping[str, Result]):
         """Count the combinations."""
         return len(self.by_name)
 
+    @property
+    def unbalanced(self) -> Mapping[str, str]:
+        """Why combinations have no equilibrium, by name; of many the first."""
+        if self.combined is not None:
+            return self.combined.unbalanced
+        return {name: result.message for name, result in self.by_name.items() if result.message}
+
+    @property
+    def unbalanced_count(self) -> int:
+        """How many combinations have no equilibrium."""
+        if self.combined is not None:
+            return len(self.combined.combinations) - self.combined.solved
+        return len(self.unbalanced)
+
     def _repr_html_(self) -> str:
         """Show every combination in a notebook."""
         return "".join(result._repr_html_() for result in self.by_name.values())

@@ -45,6 +45,7 @@ def writing(path: str | os.PathLike[str]) -> Iterator[Sink]:
     Examples
     --------
     >>> import pathlib, tempfile
+    >>> import numpy as np
     >>> with tempfile.TemporaryDirectory() as place:
     ...     file = pathlib.Path(place, "combinations.parquet")
     ...     with writing(file) as sink:

@@ -66,9 +66,9 @@ impl ContactProblem {
         self.responses(&loads.iter().map(|load| Action::Load(load)).collect::<Vec<_>>())
     }
 
-    /// The response of every contact point.
-    pub fn point_responses(&self) -> Result<Vec<Response>, FactorError> {
-        self.responses(&(0..self.constraints.rows.len()).map(Action::Point).collect::<Vec<_>>())
+    /// The responses of some contact points.
+    pub fn point_responses(&self, points: std::ops::Range<usize>) -> Result<Vec<Response>, FactorError> {
+        self.responses(&points.map(Action::Point).collect::<Vec<_>>())
     }
 
     fn responses(&self, actions: &[Action]) -> Result<Vec<Response>, FactorError> {

@@ -6,7 +6,7 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -20,6 +20,7 @@ from signorini.cli import tables
 from signorini.errors import InputError, NoEquilibriumError, SignoriniError
 from signorini.inputfile import with_line
 
+_MOST_REASONS = 20
 _INTERRUPTED = 130
 _TERMINATED = 143
 _WIDTH_OF_FILES = 160
@@ -83,23 +84,28 @@ def solve(
         typer.Option("-o", "--output", metavar="DIR", help="Directory of the results. [default: FILE-results]"),
     ] = None,
 ) -> None:
-    """Solve every combination; write results.json, reactions.csv, a .vtu file and a picture each; print a table."""
+    """Solve every combination; write results.json, reactions.csv, a .vtu file and a picture each; print a table.
+
+    Of many combinations write combinations.parquet, envelopes, and all of this for those that govern.
+    """
     with _messages(file):
         from signorini import output as files
+        from signorini.tabulated import TABLE
 
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
-        files.require_writable(directory)
-        try:
-            results = signorini.solve(model)
-        except SignoriniError:
-            if (directory / files.JSON).exists():
-                _stderr().print(f"Nothing is written; {directory} holds the results of an earlier run.")
-            raise
-        files.write(results, directory)
+        with files.room_for(directory) as room:
+            table = room / TABLE if model.tabulated else None
+            try:
+                results = signorini.solve(model, table)
+            except SignoriniError:
+                if (directory / files.JSON).exists():
+                    _stderr().print(f"Nothing is written; {directory} holds the results of an earlier run.")
+                raise
+            files.write(results, directory, table)
         tables.print_results(_stdout(), results)
         _stdout().print(f"Written to {directory}{os.sep}")
-        _refuse({result.name: result.message for result in results.values()})
+        _refuse(results.unbalanced, results.unbalanced_count)
 
 
 @app.command()
@@ -124,7 +130,8 @@ def check(
         found.save_picture(picture)
         tables.print_check(_stdout(), found)
         _stdout().print(f"Drawn in {picture}")
-        _refuse({resultant.name: resultant.message for resultant in found.resultants})
+        unbalanced = {resultant.name: resultant.message for resultant in found.resultants if resultant.message}
+        _refuse(unbalanced, len(unbalanced))
 
 
 @app.command()
@@ -135,11 +142,12 @@ def schema() -> None:
         print_raw(json.dumps(signorini.schema(), indent=2, ensure_ascii=False) + "\n")
 
 
-def _refuse(messages: dict[str, str]) -> None:
-    """End with the exit code of no equilibrium if a combination has none."""
-    missing = [f"{name}: {message}" for name, message in messages.items() if message]
-    if missing:
-        raise NoEquilibriumError("\n".join(missing))
+def _refuse(unbalanced: Mapping[str, str], count: int) -> None:
+    """End with the exit code of no equilibrium if a combination has none; say why of the first few."""
+    if count:
+        reasons = [f"{name}: {message}" for name, message in unbalanced.items()][:_MOST_REASONS]
+        more = [f"And {count - len(reasons)} more."] if count > len(reasons) else []
+        raise NoEquilibriumError("\n".join(reasons + more))
 
 
 @contextmanager

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from signorini.check import Check
+from signorini.cli.cells import in_unit, number, point, table, unit_of
+from signorini.cli.governing import print_combined
 from signorini.discretise import Discretisation
 from signorini.kinds import MEANINGS, SYMBOLS, describe, kinds
 from signorini.model import Support, Units
@@ -26,7 +27,10 @@ _ROUNDING = 1e-12
 def print_results(console: Console, results: Results) -> None:
     """Print every combination: supports, certificate, extremes, probes."""
     _print_model(console, results.discretisation)
-    for result in results.values():
+    if results.combined is not None:
+        console.print()
+        print_combined(console, results.combined, results)
+    for result in results.values() if results.combined is None else ():
         console.print()
         if result.status == "solved":
             _print_result(console, result)
@@ -42,7 +46,7 @@ def print_check(console: Console, check: Check) -> None:
     model, units = found.model, found.model.units
     _print_model(console, found)
     console.print()
-    supports = _table("", "support", "kind", right=["nodes held", "springs", "contact points"])
+    supports = table("", "support", "kind", right=["nodes held", "springs", "contact points"])
     for index, support in enumerate(model.support):
         held = found.held.support.reshape(-1, 3)[found.held.dofs.reshape(-1, 3).any(axis=1)]
         counts = (
@@ -53,11 +57,11 @@ def print_check(console: Console, check: Check) -> None:
         supports.add_row(_symbol(support, console), Text(support.name), describe(support), *map(str, counts))
     console.print(supports)
     console.print()
-    loads = _table("combination", right=[f"load{_in(units.force)}", f"acts at{_in(units.length)}", "balanced"])
+    loads = table("combination", right=[f"load{in_unit(units.force)}", f"acts at{in_unit(units.length)}", "balanced"])
     for resultant in check.resultants:
-        at = _point(resultant.at) if resultant.at else f"couple {_point(resultant.couple)}"
+        at = point(resultant.at) if resultant.at else f"couple {point(resultant.couple)}"
         verdict = Text("no", style="bold red") if resultant.message else Text("yes")
-        loads.add_row(Text(resultant.name), _number(resultant.force), at, verdict)
+        loads.add_row(Text(resultant.name), number(resultant.force), at, verdict)
     console.print(loads)
     console.print()
     _print_legend(console, model.support)
@@ -79,23 +83,23 @@ def _print_result(console: Console, result: Result) -> None:
     console.print(
         Text(result.name, style="bold") + Text(f": solved by {result.method}, {result.iterations} {result.counted}")
     )
-    table = _table("", "support", "kind", right=[f"reaction{_in(units.force)}", "closed", "open"])
+    shown = table("", "support", "kind", right=[f"reaction{in_unit(units.force)}", "closed", "open"])
     least = _ROUNDING * float(abs(result.nodal_reaction).max())
     for support, found in zip(result.model.support, result.supports, strict=True):
-        table.add_row(
+        shown.add_row(
             _symbol(support, console),
             Text(found.name),
             found.kind,
-            _number(found.reaction if abs(found.reaction) > least else 0.0),
+            number(found.reaction if abs(found.reaction) > least else 0.0),
             str(found.closed_count),
             str(found.open_count),
         )
     if len(result.supports) > 1:
-        table.add_section()
+        shown.add_section()
         total = sum(found.reaction for found in result.supports)
         counts = [sum(getattr(found, count) for found in result.supports) for count in ("closed_count", "open_count")]
-        table.add_row("", "all", "", _number(total), *map(str, counts))
-    console.print(table)
+        shown.add_row("", "all", "", number(total), *map(str, counts))
+    console.print(shown)
     for found in result.supports:
         _print_extent(console, found, units)
     _print_deflection(console, result)
@@ -107,20 +111,20 @@ def _print_result(console: Console, result: Result) -> None:
 def _print_extent(console: Console, found: SupportResult, units: Units) -> None:
     """Which points are open, or how large the area in contact is."""
     if found.place == "at" and 0 < found.open_count <= _MOST_OPEN:
-        console.print(f"{found.name}, open: {', '.join(map(_point, found.positions[~found.closed].tolist()))}")
+        console.print(f"{found.name}, open: {', '.join(map(point, found.positions[~found.closed].tolist()))}")
     if found.contact_area is not None and found.max_pressure is not None:
-        area = f"{_number(found.contact_area)}{_unit(units.length, 2)}"
+        area = f"{number(found.contact_area)}{unit_of(units.length, 2)}"
         per_area = f"{units.force}/{units.length}²" if units.force and units.length else ""
         console.print(
-            f"{found.name}, in contact: {area}, largest pressure {_number(found.max_pressure)} {per_area}".rstrip()
+            f"{found.name}, in contact: {area}, largest pressure {number(found.max_pressure)} {per_area}".rstrip()
         )
 
 
 def _print_deflection(console: Console, result: Result) -> None:
-    unit = _unit(result.model.units.length)
+    unit = unit_of(result.model.units.length)
     ends = (("max", int(result.deflection.argmax())), ("min", int(result.deflection.argmin())))
     parts = (
-        f"{name} {_number(float(result.deflection[node]))}{unit} at {_point(result.mesh.points[node].tolist())}"
+        f"{name} {number(float(result.deflection[node]))}{unit} at {point(result.mesh.points[node].tolist())}"
         for name, node in ends
     )
     console.print(f"deflection, positive down: {', '.join(parts)}")
@@ -129,14 +133,14 @@ def _print_deflection(console: Console, result: Result) -> None:
 def _probes(result: Result, units: Units) -> Table:
     moment = f" [{units.force} {units.length}/{units.length}]" if units.force and units.length else ""
     shear = f" [{units.force}/{units.length}]" if units.force and units.length else ""
-    titles = [f"deflection{_in(units.length)}", "θx", "θy", f"mx{moment}", "my", "mxy", f"qx{shear}", "qy"]
-    table = _table(f"probe{_in(units.length)}", right=titles)
+    titles = [f"deflection{in_unit(units.length)}", "θx", "θy", f"mx{moment}", "my", "mxy", f"qx{shear}", "qy"]
+    shown = table(f"probe{in_unit(units.length)}", right=titles)
     rounding = [_ROUNDING * float(abs(field).max()) for field in result.fields.values()]
     for probe in result.probes:
         values = (probe.deflection, *probe.rotation, *probe.moment, *probe.shear)
-        shown = (value if abs(value) > least else 0.0 for value, least in zip(values, rounding, strict=True))
-        table.add_row(_point(probe.at), *(_number(value, 5) for value in shown))
-    return table
+        rounded = (value if abs(value) > least else 0.0 for value, least in zip(values, rounding, strict=True))
+        shown.add_row(point(probe.at), *(number(value, 5) for value in rounded))
+    return shown
 
 
 def _print_legend(console: Console, supports: Sequence[Support]) -> None:
@@ -151,29 +155,3 @@ def _symbol(support: Support, console: Console) -> str:
 
 def _marks(console: Console) -> dict[str, str]:
     return SYMBOLS if console.encoding.lower().startswith("utf") else _PLAIN
-
-
-def _table(*left: str, right: Sequence[str]) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, header_style="bold")
-    for title in left:
-        table.add_column(title, overflow="fold")
-    for title in right:
-        table.add_column(title, justify="right", overflow="fold")
-    return table
-
-
-def _number(value: float, digits: int = 6) -> str:
-    # Forces in newtons pass six digits soon; an exponent would be harder to read than some more of them.
-    return f"{value:.0f}" if 1e5 <= abs(value) < 1e10 else f"{value:.{digits}g}"
-
-
-def _point(at: Sequence[float]) -> str:
-    return f"[{', '.join(f'{value:.6g}' for value in at)}]"
-
-
-def _in(unit: str) -> str:
-    return f" [{unit}]" if unit else ""
-
-
-def _unit(length: str, power: int = 1) -> str:
-    return f" {length}{'²' if power == 2 else ''}" if length else ""

@@ -109,7 +109,8 @@ class _Run:
     def __init__(self, problem: ContactProblem, layout: Layout, single: Single) -> None:
         found = problem.discretisation
         self.problem, self.layout, self.single = problem, layout, single
-        self.cases = _used(found.model.effective_combinations, tuple(found.cases))
+        used = found.model.effective_combinations.cases
+        self.cases = tuple(case for case in found.cases if case in used)
         # An active set has too many points for sums of their responses.
         self.terms: Terms | None = None
         if not problem.soft.any():
@@ -205,15 +206,6 @@ def _certain(figures: Floats) -> Bools:
     """Whether certificates (k, 5) pass, and leave no doubt that equilibrium exists."""
     exact = [FIGURES.index(name) for name in ("equilibrium", "balance")]
     return np.asarray((figures <= TOLERANCE).all(axis=1) & (figures[:, exact] <= _SETTLED).all(axis=1))
-
-
-def _used(combinations: Combinations, cases: Sequence[str]) -> tuple[str, ...]:
-    """The cases that some combination has a factor for."""
-    used: set[str] = set()
-    for product in combinations.products:
-        used.update(case for case, _ in product.fixed)
-        used.update(choice.case for group in product.groups for choice in group)
-    return tuple(case for case in cases if case in used)
 
 
 def _factors(combinations: Sequence[Combination], cases: Sequence[str]) -> Floats:

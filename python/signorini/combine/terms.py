@@ -67,17 +67,18 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
     names = [name for name in FIELDS if name in enveloped]
     measured = _Measured(problem, names, Watch.of(found, cases))
     rest = _core.rest_response(core, found.held.values)
-    measured.add(rest, None, at_rest=True)
+    measured.add([rest], None, at_rest=True)
     responses: list[_core.Response] = []
     for first in range(0, len(cases), _TOGETHER):
         loads = [found.cases[case] for case in cases[first : first + _TOGETHER]]
         solved = _core.load_responses(core, np.array([load.nodal for load in loads]))
-        for response, load in zip(solved, loads, strict=True):
-            measured.add(response, load)
+        measured.add(solved, loads)
         responses += [response.at_points() for response in solved]
-    points = _core.point_responses(core)
-    for response in points:
-        measured.add(response, None)
+    points: list[_core.Response] = []
+    for first in range(0, len(found.contacts), _TOGETHER):
+        solved = _core.point_responses(core, first, min(first + _TOGETHER, len(found.contacts)))
+        measured.add(solved, None)
+        points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
     return measured.terms(tuple(cases), shared)
 
@@ -99,15 +100,27 @@ class _Measured:
         self._fixed: list[Floats] = []
         self._sizes: list[Sizes] = []
 
-    def add(self, response: _core.Response, load: CaseLoad | None, at_rest: bool = False) -> None:
-        """Read one term."""
+    def add(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> None:
+        """Read some terms."""
+        found = self._found
+        if loads is None:
+            nothing = CaseLoad(np.zeros(found.dof_count), np.zeros(3), np.zeros(2 * len(found.mesh.elements)))
+            loads = [nothing] * len(responses)
+        nodes = found.mesh.node_count
+        stresses = np.zeros((len(responses), nodes, 5))
+        if len(self._values) or set(self._names) - {"deflection"}:
+            curvatures, couples = (
+                np.array([getattr(load, part) for load in loads]) for part in ("curvature", "couples")
+            )
+            stresses = _core.response_stresses(found.plate, responses, curvatures, couples)
+        for response, load, stress in zip(responses, loads, stresses, strict=True):
+            self._add(response, load, stress, at_rest)
+
+    def _add(self, response: _core.Response, load: CaseLoad, stress: Floats, at_rest: bool) -> None:
         found, hi, lo, reaction = self._found, response.hi, response.lo, response.reaction
         springs = self._springs if at_rest else self._still
-        if load is None:
-            load = CaseLoad(np.zeros(found.dof_count), np.zeros(3), np.zeros(2 * len(found.mesh.elements)))
         displacement = hi + lo
         nodal = displacement.reshape(-1, 3)
-        stress, _ = found.plate.stresses(hi, lo, tuple(load.curvature), load.couples)
         every = np.column_stack([nodal[:, 0], found.held.to_global(nodal[:, 1:]), stress])
         spread = found.contacts.rows.spread(found.mesh.elements, reaction, found.dof_count)
         imbalance = found.plate.residual(springs, load.nodal, hi, lo) - spread

@@ -50,12 +50,40 @@ class Product:
         terms = _sum([choice.term for choice in chosen if choice.term])
         return ": ".join(part for part in (self.name, terms) if part), Factors(factors)
 
+    @property
+    def cases(self) -> set[str]:
+        """Every case that occurs."""
+        return {case for case, _ in self.fixed} | {c.case for group in self.groups for c in group if c.case}
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Combinations written out in a table, one a row."""
+
+    columns: tuple[str, ...]
+    names: tuple[str, ...]
+    rows: tuple[tuple[float, ...], ...]
+
+    def __len__(self) -> int:
+        """Count the combinations."""
+        return len(self.names)
+
+    def __getitem__(self, index: int) -> tuple[str, Factors]:
+        """Return the name and the factors of one combination."""
+        row = zip(self.columns, self.rows[index], strict=True)
+        return self.names[index], Factors({case: factor for case, factor in row if factor})
+
+    @property
+    def cases(self) -> set[str]:
+        """Every case that occurs."""
+        return set(self.columns)
+
 
 @dataclass(frozen=True, eq=False)
 class Combinations(Sequence[Combination]):
     """Combinations in the order of the input, generated ones where their table stands."""
 
-    products: tuple[Product, ...]
+    products: tuple[Product | Listing, ...]
 
     def __post_init__(self) -> None:
         """Find where each product begins."""
@@ -64,6 +92,11 @@ class Combinations(Sequence[Combination]):
     def __len__(self) -> int:
         """Count the combinations."""
         return int(self._ends[-1]) if self.products else 0  # type: ignore[attr-defined]
+
+    @property
+    def cases(self) -> set[str]:
+        """Every case that occurs in some combination."""
+        return {case for product in self.products for case in product.cases}
 
     @overload
     def __getitem__(self, index: int) -> Combination: ...
@@ -87,7 +120,7 @@ class Combinations(Sequence[Combination]):
                 yield product[index][0]
 
 
-def products(combination: Combination, positions: Positions) -> Iterator[Product]:
+def products(combination: Combination, positions: Positions) -> Iterator[Product | Listing]:
     """What a table of the input stands for."""
     match combination.generate:
         case None:
@@ -95,8 +128,12 @@ def products(combination: Combination, positions: Positions) -> Iterator[Product
         case "positions":
             yield _of_factors(combination.name, _factors(combination), positions)
         case "table":
-            for name, factors in _rows(combination):
-                yield _of_factors(name, factors, positions)
+            listing = _listing(combination)
+            if not positions.keys() & listing.cases:
+                yield listing
+                return
+            for index in range(len(listing)):
+                yield _of_factors(*listing[index], positions)
         case "patterns":
             yield Product(combination.name, (), tuple(_patterns(combination, positions)))
 
@@ -106,14 +143,11 @@ def _factors(combination: Combination) -> Mapping[str, float]:
     return combination.factors
 
 
-def _rows(combination: Combination) -> Iterator[tuple[str, Mapping[str, float]]]:
+def _listing(combination: Combination) -> Listing:
     if combination.file is not None:
-        columns, names, rows = combination.file.columns, combination.file.names, combination.file.rows
-    else:
-        assert combination.columns is not None and combination.rows is not None  # one or the other is given
-        columns, names, rows = combination.columns, tuple(combination.rows), tuple(combination.rows.values())
-    for name, row in zip(names, rows, strict=True):
-        yield name, {case: factor for case, factor in zip(columns, row, strict=True) if factor != 0}
+        return Listing(combination.file.columns, combination.file.names, combination.file.rows)
+    assert combination.columns is not None and combination.rows is not None  # one or the other is given
+    return Listing(combination.columns, tuple(combination.rows), tuple(combination.rows.values()))
 
 
 def _of_factors(name: str, factors: Mapping[str, float], positions: Positions) -> Product:

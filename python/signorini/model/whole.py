@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Annotated, Literal, TypeVar
 
 from pydantic import AfterValidator, Field
@@ -87,7 +88,7 @@ class Model(Table):
         """Names of the load cases that the positions of each moving load are, by the moving load's case."""
         return {moving.case: tuple(moving.positions) for moving in self.moving}
 
-    @property
+    @cached_property
     def effective_combinations(self) -> Combinations:
         """Every combination, those generated made when they are asked for.
 
