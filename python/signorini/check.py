@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from signorini.discretise import Discretisation, discretise
-from signorini.equilibrium import RigidFreedom, no_equilibrium, rigid_freedom
+from signorini.discretise.rows import Floats
+from signorini.equilibrium import RigidFreedom, allowed_motions, no_equilibrium, rigid_freedom
 from signorini.errors import InputError
 from signorini.model import Combination, Model
 from signorini.sketch import load_marks, support_marks
 
 _NO_FORCE = 1e-12
+_WORK = 1e-10
+"""Work below this part of the load times the motion is rounding."""
 _FORMATS = (".png", ".svg", ".pdf")
 
 
@@ -117,14 +121,41 @@ def check(model: Model) -> Check:
     """
     found = discretise(model)
     freedom = rigid_freedom(found)
+    if model.tabulated:
+        return Check(found, tuple(_resultants(found, freedom)))
     return Check(found, tuple(_resultant(found, freedom, c) for c in model.effective_combinations))
+
+
+def _resultants(found: Discretisation, freedom: RigidFreedom) -> Iterator[Resultant]:
+    """Resultants of many combinations, from those of their load cases."""
+    combinations = found.model.effective_combinations
+    used = combinations.cases
+    nodal = {case: found.cases[case].nodal for case in found.cases if case in used}
+    of_case = {case: found.rigid_motions.T @ load for case, load in nodal.items()}
+    size = {case: float(np.abs(load[::3]).sum()) for case, load in nodal.items()}
+    scale = np.array([1.0, found.mesh.size, found.mesh.size])
+    motions = allowed_motions(freedom)
+    for combination in combinations:
+        factors = combination.factors or {}
+        resultant = np.sum([np.zeros(3), *(factor * of_case[case] for case, factor in factors.items())], axis=0)
+        total = sum(abs(factor) * size[case] for case, factor in factors.items())
+        work = motions @ (resultant / scale @ freedom.motions) if len(motions) else np.zeros(0)
+        message = ""
+        if work.max(initial=0.0) > _WORK * total:
+            message = no_equilibrium(found, freedom, found.load(combination).nodal)
+        yield _of(found, combination, resultant, total, message)
 
 
 def _resultant(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> Resultant:
     nodal = found.load(combination).nodal
-    force, mx, my = (float(part) for part in found.rigid_motions.T @ nodal)
+    message = no_equilibrium(found, freedom, nodal)
+    return _of(found, combination, found.rigid_motions.T @ nodal, float(np.abs(nodal[::3]).sum()), message)
+
+
+def _of(found: Discretisation, combination: Combination, resultant: Floats, total: float, message: str) -> Resultant:
+    force, mx, my = (float(part) for part in resultant)
     at = None
-    if abs(force) > _NO_FORCE * np.abs(nodal[::3]).sum():
+    if abs(force) > _NO_FORCE * total:
         x, y = ((found.middle + np.array([mx, my]) / force) / found.mesh.size).round(12) * found.mesh.size + 0.0
         at = (float(x), float(y))
-    return Resultant(combination.name, force, at, (mx, my), no_equilibrium(found, freedom, nodal))
+    return Resultant(combination.name, force, at, (mx, my), message)

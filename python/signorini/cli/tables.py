@@ -20,6 +20,8 @@ from signorini.solve import Results
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _MOST_OPEN = 8
 """Open points named below a table; where more are open their number says enough."""
+_MOST_LISTED = 20
+"""Combinations listed by `check`, and as many again of those that cannot be balanced."""
 _ROUNDING = 1e-12
 """Part of the largest value of its kind below which a figure shows zero."""
 
@@ -58,11 +60,15 @@ def print_check(console: Console, check: Check) -> None:
     console.print(supports)
     console.print()
     loads = table("combination", right=[f"load{in_unit(units.force)}", f"acts at{in_unit(units.length)}", "balanced"])
-    for resultant in check.resultants:
+    listed = [r for number, r in enumerate(check.resultants) if number < _MOST_LISTED or r.message]
+    for resultant in listed[: 2 * _MOST_LISTED]:
         at = point(resultant.at) if resultant.at else f"couple {point(resultant.couple)}"
         verdict = Text("no", style="bold red") if resultant.message else Text("yes")
         loads.add_row(Text(resultant.name), number(resultant.force), at, verdict)
     console.print(loads)
+    if left := len(check.resultants) - len(listed[: 2 * _MOST_LISTED]):
+        unbalanced = sum(bool(resultant.message) for resultant in check.resultants)
+        console.print(f"and {left} more; of all {len(check.resultants)} combinations {unbalanced} cannot be balanced")
     console.print()
     _print_legend(console, model.support)
 
