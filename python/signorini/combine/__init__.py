@@ -25,8 +25,8 @@ __all__ = ["Combined", "Envelope", "Extremes", "Layout", "SupportEnvelope", "com
 _MOST_ROWS = 4096
 _MOST_NUMBERS = 4_000_000
 """Combinations, and numbers of theirs, that are in memory at once."""
-_SETTLED = 1e-10
-"""Imbalance from which on a combination is solved by itself, with its own residual."""
+_BALANCED = 1e-10
+"""Balance from which on a combination is solved by itself, where it is asked too whether equilibrium exists."""
 _EXPLAINED = 100
 """Combinations without equilibrium of which is said why."""
 _GOVERNING = 12
@@ -204,8 +204,8 @@ class _Run:
 
 def _certain(figures: Floats) -> Bools:
     """Whether certificates (k, 5) pass, and leave no doubt that equilibrium exists."""
-    exact = [FIGURES.index(name) for name in ("equilibrium", "balance")]
-    return np.asarray((figures <= TOLERANCE).all(axis=1) & (figures[:, exact] <= _SETTLED).all(axis=1))
+    balance = figures[:, FIGURES.index("balance")]
+    return np.asarray((figures <= TOLERANCE).all(axis=1) & (balance <= _BALANCED))
 
 
 def _factors(combinations: Sequence[Combination], cases: Sequence[str]) -> Floats:
