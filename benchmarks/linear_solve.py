@@ -10,9 +10,7 @@ it from a file, and its memory counts from before that. Assembly is shown beside
 
 import argparse
 import json
-import resource
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
@@ -20,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import scipy.sparse as sp
+from processes import peak_mb, run
 
 
 def clamped_plate(elements):
@@ -36,10 +35,6 @@ def clamped_plate(elements):
             load=[{"pressure": 1e3}],
         )
     )
-
-
-def peak_mb():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def ours(elements, folder):
@@ -94,12 +89,6 @@ def write_matrix(elements, folder):
     return {}
 
 
-def run(what, elements, folder):
-    command = [sys.executable, __file__, "--run", what, "--elements", str(elements), "--folder", folder]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    return json.loads(done.stdout.splitlines()[-1])
-
-
 def check():
     """Ours equals SuperLU on a small plate."""
     from scipy.sparse.linalg import spsolve
@@ -118,11 +107,12 @@ def check():
 
 def compare(elements, repeat):
     with tempfile.TemporaryDirectory() as folder:
-        run("write_matrix", elements, folder)
+        given = ("--elements", elements, "--folder", folder)
+        run(__file__, "--run", "write_matrix", *given)
         rows = {"ours": [], "pardiso": []}
         for _ in range(repeat):
             for name, found in rows.items():
-                found.append(run(name, elements, folder))
+                found.append(run(__file__, "--run", name, *given))
         a, b = (np.load(Path(folder, f"{name}.npy")) for name in rows)
     best = {
         name: {key: statistics.median(row[key] for row in found) for key in found[0]} for name, found in rows.items()

@@ -4,15 +4,14 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 use signorini_core::cholesky::FactorError;
-use signorini_core::contact::{self, Constraints, Form, Outcome};
+use signorini_core::contact::{self, Constraints, Form, Outcome, Progress};
 
 /// A plate on its supports, factored once.
 ///
 /// `held` (3n,) marks dofs with a prescribed value; `springs` is (elements, rows, stiffness, base); `constraints` is
 /// (elements, rows, distance, compliance, two_sided, regularization), one entry a contact point:
 /// row·u + gap − compliance·reaction = distance. `free_motions` (d, 3n) are the rigid motions that held dofs, springs and
-/// two-sided points leave free; none if absent. `soft` (m,) marks elastic points that the active set handles, none if
-/// absent: the factor carries their stiffness.
+/// two-sided points leave free; none if absent. One-sided points are solved for by Lemke's algorithm, or `by_active_set`.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactProblem {
     pub inner: contact::ContactProblem,
@@ -49,10 +48,32 @@ fn form_of(name: &str) -> PyResult<Form> {
     }
 }
 
+/// Runs a solve with the interpreter released; what `progress` raises, or a signal, ends it.
+fn watched(
+    py: Python<'_>,
+    progress: Option<Py<PyAny>>,
+    solve: impl Send + FnOnce(&mut dyn FnMut(Progress) -> bool) -> Result<contact::ContactSolution, FactorError>,
+) -> PyResult<ContactSolution> {
+    let mut raised = None;
+    let mut watch = |now: Progress| {
+        let called = Python::attach(|py| match &progress {
+            Some(progress) => progress.call1(py, (now.step, now.changing, now.residual)).map(|_| ()),
+            None => py.check_signals(),
+        });
+        raised = called.err();
+        raised.is_none()
+    };
+    let solved = py.detach(|| solve(&mut watch)).map_err(failed);
+    match raised {
+        Some(error) => Err(error),
+        None => Ok(ContactSolution { inner: solved? }),
+    }
+}
+
 #[pymethods]
 impl ContactProblem {
     #[new]
-    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, soft=None))]
+    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, by_active_set=false))]
     fn new(
         py: Python<'_>,
         plate: &Plate,
@@ -60,7 +81,7 @@ impl ContactProblem {
         spring_arrays: SpringArrays<'_>,
         constraint_arrays: ConstraintArrays<'_>,
         free_motions: Option<PyReadonlyArray2<'_, f64>>,
-        soft: Option<PyReadonlyArray1<'_, bool>>,
+        by_active_set: bool,
     ) -> PyResult<Self> {
         let count = plate.inner.elements().len();
         let held = flags("held", &held, plate.inner.dof_count())?;
@@ -68,7 +89,6 @@ impl ContactProblem {
         let (elements, rows, distance, compliance, two_sided, regularization) = &constraint_arrays;
         let rows = element_rows(elements, rows, count)?;
         let m = rows.len();
-        let soft = soft.map_or(Ok(Vec::new()), |soft| flags("soft", &soft, m))?;
         let constraints = Constraints {
             rows,
             distance: sized("distance", distance, m)?,
@@ -88,13 +108,17 @@ impl ContactProblem {
             return Err(invalid("compliance and regularization must be finite and not negative, distances finite"));
         }
         let shared = plate.inner.clone();
-        let inner =
-            py.detach(|| contact::ContactProblem::new(shared, springs, held, constraints, &soft)).map_err(failed)?;
+        let inner = py
+            .detach(|| contact::ContactProblem::new(shared, springs, held, constraints, by_active_set))
+            .map_err(failed)?;
         Ok(Self { inner })
     }
 
     /// Solves one load; `form` is "dual", "stiffness", or None for the better conditioned of them.
-    #[pyo3(signature = (load, held_value, form=None, max_pivots=None))]
+    ///
+    /// `progress(step, changing, residual)` is called after every step of the active set: points that opened or closed,
+    /// and the imbalance over the largest nodal force. What it raises ends the solve.
+    #[pyo3(signature = (load, held_value, form=None, max_pivots=None, progress=None))]
     fn solve(
         &self,
         py: Python<'_>,
@@ -102,13 +126,29 @@ impl ContactProblem {
         held_value: PyReadonlyArray1<'_, f64>,
         form: Option<&str>,
         max_pivots: Option<usize>,
+        progress: Option<Py<PyAny>>,
     ) -> PyResult<ContactSolution> {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
         let form = form.map(form_of).transpose()?;
-        let inner = py.detach(|| self.inner.solve(&load, &held_value, form, max_pivots)).map_err(failed)?;
-        Ok(ContactSolution { inner })
+        watched(py, progress, |watch| self.inner.solve(&load, &held_value, form, max_pivots, watch))
+    }
+
+    /// Solves one load by an interior point method, from whose contact set the exact solution is found; `progress` as
+    /// for `solve`.
+    #[pyo3(signature = (load, held_value, progress=None))]
+    fn solve_by_interior_point(
+        &self,
+        py: Python<'_>,
+        load: PyReadonlyArray1<'_, f64>,
+        held_value: PyReadonlyArray1<'_, f64>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<ContactSolution> {
+        let dofs = self.inner.plate.dof_count();
+        let load = sized("the load", &load, dofs)?;
+        let held_value = sized("held_value", &held_value, dofs)?;
+        watched(py, progress, |watch| self.inner.solve_by_interior_point(&load, &held_value, watch))
     }
 
     #[pyo3(signature = (load, held_value, form=None))]
@@ -155,7 +195,7 @@ impl ContactProblem {
     /// Numbers stored for the factor.
     #[getter]
     fn factor_entries(&self) -> usize {
-        self.inner.factor.entries()
+        self.inner.base.factor.entries()
     }
 }
 
@@ -173,7 +213,7 @@ impl ContactSolution {
         match self.inner.outcome {
             Outcome::Solved => "solved",
             Outcome::NoEquilibrium => "no_equilibrium",
-            Outcome::Unsolved => "unsolved",
+            Outcome::Unsolved | Outcome::Interrupted => "unsolved",
         }
     }
 
@@ -215,6 +255,11 @@ impl ContactSolution {
     #[getter]
     fn gradients(&self) -> usize {
         self.inner.gradients
+    }
+
+    #[getter]
+    fn factorizations(&self) -> usize {
+        self.inner.factorizations
     }
 
     #[getter]

@@ -7,6 +7,7 @@ use faer::sparse::linalg::SymbolicSupernodalParams;
 use faer::sparse::linalg::cholesky::{simplicial, supernodal};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, MatMut, Par, Spec};
+use std::sync::Arc;
 
 /// Why there is no factor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +31,7 @@ impl std::error::Error for FactorError {}
 
 /// K = L Lᵀ with the columns in the order given.
 pub struct Factor {
-    symbolic: supernodal::SymbolicSupernodalCholesky<usize>,
+    symbolic: Arc<supernodal::SymbolicSupernodalCholesky<usize>>,
     values: Vec<f64>,
 }
 
@@ -64,8 +65,9 @@ fn transposed(lower: &LowerTriangle) -> (Vec<usize>, Vec<usize>) {
 }
 
 /// The pattern of L.
+#[derive(Clone)]
 pub struct Analysis {
-    symbolic: supernodal::SymbolicSupernodalCholesky<usize>,
+    symbolic: Arc<supernodal::SymbolicSupernodalCholesky<usize>>,
 }
 
 impl Analysis {
@@ -88,10 +90,10 @@ impl Analysis {
             SymbolicSupernodalParams::default(),
         )
         .map_err(|_| FactorError::OutOfMemory)?;
-        Ok(Self { symbolic })
+        Ok(Self { symbolic: Arc::new(symbolic) })
     }
 
-    pub fn factorize(self, matrix: &LowerTriangle) -> Result<Factor, FactorError> {
+    pub fn factorize(&self, matrix: &LowerTriangle) -> Result<Factor, FactorError> {
         let n = matrix.column_start.len() - 1;
         let mut values = Vec::new();
         values.try_reserve_exact(self.symbolic.len_val()).map_err(|_| FactorError::OutOfMemory)?;
@@ -111,7 +113,7 @@ impl Analysis {
             params,
         )
         .map_err(|PivotError::NonPositivePivot { index }| FactorError::NotPositiveDefinite { column: index })?;
-        Ok(Factor { symbolic: self.symbolic, values })
+        Ok(Factor { symbolic: self.symbolic.clone(), values })
     }
 }
 
@@ -122,6 +124,31 @@ impl Factor {
 
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// The column whose pivot is the smallest part of its diagonal entry, and that part.
+    ///
+    /// Near the unit roundoff the pivot is rounding: the matrix is singular to working precision.
+    pub fn weakest_pivot(&self, matrix: &LowerTriangle) -> (usize, f64) {
+        let mut diagonal = vec![0.0; self.len()];
+        for column in 0..self.len() {
+            for at in matrix.column_start[column]..matrix.column_start[column + 1] {
+                if matrix.row[at] == column {
+                    diagonal[column] += matrix.value[at];
+                }
+            }
+        }
+        let mut weakest = (0, f64::INFINITY);
+        for s in 0..self.symbolic.n_supernodes() {
+            let node = self.view().supernode(s);
+            for j in 0..node.val().ncols() {
+                let part = node.val()[(j, j)].powi(2) / diagonal[node.start() + j];
+                if part < weakest.1 {
+                    weakest = (node.start() + j, part);
+                }
+            }
+        }
+        weakest
     }
 
     /// Entries stored for L.

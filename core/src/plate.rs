@@ -148,6 +148,20 @@ impl Plate {
         sum.map(|s| 0.25 * s)
     }
 
+    /// Least thickness over the diagonal of the plate's bounding box.
+    pub fn slenderness(&self) -> f64 {
+        let mut low = [f64::INFINITY; 2];
+        let mut high = [f64::NEG_INFINITY; 2];
+        for point in &self.points {
+            for a in 0..2 {
+                low[a] = low[a].min(point[a]);
+                high[a] = high[a].max(point[a]);
+            }
+        }
+        let thinnest = self.thickness.iter().fold(f64::INFINITY, |least, &h| least.min(h));
+        thinnest / (high[0] - low[0]).hypot(high[1] - low[1])
+    }
+
     pub fn has_frames(&self) -> bool {
         self.frames.is_some()
     }

@@ -117,7 +117,9 @@ pub struct Springs {
 /// f − K u − Σ k r (r·u − base) at every dof, those held included (there it is minus the support's force).
 pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &Displacement) -> Vec<f64> {
     const CHUNK: usize = 1024;
-    let count = plate.elements().len();
+    // At rest there is nothing to sum.
+    let moving = displacement.hi.iter().any(|&u| u != 0.0);
+    let count = if moving { plate.elements().len() } else { 0 };
     let forces: Vec<[f64; DOFS]> = (0..count)
         .into_par_iter()
         .with_min_len(CHUNK)
@@ -141,6 +143,38 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
         springs.rows.scatter(plate, row, -springs.stiffness[row] * stretch, &mut out);
     }
     out
+}
+
+/// uᵀKu of plate and springs for a vector of doubles, as a sum of squares that no rigid motion cancels in.
+pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64 {
+    const CHUNK: usize = 1024;
+    let slopes = |node: usize| {
+        let [p, q] = [vector[3 * node + 1], vector[3 * node + 2]];
+        plate.frame(node).map_or([p, q], |[c, s]| [c * p - s * q, s * p + c * q])
+    };
+    let one = |e: usize| {
+        let nodes = &plate.elements()[e];
+        let at = plate.geometry(e).at;
+        let (origin, slope) = (vector[3 * nodes[0]], slopes(nodes[0]));
+        let mut strained = [0.0; DOFS];
+        for i in 1..8 {
+            let here = slopes(nodes[i]);
+            strained[3 * i] = vector[3 * nodes[i]] - origin - slope[0] * at[i][0] - slope[1] * at[i][1];
+            strained[3 * i + 1] = here[0] - slope[0];
+            strained[3 * i + 2] = here[1] - slope[1];
+        }
+        let lower = plate.element_stiffness(e);
+        let mut sum = 0.0;
+        for i in 0..DOFS {
+            let row = &lower[packed(i, 0)..packed(i, i)];
+            let across: f64 = row.iter().zip(&strained).map(|(k, u)| k * u).sum();
+            sum += strained[i] * (2.0 * across + lower[packed(i, i)] * strained[i]);
+        }
+        sum
+    };
+    let plate_alone: f64 = (0..plate.elements().len()).into_par_iter().with_min_len(CHUNK).map(one).sum();
+    let spring = |row: usize| springs.stiffness[row] * springs.rows.dot(plate, row, vector).powi(2);
+    plate_alone.max(0.0) + (0..springs.rows.len()).map(spring).sum::<f64>()
 }
 
 /// Largest Σ|K_e||u_e| over the dofs that are not held: what rounding in [`residual`] is relative to.

@@ -1,5 +1,6 @@
 //! Contact problems on a square plate: against the conditions themselves, and the rigid motions in the LCP.
 use proptest::prelude::*;
+use signorini_core::contact::interior_point::{InteriorPoint, interior_point};
 use signorini_core::contact::{Constraints, ContactProblem, Form, Outcome, Verdict};
 use signorini_core::element::{Kind, Material};
 use signorini_core::plate::Plate;
@@ -33,6 +34,10 @@ fn motions(plate: &Plate) -> Vec<Vec<f64>> {
 
 /// Points that push up, in corner elements, then one in the middle element; the first three are regularised.
 fn free_on_points(at: &[(f64, f64)], gap: &[f64], soft: bool) -> ContactProblem {
+    on_points(at, gap, soft, false)
+}
+
+fn on_points(at: &[(f64, f64)], gap: &[f64], soft: bool, by_active_set: bool) -> ContactProblem {
     let plate = plate();
     let mut constraints = Constraints { free_motions: motions(&plate), ..Constraints::default() };
     for (i, (&(xi, eta), &gap)) in at.iter().zip(gap).enumerate() {
@@ -45,7 +50,19 @@ fn free_on_points(at: &[(f64, f64)], gap: &[f64], soft: bool) -> ContactProblem 
         constraints.regularization.push(if i < 3 { 10.0 } else { 0.0 });
     }
     let held = vec![false; plate.dof_count()];
-    ContactProblem::new(plate, Springs::default(), held, constraints, &[]).unwrap()
+    ContactProblem::new(plate, Springs::default(), held, constraints, by_active_set).unwrap()
+}
+
+fn by_interior_point(problem: &ContactProblem, constraints: &Constraints, load: &[f64]) -> InteriorPoint {
+    interior_point(&problem.plate, &problem.springs, &problem.held, &vec![0.0; load.len()], constraints, load)
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |a, b| a.max(b.abs()))
+}
+
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |worst: f64, (a, b)| worst.max((a - b).abs())) / largest(b)
 }
 
 fn load(plate: &Plate, element: usize, force: f64) -> Vec<f64> {
@@ -70,7 +87,7 @@ proptest! {
         let load = load(&problem.plate, element, 1.0);
         let held = vec![0.0; load.len()];
         let form = if dual { Form::Dual } else { Form::Stiffness };
-        let found = problem.solve(&load, &held, Some(form), None).unwrap();
+        let found = problem.solve(&load, &held, Some(form), None, &mut |_| true).unwrap();
         prop_assert!(found.outcome != Outcome::Unsolved);
         if found.outcome == Outcome::Solved {
             let out = problem.imbalance(&load, &found.displacement, &found.reaction);
@@ -85,7 +102,53 @@ proptest! {
         }
     }
 
-    /// Gaps that a rigid motion opens cost no reaction, and the posed reactions balance the load.
+    #[test]
+    fn the_active_set_finds_what_lemke_finds(
+        at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5),
+        gap in prop::collection::vec(prop_oneof![Just(0.0), 0.0f64..0.01], 5),
+        element in 0usize..9, soft: bool,
+    ) {
+        let problem = free_on_points(&at, &gap, soft);
+        let load = load(&problem.plate, element, 1.0);
+        let held = vec![0.0; load.len()];
+        let by_lemke = problem.solve(&load, &held, None, None, &mut |_| true).unwrap();
+        prop_assume!(by_lemke.outcome == Outcome::Solved);
+        let found = on_points(&at, &gap, soft, true).solve(&load, &held, None, None, &mut |_| true).unwrap();
+        prop_assert_eq!(found.outcome, Outcome::Solved);
+        let most = largest(&by_lemke.displacement.hi);
+        for i in 0..5 {
+            prop_assert!((found.reaction[i] - by_lemke.reaction[i]).abs() < 1e-9);
+            prop_assert!((found.gap[i] - by_lemke.gap[i]).abs() < 1e-9 * most);
+        }
+    }
+
+    #[test]
+    fn the_interior_point_method_finds_what_pivoting_finds(
+        at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5),
+        gap in prop::collection::vec(0.0f64..0.01, 5),
+        held_both_ways: bool, soft: bool,
+    ) {
+        let problem = free_on_points(&at, &gap, soft);
+        let load = load(&problem.plate, 4, 1.0);
+        let mut constraints = problem.all_constraints();
+        constraints.two_sided[4] = held_both_ways;
+        constraints.regularization.clone_from(&problem.constraints.regularization);
+        if held_both_ways {
+            constraints.free_motions.clear();
+        }
+        let (plate, held) = (problem.plate.clone(), problem.held.clone());
+        let problem = ContactProblem::new(plate, Springs::default(), held, constraints, false).unwrap();
+        let exact = problem.solve(&load, &vec![0.0; load.len()], None, None, &mut |_| true).unwrap();
+        prop_assume!(exact.outcome == Outcome::Solved);
+        let found = by_interior_point(&problem, &problem.all_constraints(), &load);
+        prop_assert_eq!(found.outcome, Outcome::Solved);
+        prop_assert!(apart(&found.reaction, &exact.reaction) < 1e-5);
+        prop_assert!(apart(&found.displacement, &exact.displacement.hi) < 1e-5);
+        let polished = problem.solve_by_interior_point(&load, &vec![0.0; load.len()], &mut |_| true).unwrap();
+        prop_assert!(polished.iterations == found.iterations && polished.closed == exact.closed);
+        prop_assert!(apart(&polished.reaction, &exact.reaction) < 1e-12);
+    }
+
     #[test]
     fn combinations_of_two_loads_are_their_sums_solved_by_themselves(
         at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5),
@@ -103,7 +166,7 @@ proptest! {
         let rows: Vec<Vec<f64>> = factors.chunks(2).map(<[f64]>::to_vec).collect();
         for (row, found) in rows.iter().zip(problem.combine(&shared, &rows)) {
             let sum: Vec<f64> = loads[0].iter().zip(&loads[1]).map(|(a, b)| row[0] * a + row[1] * b).collect();
-            let single = problem.solve(&sum, &held, None, None).unwrap();
+            let single = problem.solve(&sum, &held, None, None, &mut |_| true).unwrap();
             match found.verdict {
                 Verdict::NoEquilibrium => prop_assert_eq!(single.outcome, Outcome::NoEquilibrium),
                 Verdict::Solved => {
@@ -126,6 +189,7 @@ proptest! {
         }
     }
 
+    /// Gaps that a rigid motion opens cost no reaction, and the posed reactions balance the load.
     #[test]
     fn the_lcp_knows_the_rigid_motions_exactly(at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5), element in 0usize..9) {
         let problem = free_on_points(&at, &[0.0; 5], false);
@@ -162,9 +226,54 @@ fn a_load_beyond_the_points_has_no_equilibrium() {
         let load = load(&problem.plate, element, force);
         let (inside, up) = (element == 4, force < 0.0);
         for form in [None, Some(Form::Dual), Some(Form::Stiffness)] {
-            let found = problem.solve(&load, &held, form, None).unwrap();
+            let found = problem.solve(&load, &held, form, None, &mut |_| true).unwrap();
             let expected = if inside && !up { Outcome::Solved } else { Outcome::NoEquilibrium };
             assert_eq!(found.outcome, expected, "element {element}, {form:?}");
         }
+        let found = by_interior_point(&problem, &problem.all_constraints(), &load);
+        let expected = if inside && !up { Outcome::Solved } else { Outcome::NoEquilibrium };
+        assert_eq!(found.outcome, expected, "element {element}, interior point");
+        assert_eq!(found.reaction.iter().any(|r| r.is_nan()), expected != Outcome::Solved);
     }
+}
+
+#[test]
+fn whoever_watches_the_active_set_may_stop_it() {
+    let at = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.0, 0.0)];
+    let problem = on_points(&at, &[0.0; 5], false, true);
+    let (load, held) = (load(&problem.plate, 4, 1.0), vec![0.0; problem.plate.dof_count()]);
+    let mut steps = Vec::new();
+    let found = problem.solve(&load, &held, None, None, &mut |now| {
+        steps.push(now.step);
+        now.step < 2
+    });
+    assert_eq!(found.unwrap().outcome, Outcome::Interrupted);
+    assert_eq!(steps, [1, 2]);
+}
+
+#[test]
+fn the_interior_point_method_proves_that_gaps_contradict_each_other() {
+    let problem = free_on_points(&[(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.0, 0.0)], &[0.0; 5], false);
+    let load = load(&problem.plate, 4, 1.0);
+    for (depth, expected) in [(1e-3, Outcome::Solved), (-1e-3, Outcome::NoEquilibrium)] {
+        let mut constraints = problem.all_constraints();
+        let turned = constraints.rows.coefficient[4].map(|c| -c);
+        (constraints.rows.element[3], constraints.rows.coefficient[3]) = (constraints.rows.element[4], turned);
+        constraints.distance[3] = depth;
+        assert_eq!(by_interior_point(&problem, &constraints, &load).outcome, expected, "depth {depth}");
+    }
+}
+
+#[test]
+fn a_contact_set_to_begin_with_leaves_no_pivots() {
+    let at = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.0, 0.0)];
+    let problem = free_on_points(&at, &[0.0, 0.001, 0.002, 0.0, 0.003], true);
+    let (load, held) = (load(&problem.plate, 4, 1.0), vec![0.0; problem.plate.dof_count()]);
+    let (cold, warm) = (
+        problem.solve(&load, &held, None, None, &mut |_| true),
+        problem.solve_by_interior_point(&load, &held, &mut |_| true),
+    );
+    let (cold, warm) = (cold.unwrap(), warm.unwrap());
+    assert!(cold.pivots > 0 && warm.pivots == 0 && warm.iterations > 3);
+    assert_eq!(cold.closed, warm.closed);
 }

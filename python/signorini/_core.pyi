@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -89,11 +90,17 @@ class ContactProblem:
         spring_arrays: _Springs,
         constraint_arrays: _Constraints,
         free_motions: _Floats | None = None,
-        soft: _Bools | None = None,
+        by_active_set: bool = False,
     ) -> ContactProblem: ...
     def solve(
-        self, load: _Floats, held_value: _Floats, form: _Form = None, max_pivots: int | None = None
+        self,
+        load: _Floats,
+        held_value: _Floats,
+        form: _Form = None,
+        max_pivots: int | None = None,
+        progress: Callable[[int, int, float], object] | None = None,
     ) -> ContactSolution: ...
+    def solve_by_interior_point(self, load: _Floats, held_value: _Floats) -> ContactSolution: ...
     def lcp(self, load: _Floats, held_value: _Floats, form: _Form = None) -> tuple[_Floats, _Floats, _Ints, _Bools]: ...
     def apply_inverse(self, load: _Floats) -> _Floats: ...
     @property
@@ -118,6 +125,8 @@ class ContactSolution:
     def pivots(self) -> int: ...
     @property
     def iterations(self) -> int: ...
+    @property
+    def factorizations(self) -> int: ...
     @property
     def corrections(self) -> int: ...
 

@@ -16,7 +16,7 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, QhullError
 
 from signorini.discretise import ContactPoints, Discretisation
-from signorini.discretise.rows import Bools, Floats, Ints, Rows
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError
 
 _RANK = 1e-9
@@ -66,16 +66,12 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
     """
     size = found.mesh.size
     scaled = found.rigid_motions / np.array([1.0, size, size])
-    elements, contacts = found.mesh.elements, found.contacts
-
-    def moved(rows: Rows) -> Floats:
-        return np.column_stack([rows.dot(elements, motion) for motion in scaled.T])
-
-    at_contacts = moved(contacts.rows)
+    contacts = found.contacts
+    at_contacts = found.contact_rows @ scaled
     # A held slope is compared with slopes times the plate's size.
     held = scaled[found.held.dofs] * np.tile([1.0, size, size], found.mesh.node_count)[found.held.dofs, None]
     at_contacts[contacts.slope] *= size
-    in_stiffness = np.vstack([held, moved(found.springs.rows)])
+    in_stiffness = np.vstack([held, found.spring_rows @ scaled])
     motions = _null_space(np.vstack([in_stiffness, at_contacts[contacts.two_sided]]))
     moves = at_contacts @ motions
     loose = motions @ _null_space(moves) if motions.size else np.zeros((3, 0))
@@ -137,8 +133,9 @@ def restraining_points(freedom: RigidFreedom) -> Ints:
     """Contact points, as few as there are free motions, that hold them when closed; far apart where they can be."""
     if not freedom.count:
         return np.zeros(0, dtype=np.int64)
-    _, _, order = qr(freedom.moves.T, mode="economic", pivoting=True)
-    return np.asarray(order[: freedom.count], dtype=np.int64)
+    # Each pick is the longest column that is left, and lengths, being convex, are greatest at corners of the hull.
+    _, _, order = qr(freedom.moves[freedom.deciding].T, mode="economic", pivoting=True)
+    return freedom.deciding[order[: freedom.count]]
 
 
 def allowed_motions(freedom: RigidFreedom) -> Floats:

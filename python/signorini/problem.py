@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -18,12 +18,16 @@ from signorini.errors import InputError, SignoriniError
 from signorini.model import Model
 
 Form = Literal["auto", "dual", "stiffness"]
+Method = Literal["lemke", "active_set", "interior_point"]
 
 MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
 
 _FEW = 300
-"""Elastic points up to which the LCP takes them too."""
+"""Elastic points up to which Lemke's algorithm is the quicker one."""
+
+_FEW_RIGID = 1500
+"""One-sided points up to which it is where they are mostly rigid."""
 
 _CARRIED = 100.0
 """Stiffness that the factor carries at restraining points, over D/a²: about a plate's own under a point load."""
@@ -65,7 +69,8 @@ class ContactProblem:
     discretisation: Discretisation
     freedom: RigidFreedom
     core: _core.ContactProblem
-    soft: Bools
+    method: Method
+    _others: dict[Method, ContactProblem] = field(default_factory=dict, repr=False)
 
     @cached_property
     def K(self) -> csc_array:
@@ -76,16 +81,10 @@ class ContactProblem:
         upper = lower.T.tocsc()
         return csc_array(lower + upper - csc_array((lower.diagonal(), (range(size), range(size))), shape=(size, size)))
 
-    @cached_property
+    @property
     def G(self) -> csr_array:
         """Contact points' rows (m, 3n); Gu ≤ gaps."""
-        rows = self.discretisation.contacts.rows
-        dofs = rows.dofs(self.discretisation.mesh.elements)
-        point = np.repeat(np.arange(len(rows)), 24)
-        shape = (len(rows), self.discretisation.dof_count)
-        matrix = csr_array((rows.coefficients.ravel(), (point, dofs.ravel())), shape=shape)
-        matrix.eliminate_zeros()
-        return matrix
+        return self.discretisation.contact_rows
 
     @property
     def gaps(self) -> Floats:
@@ -129,33 +128,32 @@ class ContactProblem:
         return posed.M, -posed.q
 
     @property
-    def method(self) -> Literal["lemke", "active_set"]:
-        """How the contact problem is solved; rigid points go to Lemke's algorithm either way."""
-        return "active_set" if self.soft.any() else "lemke"
-
-    @cached_property
     def condensed(self) -> ContactProblem:
-        """The same problem with every point in the LCP, those of the active set too."""
-        if not self.soft.any():
-            return self
-        _require_condensable(len(self.gaps))
-        regularization = _regularization(self.discretisation, self.freedom)
-        return _factored(self.discretisation, self.freedom, regularization, np.zeros_like(self.soft))
+        """The same problem with every point condensed, for the LCP."""
+        return self.by("lemke")
 
-    @cached_property
-    def fallback(self) -> ContactProblem | None:
-        """The same problem with every point in the LCP, for loads on which the active set does not settle.
+    def by(self, method: Method) -> ContactProblem:
+        """Pose the same problem for another method; it is factored when it is first asked for."""
+        if method not in self._others:
+            self._others[method] = _factored(self.discretisation, self.freedom, method)
+        return self._others[method]
 
-        None where it is that already, where there are too many points, or where the method is prescribed.
-        """
-        prescribed = self.discretisation.model.solver.method != "auto"
-        if prescribed or len(self.gaps) > MOST_POINTS or not self.soft.any():
-            return None
-        return self.condensed
+    @property
+    def fallbacks(self) -> tuple[Method, ...]:
+        """Methods that take over, in turn, where this one does not settle; none where the method is prescribed."""
+        if self.discretisation.model.solver.method != "auto" or self.discretisation.contacts.two_sided.all():
+            return ()
+        can_be_condensed = len(self.gaps) <= MOST_POINTS
+        if self.method == "lemke":
+            return "active_set", "interior_point"
+        return ("lemke", "interior_point") if can_be_condensed else ("interior_point",)
 
     def solve(self, load: CaseLoad, form: Form = "auto") -> _core.ContactSolution:
-        """Displacements, reactions and gaps of one load."""
-        return self.core.solve(load.nodal, self.discretisation.held.values, None if form == "auto" else form)
+        """Displacements, reactions and gaps of one load; ``form`` is that of the LCP where there is one."""
+        held = self.discretisation.held.values
+        if self.method == "interior_point":
+            return self.core.solve_by_interior_point(load.nodal, held)
+        return self.core.solve(load.nodal, held, None if form == "auto" else form)
 
     @property
     def seconds(self) -> Mapping[str, float]:
@@ -182,10 +180,7 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     """
     found = model if isinstance(model, Discretisation) else discretise(model)
     freedom = rigid_freedom(found)
-    regularization = _regularization(found, freedom)
-    soft = _soft_points(found, regularization)
-    _require_condensable(len(soft) - int(soft.sum()))
-    return _factored(found, freedom, regularization, soft)
+    return _factored(found, freedom, _method(found))
 
 
 def _require_condensable(points: int) -> None:
@@ -197,10 +192,14 @@ def _require_condensable(points: int) -> None:
         )
 
 
-def _factored(found: Discretisation, freedom: RigidFreedom, regularization: Floats, soft: Bools) -> ContactProblem:
+def _factored(found: Discretisation, freedom: RigidFreedom, method: Method) -> ContactProblem:
     contacts = found.contacts
-    # Soft points are springs to the points of the LCP, and hold what they hold.
-    motions = freedom.motions[:, :0] if soft.any() else freedom.motions
+    # What the interior point method finds is made exact by one of the others.
+    many = len(contacts) > MOST_POINTS
+    by_active_set = method == "active_set" or (method == "interior_point" and many)
+    _require_condensable(int((contacts.two_sided | (not by_active_set)).sum()))
+    # The points of the active set are springs to the condensed ones, and hold what they hold.
+    motions = freedom.motions[:, :0] if by_active_set else freedom.motions
     free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T
     rows = contacts.rows
     try:
@@ -214,10 +213,10 @@ def _factored(found: Discretisation, freedom: RigidFreedom, regularization: Floa
                 contacts.distance,
                 contacts.compliance,
                 contacts.two_sided,
-                regularization,
+                _regularization(found, freedom),
             ),
             free_motions,
-            soft,
+            by_active_set,
         )
     except RuntimeError as error:
         if found.model.plate.element == "q8r":
@@ -232,7 +231,7 @@ def _factored(found: Discretisation, freedom: RigidFreedom, regularization: Floa
         ) from None
     except MemoryError:
         raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
-    return ContactProblem(found, freedom, core, soft)
+    return ContactProblem(found, freedom, core, method)
 
 
 def _regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
@@ -257,11 +256,13 @@ def _regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
     return np.asarray(carried)
 
 
-def _soft_points(found: Discretisation, regularization: Floats) -> Bools:
-    """Points (m,) that the active set handles instead of the LCP: elastic ones that the factor carries, if many."""
-    contacts = found.contacts
-    soft = (contacts.compliance > 0) & (np.abs(regularization * contacts.compliance - 1) < 1e-12)
-    few = int(soft.sum()) <= _FEW and len(contacts) <= MOST_POINTS
-    if found.model.solver.method == "lemke" or (found.model.solver.method == "auto" and few):
-        soft[:] = False
-    return np.asarray(soft)
+def _method(found: Discretisation) -> Method:
+    """The method asked for, or else the better one; without one-sided points all come to Lemke's without a pivot."""
+    asked, contacts = found.model.solver.method, found.contacts
+    one_sided = ~contacts.two_sided
+    if not one_sided.any():
+        return "lemke"
+    if asked != "auto":
+        return asked
+    elastic = int((contacts.compliance[one_sided] > 0).sum())
+    return "active_set" if elastic > _FEW or int(one_sided.sum()) > _FEW_RIGID else "lemke"

@@ -104,9 +104,9 @@ class Result:
     nodal_reaction : (n,) array
         Upward force of every support on every node that it acts on.
     method : str
-        "lemke" or "active_set".
+        "lemke", "active_set" or "interior_point".
     iterations : int
-        Lemke's pivots, or the active set's Newton steps.
+        Lemke's pivots, the active set's Newton steps, or the steps of the interior point method.
     """
 
     name: str
@@ -143,11 +143,11 @@ class Result:
         rotation = found.held.to_global(nodal[:, 1:])
         stress, _ = found.plate.stresses(hi, lo, tuple(load.curvature), load.couples)
         imbalance = found.plate.residual(spring_arrays(found), load.nodal, hi, lo)
-        spread = found.contacts.rows.spread(found.mesh.elements, reaction, found.dof_count)
+        spread = found.contact_rows.T @ reaction
         held_force = np.where(found.held.dofs, imbalance - spread, 0.0)
         springs = found.springs
-        pull = springs.stiffness * (springs.rows.dot(found.mesh.elements, hi + lo) - springs.base)
-        nodal_reaction = held_force + spread + springs.rows.spread(found.mesh.elements, pull, found.dof_count)
+        pull = springs.stiffness * (found.spring_rows @ (hi + lo) - springs.base)
+        nodal_reaction = held_force + spread + found.spring_rows.T @ pull
         supports = tuple(
             _support_result(found, index, support, held_force[::3], pull, answer)
             for index, support in enumerate(found.model.support)
@@ -158,7 +158,7 @@ class Result:
             "solved",
             "",
             method,
-            answer.iterations if method == "active_set" else answer.pivots,
+            answer.pivots if method == "lemke" else answer.iterations,
             found.mesh,
             found.model,
             certificate,
@@ -175,7 +175,7 @@ class Result:
     @property
     def counted(self) -> str:
         """What ``iterations`` counts."""
-        return "Newton steps" if self.method == "active_set" else "pivots"
+        return {"lemke": "pivots", "active_set": "Newton steps"}.get(self.method, "interior point steps")
 
     @property
     def reactions(self) -> Mapping[str, float]:

@@ -12,15 +12,13 @@ from signorini.certificate import Certificate, certify
 from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.equilibrium import no_equilibrium
-from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
+from signorini.errors import NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, contact_problem
 from signorini.result import Result, unsolved_result
 
 _REASONS = 5
 """Combinations without equilibrium that a message names where none has one."""
-_SETTLED = 1e-10
-"""Nodal imbalance from which on an active set's answer is asked of Lemke's algorithm too, where that is possible."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +115,6 @@ def solve(model: Model, table: str | os.PathLike[str] | None = None) -> Results:
     ('solved', 200000.0, True)
     """
     begun = time.perf_counter()
-    _require_method(model)
     found = discretise(model)
     problem = contact_problem(found)
     results: dict[str, Result] = {}
@@ -179,14 +176,6 @@ def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combi
         yield from (combination for combination in model.effective_combinations if combination.name in names)
 
 
-def _require_method(model: Model) -> None:
-    if model.solver.method == "interior_point":
-        raise InputError(
-            'Found "interior_point"; this version has "lemke" and "active_set". Write "auto", which picks for you.',
-            place="solver.method",
-        )
-
-
 def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Result, float]:
     """One combination, and the seconds its contact problem took."""
     found = problem.discretisation
@@ -196,9 +185,10 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
     if message:
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
     answer, certificate = _answer(problem, load)
-    settled = certificate is not None and certificate.passed and certificate.equilibrium <= _SETTLED
-    if not settled and problem.fallback is not None:
-        problem = problem.fallback
+    for method in problem.fallbacks:
+        if answer.status == "no_equilibrium" or (certificate is not None and certificate.passed):
+            break
+        problem = problem.by(method)
         answer, certificate = _answer(problem, load)
     spent = time.perf_counter() - begun
     if answer.status == "no_equilibrium":
@@ -210,7 +200,7 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
         return unsolved_result(found, combination.name, reason), spent
     if certificate is None:
         raise NotCertifiedError(
-            f'Combination "{combination.name}": the contact problem was not solved within {answer.pivots} pivots.'
+            f'Combination "{combination.name}": no method solved the contact problem; the last was {problem.method}.'
         )
     if not certificate.passed:
         raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {certificate}.')

@@ -168,7 +168,7 @@ class Dense:
         held, values = found.held.dofs, found.held.values
         K, G = problem.K.toarray(), problem.G.toarray()
         springs = found.springs
-        f = load + springs.rows.spread(found.mesh.elements, springs.stiffness * springs.base, found.dof_count)
+        f = load + found.spring_rows.T @ (springs.stiffness * springs.base)
         free = ~held
         return cls(
             K[np.ix_(free, free)],

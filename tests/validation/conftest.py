@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tensionless import quarter_square
 
 import signorini
 from signorini import _core
@@ -12,22 +13,8 @@ NO_CONTACTS = (*NO_ROWS, np.zeros(0), np.zeros(0), np.zeros(0, np.bool_), np.zer
 
 
 def _square(support, thickness, n, element="mitc9", twist_held=False):
-    """Unit square under p = 1, E = 1, ν = 0.3, as its quarter with n × n elements; its result and D.
-
-    The plate's middle is the corner (0, 0), its edges are at x = 1/2 and y = 1/2. ``twist_held`` makes them hard.
-    """
-    edges = {"edge": ["right", "top"]}
-    model = signorini.Model(
-        material={"E": 1.0, "nu": 0.3},
-        plate={"shape": "rectangle", "size": [0.5, 0.5], "thickness": thickness, "element": element},
-        mesh={"divisions": [n, n]},
-        support=[
-            {"name": "edges", **edges, **support},
-            {"name": "middle lines", "edge": ["left", "bottom"], "fix": "symmetry"},
-            *([{"name": "hard", **edges, "fix": ["twist"]}] if twist_held else []),
-        ],
-        load=[{"pressure": 1.0}],
-    )
+    """Result of `quarter_square`, and D."""
+    model = quarter_square(support, thickness, n, element, twist_held)
     return signorini.solve(model)["all"], thickness**3 / 12 / (1 - 0.3**2)
 
 

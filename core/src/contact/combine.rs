@@ -57,12 +57,12 @@ impl ContactProblem {
     /// factor 1.
     pub fn combined_cases(&self, rest: Response, cases: Vec<Response>, points: &[Response]) -> CombinedCases {
         let count = self.constraints.rows.len();
-        let form = self.condensed.better_form();
+        let form = self.base.condensed.better_form();
         let still = vec![0.0; count];
         let distance = self.constraints.distance.clone();
         let pose = |response: &Response, remaining: &[f64]| {
             let sum = Sum { moved: response.moved.clone(), reaction: response.reaction.clone(), ..Sum::default() };
-            self.condensed.posed(form, &sum.drive(form, remaining), &still)
+            self.base.condensed.posed(form, &sum.drive(form, remaining), &still)
         };
         let lcp = pose(&rest, &distance);
         let q = cases.iter().map(|case| pose(case, &still).q).collect();
@@ -92,7 +92,7 @@ impl ContactProblem {
         }
         let drive = sum.drive(shared.form, &shared.distance);
         let still = vec![0.0; sum.moved.len()];
-        let posed = self.condensed.balanced(PosedLcp { q, ..shared.lcp.clone() }, &drive, &still);
+        let posed = self.base.condensed.balanced(PosedLcp { q, ..shared.lcp.clone() }, &drive, &still);
         (sum, posed)
     }
 
@@ -120,7 +120,7 @@ impl ContactProblem {
                 LcpStatus::PivotLimit => return ended(Verdict::Doubtful, pivots),
             }
         }
-        let closed = self.condensed.closed_points(&posed, &basis);
+        let closed = self.base.condensed.closed_points(&posed, &basis);
         let travel = match shared.form {
             Form::Dual => sum.moved.iter().fold(0.0, |a: f64, b| a.max(b.abs())),
             Form::Stiffness => 0.0,
@@ -145,7 +145,7 @@ impl ContactProblem {
         closed: &[bool],
     ) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
         let count = closed.len();
-        let (compliance, carried) = (&self.condensed.compliance, &self.condensed.regularization);
+        let (compliance, carried) = (&self.base.condensed.compliance, &self.base.condensed.regularization);
         let (y, r) = (&shared.moved, &shared.reaction);
         let right = |i: usize| {
             if closed[i] {
@@ -159,7 +159,7 @@ impl ContactProblem {
         let alone = |i: usize| match (shared.form, closed[i]) {
             (Form::Stiffness, true) => (compliance[i] == 0.0).then_some(1.0),
             (Form::Stiffness, false) => None,
-            (Form::Dual, true) => self.condensed.absorbed(i).then_some(compliance[i]),
+            (Form::Dual, true) => self.base.condensed.absorbed(i).then_some(compliance[i]),
             (Form::Dual, false) => (carried[i] == 0.0).then_some(-1.0),
         };
         let mut x = vec![0.0; count];

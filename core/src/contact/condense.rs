@@ -183,6 +183,11 @@ impl Condensed {
         closed
     }
 
+    /// Which z of the LCP are basic, given which points are closed.
+    pub fn basis(&self, lcp: &PosedLcp, closed: &[bool]) -> Vec<bool> {
+        lcp.point.iter().zip(&lcp.gap_is_z).map(|(&i, &gap_is_z)| closed[i] != gap_is_z).collect()
+    }
+
     /// Factors the equations of one contact state; `None` if they are singular.
     pub fn state(&self, closed: Vec<bool>) -> Option<ContactState> {
         match &self.stiffness {

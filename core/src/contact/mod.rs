@@ -7,10 +7,12 @@
 pub mod active_set;
 pub mod combine;
 pub mod condense;
+pub mod interior_point;
 pub mod problem;
 pub mod responses;
 pub mod solve;
 
+pub use active_set::Progress;
 pub use combine::{Combined, CombinedCases, Verdict};
 pub use condense::{Condensed, Form};
 pub use problem::{Constraints, ContactProblem};

@@ -1,9 +1,10 @@
 //! A plate on its supports, factored once.
 
-use super::active_set::SoftPoints;
+use super::active_set::ActivePoints;
 use super::condense::Condensed;
 use crate::assembly::{HELD, Numbering, assemble};
 use crate::cholesky::{Analysis, Factor, FactorError};
+use crate::element::DOFS;
 use crate::plate::Plate;
 use crate::residual::{Displacement, Rows, Springs, residual};
 use std::sync::Arc;
@@ -25,11 +26,11 @@ pub struct Constraints {
     pub free_motions: Vec<Vec<f64>>,
 }
 
-/// Positions, in the caller's order, of the points of the LCP and of the soft ones.
+/// Positions, in the caller's order, of the points that are condensed and of those of the active set.
 #[derive(Clone, Debug, Default)]
 pub struct PointOrder {
-    pub hard: Vec<usize>,
-    pub soft: Vec<usize>,
+    pub condensed: Vec<usize>,
+    pub active: Vec<usize>,
 }
 
 /// Seconds of each stage.
@@ -41,78 +42,97 @@ pub struct Seconds {
     pub condense: f64,
 }
 
+/// K with the springs of some points on top, factored, and what it is at the condensed points.
+pub struct Factored {
+    pub factor: Factor,
+    pub condensed: Condensed,
+    /// Stiffness carried at each point of the active set.
+    pub carried: Vec<f64>,
+}
+
 pub struct ContactProblem {
     pub plate: Arc<Plate>,
     pub springs: Springs,
     pub held: Vec<bool>,
-    /// Points that the LCP is about.
+    /// Points that are condensed: all of them, or, beside an active set, the two-sided ones.
     pub constraints: Constraints,
-    /// Points of the active set, and where both kinds stand in the caller's order.
-    pub soft: SoftPoints,
+    /// One-sided points of the active set, and where both kinds stand in the caller's order.
+    pub active: ActivePoints,
     pub order: PointOrder,
     pub numbering: Numbering,
-    pub factor: Factor,
-    pub condensed: Condensed,
+    pub base: Factored,
     pub seconds: Seconds,
+    analysis: Analysis,
+    pub(super) first_limit: f64,
 }
 
 impl ContactProblem {
-    /// Orders with the contact dofs last, assembles, factors, and condenses onto the contact points.
+    /// Orders with the condensed dofs last, assembles, factors, and condenses.
+    ///
+    /// With `by_active_set` the one-sided points are the active set's instead of an LCP's: the factor carries them all.
     pub fn new(
         plate: Arc<Plate>,
         springs: Springs,
         held: Vec<bool>,
         constraints: Constraints,
-        soft: &[bool],
+        by_active_set: bool,
     ) -> Result<Self, FactorError> {
         let clock = Instant::now();
-        let (constraints, soft, point_order) = split(constraints, soft);
-        let rows = &constraints.rows;
+        let (constraints, active, order) = split(&plate, constraints, by_active_set);
         let mut trailing = vec![false; plate.dof_count()];
-        for row in 0..rows.len() {
-            for (dof, _) in rows.entries(&plate, row) {
+        for row in 0..constraints.rows.len() {
+            for (dof, _) in constraints.rows.entries(&plate, row) {
                 trailing[dof] = true;
             }
         }
         let numbering = Numbering::new(&plate, &held, &trailing);
-        let order = clock.elapsed().as_secs_f64();
+        let ordering = clock.elapsed().as_secs_f64();
 
-        let clock = Instant::now();
-        let matrix = assemble(
-            &plate,
-            &with_regularization(&springs, &constraints),
-            &soft.stiffness_by_element(&plate),
-            &numbering,
-        );
-        let assemble = clock.elapsed().as_secs_f64();
+        let first_limit = Self::first_limit(&plate, &active);
+        let all_closed = active.softened(first_limit).stiffness;
+        let mut seconds = Seconds { order: ordering, ..Seconds::default() };
+        let parts = Parts { plate: &plate, springs: &springs, constraints: &constraints, active: &active };
+        let mut analysis = None;
+        let base = parts.factored(&numbering, all_closed, &mut analysis, &mut seconds)?;
+        let Some(analysis) = analysis else { unreachable!("a factor has its analysis") };
+        Ok(Self { plate, springs, held, constraints, active, order, numbering, base, seconds, analysis, first_limit })
+    }
 
-        let clock = Instant::now();
-        let factor = Analysis::new(&matrix)?.factorize(&matrix)?;
-        drop(matrix);
-        let factoring = clock.elapsed().as_secs_f64();
+    /// The factor with other stiffnesses at the points of the active set; the analysis is kept.
+    pub(super) fn refactored(&self, carried: Vec<f64>) -> Result<Factored, FactorError> {
+        let parts =
+            Parts { plate: &self.plate, springs: &self.springs, constraints: &self.constraints, active: &self.active };
+        parts.factored(&self.numbering, carried, &mut Some(self.analysis.clone()), &mut Seconds::default())
+    }
 
-        let clock = Instant::now();
-        let first = numbering.len() - numbering.trailing;
-        let entries: Vec<Vec<(usize, f64)>> = (0..rows.len())
-            .map(|row| {
-                rows.entries(&plate, row)
-                    .filter(|&(dof, _)| numbering.column[dof] != HELD)
-                    .map(|(dof, c)| (numbering.column[dof] - first, c))
-                    .collect()
-            })
-            .collect();
-        let moves = |motion: &Vec<f64>| (0..rows.len()).map(|row| rows.dot(&plate, row, motion)).collect();
-        let condensed = Condensed::new(
-            factor.trailing_block(numbering.trailing),
-            entries,
-            constraints.regularization.clone(),
-            constraints.compliance.clone(),
-            constraints.two_sided.clone(),
-            &constraints.free_motions.iter().map(moves).collect::<Vec<_>>(),
-        );
-        let condense = clock.elapsed().as_secs_f64();
-        let seconds = Seconds { order, assemble, factor: factoring, condense };
-        Ok(Self { plate, springs, held, constraints, soft, order: point_order, numbering, factor, condensed, seconds })
+    /// Every contact point, in the caller's order; the factor's part left out.
+    pub fn all_constraints(&self) -> Constraints {
+        let (rest, active) = (&self.constraints, &self.active);
+        let m = self.order.condensed.len() + self.order.active.len();
+        let mut all = Constraints {
+            rows: Rows { element: vec![0; m], coefficient: vec![[0.0; DOFS]; m] },
+            distance: vec![0.0; m],
+            compliance: vec![0.0; m],
+            two_sided: vec![false; m],
+            regularization: vec![0.0; m],
+            free_motions: rest.free_motions.clone(),
+        };
+        for (at, &i) in self.order.condensed.iter().enumerate() {
+            all.rows.element[i] = rest.rows.element[at];
+            all.rows.coefficient[i] = rest.rows.coefficient[at];
+            all.distance[i] = rest.distance[at];
+            all.compliance[i] = rest.compliance[at];
+            all.two_sided[i] = rest.two_sided[at];
+        }
+        for (at, &i) in self.order.active.iter().enumerate() {
+            all.rows.element[i] = active.element[at];
+            for (node, &value) in active.value[at].iter().enumerate() {
+                all.rows.coefficient[i][3 * node] = value;
+            }
+            all.distance[i] = active.distance[at];
+            all.compliance[i] = active.compliance[at];
+        }
+        all
     }
 
     /// A nodal load in elimination order, without the dofs held.
@@ -131,9 +151,13 @@ impl ContactProblem {
 
     /// K̃⁻¹ times a nodal load.
     pub fn apply_inverse(&self, load: &[f64]) -> Result<Vec<f64>, FactorError> {
+        self.apply(&self.base, load)
+    }
+
+    pub(super) fn apply(&self, with: &Factored, load: &[f64]) -> Result<Vec<f64>, FactorError> {
         let mut ordered = self.gather(load);
-        self.factor.forward(&mut ordered)?;
-        self.factor.backward(&mut ordered)?;
+        with.factor.forward(&mut ordered)?;
+        with.factor.backward(&mut ordered)?;
         Ok(self.scatter(&ordered))
     }
 
@@ -152,9 +176,10 @@ impl ContactProblem {
     }
 
     /// f − Ku − springs − Gᵀ·reaction at every dof: out of balance where free, the support's upward force where held.
+    ///
+    /// Forces of the active set's points are not among them.
     pub fn imbalance(&self, load: &[f64], displacement: &Displacement, reaction: &[f64]) -> Vec<f64> {
         let mut out = residual(&self.plate, &self.springs, load, displacement);
-        self.take_soft_forces(displacement, &mut out);
         let downward: Vec<f64> = reaction.iter().map(|r| -r).collect();
         self.spread(&downward, &mut out);
         out
@@ -166,6 +191,72 @@ impl ContactProblem {
         (0..c.rows.len())
             .map(|i| c.compliance[i] * reaction[i] - c.rows.gap(&self.plate, i, displacement, c.distance[i]))
             .collect()
+    }
+}
+
+/// A pivot below this part of its diagonal entry may be rounding: the points that are carried need not hold the plate.
+const LOOSE_PIVOT: f64 = 1e-13;
+
+/// What a factor is made of.
+struct Parts<'a> {
+    plate: &'a Plate,
+    springs: &'a Springs,
+    constraints: &'a Constraints,
+    active: &'a ActivePoints,
+}
+
+impl Parts<'_> {
+    fn factored(
+        &self,
+        numbering: &Numbering,
+        carried: Vec<f64>,
+        analysis: &mut Option<Analysis>,
+        seconds: &mut Seconds,
+    ) -> Result<Factored, FactorError> {
+        let (plate, constraints) = (self.plate, self.constraints);
+        let clock = Instant::now();
+        let bedding = self.active.stiffness_by_element(plate, &carried);
+        let matrix = assemble(plate, &with_regularization(self.springs, constraints), &bedding, numbering);
+        drop(bedding);
+        seconds.assemble += clock.elapsed().as_secs_f64();
+
+        let clock = Instant::now();
+        let known = match analysis.take() {
+            Some(known) => known,
+            None => Analysis::new(&matrix)?,
+        };
+        let factor = analysis.insert(known).factorize(&matrix)?;
+        if carried.contains(&0.0) {
+            let (column, part) = factor.weakest_pivot(&matrix);
+            if part < LOOSE_PIVOT {
+                return Err(FactorError::NotPositiveDefinite { column });
+            }
+        }
+        drop(matrix);
+        seconds.factor += clock.elapsed().as_secs_f64();
+
+        let clock = Instant::now();
+        let rows = &constraints.rows;
+        let first = numbering.len() - numbering.trailing;
+        let entries: Vec<Vec<(usize, f64)>> = (0..rows.len())
+            .map(|row| {
+                rows.entries(plate, row)
+                    .filter(|&(dof, _)| numbering.column[dof] != HELD)
+                    .map(|(dof, c)| (numbering.column[dof] - first, c))
+                    .collect()
+            })
+            .collect();
+        let moves = |motion: &Vec<f64>| (0..rows.len()).map(|row| rows.dot(plate, row, motion)).collect();
+        let condensed = Condensed::new(
+            factor.trailing_block(numbering.trailing),
+            entries,
+            constraints.regularization.clone(),
+            constraints.compliance.clone(),
+            constraints.two_sided.clone(),
+            &constraints.free_motions.iter().map(moves).collect::<Vec<_>>(),
+        );
+        seconds.condense += clock.elapsed().as_secs_f64();
+        Ok(Factored { factor, condensed, carried })
     }
 }
 
@@ -182,27 +273,26 @@ pub(super) fn with_regularization(springs: &Springs, constraints: &Constraints) 
     all
 }
 
-/// Takes the points marked soft out of the LCP's; none is if there are no marks.
-fn split(constraints: Constraints, soft: &[bool]) -> (Constraints, SoftPoints, PointOrder) {
-    let mut hard = Constraints { free_motions: constraints.free_motions, ..Constraints::default() };
-    let mut taken = SoftPoints::default();
+/// Sets the one-sided points apart if the active set is to solve them.
+fn split(plate: &Plate, constraints: Constraints, by_active_set: bool) -> (Constraints, ActivePoints, PointOrder) {
+    let mut rest = Constraints { free_motions: constraints.free_motions, ..Constraints::default() };
+    let mut active = ActivePoints::default();
     let mut order = PointOrder::default();
-    for (i, &coefficient) in constraints.rows.coefficient.iter().enumerate() {
-        if soft.get(i) == Some(&true) {
-            taken.element.push(constraints.rows.element[i]);
-            taken.value.push(std::array::from_fn(|node| coefficient[3 * node]));
-            taken.stiffness.push(1.0 / constraints.compliance[i]);
-            taken.distance.push(constraints.distance[i]);
-            order.soft.push(i);
+    for (i, coefficient) in constraints.rows.coefficient.iter().enumerate() {
+        let element = constraints.rows.element[i];
+        let (distance, compliance) = (constraints.distance[i], constraints.compliance[i]);
+        if by_active_set && !constraints.two_sided[i] {
+            active.push(plate, element, coefficient, distance, compliance);
+            order.active.push(i);
         } else {
-            hard.rows.element.push(constraints.rows.element[i]);
-            hard.rows.coefficient.push(coefficient);
-            hard.distance.push(constraints.distance[i]);
-            hard.compliance.push(constraints.compliance[i]);
-            hard.two_sided.push(constraints.two_sided[i]);
-            hard.regularization.push(constraints.regularization[i]);
-            order.hard.push(i);
+            rest.rows.element.push(element);
+            rest.rows.coefficient.push(*coefficient);
+            rest.distance.push(distance);
+            rest.compliance.push(compliance);
+            rest.two_sided.push(constraints.two_sided[i]);
+            rest.regularization.push(constraints.regularization[i]);
+            order.condensed.push(i);
         }
     }
-    (hard, taken, order)
+    (rest, active, order)
 }

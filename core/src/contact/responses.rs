@@ -77,7 +77,7 @@ impl ContactProblem {
     }
 
     fn imposed(&self) -> bool {
-        self.condensed.better_form() == Form::Stiffness
+        self.base.condensed.better_form() == Form::Stiffness
     }
 
     fn refined(&self, actions: &[Action]) -> Result<Vec<Response>, FactorError> {
@@ -152,19 +152,19 @@ impl ContactProblem {
         springs: &impl Fn(Action) -> &'s Springs,
     ) -> Result<(), FactorError> {
         let open: Vec<usize> = (0..drafts.len()).filter(|&d| !drafts[d].settled).collect();
-        let size = self.factor.len();
+        let size = self.base.factor.len();
         let leading = size - self.numbering.trailing;
         let mut block: Vec<f64> = open.iter().flat_map(|&d| self.gather(&drafts[d].imbalance)).collect();
-        self.factor.forward(&mut block)?;
+        self.base.factor.forward(&mut block)?;
         let mut increments = Vec::new();
         if self.imposed() {
             for (column, &d) in block.chunks_exact_mut(size).zip(&open) {
-                let force = self.condensed.condensed_force(&column[leading..]);
-                increments.push(self.condensed.holding_forces(&force, &drafts[d].remaining));
-                column[leading..].copy_from_slice(&self.condensed.prescribing(&drafts[d].remaining));
+                let force = self.base.condensed.condensed_force(&column[leading..]);
+                increments.push(self.base.condensed.holding_forces(&force, &drafts[d].remaining));
+                column[leading..].copy_from_slice(&self.base.condensed.prescribing(&drafts[d].remaining));
             }
         }
-        self.factor.backward(&mut block)?;
+        self.base.factor.backward(&mut block)?;
         for (at, (column, &d)) in block.chunks_exact(size).zip(&open).enumerate() {
             let draft = &mut drafts[d];
             let before = (draft.displacement.clone(), draft.reaction.clone(), draft.worst);
@@ -193,7 +193,7 @@ impl ContactProblem {
         let mut reaction = draft.reaction;
         if !self.imposed() {
             let push = |i: usize| if matches!(draft.action, Action::Point(j) if j == i) { 1.0 } else { 0.0 };
-            let carried = &self.condensed.regularization;
+            let carried = &self.base.condensed.regularization;
             reaction = (0..rows.len()).map(|i| carried[i] * moved[i] - push(i)).collect();
         }
         let motions = &self.constraints.free_motions;

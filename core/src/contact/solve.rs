@@ -1,9 +1,11 @@
 //! From a load to displacements, reactions and gaps.
 
+use super::active_set::Progress;
 use super::condense::{ContactState, Drive, Form, PosedLcp};
-use super::problem::ContactProblem;
+use super::interior_point::InteriorPoint;
+use super::problem::{ContactProblem, Factored};
 use crate::cholesky::FactorError;
-use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke};
+use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from};
 use crate::residual::Displacement;
 
 /// How a contact problem ended.
@@ -14,6 +16,8 @@ pub enum Outcome {
     NoEquilibrium,
     /// The pivot limit was reached, or the contact state is beyond the arithmetic.
     Unsolved,
+    /// Whoever watched wanted no more.
+    Interrupted,
 }
 
 /// Displacements, reactions and gaps; NaN unless solved.
@@ -27,10 +31,12 @@ pub struct ContactSolution {
     pub gap: Vec<f64>,
     pub closed: Vec<bool>,
     pub pivots: usize,
-    /// Newton steps over soft points.
+    /// Newton steps of the active set.
     pub iterations: usize,
     /// Conjugate gradient steps in them.
     pub gradients: usize,
+    /// Contact sets factored anew.
+    pub factorizations: usize,
     /// Corrections made with the refined residual.
     pub corrections: usize,
 }
@@ -46,6 +52,7 @@ pub(super) const ROUNDING: f64 = 1e-15;
 pub(super) const SIGN: f64 = 1e-11;
 
 /// What is out of balance and what is left of the gaps.
+#[derive(Default)]
 pub(super) struct Step {
     pub(super) imbalance: Vec<f64>,
     pub(super) remaining: Vec<f64>,
@@ -63,34 +70,71 @@ pub(super) struct Motion {
 impl ContactProblem {
     /// Solves for one nodal load with the held dofs at `held_value` (both vectors over all dofs).
     ///
-    /// `form` chooses the unknowns of the LCP, see [`super::condense`]; the better conditioned one if `None`. The solution is refined with the double-double residual; if that shows a point on the
-    /// wrong side, the LCP is posed again with the refined figures.
+    /// `form` chooses the unknowns of the LCP, see [`super::condense`]; the better conditioned one if `None`, and the
+    /// other one where that is beyond the arithmetic. The
+    /// solution is refined with the double-double residual; if that shows a point on the wrong side, the LCP is posed
+    /// again with the refined figures. `watch` sees every step of an active set and stops it by returning false.
     pub fn solve(
         &self,
         load: &[f64],
         held_value: &[f64],
         form: Option<Form>,
         max_pivots: Option<usize>,
+        watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
-        let form = form.unwrap_or(self.condensed.better_form());
+        let solution = self.solve_beginning(load, held_value, form, max_pivots, None, watch)?;
+        if solution.outcome == Outcome::Unsolved && form.is_none() && self.active.is_empty() {
+            let other = if self.base.condensed.better_form() == Form::Dual { Form::Stiffness } else { Form::Dual };
+            return self.solve_beginning(load, held_value, Some(other), max_pivots, None, watch);
+        }
+        Ok(solution)
+    }
+
+    /// As [`ContactProblem::solve`], beginning with the contact set, and for an active set with the displacement and the
+    /// reactions, of an answer.
+    pub(super) fn solve_from(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        start: &InteriorPoint,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<ContactSolution, FactorError> {
+        self.solve_beginning(load, held_value, None, None, Some(start), watch)
+    }
+
+    fn solve_beginning(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        form: Option<Form>,
+        max_pivots: Option<usize>,
+        start: Option<&InteriorPoint>,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<ContactSolution, FactorError> {
+        if !self.active.is_empty() {
+            return self.solve_active(load, held_value, start, watch);
+        }
+        let with = &self.base;
+        let form = form.unwrap_or(with.condensed.better_form());
         let mut solution = self.at_rest(load.len(), held_value);
+        let mut first = start.map(|start| start.closed.as_slice());
         let mut step = self.step(load, &solution);
-        let mut motion = self.motion(&step, form)?;
+        let mut motion = self.motion(with, &step, form)?;
         let travel = motion.drive.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         for _ in 0..STATES {
-            let (outcome, closed) = self.contact_state(&motion, &mut solution, form, max_pivots);
+            let (outcome, closed) = self.contact_state(&motion, &mut solution, form, max_pivots, first.take());
             if outcome != Outcome::Solved {
-                return Ok(unsolved(solution, outcome));
+                return Ok(solution.failed(outcome));
             }
             let settled = closed == solution.closed && solution.corrections > 0;
             solution.closed = closed;
             if !settled {
-                let Some(state) = self.condensed.state(solution.closed.clone()) else {
-                    return Ok(unsolved(solution, Outcome::Unsolved));
+                let Some(state) = self.base.condensed.state(solution.closed.clone()) else {
+                    return Ok(solution.failed(Outcome::Unsolved));
                 };
                 if self.release_open(&mut solution) {
                     step = self.step(load, &solution);
-                    motion = self.motion(&step, form)?;
+                    motion = self.motion(with, &step, form)?;
                 }
                 step = self.refine(load, &state, step, motion, &mut solution)?;
             }
@@ -99,22 +143,27 @@ impl ContactProblem {
             }
             if settled || self.signs_hold(load, travel, &solution) {
                 solution.outcome = Outcome::Solved;
-                return Ok(self.in_order(solution));
+                return Ok(solution);
             }
-            motion = self.motion(&step, form)?;
+            motion = self.motion(with, &step, form)?;
         }
-        Ok(unsolved(solution, Outcome::Unsolved))
+        Ok(solution.failed(Outcome::Unsolved))
     }
 
     /// The LCP that [`ContactProblem::solve`] poses first.
     pub fn lcp(&self, load: &[f64], held_value: &[f64], form: Option<Form>) -> Result<PosedLcp, FactorError> {
         let rest = self.at_rest(load.len(), held_value);
-        let form = form.unwrap_or(self.condensed.better_form());
-        let motion = self.motion(&self.step(load, &rest), form)?;
-        Ok(self.condensed.lcp(form, &motion.drive, &rest.reaction))
+        let form = form.unwrap_or(self.base.condensed.better_form());
+        let motion = self.motion(&self.base, &self.step(load, &rest), form)?;
+        Ok(self.base.condensed.lcp(form, &motion.drive, &rest.reaction))
     }
 
-    fn at_rest(&self, dofs: usize, held_value: &[f64]) -> ContactSolution {
+    /// What there is to say where no solution was found.
+    pub(super) fn without_solution(&self, held_value: &[f64], outcome: Outcome) -> ContactSolution {
+        self.at_rest(self.plate.dof_count(), held_value).failed(outcome)
+    }
+
+    pub(super) fn at_rest(&self, dofs: usize, held_value: &[f64]) -> ContactSolution {
         let m = self.constraints.rows.len();
         let mut displacement = Displacement::zeros(dofs);
         for dof in 0..dofs {
@@ -131,29 +180,35 @@ impl ContactProblem {
             pivots: 0,
             iterations: 0,
             gradients: 0,
+            factorizations: 0,
             corrections: 0,
         }
     }
 
-    /// Poses the LCP from where the solution stands and solves it.
+    /// Poses the LCP from where the solution stands and solves it, beginning with a contact set if there is one.
     fn contact_state(
         &self,
         motion: &Motion,
         solution: &mut ContactSolution,
         form: Form,
         max_pivots: Option<usize>,
+        first: Option<&[bool]>,
     ) -> (Outcome, Vec<bool>) {
         if self.constraints.two_sided.iter().all(|&t| t) {
             return (Outcome::Solved, self.constraints.two_sided.clone());
         }
-        let posed = self.condensed.lcp(form, &motion.drive, &solution.reaction);
+        let posed = self.base.condensed.lcp(form, &motion.drive, &solution.reaction);
         let options = LemkeOptions { max_pivots, ..LemkeOptions::default() };
-        let Ok(found) = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| lemke(&lcp, &options)) else {
+        let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| match first {
+            Some(closed) => lemke_from(&lcp, &options, &self.base.condensed.basis(&posed, closed)),
+            None => lemke(&lcp, &options),
+        });
+        let Ok(found) = solved else {
             return (Outcome::Unsolved, Vec::new());
         };
         solution.pivots += found.pivots;
         match found.status {
-            LcpStatus::Solved => (Outcome::Solved, self.condensed.closed_points(&posed, &found.basis)),
+            LcpStatus::Solved => (Outcome::Solved, self.base.condensed.closed_points(&posed, &found.basis)),
             LcpStatus::Ray => (Outcome::NoEquilibrium, Vec::new()),
             LcpStatus::PivotLimit => (Outcome::Unsolved, Vec::new()),
         }
@@ -180,20 +235,15 @@ impl ContactProblem {
         motion: Motion,
         solution: &mut ContactSolution,
     ) -> Result<Step, FactorError> {
-        if !self.soft.is_empty() {
-            self.correct(state, motion, solution)?;
-            let step = self.step(load, solution);
-            return self.settle_soft(load, state, step, solution);
-        }
         let mut motion = Some(motion);
         let mut first = true;
         for _ in 0..CORRECTIONS {
             let now = match motion.take() {
                 Some(motion) => motion,
-                None => self.motion(&step, self.condensed.better_form())?,
+                None => self.motion(&self.base, &step, self.base.condensed.better_form())?,
             };
             let before = solution.clone();
-            self.correct(state, now, solution)?;
+            self.correct(&self.base, state, now, solution)?;
             let next = self.step(load, solution);
             if !first && !(next.worst < step.worst) {
                 *solution = before;
@@ -212,11 +262,12 @@ impl ContactProblem {
     /// One correction: the state's increments of reaction, the gaps they leave, and the motion that goes with them.
     pub(super) fn correct(
         &self,
+        with: &Factored,
         state: &ContactState,
         motion: Motion,
         solution: &mut ContactSolution,
     ) -> Result<(), FactorError> {
-        let (nodal, reaction) = self.respond(state, motion)?;
+        let (nodal, reaction) = self.respond(with, state, motion)?;
         for (dof, value) in nodal.into_iter().enumerate() {
             solution.displacement.add(dof, value);
         }
@@ -228,25 +279,30 @@ impl ContactProblem {
     }
 
     /// Motion of the plate and increments of the reactions in one contact state.
-    pub(super) fn respond(&self, state: &ContactState, motion: Motion) -> Result<(Vec<f64>, Vec<f64>), FactorError> {
+    pub(super) fn respond(
+        &self,
+        with: &Factored,
+        state: &ContactState,
+        motion: Motion,
+    ) -> Result<(Vec<f64>, Vec<f64>), FactorError> {
         let Motion { mut forward, drive } = motion;
         let leading = forward.len() - self.numbering.trailing;
         let mut pushed = None;
         let mut reaction = Vec::new();
-        if !self.condensed.is_empty() {
-            let response = self.condensed.solve_state(state, &drive);
-            if self.condensed.better_form() == Form::Stiffness {
-                forward[leading..].copy_from_slice(&self.condensed.prescribing(&response.moved));
+        if !with.condensed.is_empty() {
+            let response = with.condensed.solve_state(state, &drive);
+            if with.condensed.better_form() == Form::Stiffness {
+                forward[leading..].copy_from_slice(&with.condensed.prescribing(&response.moved));
             } else {
-                let carried = self.condensed.regularization.iter().zip(&response.moved).map(|(d, y)| d * y);
+                let carried = with.condensed.regularization.iter().zip(&response.moved).map(|(d, y)| d * y);
                 let push: Vec<f64> = carried.zip(&response.reaction).map(|(c, r)| c - r).collect();
                 let mut force = vec![0.0; self.plate.dof_count()];
                 self.spread(&push, &mut force);
-                pushed = Some(self.apply_inverse(&force)?);
+                pushed = Some(self.apply(with, &force)?);
             }
             reaction = response.reaction;
         }
-        self.factor.backward(&mut forward)?;
+        with.factor.backward(&mut forward)?;
         let mut nodal = self.scatter(&forward);
         for (value, push) in nodal.iter_mut().zip(pushed.unwrap_or_default()) {
             *value += push;
@@ -255,29 +311,37 @@ impl ContactProblem {
     }
 
     pub(super) fn step(&self, load: &[f64], solution: &ContactSolution) -> Step {
-        let mut imbalance = self.imbalance(load, &solution.displacement, &solution.reaction);
-        let mut worst = 0.0;
-        for (value, &held) in imbalance.iter_mut().zip(&self.held) {
-            if held {
-                *value = 0.0;
-            }
-            worst = f64::max(worst, value.abs());
-        }
+        self.step_of(self.imbalance(load, &solution.displacement, &solution.reaction), load, solution)
+    }
+
+    /// The step from what is out of balance at every dof, those held included.
+    pub(super) fn step_of(&self, mut imbalance: Vec<f64>, load: &[f64], solution: &ContactSolution) -> Step {
+        self.release_held(&mut imbalance);
+        let worst = imbalance.iter().fold(0.0, |worst: f64, value| worst.max(value.abs()));
         let size = |motion: &Vec<f64>| motion.iter().zip(load).map(|(u, f)| (u * f).abs()).sum();
         let work_size = self.constraints.free_motions.iter().map(size).collect();
         let remaining = self.remaining(&solution.displacement, &solution.reaction);
         Step { imbalance, remaining, worst, work_size }
     }
 
-    pub(super) fn motion(&self, step: &Step, form: Form) -> Result<Motion, FactorError> {
+    /// Zeroes a nodal vector at the dofs held.
+    pub(super) fn release_held(&self, vector: &mut [f64]) {
+        for (value, &held) in vector.iter_mut().zip(&self.held) {
+            if held {
+                *value = 0.0;
+            }
+        }
+    }
+
+    pub(super) fn motion(&self, with: &Factored, step: &Step, form: Form) -> Result<Motion, FactorError> {
         let mut forward = self.gather(&step.imbalance);
-        self.factor.forward(&mut forward)?;
+        with.factor.forward(&mut forward)?;
         let trailing = &forward[forward.len() - self.numbering.trailing..];
-        let force = self.condensed.condensed_force(trailing);
-        let needs_flexibility = form == Form::Dual || self.condensed.better_form() == Form::Dual;
-        let displacement = if needs_flexibility && !self.condensed.is_empty() {
+        let force = with.condensed.condensed_force(trailing);
+        let needs_flexibility = form == Form::Dual || with.condensed.better_form() == Form::Dual;
+        let displacement = if needs_flexibility && !with.condensed.is_empty() {
             let mut ordered = forward.clone();
-            self.factor.backward(&mut ordered)?;
+            with.factor.backward(&mut ordered)?;
             self.at_points(&self.scatter(&ordered))
         } else {
             Vec::new()
@@ -314,36 +378,14 @@ impl ContactProblem {
     }
 }
 
-impl ContactProblem {
-    /// Puts the soft points' reactions, gaps and states among the others, in the caller's order.
-    fn in_order(&self, solution: ContactSolution) -> ContactSolution {
-        let count = self.order.hard.len() + self.order.soft.len();
-        let mut all = ContactSolution {
-            reaction: vec![0.0; count],
-            gap: vec![0.0; count],
-            closed: vec![false; count],
-            ..solution.clone()
-        };
-        for (at, &i) in self.order.hard.iter().enumerate() {
-            all.reaction[i] = solution.reaction[at];
-            all.gap[i] = solution.gap[at];
-            all.closed[i] = solution.closed[at];
+impl ContactSolution {
+    /// Every number NaN, and why.
+    pub(super) fn failed(mut self, outcome: Outcome) -> Self {
+        let d = &mut self.displacement;
+        for value in d.hi.iter_mut().chain(&mut d.lo).chain(&mut self.reaction).chain(&mut self.gap) {
+            *value = f64::NAN;
         }
-        let stretch = self.soft.stretch(&self.plate, &solution.displacement);
-        for (at, &i) in self.order.soft.iter().enumerate() {
-            all.reaction[i] = self.soft.stiffness[at] * stretch[at].max(0.0);
-            all.gap[i] = (-stretch[at]).max(0.0);
-            all.closed[i] = stretch[at] > 0.0;
-        }
-        all
+        self.closed.fill(false);
+        Self { outcome, ..self }
     }
-}
-
-fn unsolved(mut solution: ContactSolution, outcome: Outcome) -> ContactSolution {
-    let d = &mut solution.displacement;
-    for value in d.hi.iter_mut().chain(&mut d.lo).chain(&mut solution.reaction).chain(&mut solution.gap) {
-        *value = f64::NAN;
-    }
-    solution.closed.fill(false);
-    ContactSolution { outcome, ..solution }
 }

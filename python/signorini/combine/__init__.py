@@ -25,6 +25,9 @@ __all__ = ["Combined", "Envelope", "Extremes", "Layout", "SupportEnvelope", "com
 _MOST_ROWS = 4096
 _MOST_NUMBERS = 4_000_000
 """Combinations, and numbers of theirs, that are in memory at once."""
+_FEW_POINTS = 100
+_MOST_POINTS = 500
+"""Contact points whose responses are always worth their time, and at most have the memory."""
 _BALANCED = 1e-10
 """Balance from which on a combination is solved by itself, where it is asked too whether equilibrium exists."""
 _EXPLAINED = 100
@@ -111,9 +114,8 @@ class _Run:
         self.problem, self.layout, self.single = problem, layout, single
         used = found.model.effective_combinations.cases
         self.cases = tuple(case for case in found.cases if case in used)
-        # An active set has too many points for sums of their responses.
         self.terms: Terms | None = None
-        if not problem.soft.any():
+        if problem.method == "lemke" and _worth_while(problem, len(found.model.effective_combinations)):
             self.terms = terms_of(problem, self.cases, layout.fields)
         nodes = found.mesh.node_count
         self.envelope = Envelope(
@@ -200,6 +202,12 @@ class _Run:
         self._without_equilibrium += 1
         if len(self.unbalanced) < _EXPLAINED:
             self.unbalanced[name] = message
+
+
+def _worth_while(problem: ContactProblem, count: int) -> bool:
+    """Whether so many combinations are worth a response of every contact point, and memory holds these."""
+    points = len(problem.discretisation.contacts)
+    return points <= min(_MOST_POINTS, max(_FEW_POINTS, 2 * count))
 
 
 def _certain(figures: Floats) -> Bools:

@@ -139,7 +139,7 @@ class Proof:
             table("resultant"),
             table("deflection"),
             table("load"),
-            np.ascontiguousarray(np.column_stack([rows.dot(found.mesh.elements, motion) for motion in motions.T])),
+            np.ascontiguousarray(found.contact_rows @ motions),
             np.ascontiguousarray((np.abs(coefficients) / _units(found)).max(axis=(1, 2), initial=0.0)[:, None]),
         )
 

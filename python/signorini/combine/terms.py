@@ -122,11 +122,11 @@ class _Measured:
         displacement = hi + lo
         nodal = displacement.reshape(-1, 3)
         every = np.column_stack([nodal[:, 0], found.held.to_global(nodal[:, 1:]), stress])
-        spread = found.contacts.rows.spread(found.mesh.elements, reaction, found.dof_count)
+        spread = found.contact_rows.T @ reaction
         imbalance = found.plate.residual(springs, load.nodal, hi, lo) - spread
         at_holds = np.where(found.held.dofs, imbalance, 0.0)
-        pull = found.springs.stiffness * (found.springs.rows.dot(found.mesh.elements, displacement) - springs[3])
-        on_plate = at_holds + spread + found.springs.rows.spread(found.mesh.elements, pull, found.dof_count)
+        pull = found.springs.stiffness * (found.spring_rows @ displacement - springs[3])
+        on_plate = at_holds + spread + found.spring_rows.T @ pull
         kept = [every[:, FIELDS.index(name)] for name in self._names]
         if self._names:
             kept.append(on_plate[::3])

@@ -5,8 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from signorini import _core
 from signorini.discretise.frames import Held
@@ -46,7 +48,17 @@ class Discretisation:
         """Number of dofs, those held included."""
         return 3 * self.mesh.node_count
 
-    @property
+    @cached_property
+    def contact_rows(self) -> csr_array:
+        """Contact points' rows (m, 3n)."""
+        return self.contacts.rows.matrix(self.mesh.elements, self.dof_count)
+
+    @cached_property
+    def spring_rows(self) -> csr_array:
+        """Springs' rows (m, 3n)."""
+        return self.springs.rows.matrix(self.mesh.elements, self.dof_count)
+
+    @cached_property
     def rigid_motions(self) -> Floats:
         """Nodal vectors (3n, 3) of the rigid motions w = 1, w = x − x0, w = y − y0 about the plate's middle."""
         motions = np.zeros((self.mesh.node_count, 3, 3))

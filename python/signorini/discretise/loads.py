@@ -102,7 +102,7 @@ def _press(
 def push(mesh: Mesh, nodal: Floats, elements: Ints, xi: Floats, force: Floats) -> None:
     """Add forces (q,) at points of elements to a nodal vector (3n,)."""
     values, _ = _core.serendipity(xi)
-    np.add.at(nodal, 3 * mesh.elements[elements], force[:, None] * values)
+    nodal[::3] += np.bincount(mesh.elements[elements].ravel(), (force[:, None] * values).ravel(), mesh.node_count)
 
 
 def _twist(

@@ -12,6 +12,8 @@ from signorini.discretise.supports import ContactPoints
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 
+_NONE = 1e-12
+"""Coefficient that counts as none; a point's own sum to one."""
 _DEPENDENT = 1e-10
 """Part of a row, squared, that no other rows make up, below which it follows from them."""
 _CONSISTENT = 1e-9
@@ -30,8 +32,11 @@ def that_can_act(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoin
 
 def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
     """Leave out points whose every dof is held, unless they are compliant and pressed there."""
-    fixed = ~_free_entries(mesh, held, contacts).any(axis=1)
-    moved = contacts.rows.dot(mesh.elements, held.values)
+    if not held.dofs.any():
+        return contacts
+    rows = contacts.rows.matrix(mesh.elements, len(held.dofs))
+    fixed = ~((abs(rows) > _NONE) @ ~held.dofs)
+    moved = rows @ held.values
     beyond = moved - contacts.distance
     beyond[contacts.two_sided] = np.abs(beyond[contacts.two_sided])
     pressed = beyond > _CONSISTENT * np.maximum(np.abs(moved), np.abs(contacts.distance))
@@ -61,7 +66,7 @@ def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoin
     # A dropped row is a combination of the kept ones; its distance must be the same combination of theirs.
     combination = solve_triangular(factor[:rank, :rank], factor[rank:, :rank].T, lower=True, trans="T").T
     scale = np.linalg.norm(np.where(_free_entries(mesh, held, points), points.rows.coefficients, 0.0), axis=1)
-    travel = (points.distance - points.rows.dot(mesh.elements, held.values)) / scale
+    travel = (points.distance - points.rows.matrix(mesh.elements, len(held.dofs)) @ held.values) / scale
     apart = np.abs(travel[dropped] - combination @ travel[kept])
     if (wrong := apart > _CONSISTENT * max(np.abs(travel).max(), np.abs(points.distance).max())).any():
         first = int(np.argmax(wrong))
@@ -73,7 +78,7 @@ def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoin
 
 def _free_entries(mesh: Mesh, held: Held, contacts: ContactPoints) -> Bools:
     dofs = contacts.rows.dofs(mesh.elements)
-    return np.asarray((np.abs(contacts.rows.coefficients) > 1e-12) & ~held.dofs[dofs])
+    return np.asarray((np.abs(contacts.rows.coefficients) > _NONE) & ~held.dofs[dofs])
 
 
 def _contradiction(contacts: ContactPoints, point: int, by: float) -> InputError:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import csr_array
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -37,15 +38,16 @@ class Rows:
         nodes = elements[self.elements]
         return np.asarray((3 * nodes[:, :, None] + np.arange(3)).reshape(len(self), 24))
 
-    def dot(self, elements: Ints, vector: Floats) -> Floats:
-        """Rows times a nodal vector (3n,)."""
-        return np.asarray((self.coefficients * vector[self.dofs(elements)]).sum(axis=1))
-
-    def spread(self, elements: Ints, factors: Floats, size: int) -> Floats:
-        """Nodal vector (size,): the rows' transpose times factors (m,)."""
-        out = np.zeros(size)
-        np.add.at(out, self.dofs(elements), self.coefficients * factors[:, None])
-        return out
+    def matrix(self, elements: Ints, size: int) -> csr_array:
+        """Rows over all dofs as a sparse matrix (m, size), without zeros."""
+        # Rows of a deflection have no more than a third of the columns.
+        columns = np.flatnonzero(self.coefficients.any(axis=0))
+        dofs = 3 * elements[:, columns // 3] + columns % 3
+        starts = len(columns) * np.arange(len(self) + 1)
+        values = np.ascontiguousarray(self.coefficients[:, columns])
+        matrix = csr_array((values.ravel(), dofs[self.elements].ravel(), starts), shape=(len(self), size))
+        matrix.eliminate_zeros()
+        return matrix
 
     @staticmethod
     def join(parts: Sequence[Rows]) -> Rows:

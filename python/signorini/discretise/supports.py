@@ -32,13 +32,18 @@ class _Table:
 
     @classmethod
     def join(cls, parts: Sequence[Self]) -> Self:
-        """Put tables behind one another."""
+        """Put tables behind one another; of one that is not empty no copy is made."""
+        filled = [part for part in parts if len(part)]
+        if len(filled) == 1:
+            return filled[0]
         names = [field.name for field in fields(cls)][1:]
         columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
         return cls(Rows.join([part.rows for part in parts]), **columns)
 
     def pick(self, which: Bools | Ints) -> Self:
-        """Keep the rows marked."""
+        """Keep the rows marked; where that is every one, no copy is made."""
+        if which.dtype == np.bool_ and which.all():
+            return self
         names = [field.name for field in fields(self)]
         return type(self)(**{name: getattr(self, name)[which] for name in names})
 

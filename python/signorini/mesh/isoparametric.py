@@ -54,7 +54,7 @@ def jacobians(nodes: Floats, xi: Floats) -> Floats:
 def determinants(nodes: Floats, xi: Floats) -> Floats:
     """Jacobian determinants (ne, r) of every element (ne, 8, 2) at the same reference points (r, 2)."""
     gradients = serendipity(xi)[1].transpose(0, 2, 1).reshape(-1, 8)
-    j = (gradients @ nodes).reshape(len(nodes), -1, 2, 2)
+    j = (gradients @ nodes).reshape(len(nodes), len(xi), 2, 2)
     return np.asarray(j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0])
 
 

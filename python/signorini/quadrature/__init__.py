@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from signorini._core import serendipity
 from signorini.mesh import Mesh
-from signorini.mesh.isoparametric import CORNERS
+from signorini.mesh.isoparametric import CORNERS, determinants
 from signorini.quadrature.arcs import arcs_of
 from signorini.quadrature.cutcells import cut
 from signorini.regions import Curve, Polyline, Region, Ring
@@ -104,10 +105,10 @@ def _whole(mesh: Mesh, elements: Ints, order: int) -> Quadrature:
     station = np.stack(np.meshgrid(node, node, indexing="ij"), axis=-1).reshape(-1, 2)
     owner = np.repeat(elements, order * order)
     xi = np.tile(station, (len(elements), 1))
-    j = mesh.jacobian(owner, xi)
-    det = j[:, 0, 0] * j[:, 1, 1] - j[:, 0, 1] * j[:, 1, 0]
-    weights = det * np.tile(np.outer(weight, weight).ravel(), len(elements))
-    return Quadrature(owner, xi, weights, mesh.map(owner, xi))
+    nodes = mesh.nodes[elements]
+    weights = determinants(nodes, station) * np.outer(weight, weight).ravel()
+    positions = serendipity(station)[0] @ nodes
+    return Quadrature(owner, xi, weights.ravel(), positions.reshape(-1, 2))
 
 
 def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3) -> LineQuadrature:

@@ -168,14 +168,14 @@ def _integrate(pieces: Pieces, cells: _Cells, boxes: Floats, area: float, order:
     tolerance = (_CONVERGED * np.minimum(extent.prod(axis=1), area))[:, None]
     noise = 4.0 * np.finfo(float).eps * np.nanmax(np.abs(pieces.circle), initial=np.abs(boxes).max(initial=0.0))
     for _ in range(_BISECTIONS):
+        if not len(cells.owner):
+            break
         coarse, halves = _moments(pieces, cells, boxes), cells.halves()
         fine = _moments(pieces, halves, boxes).reshape(2, -1, 3).sum(axis=0)
         rounding = noise * np.diff(cells.x)
         converged = (np.abs(fine - coarse) <= tolerance[cells.owner] + rounding).all(axis=1)
         done.append(_points(pieces, cells.take(converged), _CURVED_POINTS, order))
         cells = halves.take(np.tile(~converged, 2))
-        if not len(cells.owner):
-            break
     done.append(_points(pieces, cells, _CURVED_POINTS, order))
     owner, positions, weights = (np.concatenate(parts) for parts in zip(*done, strict=True))
     by_owner = np.argsort(owner, kind="stable")

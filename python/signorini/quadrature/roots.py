@@ -33,6 +33,8 @@ def roots(coefficients: Floats, tolerance: Floats) -> tuple[Ints, Floats]:
     >>> roots(np.array([[-0.25, 0.0, 1.0], [1.0, 0.0, 1.0]]), np.array([1e-12, 1e-12]))
     (array([0, 0]), array([-0.5,  0.5]))
     """
+    if not len(coefficients):
+        return np.zeros(0, np.int64), np.zeros(0)
     derivatives = [coefficients]
     while derivatives[-1].shape[1] > 2:
         last = derivatives[-1]

@@ -1,0 +1,61 @@
+//! The least energy along a direction.
+
+use super::Descent;
+use super::direction::{Direction, dot};
+use crate::residual::twice_the_energy;
+use rayon::prelude::*;
+
+/// The slope that ends the search, over the slope at its start.
+const FLAT: f64 = 1e-3;
+
+impl Descent<'_> {
+    /// Where the energy along a direction is least: its slope is piecewise linear and grows.
+    pub(super) fn line_search(&self, direction: &Direction, change: &[f64], closed: &[bool]) -> f64 {
+        let stretch = &self.stretch;
+        let kept = |i: usize| (stretch[i] > 0.0) == closed[i] && (stretch[i] + change[i] > 0.0) == closed[i];
+        if !direction.free && (0..change.len()).all(kept) {
+            return 1.0;
+        }
+        let k = &self.springs.stiffness;
+        let elastic = twice_the_energy(&self.problem.plate, &self.problem.springs, &direction.nodal);
+        let start = -dot(&direction.nodal, &self.step.imbalance);
+        let slope = |t: f64| -> f64 {
+            let springs: f64 = (0..change.len())
+                .into_par_iter()
+                .with_min_len(4096)
+                .map(|i| k[i] * ((stretch[i] + t * change[i]).max(0.0) - stretch[i].max(0.0)) * change[i])
+                .sum();
+            start + t * elastic + springs
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        if !(start < 0.0) {
+            return 0.0;
+        }
+        let mut at_high = slope(high);
+        if at_high.abs() <= FLAT * start.abs() {
+            return 1.0;
+        }
+        let mut doublings = 0;
+        while at_high < 0.0 && doublings < 200 {
+            (low, high) = (high, 2.0 * high);
+            at_high = slope(high);
+            doublings += 1;
+        }
+        let mut at_low = slope(low);
+        for _ in 0..60 {
+            // Regula falsi, kept off the ends.
+            let part = (at_low / (at_low - at_high)).clamp(0.05, 0.95);
+            let middle = low + part * (high - low);
+            let value = slope(middle);
+            if value.abs() <= FLAT * start.abs() {
+                return middle;
+            }
+            if value < 0.0 {
+                (low, at_low) = (middle, value);
+            } else {
+                (high, at_high) = (middle, value);
+            }
+        }
+        low
+    }
+}

@@ -1,0 +1,299 @@
+//! One-sided points in any number: a semismooth Newton method on the sparse K (a primal–dual active set; Hintermüller,
+//! Ito & Kunisch 2002), inside the method of multipliers (Rockafellar 1976) where supports are rigid or nearly so.
+//!
+//! It cannot cycle: for given multipliers the energy is convex and continuously differentiable, every Newton direction
+//! is followed by an exact line search on it, and the multipliers are a proximal point iteration on the dual. Rigid
+//! points begin on springs that bend the plate over many elements, and stiffen from stage to stage.
+//! One factor, of K with the points closed that are expected to be, preconditions every direction; only where the set
+//! turns out to be quite another one is it factored anew.
+
+mod direction;
+mod line_search;
+mod points;
+
+pub use points::{ActivePoints, Softened};
+
+use super::condense::ContactState;
+use super::interior_point::InteriorPoint;
+use super::problem::{ContactProblem, Factored};
+use super::solve::{ContactSolution, Outcome, Step};
+use crate::cholesky::FactorError;
+use crate::plate::Plate;
+use direction::Direction;
+
+/// One Newton step, to whoever watches.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    pub step: usize,
+    /// Points that have opened or closed since the step before.
+    pub changing: usize,
+    /// Largest imbalance over the largest nodal force.
+    pub residual: f64,
+}
+
+/// Stiffest springs that rigid points act through, over the plate's stiffness in shear: at the end, where multipliers
+/// converge the faster the stiffer they are, and how much stiffer they become from stage to stage.
+const STIFFEST: f64 = 1e4;
+const STIFFER: f64 = 10.0;
+/// Bending stiffness over that in shear of a wave of ten elements, over the square of thickness over element size.
+const LONG_WAVE: f64 = 0.04;
+/// At most this many Newton steps.
+const NEWTON: usize = 200;
+/// What conjugate gradients leave of the imbalance, while the set still changes and when it does not.
+const LOOSE: f64 = 1e-1;
+const TIGHT: f64 = 1e-8;
+/// Imbalance, over the largest nodal force, at which the points are settled.
+const SETTLED: f64 = 1e-13;
+/// Steps on one set that leave this part of the imbalance, one after another, that end it: what is left is rounding.
+const SLOW: f64 = 0.8;
+const STALLS: usize = 3;
+/// What rounding leaves at most, in the thinnest plates; where it stalls above, supports contradict each other.
+const ROUNDING: f64 = 1e-3;
+/// Imbalance, over the largest nodal force, up to which multipliers are renewed.
+const BALANCED: f64 = 1e-3;
+/// Change of the multipliers, over the largest force, at which the next stage begins.
+const STEADY: f64 = 5e-2;
+
+/// A solution on its way.
+struct Descent<'a> {
+    problem: &'a ContactProblem,
+    load: &'a [f64],
+    /// Stiffest springs, over the plate's stiffness in shear.
+    limit: f64,
+    springs: Softened,
+    /// The factor in use, if not the problem's own.
+    own: Option<Factored>,
+    /// Two-sided points, held.
+    state: ContactState,
+    solution: ContactSolution,
+    multiplier: Vec<f64>,
+    stretch: Vec<f64>,
+    step: Step,
+}
+
+impl ContactProblem {
+    /// The limit that the active set begins with: springs that bend the plate over many elements find the set in few
+    /// steps.
+    pub(super) fn first_limit(plate: &Plate, points: &ActivePoints) -> f64 {
+        if points.is_empty() {
+            return STIFFEST;
+        }
+        let slenderness = |e: usize| {
+            let geometry = plate.geometry(e);
+            let size = geometry.at.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+            geometry.thickness[0] / size
+        };
+        let thinnest = points.element.iter().map(|&e| slenderness(e)).fold(f64::INFINITY, f64::min);
+        let limit = f64::min(LONG_WAVE * thinnest * thinnest, 1.0);
+        let all_softer = points.softened(limit).softening.iter().all(|&s| s == 0.0);
+        if all_softer { STIFFEST } else { limit }
+    }
+
+    /// Displacements, reactions and gaps under one load, beginning with those of an answer if there is one; `watch` may
+    /// stop it by returning false.
+    pub(super) fn solve_active(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        start: Option<&InteriorPoint>,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<ContactSolution, FactorError> {
+        let mut solution = self.at_rest(load.len(), held_value);
+        let Some(state) = self.base.condensed.state(self.constraints.two_sided.clone()) else {
+            return Ok(solution.failed(Outcome::Unsolved));
+        };
+        solution.closed.clone_from(&self.constraints.two_sided);
+        let mut multiplier = vec![0.0; self.active.len()];
+        if let Some(start) = start {
+            solution.displacement.hi.copy_from_slice(&start.displacement);
+            for (multiplier, &i) in multiplier.iter_mut().zip(&self.order.active) {
+                *multiplier = if start.closed[i] { start.reaction[i] } else { 0.0 };
+            }
+        }
+        let limit = if start.is_some() { STIFFEST } else { self.first_limit };
+        let mut descent = Descent {
+            problem: self,
+            load,
+            limit,
+            springs: self.active.softened(limit),
+            own: None,
+            state,
+            solution,
+            stretch: vec![0.0; multiplier.len()],
+            multiplier,
+            step: Step::default(),
+        };
+        let outcome = descent.run(start.is_some(), watch)?;
+        Ok(match outcome {
+            Outcome::Solved => ContactSolution { outcome, ..descent.in_order() },
+            _ => descent.in_order().failed(outcome),
+        })
+    }
+}
+
+impl Descent<'_> {
+    fn factored(&self) -> &Factored {
+        self.own.as_ref().unwrap_or(&self.problem.base)
+    }
+
+    fn run(&mut self, started: bool, watch: &mut dyn FnMut(Progress) -> bool) -> Result<Outcome, FactorError> {
+        self.refine()?;
+        // From rest, the first step takes every point closed, as the factor does.
+        let mut closed: Vec<bool> = self.stretch.iter().map(|&s| s > 0.0 || !started).collect();
+        let mut last = closed.clone();
+        let mut stalled = 0;
+        let mut before = f64::INFINITY;
+        for step in 1..=NEWTON {
+            let same = step > 1 && closed == last;
+            let direction = self.direction(&closed, if same { TIGHT } else { LOOSE })?;
+            self.advance(&direction, &closed);
+            last = closed;
+            closed = self.stretch.iter().map(|&s| s > 0.0).collect();
+            let unchanged = closed == last;
+            let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push());
+            let settling = unchanged || self.step.worst <= 1e3 * SETTLED * force;
+            if settling {
+                self.refine()?;
+                // Multipliers follow an equilibrium, not what comes before it.
+                let balanced = self.step.worst <= BALANCED * force;
+                let renewed = if balanced { self.renew_multipliers() / force } else { f64::INFINITY };
+                if self.limit < STIFFEST && renewed < STEADY {
+                    self.limit = f64::min(STIFFER * self.limit, STIFFEST);
+                    self.springs = self.problem.active.softened(self.limit);
+                    self.balance();
+                    before = f64::INFINITY;
+                }
+                closed = self.stretch.iter().map(|&s| s > 0.0).collect();
+            }
+            let changing = closed.iter().zip(&last).filter(|(a, b)| a != b).count();
+            let worst = self.step.worst;
+            if !worst.is_finite() {
+                return Ok(Outcome::Unsolved);
+            }
+            if !watch(Progress { step, changing, residual: worst / force }) {
+                return Ok(Outcome::Interrupted);
+            }
+            if settling && self.limit == STIFFEST {
+                if worst <= SETTLED * force {
+                    return Ok(Outcome::Solved);
+                }
+                stalled = if unchanged && worst > SLOW * before { stalled + 1 } else { 0 };
+                if stalled == STALLS {
+                    let rounding = worst <= ROUNDING * force;
+                    return Ok(if rounding { Outcome::Solved } else { Outcome::Unsolved });
+                }
+                before = worst;
+            }
+        }
+        Ok(Outcome::Unsolved)
+    }
+
+    fn largest_push(&self) -> f64 {
+        let k = &self.springs.stiffness;
+        self.stretch.iter().zip(k).fold(0.0, |most, (s, k)| most.max(s * k))
+    }
+
+    /// Follows a direction to the least energy on it; what is out of balance then is known without the refined residual.
+    fn advance(&mut self, direction: &Direction, closed: &[bool]) {
+        let (problem, points) = (self.problem, &self.problem.active);
+        let change = points.change(&problem.plate, &direction.nodal);
+        let length = self.line_search(direction, &change, closed);
+        for (dof, value) in direction.nodal.iter().enumerate() {
+            self.solution.displacement.add(dof, length * value);
+        }
+        let mut loss: Vec<f64> = direction.force.iter().map(|f| -length * f).collect();
+        let carried = self.own.as_ref().unwrap_or(&problem.base).carried.iter();
+        for (i, &carried) in carried.enumerate() {
+            let old = self.stretch[i];
+            self.stretch[i] += length * change[i];
+            let pushes = self.springs.stiffness[i] * (self.stretch[i].max(0.0) - old.max(0.0));
+            let factor = length * carried * change[i] - pushes;
+            if factor != 0.0 {
+                points.scatter(&problem.plate, i, factor, &mut loss);
+            }
+        }
+        let steps: Vec<f64> = direction.reaction.iter().map(|r| -length * r).collect();
+        problem.spread(&steps, &mut loss);
+        for (total, increment) in self.solution.reaction.iter_mut().zip(&direction.reaction) {
+            *total += length * increment;
+        }
+        problem.release_held(&mut loss);
+        for (value, loss) in self.step.imbalance.iter_mut().zip(&loss) {
+            *value += loss;
+        }
+        self.step.worst = self.step.imbalance.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
+        self.solution.iterations += 1;
+    }
+
+    /// Stretches and imbalance anew, in double-double; two-sided points are brought back to where they belong.
+    fn refine(&mut self) -> Result<(), FactorError> {
+        self.balance();
+        if !self.problem.constraints.rows.is_empty() {
+            let with = self.own.as_ref().unwrap_or(&self.problem.base);
+            let motion = self.problem.motion(with, &self.step, with.condensed.better_form())?;
+            self.problem.correct(with, &self.state, motion, &mut self.solution)?;
+            self.balance();
+        }
+        Ok(())
+    }
+
+    fn balance(&mut self) {
+        let (problem, points) = (self.problem, &self.problem.active);
+        let mut imbalance = problem.imbalance(self.load, &self.solution.displacement, &self.solution.reaction);
+        self.stretch = points.overlap(&problem.plate, &self.solution.displacement);
+        for (i, stretch) in self.stretch.iter_mut().enumerate() {
+            *stretch += self.springs.softening[i] * self.multiplier[i];
+            if *stretch > 0.0 {
+                points.scatter(&problem.plate, i, -self.springs.stiffness[i] * *stretch, &mut imbalance);
+            }
+        }
+        self.step = problem.step_of(imbalance, self.load, &self.solution);
+    }
+
+    /// Multipliers become the present forces; the largest change of one.
+    fn renew_multipliers(&mut self) -> f64 {
+        let (problem, points) = (self.problem, &self.problem.active);
+        let mut any = false;
+        let mut largest: f64 = 0.0;
+        for i in 0..points.len() {
+            if self.springs.softening[i] > 0.0 {
+                let old = self.stretch[i].max(0.0);
+                let force = self.springs.stiffness[i] * old;
+                self.stretch[i] += self.springs.softening[i] * (force - self.multiplier[i]);
+                largest = largest.max((force - self.multiplier[i]).abs());
+                self.multiplier[i] = force;
+                let more = self.springs.stiffness[i] * (self.stretch[i].max(0.0) - old);
+                points.scatter(&problem.plate, i, -more, &mut self.step.imbalance);
+                any = true;
+            }
+        }
+        if any {
+            problem.release_held(&mut self.step.imbalance);
+            self.step.worst = self.step.imbalance.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
+        }
+        largest
+    }
+
+    /// The solution with every point in the caller's order.
+    fn in_order(self) -> ContactSolution {
+        let order = &self.problem.order;
+        let count = order.condensed.len() + order.active.len();
+        let mut all = ContactSolution {
+            reaction: vec![0.0; count],
+            gap: vec![0.0; count],
+            closed: vec![false; count],
+            ..self.solution.clone()
+        };
+        for (at, &i) in order.condensed.iter().enumerate() {
+            all.reaction[i] = self.solution.reaction[at];
+            all.closed[i] = true;
+        }
+        for (at, &i) in order.active.iter().enumerate() {
+            let stretch = self.stretch[at];
+            all.reaction[i] = self.springs.stiffness[at] * stretch.max(0.0);
+            all.closed[i] = stretch > 0.0;
+            all.gap[i] = if all.closed[i] { 0.0 } else { self.springs.softening[at] * self.multiplier[at] - stretch };
+        }
+        all
+    }
+}

@@ -1,0 +1,118 @@
+"""Three methods that share no idea of how to find what touches give one answer."""
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import signorini
+from signorini import Model, NoEquilibriumError
+from signorini.certificate import certify
+from signorini.problem import contact_problem
+
+PLATES = range(30)
+
+
+def load_benchmark() -> ModuleType:
+    path = Path(__file__).parents[2] / "benchmarks" / "methods_agree.py"
+    spec = importlib.util.spec_from_file_location("methods_agree", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+benchmark = load_benchmark()
+
+
+def table(method: str, **changes) -> dict:
+    """A slab on soil, bearings that push and anchors that pull; some of each let go."""
+    return {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [10, 6], "thickness": 0.25},
+        "mesh": {"divisions": [8, 5]},
+        "support": [
+            {"name": "soil", "area": "all", "resists": "down", "stiffness": 2e6, "gap": "1e-4 * x"},
+            {"name": "pads", "at": [[2, 2], [8, 2], [5.13, 4.77]], "resists": "down", "gap": 5e-4},
+            {"name": "anchors", "at": [[0.5, 5.5], [9.5, 5.5]], "resists": "up"},
+        ],
+        "load": [{"pressure": 3e3}, {"force": 4e5, "at": [8.2, 1.1]}],
+        "solver": {"method": method},
+        **changes,
+    }
+
+
+def test_random_plates_are_solved_alike_by_every_method() -> None:
+    found = [benchmark.compare(plate) for plate in PLATES]
+    assert [c for c in found for method in benchmark.METHODS if not c.agrees(method)] == []
+    certified = [c for c in found if c.status["interior_point"] == "certified"]
+    assert len(certified) > 0.9 * len(found)
+    # A set that is not the right one would leave the rest to pivots.
+    assert sum(c.work["interior_point"][0] == 0 for c in certified) > 0.9 * len(certified)
+
+
+def test_a_comparison_notices_a_wrong_method() -> None:
+    right = benchmark.compare(PLATES[0])
+    wrong = right._replace(reaction={**right.reaction, "interior_point": 2e-8})
+    refused = right._replace(status={**right.status, "active_set": "refused"})
+    assert right.agrees("interior_point") and not wrong.agrees("interior_point")
+    assert right.agrees("active_set") and not refused.agrees("active_set")
+
+
+def test_the_interior_point_method_has_every_kind_of_point() -> None:
+    by_lemke, result = (signorini.solve(Model(**table(method)))["all"] for method in ("lemke", "interior_point"))
+    assert (result.method, result.counted) == ("interior_point", "interior point steps")
+    assert 5 < result.iterations < 40 and result.certificate.passed
+    assert np.abs(by_lemke.deflection - result.deflection).max() < 1e-10 * np.abs(result.deflection).max()
+    for ours, theirs in zip(result.supports, by_lemke.supports, strict=True):
+        assert (ours.closed == theirs.closed).all() and ours.closed.any()
+
+
+def test_with_more_points_than_the_lcp_takes_the_active_set_makes_it_exact(monkeypatch: pytest.MonkeyPatch) -> None:
+    by_lemke = signorini.solve(Model(**table("lemke")))["all"]
+    monkeypatch.setattr("signorini.problem.MOST_POINTS", 20)
+    problem = contact_problem(Model(**table("interior_point")))
+    assert len(problem.gaps) > 20 and problem.method == "interior_point"
+    load = problem.discretisation.cases["load"]
+    answer = problem.solve(load)
+    assert certify(problem.discretisation, load, answer.hi, answer.lo, answer.reaction).passed
+    assert np.abs(by_lemke.deflection - answer.hi[::3]).max() < 1e-9 * np.abs(by_lemke.deflection).max()
+
+
+@pytest.mark.parametrize(("length", "force"), [(1e3, 1.0), (1.0, 1e-6), (1e-3, 1e9)])
+def test_units_do_not_matter_to_the_interior_point_method(length: float, force: float) -> None:
+    def answer(length: float, force: float):
+        tables = table(
+            "interior_point",
+            material={"E": 30e9 * force / length**2, "nu": 0.2},
+            plate={"shape": "rectangle", "size": [10 * length, 6 * length], "thickness": 0.03 * length},
+            support=[
+                {"edge": ["left", "top"], "resists": "down", "gap": 1e-3 * length},
+                {
+                    "at": [[9 * length, 1 * length]],
+                    "resists": "both",
+                    "gap": 2e-3 * length,
+                    "stiffness": 1e8 * force / length,
+                },
+            ],
+            load=[{"pressure": 3e3 * force / length**2}, {"force": 4e4 * force, "at": [4 * length, 3 * length]}],
+        )
+        problem = contact_problem(Model(**tables))
+        return problem.solve(problem.discretisation.cases["load"])
+
+    ours, theirs = answer(length, force), answer(1.0, 1.0)
+    assert (ours.closed == theirs.closed).all() and (ours.pivots, theirs.pivots) == (0, 0)
+    assert np.abs(ours.reaction / force - theirs.reaction).max() < 1e-9 * theirs.reaction.max()
+
+
+def test_the_interior_point_method_says_that_supports_contradict_each_other() -> None:
+    """At one point a pad 10 mm high pushes up and an anchor 10 mm deep holds down."""
+    supports = [
+        {"at": [[1, 1], [9, 1], [5, 5]], "resists": "down"},
+        {"at": [[4.99, 3]], "resists": "down", "settlement": -0.01},
+        {"at": [[4.99, 3]], "resists": "up", "settlement": 0.01},
+    ]
+    with pytest.raises(NoEquilibriumError, match="contradict each other"):
+        signorini.solve(Model(**table("interior_point", support=supports)))
