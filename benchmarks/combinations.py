@@ -57,7 +57,7 @@ def run(elements, combinations, path, first_alone):
         row = dict(zip(table["columns"], table["rows"]["c0"], strict=True))
         data["combination"] = [{"name": "c0", "factors": row}]
         data["output"] = {}
-    results = solve(Model(**data), path)
+    results = solve(Model(**data), table=path)
     if results.combined is not None:
         print(results.combined.alone, max(results.combined.certificate.values()))
 
@@ -73,14 +73,14 @@ def compare(elements, combinations, path, pick):
     import pyarrow.parquet as pq
 
     from signorini import Model, contact_problem
-    from signorini.solve import _solve_one
+    from signorini.solve import solve_one
 
     rows = pq.read_table(path).to_pylist()
     problem = contact_problem(Model(**tables(elements, combinations)))
     every = problem.discretisation.model.effective_combinations
     worst, opened = 0.0, set()
     for number in np.random.default_rng(7).choice(combinations, pick, replace=False).tolist():
-        single, _ = _solve_one(problem, every[number])
+        single = solve_one(problem, every[number])
         row = rows[number]
         assert row["combination"] == single.name and row["status"] == single.status
         if single.status != "solved":

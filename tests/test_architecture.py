@@ -15,29 +15,25 @@ PACKAGE = ROOT / "python" / "signorini"
 # never in a circle.
 LAYERS = (
     {"errors", "files", "_core"},
+    {"tessellation"},
     {"plot", "vtk", "table"},
     {"expression"},
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
-    {
-        "equilibrium",
-        "problem",
-        "certificate",
-        "contact_field",
-        "kinds",
-        "sketch",
-        "supportpoints",
-        "result",
-        "solve",
-        "combine",
-    },
+    {"equilibrium", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
+    {"supportpoints", "support_result", "probe_result", "notebook", "result", "combine", "solve"},
     {"tabulated", "output", "check"},
     {"__init__"},
     {"cli"},
     {"__main__"},
 )
 # Modules that take arrays and know nothing else of the package.
-ALONE = {"plot": {"errors", "files", "_core"}, "vtk": {"errors", "files"}, "table": {"errors", "files"}}
+ALONE = {
+    "tessellation": {"_core"},
+    "plot": {"errors", "files", "tessellation", "_core"},
+    "vtk": {"errors", "files"},
+    "table": {"errors", "files"},
+}
 # Packages that only these modules may import.
 ONLY_IN = {
     "matplotlib": {"plot"},

@@ -259,7 +259,7 @@ def test_version() -> None:
 
 
 def test_a_fault_of_the_program_is_one_line(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(*_: object) -> None:
+    def fail(*_: object, **__: object) -> None:
         raise ZeroDivisionError("by\nzero")
 
     monkeypatch.setattr(signorini, "solve", fail)
@@ -270,7 +270,7 @@ def test_a_fault_of_the_program_is_one_line(slab: Path, monkeypatch: pytest.Monk
 
 
 def test_an_interrupt_ends_with_130_and_leaves_nothing(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupt(*_: object) -> None:
+    def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(signorini.Result, "to_vtk", interrupt)

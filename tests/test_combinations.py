@@ -14,7 +14,7 @@ import signorini
 from signorini import InputError, Model, NoEquilibriumError, validate
 from signorini.model import Combination
 from signorini.output import results_json
-from signorini.solve import _solve_one
+from signorini.solve import solve_one
 
 LEGS = [[1, 1], [3, 1], [3.1, 3.3], [1, 3]]
 
@@ -192,7 +192,7 @@ def columns(path):
 def solved(tmp_path_factory):
     path = tmp_path_factory.mktemp("table") / "combinations.parquet"
     model = Model(**tables())
-    return signorini.solve(model, path), columns(path)
+    return signorini.solve(model, table=path), columns(path)
 
 
 def close(a, b, scale):
@@ -205,7 +205,7 @@ def test_every_row_equals_the_combination_solved_by_itself(solved):
     assert results.combined.solved == len(table["combination"]) == 36 and results.combined.alone == 0
     opened = set()
     for row, combination in enumerate(results.combined.combinations):
-        single, _ = _solve_one(problem, combination)
+        single = solve_one(problem, combination)
         assert table["combination"][row] == single.name and table["status"][row] == "solved"
         legs = single.supports[0]
         force = np.abs(legs.reactions).max()
@@ -234,7 +234,7 @@ def test_the_envelope_bounds_every_combination_and_names_the_one_that_governs(so
     results, _ = solved
     combined = results.combined
     problem = signorini.contact_problem(results.discretisation)
-    singles = [_solve_one(problem, combination)[0] for combination in combined.combinations]
+    singles = [solve_one(problem, combination) for combination in combined.combinations]
     for name, extremes in combined.envelope.fields.items():
         every = np.array([s.nodal_reaction if name == "reaction" else s.fields[name] for s in singles])
         scale = np.abs(every).max()
@@ -270,7 +270,7 @@ def test_combinations_without_equilibrium_are_reported_and_the_others_go_on(tmp_
         combination=[{"generate": "table", "columns": ["G", "W"], "rows": rows}],
         output={"combinations": "table"},
     )
-    results = signorini.solve(Model(**data), tmp_path / "t.parquet")
+    results = signorini.solve(Model(**data), table=tmp_path / "t.parquet")
     table = columns(tmp_path / "t.parquet")
     balanced = [status == "solved" for status in table["status"]]
     assert balanced == [name not in results.unbalanced for name in table["combination"]] and not all(balanced)
@@ -288,7 +288,7 @@ def test_many_elastic_points_go_to_the_active_set_one_by_one(tmp_path):
         output={"combinations": "table", "fields": "none"},
         combination=[{"generate": "table", "columns": ["G", "Q"], "rows": {"a": [1, 0], "b": [1, 1]}}],
     )
-    results = signorini.solve(Model(**data), tmp_path / "t.parquet")
+    results = signorini.solve(Model(**data), table=tmp_path / "t.parquet")
     table = columns(tmp_path / "t.parquet")
     assert table["method"] == ["active_set"] * 2 and results.combined.alone == 2
     assert table["reaction:soil"] == pytest.approx([80, 140], rel=1e-9)
@@ -301,7 +301,7 @@ from test_combinations import tables
 rows = {f"c{i}": r for i, r in enumerate(np.random.default_rng(1).uniform(-0.5, 2, (200, 4)).tolist())}
 order = list(rows) if sys.argv[3] == "forward" else list(rows)[::-1]
 data = tables(combination=[{"generate": "table", "columns": ["G", "Q", "W", "T"], "rows": {n: rows[n] for n in order}}])
-signorini.solve(signorini.Model(**data | {"output": {"fields": "none"}}), sys.argv[2])
+signorini.solve(signorini.Model(**data | {"output": {"fields": "none"}}), table=sys.argv[2])
 """
 
 
@@ -323,7 +323,7 @@ def test_nothing_half_written_is_left(tmp_path, monkeypatch):
 
     monkeypatch.setattr("signorini.combine._Run.solve", fail)
     with pytest.raises(KeyboardInterrupt):
-        signorini.solve(Model(**tables()), tmp_path / "t.parquet")
+        signorini.solve(Model(**tables()), table=tmp_path / "t.parquet")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -56,7 +56,9 @@ def keys(node: object) -> object:
 
 def test_results_json_has_every_key_of_the_contract(results: signorini.Results) -> None:
     found = results_json(results)
-    support = dict.fromkeys(["name", "kind", "reaction", "closed", "open", "contact_area", "max_pressure"])
+    support = dict.fromkeys(
+        ["name", "kind", "reaction", "closed", "open", "contact_area", "max_pressure", "contact_boundary"]
+    )
     assert keys(found) == {
         "schema": None,
         "title": None,
@@ -64,7 +66,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         "model": dict.fromkeys(["nodes", "elements", "dofs", "contact_points"]),
         "combinations": [
             {
-                **dict.fromkeys(["name", "status", "message", "method", "iterations"]),
+                **dict.fromkeys(["name", "status", "message", "method", "unsettled", "iterations"]),
                 "certificate": dict.fromkeys(
                     [
                         "penetration",
@@ -79,7 +81,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                 ),
                 "deflection": dict.fromkeys(["max", "max_at", "min", "min_at"]),
                 "supports": [support | {"points": [dict.fromkeys(["at", "reaction", "gap", "state"])]}],
-                "probes": [dict.fromkeys(["at", "deflection", "rotation", "moment", "shear"])],
+                "probes": [dict.fromkeys(["at", "deflection", "rotation", "moment", "shear", "pressure"])],
             }
         ],
         "seconds": dict.fromkeys(["mesh", "assemble", "order", "factor", "contact", "recover", "total"]),
@@ -126,6 +128,41 @@ def test_points_of_areas_are_not_listed() -> None:
     assert "points" not in found
     assert found["contact_area"] == pytest.approx(16, rel=1e-9)
     assert found["max_pressure"] == pytest.approx(5, rel=1e-6)
+
+
+@pytest.fixture(scope="module")
+def bedded() -> signorini.Results:
+    soil = {"name": "soil", "area": "all", "resists": "down", "stiffness": 1e4}
+    grout = {"name": "grout", "area": {"rectangle": [2, 2, 4, 4]}, "resists": "down"}
+    pull = {"case": "G", "force": -30, "at": [0, 4]}
+    loads = [{"case": "G", "pressure": 5}, pull]
+    return signorini.solve(model(support=[soil, grout], load=loads, combination=[{"name": "G", "factors": {"G": 1}}]))
+
+
+def test_pressure_and_edge_of_contact_are_in_results_json(bedded: signorini.Results) -> None:
+    found = results_json(bedded)["combinations"][0]
+    result = bedded["G"]
+    for written, support in zip(found["supports"], result.supports, strict=True):
+        assert len(support.contact_boundary) > 0
+        assert written["contact_boundary"] == [line.tolist() for line in support.contact_boundary]
+    assert [probe["pressure"] for probe in found["probes"]] == result.pressure([(2, 2), (0.2, 0.2)]).tolist()
+    json.dumps(found, allow_nan=False)
+
+
+def test_pressure_is_in_the_vtu_file_of_elastic_areas_at_nodes_and_of_rigid_ones_an_element(
+    bedded: signorini.Results, tmp_path: Path
+) -> None:
+    result = bedded["G"]
+    written = write(bedded, tmp_path)
+    assert {path.name for path in written} == {"g.vtu", "g.png", "g-pressure.png", "reactions.csv", "results.json"}
+    found = meshio.read(tmp_path / "g.vtu")
+    assert np.allclose(found.point_data["contact_pressure"], np.maximum(1e4 * result.deflection, 0), rtol=1e-12)
+    (rigid,) = found.cell_data["rigid_contact_pressure"]
+    area = result.mesh.element_area
+    assert (rigid * area).sum() == pytest.approx(result.reactions["grout"], rel=1e-12)
+    assert (rigid[result.mesh.nodes.min(axis=(1, 2)) < 2 - 1e-9] == 0).all()
+    axes = result.plot("pressure")
+    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == ["edge of contact"]
 
 
 def test_a_combination_without_equilibrium_has_a_reason_and_no_numbers(results: signorini.Results) -> None:

@@ -4,21 +4,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from signorini.errors import InputError
 from signorini.plot import (
     LoadMark,
+    PressureLayer,
     SupportMark,
     check_picture,
     contour,
     deflection_picture,
     line,
+    pressure,
+    pressure_picture,
     save,
     supports,
 )
-from signorini.plot.tessellation import tessellate
+from signorini.tessellation import tessellate
 
 # A square whose right edge bulges, and its neighbour on the left.
 POINTS = np.array(
@@ -148,6 +152,12 @@ def test_the_legend_counts_closed_and_open_below_the_axes() -> None:
     assert axes.get_xlabel() == "x [m]"
 
 
+def test_a_support_that_acts_nowhere_is_in_the_legend() -> None:
+    idle = SupportMark("idle", "down", np.zeros((0, 2)), np.zeros(0, bool), "area")
+    axes = supports([idle], Figure().add_subplot())
+    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == ["idle: pushes up only, 0 closed, 0 open"]
+
+
 @pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
 def test_the_hatch_of_a_fixed_edge_lies_outside(order: slice) -> None:
     axes = contour(POINTS, ELEMENTS, POINTS[:, 0])
@@ -191,6 +201,76 @@ def test_sections_are_drawn_with_deflection_down_and_share_axes() -> None:
     assert axes.get_ylabel() == "deflection [mm]"
     assert [entry.get_text() for entry in axes.get_legend().get_texts()] == ["60", "90"]
     assert not line([0, 1], [0, 2], down=False).yaxis_inverted()
+
+
+def reach(axes: Axes, which: int) -> tuple[float, float]:
+    """From where to where in x the filled contours or triangles go; the first are the pale plate."""
+    paths = [path for path in axes.collections[which].get_paths() if len(path.vertices)]
+    x = np.concatenate([path.vertices[:, 0] for path in paths])
+    return round(float(x.min()), 12), round(float(x.max()), 12)
+
+
+CUT = tessellate(ELEMENTS)
+ACROSS = CUT.interpolate(POINTS)[:, 0]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("bounds", "reached"), [((0, np.inf), (0.25, 1.2)), ((-np.inf, 0), (-1, 0.25)), ((-np.inf, np.inf), (-1, 1.2))]
+)
+def test_pressure_is_drawn_as_far_as_the_support_exerts_it(bounds: tuple[float, float], reached: object) -> None:
+    axes = pressure(POINTS, ELEMENTS, [PressureLayer(CUT, ACROSS - 0.25, bounds)])
+    assert reach(axes, 1) == reached
+
+
+@pytest.mark.filterwarnings("error")
+def test_pressures_of_elements_are_drawn_one_an_element_and_nothing_where_they_are_zero() -> None:
+    axes = pressure(POINTS, ELEMENTS, [PressureLayer(CUT, np.array([3.0, 0.0]), (0, np.inf))])
+    assert reach(axes, 1) == (0, 1.2)
+    assert axes.collections[1].get_clim() == (0, 3)
+
+
+@pytest.mark.filterwarnings("error")
+def test_pressure_ends_at_the_outline_of_the_area() -> None:
+    outline = np.array([[0, 0.2], [0.5, 0.2], [0.5, 0.8], [0, 0.2]])
+    axes = pressure(POINTS, ELEMENTS, [PressureLayer(CUT, ACROSS + 2, (0, np.inf), outline)])
+    for part in axes.collections[1:3]:
+        clip, _ = part.get_transformed_clip_path_and_affine()
+        np.testing.assert_array_equal(clip.vertices, outline)
+
+
+@pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
+@pytest.mark.parametrize(("end", "within"), [(0.55, ACROSS[ACROSS < 0.55].max()), (0.0, 0.0)])
+def test_colours_and_the_largest_pressure_are_of_what_is_within_the_outline(
+    order: slice, end: float, within: float
+) -> None:
+    outline = np.array([[-1, 0], [end, 0], [end, 1], [-1, 1], [-1, 0]])[order]
+    axes = pressure_picture(POINTS, ELEMENTS, [PressureLayer(CUT, ACROSS + 1, (0, np.inf), outline)]).axes[0]
+    within += 1
+    assert axes.collections[1].get_clim() == (0, within)
+    assert [text.get_text() for text in axes.texts] == [f"max {within:.4g}"]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("values", [-np.ones_like(ACROSS), np.full_like(ACROSS, 2.0)])
+def test_pressure_that_is_nowhere_or_everywhere_the_same_can_be_drawn(values: np.ndarray) -> None:
+    down = PressureLayer(CUT, values, (0, np.inf))
+    up = PressureLayer(CUT, -ACROSS, (-np.inf, 0))
+    for layers in ([], [down], [down, up]):
+        pressure_picture(POINTS, ELEMENTS, layers).draw_without_rendering()
+
+
+def test_the_pressure_picture_has_the_edge_of_contact_instead_of_an_area_s_points() -> None:
+    edge = np.array([[0.25, 0], [0.25, 1.0]])
+    soil = SupportMark("soil", "down", POINTS, np.ones(len(POINTS), bool), "area", [edge])
+    layers = [PressureLayer(CUT, ACROSS - 0.25, (0, np.inf))]
+    axes = pressure_picture(POINTS, ELEMENTS, layers, [soil, PADS], length="m").axes[0]
+    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == [PADS.label, "edge of contact"]
+    np.testing.assert_array_equal(axes.lines[-1].get_xydata(), edge)
+    assert [text.get_text() for text in axes.texts] == ["max 0.95"]
+    axes = deflection_picture(POINTS, ELEMENTS, POINTS[:, 0], [soil]).axes[0]
+    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == [soil.label, "edge of contact"]
+    np.testing.assert_array_equal(axes.lines[-1].get_xydata(), edge)
 
 
 def test_a_picture_is_saved_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

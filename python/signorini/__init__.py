@@ -19,9 +19,12 @@ from signorini._core import __version__
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini.inputfile import load, schema
 from signorini.model import Model, validate
+from signorini.probe_result import ProbeResult
 from signorini.problem import ContactProblem, contact_problem
-from signorini.result import ProbeResult, Result, SupportResult
+from signorini.progress import Progress
+from signorini.result import Result
 from signorini.solve import Results, solve
+from signorini.support_result import SupportResult
 
 __all__ = [
     "ContactProblem",
@@ -30,6 +33,7 @@ __all__ = [
     "NoEquilibriumError",
     "NotCertifiedError",
     "ProbeResult",
+    "Progress",
     "Result",
     "Results",
     "SignoriniError",

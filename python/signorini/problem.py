@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
@@ -19,6 +19,9 @@ from signorini.model import Model
 
 Form = Literal["auto", "dual", "stiffness"]
 Method = Literal["lemke", "active_set", "interior_point"]
+
+Steps: TypeAlias = Callable[[int, int, float], object]
+"""Called with a step's number, the contact points it changed and its relative imbalance; what it raises ends it."""
 
 MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
@@ -148,12 +151,15 @@ class ContactProblem:
             return "active_set", "interior_point"
         return ("lemke", "interior_point") if can_be_condensed else ("interior_point",)
 
-    def solve(self, load: CaseLoad, form: Form = "auto") -> _core.ContactSolution:
-        """Displacements, reactions and gaps of one load; ``form`` is that of the LCP where there is one."""
+    def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> _core.ContactSolution:
+        """Displacements, reactions and gaps of one load.
+
+        ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set.
+        """
         held = self.discretisation.held.values
         if self.method == "interior_point":
-            return self.core.solve_by_interior_point(load.nodal, held)
-        return self.core.solve(load.nodal, held, None if form == "auto" else form)
+            return self.core.solve_by_interior_point(load.nodal, held, progress=progress)
+        return self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress)
 
     @property
     def seconds(self) -> Mapping[str, float]:

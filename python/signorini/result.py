@@ -5,86 +5,34 @@ from __future__ import annotations
 import html
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self, TypeAlias
 
 import numpy as np
 
 from signorini import _core
 from signorini.certificate import Certificate
-from signorini.contact_field import contact_area, largest_pressure
-from signorini.discretise import CaseLoad, ContactPoints, Discretisation
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.rows import Floats
 from signorini.errors import InputError, unknown
-from signorini.kinds import describe, symbol
-from signorini.mesh import Mesh
-from signorini.model import Model, Support
+from signorini.mesh import Location, Mesh
+from signorini.model import Model
+from signorini.notebook import supports_table
+from signorini.probe_result import ProbeResult, probe_results, total_pressure
 from signorini.problem import spring_arrays
-from signorini.sketch import support_mark
-from signorini.supportpoints import SupportPoints
+from signorini.sketch import pressure_layer, support_mark
+from signorini.support_result import SupportResult, support_result
 from signorini.vtk import displacement_vector, write_vtu
 
 if TYPE_CHECKING:
-    from signorini.plot import Axes, SupportMark
+    from signorini.plot import Axes, PressureLayer, SupportMark
 
+Points: TypeAlias = Floats | Sequence[tuple[float, float]] | tuple[float, float]
 Status = Literal["solved", "no_equilibrium"]
 
 FIELDS = ("deflection", "rotation_x", "rotation_y", "mx", "my", "mxy", "qx", "qy")
-
-
-@dataclass(frozen=True, eq=False)
-class SupportResult:
-    """What one support does.
-
-    Parameters
-    ----------
-    name, kind : str
-        Its name, and in words where it is and which way it holds.
-    reaction : float
-        Total force, positive when it pushes the plate up.
-    positions : (k, 2) array
-        Where it acts; reactions (k,), remaining gaps (k,) and states (k,) of these points follow. Springs and held
-        nodes are always closed.
-    weights : (k,) array
-        Length or area that each point stands for; 1 at a point.
-    contact_area, max_pressure : float or None
-        Area in contact and largest pressure of an area, from the deflection field where it is elastic; None elsewhere.
-    """
-
-    name: str
-    kind: str
-    reaction: float
-    positions: Floats
-    reactions: Floats
-    gaps: Floats
-    closed: Bools
-    weights: Floats
-    place: Literal["at", "edge", "line", "circle", "area"]
-    contact_area: float | None
-    max_pressure: float | None
-
-    @property
-    def closed_count(self) -> int:
-        """Number of closed points."""
-        return int(self.closed.sum())
-
-    @property
-    def open_count(self) -> int:
-        """Number of open points."""
-        return len(self.closed) - self.closed_count
-
-
-@dataclass(frozen=True)
-class ProbeResult:
-    """Deflection, rotations (θx, θy), moments (mx, my, mxy) and shears (qx, qy) at a point."""
-
-    at: tuple[float, float]
-    deflection: float
-    rotation: tuple[float, float]
-    moment: tuple[float, float, float]
-    shear: tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +53,8 @@ class Result:
         Upward force of every support on every node that it acts on.
     method : str
         "lemke", "active_set" or "interior_point".
+    unsettled : tuple of str
+        Methods that were tried before and did not settle; almost always none.
     iterations : int
         Lemke's pivots, the active set's Newton steps, or the steps of the interior point method.
     """
@@ -113,6 +63,7 @@ class Result:
     status: Status
     message: str
     method: str
+    unsettled: tuple[str, ...]
     iterations: int
     mesh: Mesh
     model: Model
@@ -131,12 +82,13 @@ class Result:
         cls,
         found: Discretisation,
         name: str,
-        method: str,
+        methods: Sequence[str],
         load: CaseLoad,
         answer: _core.ContactSolution,
         certificate: Certificate,
     ) -> Self:
-        """Recover every field from a contact solution."""
+        """Recover every field from a contact solution; the last of ``methods`` found it."""
+        *unsettled, method = methods
         begun = time.perf_counter()
         hi, lo, reaction = answer.hi, answer.lo, answer.reaction
         nodal = (hi + lo).reshape(-1, 3)
@@ -149,8 +101,7 @@ class Result:
         pull = springs.stiffness * (found.spring_rows @ (hi + lo) - springs.base)
         nodal_reaction = held_force + spread + found.spring_rows.T @ pull
         supports = tuple(
-            _support_result(found, index, support, held_force[::3], pull, answer)
-            for index, support in enumerate(found.model.support)
+            support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
         )
         fields = np.column_stack([nodal[:, 0], rotation, stress])
         return cls(
@@ -158,6 +109,7 @@ class Result:
             "solved",
             "",
             method,
+            tuple(unsettled),
             answer.pivots if method == "lemke" else answer.iterations,
             found.mesh,
             found.model,
@@ -168,7 +120,7 @@ class Result:
             stress[:, 3:],
             nodal_reaction[::3],
             supports,
-            tuple(_probes(fields, found.mesh, found.probes.elements, found.probes.xi, found.probe_positions)),
+            tuple(probe_results(fields, found.mesh, supports, found.probes, found.probe_positions)),
             time.perf_counter() - begun,
         )
 
@@ -188,7 +140,7 @@ class Result:
         values = np.column_stack([self.deflection, self.rotation, self.moment, self.shear])
         return dict(zip(FIELDS, values.T, strict=True))
 
-    def probe(self, points: Floats | list[tuple[float, float]] | tuple[float, float]) -> list[ProbeResult]:
+    def probe(self, points: Points) -> list[ProbeResult]:
         """Results at points (q, 2) of the plate.
 
         Raises
@@ -196,29 +148,68 @@ class Result:
         InputError
             If a point is not on the plate.
         """
+        positions, where = self._located(points)
+        fields = np.column_stack(list(self.fields.values()))
+        return probe_results(fields, self.mesh, self.supports, where, positions)
+
+    def pressure(self, points: Points) -> Floats:
+        """Contact pressure (q,) of the area supports at points (q, 2) of the plate, positive where they push it up.
+
+        0 where there is a gap, NaN where there is no area support. Of an elastic area k ⟨w − settlement − gap⟩, of a
+        rigid one its reaction over the area, an element at a time.
+
+        Raises
+        ------
+        InputError
+            If a point is not on the plate.
+
+        Examples
+        --------
+        >>> from signorini import Model, solve
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.5},
+        ...     support=[{"area": "all", "resists": "down", "stiffness": 20e6}],
+        ...     load=[{"pressure": 2e3}],
+        ... )
+        >>> solve(model)["all"].pressure([(2, 2), (0, 0)]).round(6)
+        array([2000., 2000.])
+        """
+        return total_pressure(self.supports, self._located(points)[1])
+
+    def _located(self, points: Points) -> tuple[Floats, Location]:
         positions = np.atleast_2d(np.asarray(points, dtype=np.float64))
         where = self.mesh.locate(positions)
         if not where.inside.all():
             x, y = positions[np.argmin(where.inside)]
             raise InputError(f"The point [{x:g}, {y:g}] is not on the plate. Move it onto the plate.")
-        fields = np.column_stack(list(self.fields.values()))
-        return _probes(fields, self.mesh, where.elements, where.xi, positions)
+        return positions, where
 
     def plot(self, field: str = "deflection", ax: Axes | None = None) -> Axes:
         """Draw a field as contours with the supports, open or closed, on matplotlib axes.
+
+        Parameters
+        ----------
+        field : str
+            One of `fields`, or "pressure": the contact pressure of area supports.
+        ax : Axes, optional
+            By default the axes of a new figure.
 
         Raises
         ------
         InputError
             If there is no field of that name.
         """
-        from signorini.plot import contour, supports
+        from signorini.plot import contour, pressure, supports
 
-        if field not in self.fields:
-            raise InputError(unknown("field", field, self.fields, "This result"))
-        values = self.fields[field]
         title = ", ".join(part for part in (self.model.title, self.name) if part)
-        ax = contour(self.mesh.points, self.mesh.elements, values, ax=ax, label=field, title=title)
+        plate = (self.mesh.points, self.mesh.elements)
+        if field == "pressure":
+            ax = pressure(*plate, pressure_layers(self), ax=ax, label=field, title=title)
+            return supports(support_marks(self), ax, areas=False)
+        if field not in self.fields:
+            raise InputError(unknown("field", field, [*self.fields, "pressure"], "This result"))
+        ax = contour(*plate, self.fields[field], ax=ax, label=field, title=title)
         return supports(support_marks(self), ax)
 
     def to_vtk(self, path: str | os.PathLike[str]) -> None:
@@ -231,33 +222,27 @@ class Result:
             "shear": np.column_stack([self.shear, np.zeros(len(self.shear))]),
             "reaction": self.nodal_reaction,
         }
-        write_vtu(path, self.mesh.points, self.mesh.elements, data)
+        areas = [support.area for support in self.supports if support.area is not None]
+        elastic = [area.nodal_pressure for area in areas if not area.rigid]
+        rigid = [area.element_pressure for area in areas if area.rigid]
+        if elastic:
+            data["contact_pressure"] = sum(elastic, np.zeros(self.mesh.node_count))
+        of_elements = {"rigid_contact_pressure": sum(rigid, np.zeros(len(self.mesh.elements)))} if rigid else None
+        write_vtu(path, self.mesh.points, self.mesh.elements, data, of_elements)
 
     def _repr_html_(self) -> str:
         """Show the supports' table in a notebook."""
-        units = self.model.units
-        unit = f" [{html.escape(units.force)}]" if units.force else ""
-        number = 'style="text-align: right"'
-        words = 'style="text-align: left"'
-        head = (
-            f"<tr><th></th><th {words}>support</th><th {words}>kind</th>"
-            f"<th {number}>reaction{unit}</th><th {number}>closed</th><th {number}>open</th></tr>"
-        )
-        rows = "".join(
-            f"<tr><td {words}>{symbol(support)}</td><td {words}>{html.escape(s.name)}</td>"
-            f"<td {words}>{html.escape(s.kind)}</td><td {number}>{s.reaction:.6g}</td>"
-            f"<td {number}>{s.closed_count}</td><td {number}>{s.open_count}</td></tr>"
-            for support, s in zip(self.model.support, self.supports, strict=False)
-        )
         title = f"<p><b>{html.escape(self.name)}</b>: {self.status.replace('_', ' ')}</p>"
         if self.status != "solved":
             return f"{title}<p>{html.escape(self.message)}</p>"
+        units = self.model.units
         length = f" {units.length}" if units.length else ""
         ends = f"deflection {self.deflection.min():.6g} to {self.deflection.max():.6g}{length}, positive down"
         verdict = (
             f"{html.escape(ends)}<br>{self.method}, {self.iterations} {self.counted}; certificate {self.certificate}"
         )
-        return f"{title}<table>{head}{rows}</table><p>{verdict}</p>"
+        table = supports_table(self.model.support, self.supports, units.force)
+        return f"{title}{table}<p>{verdict}</p>"
 
 
 def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
@@ -270,6 +255,7 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
         "no_equilibrium",
         message,
         "equilibrium check",
+        (),
         0,
         found.mesh,
         found.model,
@@ -285,68 +271,16 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
     )
 
 
-def _support_result(
-    found: Discretisation,
-    index: int,
-    support: Support,
-    held_force: Floats,
-    pull: Floats,
-    answer: _core.ContactSolution,
-) -> SupportResult:
-    points = SupportPoints.of(found, index)
-    reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.reaction)
-    closed = points.closed(answer.closed)
-    contacts = found.contacts.pick(points.rows[0])
-    area = _contact_field(
-        found.mesh, support, contacts, closed, points.weights, reactions, (answer.hi + answer.lo)[::3]
-    )
-    return SupportResult(
-        support.name,
-        describe(support),
-        float(reactions.sum()),
-        points.positions,
-        reactions,
-        points.gaps(answer.gap),
-        closed,
-        points.weights,
-        support.place,
-        *area,
-    )
-
-
-def _contact_field(
-    mesh: Mesh,
-    support: Support,
-    points: ContactPoints,
-    closed: Bools,
-    weights: Floats,
-    reactions: Floats,
-    deflection: Floats,
-) -> tuple[float | None, float | None]:
-    """Area in contact and largest pressure of an area."""
-    if support.area is None:
-        return None, None
-    largest = float((reactions / weights).max(initial=0.0))
-    if support.stiffness is None:
-        return float(weights[closed].sum()), largest
-    largest = max(largest, largest_pressure(mesh, support, deflection))
-    if support.resists == "both":
-        return float(weights[closed].sum()), largest
-    return contact_area(mesh, support, deflection, points.rows.elements, weights, closed), largest
-
-
 def support_marks(result: Result) -> list[SupportMark]:
     """Marks of the supports for pictures."""
     pairs = zip(result.model.support, result.supports, strict=True)
-    return [support_mark(result.mesh, support, found.positions, found.closed) for support, found in pairs]
-
-
-def _probes(
-    fields: Floats, mesh: Mesh, elements: np.ndarray[tuple[int], np.dtype[np.int64]], xi: Floats, positions: Floats
-) -> list[ProbeResult]:
-    values, _ = _core.serendipity(xi) if len(xi) else (np.zeros((0, 8)), None)
-    at_points = np.einsum("qi,qif->qf", values, fields[mesh.elements[elements]])
     return [
-        ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]))
-        for (x, y), v in zip(positions.tolist(), at_points.tolist(), strict=True)
+        support_mark(result.mesh, support, found.positions, found.closed, found.contact_boundary)
+        for support, found in pairs
     ]
+
+
+def pressure_layers(result: Result) -> list[PressureLayer]:
+    """Contact pressures of the area supports for pictures."""
+    areas = (support.area for support in result.supports)
+    return [pressure_layer(area) for area in areas if area is not None and len(area.elements)]

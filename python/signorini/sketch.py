@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from signorini.contact_field import AreaContact
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.model import Area, Circle, Load, Support
+from signorini.tessellation import tessellate
 
 if TYPE_CHECKING:
-    from signorini.plot import LoadMark, SupportMark
+    from signorini.plot import LoadMark, PressureLayer, SupportMark
 
 Style = Literal["points", "line", "area"]
 
@@ -21,14 +23,31 @@ _AROUND = 180
 _BREAK = np.full((1, 2), np.nan)
 
 
-def support_mark(mesh: Mesh, support: Support, positions: Floats, closed: Bools | None = None) -> SupportMark:
+def support_mark(
+    mesh: Mesh,
+    support: Support,
+    positions: Floats,
+    closed: Bools | None = None,
+    boundary: Sequence[Floats] = (),
+) -> SupportMark:
     """Draw a support that acts at positions (k, 2), of which some are closed; None: not known yet."""
     from signorini.plot import SupportMark
 
     style: Style = "points" if support.place == "at" else "area" if support.place == "area" else "line"
     if support.fix is None:
-        return SupportMark(support.name, support.resists or "both", positions, closed, style)
+        return SupportMark(support.name, support.resists or "both", positions, closed, style, boundary)
     return SupportMark(support.name, "fixed", positions if style == "points" else path(mesh, support), None, style)
+
+
+def pressure_layer(area: AreaContact) -> PressureLayer:
+    """Draw the pressure of an area support."""
+    from signorini.plot import PressureLayer
+
+    on = area.covered > 0
+    cut = tessellate(area.mesh.elements[on])
+    outline = _outline(area.support.area) if isinstance(area.support.area, Area) else None
+    values = area.element_pressure[on] if area.rigid else area.pressing(cut)
+    return PressureLayer(cut, values, area.bounds, outline)
 
 
 def support_marks(found: Discretisation) -> list[SupportMark]:

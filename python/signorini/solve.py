@@ -12,9 +12,10 @@ from signorini.certificate import Certificate, certify
 from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.equilibrium import no_equilibrium
-from signorini.errors import NoEquilibriumError, NotCertifiedError
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
-from signorini.problem import ContactProblem, contact_problem
+from signorini.problem import ContactProblem, Steps, contact_problem
+from signorini.progress import Progress, Watcher
 from signorini.result import Result, unsolved_result
 
 _REASONS = 5
@@ -71,7 +72,7 @@ class Results(Mapping[str, Result]):
         return "".join(result._repr_html_() for result in self.by_name.values())
 
 
-def solve(model: Model, table: str | os.PathLike[str] | None = None) -> Results:
+def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLike[str] | None = None) -> Results:
     """Solve a model for each of its combinations.
 
     A combination whose load no reactions can balance gets a result with status "no_equilibrium", NaN for every number,
@@ -83,6 +84,9 @@ def solve(model: Model, table: str | os.PathLike[str] | None = None) -> Results:
     Parameters
     ----------
     model : Model
+    progress : callable, optional
+        Called with a `Progress` before meshing and factoring, as every combination begins, and after every step of its
+        active set. What it raises ends the solve and reaches the caller.
     table : path-like, optional
         A Parquet file to write the table to, whole or not at all; docs/results.md describes its columns. Nothing is
         written where every combination has all results.
@@ -115,17 +119,21 @@ def solve(model: Model, table: str | os.PathLike[str] | None = None) -> Results:
     ('solved', 200000.0, True)
     """
     begun = time.perf_counter()
+    watcher = progress or _nobody
+    watcher(Progress(stage="mesh"))
     found = discretise(model)
+    watcher(Progress(stage="factor"))
     problem = contact_problem(found)
     results: dict[str, Result] = {}
     combined = None
     contact = recover = 0.0
     if model.tabulated:
-        combined = _solve_table(problem, table)
+        combined = _solve_table(problem, watcher, table)
         contact = time.perf_counter() - begun - found.seconds["mesh"] - found.seconds["assemble"]
         contact -= sum(problem.seconds.values())
     for combination in _with_all_results(model, combined):
-        result, spent = _solve_one(problem, combination)
+        watcher(Progress(combination.name))
+        result, spent = _solve_one(problem, combination, watcher)
         results[combination.name] = result
         contact += spent
         recover += result.seconds
@@ -144,20 +152,51 @@ def solve(model: Model, table: str | os.PathLike[str] | None = None) -> Results:
     return Results(found, results, seconds, combined)
 
 
-def _solve_table(problem: ContactProblem, table: str | os.PathLike[str] | None) -> Combined:
+def solve_one(problem: ContactProblem, combination: Combination, progress: Watcher | None = None) -> Result:
+    """Solve one combination by itself.
+
+    Raises
+    ------
+    NotCertifiedError
+        If the answer fails its certificate; it is refused.
+
+    Examples
+    --------
+    >>> from signorini import Model, contact_problem
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+    ...     support=[{"name": "bearings", "at": [[1, 1], [9, 1], [1, 9], [9, 9]], "resists": "down"}],
+    ...     load=[{"case": "G", "pressure": 2e3}],
+    ... )
+    >>> (combination,) = model.effective_combinations
+    >>> round(solve_one(contact_problem(model), combination).reactions["bearings"], 3)
+    200000.0
+    """
+    return _solve_one(problem, combination, progress or _nobody)[0]
+
+
+def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
     """Every combination as a row, written to the table if there is one."""
 
     def single(combination: Combination) -> Result:
-        return _solve_one(problem, combination)[0]
+        return solve_one(problem, combination, watcher)
+
+    def begin(name: str) -> None:
+        watcher(Progress(name))
 
     if table is None:
-        combined = combine(problem, single)
+        combined = combine(problem, single, begin)
     else:
         # Only this function needs pyarrow.
         from signorini.table import writing
 
-        with writing(table) as sink:
-            combined = combine(problem, single, sink)
+        try:
+            with writing(table) as sink:
+                combined = combine(problem, single, begin, sink)
+        except OSError as error:
+            why = error.strerror or str(error)
+            raise InputError(f"the table cannot be written there: {why}. Name another file.", str(table)) from None
     if not combined.solved:
         reasons = "\n".join(f"{name}: {message}" for name, message in list(combined.unbalanced.items())[:_REASONS])
         raise NoEquilibriumError(
@@ -176,20 +215,30 @@ def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combi
         yield from (combination for combination in model.effective_combinations if combination.name in names)
 
 
-def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Result, float]:
+def _nobody(now: Progress) -> None:
+    """Watch nothing."""
+
+
+def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:
     """One combination, and the seconds its contact problem took."""
     found = problem.discretisation
     load = found.load(combination)
+
+    def steps(step: int, changing: int, residual: float) -> None:
+        watcher(Progress(combination.name, step, changing, residual))
+
     begun = time.perf_counter()
     message = no_equilibrium(found, problem.freedom, load.nodal)
     if message:
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
-    answer, certificate = _answer(problem, load)
+    answer, certificate = _answer(problem, load, steps)
+    methods = [problem.method]
     for method in problem.fallbacks:
         if answer.status == "no_equilibrium" or (certificate is not None and certificate.passed):
             break
+        methods.append(method)
         problem = problem.by(method)
-        answer, certificate = _answer(problem, load)
+        answer, certificate = _answer(problem, load, steps)
     spent = time.perf_counter() - begun
     if answer.status == "no_equilibrium":
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
@@ -204,12 +253,12 @@ def _solve_one(problem: ContactProblem, combination: Combination) -> tuple[Resul
         )
     if not certificate.passed:
         raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {certificate}.')
-    return Result.of(found, combination.name, problem.method, load, answer, certificate), spent
+    return Result.of(found, combination.name, methods, load, answer, certificate), spent
 
 
-def _answer(problem: ContactProblem, load: CaseLoad) -> tuple[_core.ContactSolution, Certificate | None]:
+def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> tuple[_core.ContactSolution, Certificate | None]:
     """Solve one load, and certify it if there is something to certify."""
-    answer = problem.solve(load)
+    answer = problem.solve(load, progress=steps)
     if answer.status != "solved":
         return answer, None
     return answer, certify(problem.discretisation, load, answer.hi, answer.lo, answer.reaction)

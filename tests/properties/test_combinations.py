@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from signorini import InputError, Model, NotCertifiedError
 from signorini.combine import combine
 from signorini.problem import contact_problem
-from signorini.solve import _solve_one
+from signorini.solve import solve_one
 
 
 @st.composite
@@ -46,14 +46,14 @@ def test_a_batch_is_its_combinations_one_by_one(data, drawing, dense):
     rows = {}
 
     def single(combination):
-        return _solve_one(problem, combination)[0]
+        return solve_one(problem, combination)
 
     def sink(columns):
         for name, values in columns:
             rows[name] = list(values)
 
     try:
-        combined = combine(problem, single, sink)
+        combined = combine(problem, single, lambda _: None, sink)
         singles = [single(combination) for combination in combined.combinations]
     except NotCertifiedError:
         assume(False)

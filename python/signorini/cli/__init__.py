@@ -17,6 +17,7 @@ from rich.console import Console
 
 import signorini
 from signorini.cli import tables
+from signorini.cli.progress import transient_line
 from signorini.errors import InputError, NoEquilibriumError, SignoriniError
 from signorini.inputfile import with_line
 
@@ -94,15 +95,16 @@ def solve(
 
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
-        with files.room_for(directory) as room:
-            table = room / TABLE if model.tabulated else None
-            try:
-                results = signorini.solve(model, table)
-            except SignoriniError:
-                if (directory / files.JSON).exists():
-                    _stderr().print(f"Nothing is written; {directory} holds the results of an earlier run.")
-                raise
-            files.write(results, directory, table)
+        try:
+            with files.room_for(directory) as room, transient_line() as show:
+                table = room / TABLE if model.tabulated else None
+                results = signorini.solve(model, progress=show, table=table)
+                show("writing the results")
+                files.write(results, directory, table)
+        except SignoriniError:
+            if (directory / files.JSON).exists():
+                _stderr().print(f"Nothing is written; {directory} holds the results of an earlier run.")
+            raise
         tables.print_results(_stdout(), results)
         _stdout().print(f"Written to {directory}{os.sep}")
         _refuse(results.unbalanced, results.unbalanced_count)

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from rich import box
 from rich.table import Table
 
+from signorini.model import Units
+
 
 def table(*left: str, right: Sequence[str]) -> Table:
     """Make an empty table: titles of columns of words, and of columns of numbers."""
@@ -27,6 +29,11 @@ def number(value: float, digits: int = 6) -> str:
 def point(at: Sequence[float]) -> str:
     """Write a point."""
     return f"[{', '.join(f'{value:.6g}' for value in at)}]"
+
+
+def per_area(units: Units) -> str:
+    """The unit of a pressure."""
+    return f"{units.force}/{units.length}²" if units.force and units.length else ""
 
 
 def in_unit(unit: str) -> str:

@@ -9,13 +9,14 @@ from rich.table import Table
 from rich.text import Text
 
 from signorini.check import Check
-from signorini.cli.cells import in_unit, number, point, table, unit_of
+from signorini.cli.cells import in_unit, number, per_area, point, table, unit_of
 from signorini.cli.governing import print_combined
 from signorini.discretise import Discretisation
 from signorini.kinds import MEANINGS, SYMBOLS, describe, kinds
 from signorini.model import Support, Units
-from signorini.result import Result, SupportResult
+from signorini.result import Result
 from signorini.solve import Results
+from signorini.support_result import SupportResult
 
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _MOST_OPEN = 8
@@ -86,13 +87,13 @@ def _print_model(console: Console, found: Discretisation) -> None:
 
 def _print_result(console: Console, result: Result) -> None:
     units = result.model.units
-    console.print(
-        Text(result.name, style="bold") + Text(f": solved by {result.method}, {result.iterations} {result.counted}")
-    )
-    shown = table("", "support", "kind", right=[f"reaction{in_unit(units.force)}", "closed", "open"])
+    before = f" after {' and '.join(result.unsettled)} did not settle" if result.unsettled else ""
+    how = f": solved by {result.method}{before}, {result.iterations} {result.counted}"
+    console.print(Text(result.name, style="bold") + Text(how))
+    rows = table("", "support", "kind", right=[f"reaction{in_unit(units.force)}", "closed", "open"])
     least = _ROUNDING * float(abs(result.nodal_reaction).max())
     for support, found in zip(result.model.support, result.supports, strict=True):
-        shown.add_row(
+        rows.add_row(
             _symbol(support, console),
             Text(found.name),
             found.kind,
@@ -101,11 +102,11 @@ def _print_result(console: Console, result: Result) -> None:
             str(found.open_count),
         )
     if len(result.supports) > 1:
-        shown.add_section()
+        rows.add_section()
         total = sum(found.reaction for found in result.supports)
         counts = [sum(getattr(found, count) for found in result.supports) for count in ("closed_count", "open_count")]
-        shown.add_row("", "all", "", number(total), *map(str, counts))
-    console.print(shown)
+        rows.add_row("", "all", "", number(total), *map(str, counts))
+    console.print(rows)
     for found in result.supports:
         _print_extent(console, found, units)
     _print_deflection(console, result)
@@ -120,10 +121,8 @@ def _print_extent(console: Console, found: SupportResult, units: Units) -> None:
         console.print(f"{found.name}, open: {', '.join(map(point, found.positions[~found.closed].tolist()))}")
     if found.contact_area is not None and found.max_pressure is not None:
         area = f"{number(found.contact_area)}{unit_of(units.length, 2)}"
-        per_area = f"{units.force}/{units.length}²" if units.force and units.length else ""
-        console.print(
-            f"{found.name}, in contact: {area}, largest pressure {number(found.max_pressure)} {per_area}".rstrip()
-        )
+        pressure = f"{number(found.max_pressure)} {per_area(units)}".rstrip()
+        console.print(f"{found.name}, in contact: {area}, largest pressure {pressure}")
 
 
 def _print_deflection(console: Console, result: Result) -> None:
@@ -140,13 +139,15 @@ def _probes(result: Result, units: Units) -> Table:
     moment = f" [{units.force} {units.length}/{units.length}]" if units.force and units.length else ""
     shear = f" [{units.force}/{units.length}]" if units.force and units.length else ""
     titles = [f"deflection{in_unit(units.length)}", "θx", "θy", f"mx{moment}", "my", "mxy", f"qx{shear}", "qy"]
-    shown = table(f"probe{in_unit(units.length)}", right=titles)
+    pressed = any(probe.pressure is not None for probe in result.probes)
+    rows = table(f"probe{in_unit(units.length)}", right=titles + pressed * [f"pressure{in_unit(per_area(units))}"])
     rounding = [_ROUNDING * float(abs(field).max()) for field in result.fields.values()]
     for probe in result.probes:
         values = (probe.deflection, *probe.rotation, *probe.moment, *probe.shear)
-        rounded = (value if abs(value) > least else 0.0 for value, least in zip(values, rounding, strict=True))
-        shown.add_row(point(probe.at), *(number(value, 5) for value in rounded))
-    return shown
+        shown = (value if abs(value) > least else 0.0 for value, least in zip(values, rounding, strict=True))
+        pressure = pressed * ["" if probe.pressure is None else number(probe.pressure, 5)]
+        rows.add_row(point(probe.at), *(number(value, 5) for value in shown), *pressure)
+    return rows
 
 
 def _print_legend(console: Console, supports: Sequence[Support]) -> None:

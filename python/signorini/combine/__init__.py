@@ -79,7 +79,9 @@ class Combined:
         return tuple(self.name(number) for number in list(numbers)[:_GOVERNING])
 
 
-def combine(problem: ContactProblem, single: Single, sink: Sink | None = None) -> Combined:
+def combine(
+    problem: ContactProblem, single: Single, begin: Callable[[str], None], sink: Sink | None = None
+) -> Combined:
     """Solve every combination of a model.
 
     Parameters
@@ -87,6 +89,8 @@ def combine(problem: ContactProblem, single: Single, sink: Sink | None = None) -
     problem : ContactProblem
     single : callable
         Solves one combination by itself; used where a sum of responses is not certain, and for active sets.
+    begin : callable
+        Called with the name of the first combination of each block as it begins; what it raises ends the run.
     sink : callable, optional
         Takes the columns of each block, see `Block.columns`.
     """
@@ -98,6 +102,7 @@ def combine(problem: ContactProblem, single: Single, sink: Sink | None = None) -
     width = layout.point_count * 3 + len(FIELDS) * len(layout.probes) + len(run.cases) + 20
     rows = int(np.clip(_MOST_NUMBERS // width, 16, _MOST_ROWS))
     for first in range(0, len(combinations), rows):
+        begin(combinations[first].name)
         block = Block.empty(layout, first, combinations[first : first + rows])
         run.solve(block)
         if sink is not None:

@@ -7,16 +7,20 @@ from matplotlib.axes import Axes
 
 from signorini.plot.field import contour, line
 from signorini.plot.marks import LoadMark, SupportMark, supports
-from signorini.plot.pictures import check_picture, deflection_picture, save
+from signorini.plot.pictures import check_picture, deflection_picture, pressure_picture, save
+from signorini.plot.pressure import PressureLayer, pressure
 
 __all__ = [
     "Axes",
     "LoadMark",
+    "PressureLayer",
     "SupportMark",
     "check_picture",
     "contour",
     "deflection_picture",
     "line",
+    "pressure",
+    "pressure_picture",
     "save",
     "supports",
 ]

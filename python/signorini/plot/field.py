@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from signorini.errors import InputError
 from signorini.plot.plan import INK, checked_mesh, draw_outlines, plan_axes
-from signorini.plot.tessellation import tessellate
+from signorini.tessellation import tessellate
 
 _NOISE = 1e-9
 
@@ -84,7 +85,7 @@ def contour(
 
     low, high = _range(fine)
     limits = MaxNLocator(levels).tick_values(low, high) if isinstance(levels, int) else np.asarray(levels)
-    colours, norm = _colours(low, high, cmap)
+    colours, norm = colour_scale(low, high, cmap)
     triangulation = Triangulation(x, y, cut.triangles)
     fine = np.clip(fine, low, high)
     bands = axes.tricontourf(triangulation, fine, levels=limits, cmap=colours, norm=norm)
@@ -92,14 +93,7 @@ def contour(
     if low < 0 < high:
         axes.tricontour(triangulation, fine, levels=[0.0], colors=INK, linewidths=1.1, linestyles="solid")
     draw_outlines(axes, np.column_stack([x, y]), cut, inner=0.16)
-    figure = axes.get_figure(root=True)
-    if figure is not None:
-        bar = figure.colorbar(bands, ax=axes, shrink=0.92, aspect=28, pad=0.025)
-        bar.set_label(label, fontsize=9)
-        bar.outline.set_visible(False)
-        bar.formatter.set_powerlimits((-3, 4))  # type: ignore[attr-defined]
-        bar.ax.tick_params(length=2.5, labelsize=8.5)
-        bar.update_ticks()
+    add_colour_bar(axes, bands, label)
     return axes
 
 
@@ -150,6 +144,18 @@ def line(
     return axes
 
 
+def add_colour_bar(axes: Axes, colours: ScalarMappable, label: str) -> None:
+    """Put the scale of the colours beside the axes."""
+    figure = axes.get_figure(root=True)
+    if figure is not None:
+        bar = figure.colorbar(colours, ax=axes, shrink=0.92, aspect=28, pad=0.025)
+        bar.set_label(label, fontsize=9)
+        bar.outline.set_visible(False)
+        bar.formatter.set_powerlimits((-3, 4))  # type: ignore[attr-defined]
+        bar.ax.tick_params(length=2.5, labelsize=8.5)
+        bar.update_ticks()
+
+
 def _range(values: NDArray[np.float64]) -> tuple[float, float]:
     """Take the range of a field, without what is only rounding on the other side of zero, and never empty."""
     low, high = float(values.min()), float(values.max())
@@ -164,7 +170,7 @@ def _range(values: NDArray[np.float64]) -> tuple[float, float]:
     return low, high
 
 
-def _colours(low: float, high: float, cmap: str | Colormap | None) -> tuple[Colormap, Normalize]:
+def colour_scale(low: float, high: float, cmap: str | Colormap | None) -> tuple[Colormap, Normalize]:
     """Choose colours: diverging about zero where both signs occur, else from pale at the end nearer to zero."""
     largest = max(abs(low), abs(high))
     both = low < 0 < high

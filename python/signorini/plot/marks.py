@@ -13,13 +13,14 @@ from matplotlib.colors import to_rgba
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.patheffects import Normal, TickedStroke
+from matplotlib.patheffects import Normal, TickedStroke, withStroke
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
 from signorini.plot.plan import INK
 
 _LOAD = "#b3261e"
+_EDGE = "#d95f02"
 _MARKERS = {"down": "^", "up": "v", "both": "s", "fixed": "s"}
 _ACTIONS = {"down": "pushes up only", "up": "holds down only", "both": "holds both ways", "fixed": "fixed"}
 _SIZES = {"points": (8.5, 4.0), "line": (4.5, 2.5), "area": (3.5, 0.7)}
@@ -46,6 +47,8 @@ class SupportMark:
         Which points are in contact (filled) and which are open (hollow). None: not known or always held.
     style : {"points", "line", "area"}
         How large the marks are.
+    boundary : sequence of ndarray, shape (k, 2)
+        The edge of contact of an area, as polylines.
     """
 
     name: str
@@ -53,6 +56,7 @@ class SupportMark:
     positions: NDArray[np.float64]
     closed: NDArray[np.bool_] | None = None
     style: Literal["points", "line", "area"] = "points"
+    boundary: Sequence[NDArray[np.float64]] = ()
 
     @property
     def label(self) -> str:
@@ -87,13 +91,15 @@ class LoadMark:
     upward: bool = False
 
 
-def supports(marks: Iterable[SupportMark], ax: Axes) -> Axes:
-    """Draw supports, closed contact points filled and open ones hollow, with a legend below the axes.
+def supports(marks: Iterable[SupportMark], ax: Axes, *, areas: bool = True) -> Axes:
+    """Draw supports, closed contact points filled and open ones hollow, and edges of contact; the legend is below.
 
     Parameters
     ----------
     marks : iterable of SupportMark
     ax : Axes
+    areas : bool
+        Whether to draw the points of areas too, or only their edges of contact.
 
     Returns
     -------
@@ -108,8 +114,19 @@ def supports(marks: Iterable[SupportMark], ax: Axes) -> Axes:
     >>> [entry.get_text() for entry in axes.get_legend().get_texts()]
     ['pads: pushes up only, 1 closed, 1 open']
     """
-    draw_legend(ax, [draw_support(mark, ax) for mark in marks])
+    draw_legend(ax, draw_supports(marks, ax, areas=areas))
     return ax
+
+
+def draw_supports(marks: Iterable[SupportMark], axes: Axes, *, areas: bool = True) -> list[Entry]:
+    """Draw supports and edges of contact and return their entries in the legend."""
+    marks = list(marks)
+    entries = [draw_support(mark, axes) for mark in marks if areas or mark.style != "area"]
+    look: dict[str, Any] = {"color": _EDGE, "linewidth": 1.8, "solid_capstyle": "butt"}
+    lines = [line for mark in marks for line in mark.boundary]
+    for line in lines:
+        axes.plot(*line.T, zorder=5.5, path_effects=[withStroke(linewidth=3.2, foreground="white")], **look)
+    return entries + ([("edge of contact", (Line2D([], [], **look),))] if lines else [])
 
 
 def draw_support(mark: SupportMark, axes: Axes) -> Entry:
@@ -134,7 +151,7 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
         if chosen.any():
             axes.plot(*positions[chosen].T, zorder=5, **style)
             samples.append(Line2D([], [], **(style | {"markersize": max(size, 5.5), "markeredgewidth": 0.9})))
-    return mark.label, tuple(samples)
+    return mark.label, tuple(samples) or (Line2D([], [], linestyle="none"),)
 
 
 def draw_load(mark: LoadMark, axes: Axes) -> Entry:

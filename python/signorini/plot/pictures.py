@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
-from matplotlib.tri import Triangulation
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from signorini.files import replacing
 from signorini.plot.field import contour
-from signorini.plot.marks import Entry, LoadMark, SupportMark, draw_legend, draw_load, draw_support
-from signorini.plot.plan import INK, checked_mesh, draw_outlines, plan_axes
-from signorini.plot.tessellation import tessellate
-
-_SHEET = "#eef2f5"
+from signorini.plot.marks import Entry, LoadMark, SupportMark, draw_legend, draw_load, draw_supports
+from signorini.plot.plan import INK, checked_mesh, draw_outlines, draw_sheet, plan_axes
+from signorini.plot.pressure import PressureLayer, pressure
+from signorini.tessellation import tessellate
 
 
 def deflection_picture(
@@ -50,22 +48,45 @@ def deflection_picture(
     nodes, field = np.asarray(points, dtype=float), np.asarray(deflection, dtype=float)
     centre = (nodes.min(axis=0) + nodes.max(axis=0)) / 2
     for name, node in [("max", int(field.argmax())), ("min", int(field.argmin()))]:
-        inward = np.where(nodes[node] > centre, -1, 1)
-        halo = [withStroke(linewidth=2.5, foreground="white")]
-        axes.plot(*nodes[node], marker="+", color=INK, markersize=8, markeredgewidth=1.2, path_effects=halo, zorder=6)
-        axes.annotate(
-            f"{name} {field[node]:.4g}".replace("-", "−"),
-            (nodes[node, 0], nodes[node, 1]),
-            xytext=(float(9 * inward[0]), float(9 * inward[1])),
-            textcoords="offset points",
-            ha="left" if inward[0] > 0 else "right",
-            va="bottom" if inward[1] > 0 else "top",
-            fontsize=8.5,
-            color=INK,
-            path_effects=halo,
-            zorder=7,
-        )
-    return _finished(axes, [draw_support(mark, axes) for mark in marks], length)
+        _name_place(axes, name, float(field[node]), nodes[node], centre)
+    return _finished(axes, draw_supports(marks, axes), length)
+
+
+def pressure_picture(
+    points: ArrayLike,
+    elements: ArrayLike,
+    layers: Sequence[PressureLayer],
+    marks: Iterable[SupportMark] = (),
+    *,
+    title: str = "",
+    label: str = "contact pressure, positive up",
+    length: str = "",
+) -> Figure:
+    """Draw the contact pressure of areas, the edge of contact and the other supports.
+
+    The largest value is named where the pressure is a field, not a number an element.
+
+    Parameters
+    ----------
+    points, elements, layers
+        As for :func:`signorini.plot.pressure`.
+    marks : iterable of SupportMark
+        Of areas only the edge of contact is drawn.
+    title, label : str
+    length : str
+        The unit of length, for the two axes.
+
+    Returns
+    -------
+    Figure
+    """
+    axes = pressure(points, elements, layers, label=label, title=title)
+    nodes = np.asarray(points, dtype=float)
+    fields = [] if any(layer.an_element for layer in layers) else [layer.largest(nodes) for layer in layers]
+    largest = max(fields, key=lambda found: found[0], default=None)
+    if largest is not None and largest[0] > 0:
+        _name_place(axes, "max", *largest, (nodes.min(axis=0) + nodes.max(axis=0)) / 2)
+    return _finished(axes, draw_supports(marks, axes, areas=False), length)
 
 
 def check_picture(
@@ -97,11 +118,9 @@ def check_picture(
     axes = plan_axes(nodes, title)
     cut = tessellate(cells)
     vertices = cut.interpolate(nodes)
-    sheet = Triangulation(vertices[:, 0], vertices[:, 1], cut.triangles)
-    axes.tricontourf(sheet, np.zeros(len(vertices)), levels=[-1, 1], colors=[_SHEET])
+    draw_sheet(axes, vertices, cut)
     draw_outlines(axes, vertices, cut, inner=0.3)
-    held = [draw_support(mark, axes) for mark in supports]
-    return _finished(axes, held + [draw_load(mark, axes) for mark in loads], length)
+    return _finished(axes, draw_supports(supports, axes) + [draw_load(mark, axes) for mark in loads], length)
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
@@ -114,6 +133,25 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """
     with replacing(path) as beside:
         figure.savefig(beside, dpi=160, bbox_inches="tight", pad_inches=0.12)
+
+
+def _name_place(axes: Axes, name: str, value: float, at: NDArray[np.float64], centre: NDArray[np.float64]) -> None:
+    """Mark a place with a value, written on the side of the centre."""
+    inward = np.where(at > centre, -1, 1)
+    halo = [withStroke(linewidth=2.5, foreground="white")]
+    axes.plot(*at, marker="+", color=INK, markersize=8, markeredgewidth=1.2, path_effects=halo, zorder=6)
+    axes.annotate(
+        f"{name} {value:.4g}".replace("-", "−"),
+        (at[0], at[1]),
+        xytext=(float(9 * inward[0]), float(9 * inward[1])),
+        textcoords="offset points",
+        ha="left" if inward[0] > 0 else "right",
+        va="bottom" if inward[1] > 0 else "top",
+        fontsize=8.5,
+        color=INK,
+        path_effects=halo,
+        zorder=7,
+    )
 
 
 def _finished(axes: Axes, entries: list[Entry], length: str) -> Figure:

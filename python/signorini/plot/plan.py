@@ -6,12 +6,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.errors import InputError
-from signorini.plot.tessellation import Tessellation
+from signorini.tessellation import Tessellation
 
 INK = "#1c2733"
+_SHEET = "#eef2f5"
 
 
 def checked_mesh(points: ArrayLike, elements: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -31,6 +33,12 @@ def plan_axes(nodes: NDArray[np.float64], title: str) -> Axes:
     axes = figure.add_subplot()
     axes.set_title(title, fontsize=11, color=INK)
     return axes
+
+
+def draw_sheet(axes: Axes, vertices: NDArray[np.float64], cut: Tessellation) -> None:
+    """Fill the plate with a pale colour."""
+    sheet = Triangulation(vertices[:, 0], vertices[:, 1], cut.triangles)
+    axes.tricontourf(sheet, np.zeros(len(vertices)), levels=[-1, 1], colors=[_SHEET])
 
 
 def draw_outlines(axes: Axes, vertices: NDArray[np.float64], cut: Tessellation, inner: float) -> None:

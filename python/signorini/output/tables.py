@@ -1,0 +1,157 @@
+"""Results as ``results.json`` and as ``reactions.csv``."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any
+
+from signorini.output.names import file_names
+from signorini.probe_result import ProbeResult
+from signorini.result import Result
+from signorini.solve import Results
+from signorini.support_result import SupportResult
+from signorini.tabulated import envelope_json, table_json
+
+SCHEMA = 1
+_COLUMNS = (
+    *("combination", "support", "kind", "point", "x", "y", "reaction", "gap", "state"),
+    *("closed", "open", "contact_area", "max_pressure"),
+)
+
+
+def results_json(results: Results) -> dict[str, Any]:
+    """Give the results in the form of ``results.json``.
+
+    Numbers of a combination without equilibrium are absent: its lists are empty, its tables None, and ``message``
+    says why. No number is NaN or infinite.
+
+    Parameters
+    ----------
+    results : Results
+
+    Returns
+    -------
+    dict
+        Of what JSON can hold; docs/results.md describes every key.
+
+    Examples
+    --------
+    >>> import signorini
+    >>> model = signorini.Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+    ...     support=[{"name": "bearings", "at": [[1, 1], [9, 1], [1, 9], [9, 9]], "resists": "down"}],
+    ...     load=[{"pressure": 2e3}],
+    ... )
+    >>> found = results_json(signorini.solve(model))["combinations"][0]
+    >>> found["name"], found["status"], [point["state"] for point in found["supports"][0]["points"]]
+    ('all', 'solved', ['closed', 'closed', 'closed', 'closed'])
+    """
+    found, combined = results.discretisation, results.combined
+    tabulated = {} if combined is None else {"table": table_json(combined), "envelope": envelope_json(combined, found)}
+    return {
+        "schema": SCHEMA,
+        "title": found.model.title,
+        "units": {"length": found.model.units.length, "force": found.model.units.force},
+        "model": {
+            "nodes": found.mesh.node_count,
+            "elements": len(found.mesh.elements),
+            "dofs": found.dof_count,
+            "contact_points": int((~found.contacts.two_sided).sum()),
+        },
+        "combinations": [_combination(result) for result in results.values()],
+        **tabulated,
+        "seconds": {name: float(spent) for name, spent in results.seconds.items()},
+        "files": file_names(results),
+    }
+
+
+def reactions_csv(results: Results) -> str:
+    """Give the reactions as a table of comma-separated values.
+
+    A row a combination and support, its ``point`` "total"; and, for point supports, a row a point.
+
+    Parameters
+    ----------
+    results : Results
+
+    Returns
+    -------
+    str
+    """
+    text = io.StringIO()
+    table = csv.DictWriter(text, _COLUMNS, lineterminator="\n")
+    table.writeheader()
+    for result in results.values():
+        table.writerows(_rows(result))
+    return text.getvalue()
+
+
+def _combination(result: Result) -> dict[str, Any]:
+    solved = result.status == "solved"
+    return {
+        "name": result.name,
+        "status": result.status,
+        "message": result.message,
+        "method": result.method,
+        "unsettled": list(result.unsettled),
+        "iterations": result.iterations,
+        "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
+        "deflection": _extremes(result) if solved else None,
+        "supports": [_support(support) for support in result.supports],
+        "probes": [_probe(probe) for probe in result.probes],
+    }
+
+
+def _extremes(result: Result) -> dict[str, Any]:
+    highest, lowest = int(result.deflection.argmax()), int(result.deflection.argmin())
+    return {
+        "max": float(result.deflection[highest]),
+        "max_at": result.mesh.points[highest].tolist(),
+        "min": float(result.deflection[lowest]),
+        "min_at": result.mesh.points[lowest].tolist(),
+    }
+
+
+def _support(support: SupportResult) -> dict[str, Any]:
+    found = {"name": support.name, "kind": support.kind, **_total(support)}
+    found["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
+    return found | ({"points": list(_points(support))} if support.place == "at" else {})
+
+
+def _total(support: SupportResult) -> dict[str, Any]:
+    """What a support does as a whole."""
+    return {
+        "reaction": support.reaction,
+        "closed": support.closed_count,
+        "open": support.open_count,
+        "contact_area": support.contact_area,
+        "max_pressure": support.max_pressure,
+    }
+
+
+def _points(support: SupportResult) -> Iterator[dict[str, Any]]:
+    """What it does at each of its points."""
+    columns = (support.positions, support.reactions, support.gaps, support.closed)
+    for at, reaction, gap, closed in zip(*(column.tolist() for column in columns), strict=True):
+        yield {"at": at, "reaction": reaction, "gap": gap, "state": "closed" if closed else "open"}
+
+
+def _probe(probe: ProbeResult) -> dict[str, Any]:
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(probe).items()}
+
+
+def _rows(result: Result) -> Iterator[dict[str, Any]]:
+    if result.status != "solved":
+        for asked in result.model.support:
+            yield {"combination": result.name, "support": asked.name, "point": "total", "state": result.status}
+    for support in result.supports:
+        row = {"combination": result.name, "support": support.name, "kind": support.kind}
+        yield row | {"point": "total"} | _total(support)
+        if support.place == "at":
+            for number, point in enumerate(_points(support), start=1):
+                x, y = point.pop("at")
+                yield row | {"point": number, "x": x, "y": y} | point

@@ -1,0 +1,50 @@
+"""How far a solve has come, for whoever watches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+
+@dataclass(frozen=True)
+class Progress:
+    """A moment of a solve.
+
+    Parameters
+    ----------
+    combination : str
+        The combination being solved; empty before the first.
+    step : int
+        Steps of the active set so far; 0 as a combination begins, and all there is where Lemke's algorithm solves it.
+    changing : int
+        Contact points that opened or closed in this step.
+    residual : float
+        Largest nodal force out of balance over the largest there is; 1 before the first step.
+    stage : {"mesh", "factor", "contact"}
+        What begins: meshing, assembling and factoring, once each, and then the contact problem of every combination.
+
+    Examples
+    --------
+    >>> str(Progress("ULS", 3, 120, 2.5e-4)), str(Progress(stage="mesh"))
+    ('ULS: step 3, 120 contact points changing, imbalance 2.5e-04', 'meshing')
+    """
+
+    combination: str = ""
+    step: int = 0
+    changing: int = 0
+    residual: float = 1.0
+    stage: Literal["mesh", "factor", "contact"] = "contact"
+
+    def __str__(self) -> str:
+        """Say it in a line."""
+        if self.stage != "contact":
+            return {"mesh": "meshing", "factor": "assembling and factoring"}[self.stage]
+        if self.step == 0:
+            return f"{self.combination}: solving"
+        points = f"{self.changing} contact point{'s' if self.changing != 1 else ''} changing"
+        return f"{self.combination}: step {self.step}, {points}, imbalance {self.residual:.1e}"
+
+
+Watcher: TypeAlias = Callable[[Progress], object]
+"""Called at every moment; what it raises ends the solve."""

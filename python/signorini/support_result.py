@@ -1,0 +1,119 @@
+"""What each support does in a solution: reactions, gaps, states, and the contact of areas."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from signorini import _core
+from signorini.contact_field import AreaContact
+from signorini.discretise import Discretisation
+from signorini.discretise.rows import Bools, Floats
+from signorini.kinds import describe
+from signorini.supportpoints import SupportPoints
+
+
+@dataclass(frozen=True, eq=False)
+class SupportResult:
+    """What one support does.
+
+    Parameters
+    ----------
+    name, kind : str
+        Its name, and in words where it is and which way it holds.
+    reaction : float
+        Total force, positive when it pushes the plate up.
+    positions : (k, 2) array
+        Where it acts; reactions (k,), remaining gaps (k,) and states (k,) of these points follow. Springs and held
+        nodes are always closed.
+    weights : (k,) array
+        Length or area that each point stands for; 1 at a point.
+    area : AreaContact or None
+        Of an area, its contact as a field.
+    """
+
+    name: str
+    kind: str
+    reaction: float
+    positions: Floats
+    reactions: Floats
+    gaps: Floats
+    closed: Bools
+    weights: Floats
+    place: Literal["at", "edge", "line", "circle", "area"]
+    area: AreaContact | None
+
+    @property
+    def closed_count(self) -> int:
+        """Number of closed points."""
+        return int(self.closed.sum())
+
+    @property
+    def open_count(self) -> int:
+        """Number of open points."""
+        return len(self.closed) - self.closed_count
+
+    @property
+    def contact_area(self) -> float | None:
+        """Area in contact, from the deflection field where it is elastic; None if the support is not an area."""
+        return None if self.area is None else self.area.contact_area
+
+    @property
+    def contact_boundary(self) -> tuple[Floats, ...]:
+        """Edge of an area's contact: polylines (k, 2) with the contact on their left.
+
+        The last point of a closed one is its first; the others end where the plate or the support does. Of an elastic
+        area they follow the deflection field, of a rigid one the sides of elements.
+        """
+        return () if self.area is None else self.area.contact_boundary
+
+    @property
+    def max_pressure(self) -> float | None:
+        """Largest pressure of an area, from the deflection field where it is elastic; None if it is not an area."""
+        return None if self.area is None else self.area.max_pressure
+
+
+def support_result(
+    found: Discretisation,
+    index: int,
+    held_force: Floats,
+    pull: Floats,
+    answer: _core.ContactSolution,
+) -> SupportResult:
+    """Say what a support does.
+
+    Parameters
+    ----------
+    found : Discretisation
+    index : int
+        Which support of the model.
+    held_force : (n,) array
+        Upward force on every node that is held.
+    pull : (s,) array
+        Upward force of every spring.
+    answer : ContactSolution
+    """
+    support = found.model.support[index]
+    points = SupportPoints.of(found, index)
+    reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.reaction)
+    closed = points.closed(answer.closed)
+    area = None
+    if support.area is not None:
+        of_springs = found.springs.rows.elements[points.springs]
+        elements = np.concatenate([of_springs, found.contacts.rows.elements[points.rows[0]]])
+        deflection = (answer.hi + answer.lo)[::3]
+        area = AreaContact(found.mesh, support, deflection, elements, points.weights, closed, reactions)
+    return SupportResult(
+        support.name,
+        describe(support),
+        float(reactions.sum()),
+        points.positions,
+        reactions,
+        points.gaps(answer.gap),
+        closed,
+        points.weights,
+        support.place,
+        area,
+    )

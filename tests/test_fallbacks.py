@@ -1,0 +1,78 @@
+"""Methods take over from one another where one does not settle, and the result says so."""
+
+import numpy as np
+import pytest
+
+import signorini
+from signorini import Model, NotCertifiedError
+from signorini.problem import ContactProblem
+
+
+def slab(method: str = "auto", divisions: int = 8) -> Model:
+    return Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [10, 6], "thickness": 0.25},
+        mesh={"divisions": [divisions, 5]},
+        support=[
+            {"name": "soil", "area": "all", "resists": "down", "stiffness": 2e6, "gap": "1e-4 * x"},
+            {"name": "pads", "at": [[2, 2], [8, 2], [5.13, 4.77]], "resists": "down", "gap": 5e-4},
+            {"name": "anchors", "at": [[0.5, 5.5], [9.5, 5.5]], "resists": "up"},
+        ],
+        load=[{"pressure": 3e3}, {"force": 4e5, "at": [8.2, 1.1]}],
+        solver={"method": method},
+    )
+
+
+@pytest.fixture
+def unsettled(monkeypatch: pytest.MonkeyPatch) -> set[str]:
+    """Methods put in here find something that fails its certificate."""
+    names: set[str] = set()
+    solve = ContactProblem.solve
+
+    def spoiled(self: ContactProblem, load, form="auto", progress=None):
+        other = self.discretisation.cases["load"]
+        wrong = type(other)(1.01 * load.nodal, load.curvature, load.couples)
+        return solve(self, wrong if self.method in names else load, form, progress)
+
+    monkeypatch.setattr(ContactProblem, "solve", spoiled)
+    return names
+
+
+@pytest.mark.parametrize(
+    ("failing", "tried"),
+    [
+        ((), ("active_set",)),
+        (("active_set",), ("active_set", "lemke")),
+        (("active_set", "lemke"), ("active_set", "lemke", "interior_point")),
+    ],
+)
+def test_soil_is_solved_by_the_next_method(unsettled: set[str], failing: tuple[str, ...], tried: tuple[str, ...]) -> None:
+    by_lemke = signorini.solve(slab("lemke"))["all"]
+    unsettled.update(failing)
+    result = signorini.solve(slab())["all"]
+    assert (*result.unsettled, result.method) == tried and result.certificate.passed
+    assert np.abs(result.deflection - by_lemke.deflection).max() < 1e-9 * np.abs(by_lemke.deflection).max()
+
+
+def test_few_points_go_from_lemke_to_the_active_set(unsettled: set[str]) -> None:
+    unsettled.add("lemke")
+    result = signorini.solve(slab(divisions=4))["all"]
+    assert (result.unsettled, result.method) == (("lemke",), "active_set")
+
+
+def test_with_too_many_points_for_lemke_the_interior_point_method_follows(
+    unsettled: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("signorini.problem.MOST_POINTS", 20)
+    by_active_set = signorini.solve(slab("active_set"))["all"]
+    unsettled.add("active_set")
+    result = signorini.solve(slab())["all"]
+    assert (result.unsettled, result.method) == (("active_set",), "interior_point")
+    assert np.abs(result.deflection - by_active_set.deflection).max() < 1e-9 * np.abs(result.deflection).max()
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set", "interior_point"])
+def test_a_method_asked_for_by_name_is_not_replaced(unsettled: set[str], method: str) -> None:
+    unsettled.add(method)
+    with pytest.raises(NotCertifiedError, match='"all" is refused'):
+        signorini.solve(slab(method))

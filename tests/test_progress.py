@@ -1,0 +1,126 @@
+"""What a solve tells of itself, in Python and on a terminal."""
+
+import os
+import pty
+import re
+import subprocess
+import sys
+from contextlib import suppress
+from itertools import groupby
+from pathlib import Path
+from threading import Thread
+
+import pytest
+
+import signorini
+from signorini import Progress
+
+SLAB = """
+material = { E = 30e9, nu = 0.2 }
+plate = { shape = "rectangle", size = [10, 10], thickness = 0.3 }
+mesh = { divisions = [10, 10] }
+support = [{ name = "soil", area = "all", resists = "down", stiffness = 30e6 }]
+load = [
+    { case = "G", pressure = 2e3 },
+    { case = "Q", force = 5e5, at = [1, 1] },
+]
+combination = [
+    { name = "dead", factors = { G = 1 } },
+    { name = "everything [bold]at once[/bold] with a long name", factors = { G = 1, Q = 1 } },
+]
+"""
+
+
+@pytest.fixture
+def slab(tmp_path: Path) -> Path:
+    path = tmp_path / "slab.toml"
+    path.write_text(SLAB)
+    return path
+
+
+def test_every_stage_and_every_step_of_the_active_set_is_told(slab: Path) -> None:
+    told: list[Progress] = []
+    results = signorini.solve(signorini.load(slab), progress=told.append)
+    assert [now.stage for now in told[:2]] == ["mesh", "factor"]
+    parts = {name: list(part) for name, part in groupby(told[2:], lambda now: now.combination)}
+    assert list(parts) == list(results)
+    for name, part in parts.items():
+        assert {now.stage for now in part} == {"contact"}
+        assert [now.step for now in part] == list(range(len(part)))
+        assert len(part) - 1 == results[name].iterations
+        assert part[-1].residual < 1e-9
+    assert max(now.changing for now in parts["everything [bold]at once[/bold] with a long name"]) > 0
+
+
+class Enough(Exception):
+    """Raised by who has seen enough."""
+
+
+@pytest.mark.parametrize("last", [0, 1, 2, 3, 5])
+def test_what_the_watcher_raises_ends_the_solve(slab: Path, last: int) -> None:
+    told: list[Progress] = []
+
+    def watch(now: Progress) -> None:
+        told.append(now)
+        if len(told) > last:
+            raise Enough
+
+    with pytest.raises(Enough):
+        signorini.solve(signorini.load(slab), progress=watch)
+    assert len(told) == last + 1
+
+
+def on_a_terminal(command: list[str]) -> tuple[str, str]:
+    """Run with a terminal for standard error; return standard output and what the terminal got."""
+    ours, theirs = pty.openpty()
+    environment = {name: value for name, value in os.environ.items() if name not in ("NO_COLOR", "FORCE_COLOR")}
+    shown = bytearray()
+
+    def read() -> None:
+        # The end of the other side is an error on Linux, nothing on other systems.
+        with suppress(OSError):
+            while part := os.read(ours, 65536):
+                shown.extend(part)
+
+    reader = Thread(target=read)
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=theirs, env=environment | {"TERM": "xterm", "COLUMNS": "40"}
+    ) as process:
+        os.close(theirs)
+        reader.start()
+        printed, _ = process.communicate()
+    reader.join()
+    os.close(ours)
+    assert process.returncode == 0
+    return printed.decode(), shown.decode()
+
+
+def test_a_terminal_shows_a_line_that_is_gone_at_the_end(slab: Path) -> None:
+    printed, shown = on_a_terminal([sys.executable, "-m", "signorini", "solve", str(slab)])
+    assert "\x1b" not in printed and "dead: solved by active_set" in printed
+    assert "writing the results" in shown
+    assert shown.rstrip().endswith("\x1b[2K") and "\x1b[?25h" in shown
+    visible = [re.sub(r"\x1b\[[\d?]*[a-zA-Z]", "", line) for line in re.split(r"[\r\n]+", shown)]
+    assert max(map(len, visible)) < 40
+
+
+@pytest.mark.parametrize("environment", [{}, {"FORCE_COLOR": "1"}])
+def test_what_is_no_terminal_shows_nothing(slab: Path, environment: dict[str, str]) -> None:
+    command = [sys.executable, "-m", "signorini", "solve", str(slab)]
+    done = subprocess.run(command, capture_output=True, env=os.environ | environment, check=True)
+    assert done.stderr == b""
+
+
+def test_a_combination_without_steps_is_told_once() -> None:
+    model = signorini.validate(
+        {
+            "material": {"E": 30e9, "nu": 0.2},
+            "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+            "mesh": {"divisions": [2, 2]},
+            "support": [{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
+            "load": [{"pressure": 1e3}],
+        }
+    )
+    told: list[Progress] = []
+    signorini.solve(model, progress=told.append)
+    assert [str(now) for now in told] == ["meshing", "assembling and factoring", "all: solving"]
