@@ -281,6 +281,15 @@ def test_combinations_without_equilibrium_are_reported_and_the_others_go_on(tmp_
         signorini.solve(Model(**data))
 
 
+def test_a_moving_load_has_columns_for_its_factor_and_its_place(tmp_path):
+    rows = {"first": [1, 2, 0], "second": [1, 0, 3], "both": [1, 1, 1]}
+    table = {"generate": "table", "columns": ["G", "truck@0", "truck@1.5"], "rows": rows}
+    data = tables(moving=[TRUCK], combination=[table], output={"combinations": "table", "fields": "none"})
+    signorini.solve(Model(**data), table=tmp_path / "t.parquet")
+    found = columns(tmp_path / "t.parquet")
+    assert (found["factor:truck"], found["position:truck"]) == ([2.0, 3.0, None], [0.0, 1.5, None])
+
+
 def test_many_elastic_points_go_to_the_active_set_one_by_one(tmp_path):
     data = tables(
         support=[{"name": "soil", "area": "all", "resists": "down", "stiffness": 2e3}],

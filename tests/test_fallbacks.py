@@ -46,7 +46,9 @@ def unsettled(monkeypatch: pytest.MonkeyPatch) -> set[str]:
         (("active_set", "lemke"), ("active_set", "lemke", "interior_point")),
     ],
 )
-def test_soil_is_solved_by_the_next_method(unsettled: set[str], failing: tuple[str, ...], tried: tuple[str, ...]) -> None:
+def test_soil_is_solved_by_the_next_method(
+    unsettled: set[str], failing: tuple[str, ...], tried: tuple[str, ...]
+) -> None:
     by_lemke = signorini.solve(slab("lemke"))["all"]
     unsettled.update(failing)
     result = signorini.solve(slab())["all"]

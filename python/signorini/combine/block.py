@@ -157,16 +157,20 @@ class Block:
             yield f"certificate:{name}", self.certificate[:, index]
 
     def _factors(self, model: Model) -> Iterator[tuple[str, Floats]]:
-        """Factors of the cases; a moving load has one column for its factor and one for where it stands."""
+        """Factors of the cases; of a moving load also where it stands, both NaN if it stands in two places."""
         travelled = {at: (load.case, s) for load in model.moving for at, s in load.positions.items()}
         factor = {case: np.zeros(len(self.combinations)) for case in (*model.cases, *(m.case for m in model.moving))}
         position = {load.case: np.full(len(self.combinations), np.nan) for load in model.moving}
         for row, combination in enumerate(self.combinations):
+            standing: set[str] = set()
             for case, value in (combination.factors or {}).items():
                 name, s = travelled.get(case, (case, 0.0))
                 factor[name][row] = value
                 if name in position:
                     position[name][row] = s
+                if name in standing:
+                    factor[name][row] = position[name][row] = np.nan
+                standing.add(name)
         for case, values in factor.items():
             yield f"factor:{case}", values
         for case, values in position.items():
