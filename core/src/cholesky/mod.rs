@@ -1,5 +1,7 @@
 //! Sparse Cholesky factorization by `faer`, its solves, and its trailing block.
 
+mod substitution;
+
 use crate::assembly::LowerTriangle;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::{LltError as PivotError, LltParams, LltRegularization};
@@ -8,6 +10,7 @@ use faer::sparse::linalg::cholesky::{simplicial, supernodal};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, MatMut, Par, Spec};
 use std::sync::Arc;
+use substitution::Schedule;
 
 /// Why there is no factor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +35,7 @@ impl std::error::Error for FactorError {}
 /// K = L Lᵀ with the columns in the order given.
 pub struct Factor {
     symbolic: Arc<supernodal::SymbolicSupernodalCholesky<usize>>,
+    schedule: Arc<Schedule>,
     values: Vec<f64>,
 }
 
@@ -68,6 +72,7 @@ fn transposed(lower: &LowerTriangle) -> (Vec<usize>, Vec<usize>) {
 #[derive(Clone)]
 pub struct Analysis {
     symbolic: Arc<supernodal::SymbolicSupernodalCholesky<usize>>,
+    schedule: Arc<Schedule>,
 }
 
 impl Analysis {
@@ -90,7 +95,8 @@ impl Analysis {
             SymbolicSupernodalParams::default(),
         )
         .map_err(|_| FactorError::OutOfMemory)?;
-        Ok(Self { symbolic: Arc::new(symbolic) })
+        let schedule = Arc::new(Schedule::new(&symbolic));
+        Ok(Self { symbolic: Arc::new(symbolic), schedule })
     }
 
     pub fn factorize(&self, matrix: &LowerTriangle) -> Result<Factor, FactorError> {
@@ -113,7 +119,7 @@ impl Analysis {
             params,
         )
         .map_err(|PivotError::NonPositivePivot { index }| FactorError::NotPositiveDefinite { column: index })?;
-        Ok(Factor { symbolic: self.symbolic.clone(), values })
+        Ok(Factor { symbolic: self.symbolic.clone(), schedule: self.schedule.clone(), values })
     }
 }
 
@@ -163,6 +169,10 @@ impl Factor {
     /// Overwrites `rhs`, one vector or several one after the other, with L⁻¹ times each.
     pub fn forward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         let count = rhs.len() / self.len().max(1);
+        if count <= 1 {
+            self.schedule.forward(&self.values, rhs);
+            return Ok(());
+        }
         let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(count, PAR))?;
         let rhs = MatMut::from_column_major_slice_mut(rhs, self.len(), count);
         self.view().l_solve_with_conj(Conj::No, rhs, PAR, MemStack::new(&mut memory));
@@ -172,6 +182,10 @@ impl Factor {
     /// Overwrites `rhs`, one vector or several one after the other, with L⁻ᵀ times each.
     pub fn backward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         let count = rhs.len() / self.len().max(1);
+        if count <= 1 {
+            self.schedule.backward(&self.values, rhs);
+            return Ok(());
+        }
         let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(count, PAR))?;
         let rhs = MatMut::from_column_major_slice_mut(rhs, self.len(), count);
         self.view().l_transpose_solve_with_conj(Conj::No, rhs, PAR, MemStack::new(&mut memory));

@@ -1,0 +1,55 @@
+//! Substitution with a factor: one right-hand side, which subtrees share, against several, which faer solves.
+
+use signorini_core::assembly::{Numbering, assemble};
+use signorini_core::cholesky::Analysis;
+use signorini_core::element::{Kind, Material};
+use signorini_core::plate::Plate;
+use signorini_core::residual::{Rows, Springs};
+
+/// A strip of square elements, on a spring at the first node of each.
+fn strip(columns: usize, rows: usize) -> (Plate, Springs) {
+    let wide = 2 * columns + 1;
+    let mut number = vec![usize::MAX; wide * (2 * rows + 1)];
+    let mut points = Vec::new();
+    for k in (0..number.len()).filter(|k| k % wide % 2 == 0 || k / wide % 2 == 0) {
+        number[k] = points.len();
+        points.push([0.5 * (k % wide) as f64, 0.5 * (k / wide) as f64]);
+    }
+    let nodes = [0, 2, 2 * wide + 2, 2 * wide, 1, wide + 2, 2 * wide + 1, wide];
+    let corner = |e: usize| 2 * (e / columns) * wide + 2 * (e % columns);
+    let elements: Vec<[usize; 8]> =
+        (0..rows * columns).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
+    let count = elements.len();
+    let thickness = vec![0.5; points.len()];
+    let material = Material { young: 100.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
+    let plate = Plate::new(points, elements, thickness, material, Kind::Mitc9, None).unwrap();
+    let coefficient = (0..count).map(|e| plate.interpolation_row(e, -1.0, -1.0, 0).0).collect();
+    let rows = Rows { element: (0..count).collect(), coefficient };
+    (plate, Springs { rows, stiffness: vec![1.0; count], base: vec![0.0; count] })
+}
+
+#[test]
+fn subtrees_side_by_side_solve_what_one_after_the_other_do() {
+    // A small factor, which is not shared out, and one that is.
+    for (columns, rows, entries) in [(3, 2, 0), (40, 20, 400_000)] {
+        let (plate, springs) = strip(columns, rows);
+        let free = vec![false; plate.dof_count()];
+        let numbering = Numbering::new(&plate, &free, &free);
+        let matrix = assemble(&plate, &springs, &[], &numbering);
+        let factor = Analysis::new(&matrix).unwrap().factorize(&matrix).unwrap();
+        assert!(factor.entries() > entries);
+        let right: Vec<f64> = (0..factor.len()).map(|i| ((37 * i) % 101) as f64 - 50.0).collect();
+        let (mut one, mut two) = (right.clone(), right.repeat(2));
+        factor.forward(&mut one).unwrap();
+        factor.forward(&mut two).unwrap();
+        assert_close(&one, &two[..one.len()]);
+        factor.backward(&mut one).unwrap();
+        factor.backward(&mut two).unwrap();
+        assert_close(&one, &two[one.len()..]);
+    }
+}
+
+fn assert_close(a: &[f64], b: &[f64]) {
+    let size = b.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    assert!(size > 1.0 && a.iter().zip(b).all(|(x, y)| (x - y).abs() < 1e-11 * size));
+}
