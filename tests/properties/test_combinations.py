@@ -65,12 +65,22 @@ def test_a_batch_is_its_combinations_one_by_one(data, drawing, dense):
         # Reactions of supports that carry next to nothing are rounding of the load.
         load = np.abs(found.load(combined.combinations[row]).nodal).max()
         for support in result.supports:
-            assert abs(rows[f"reaction:{support.name}"][row] - support.reaction) <= 1e-9 * max(size, load)
+            # Reactions of supports that nearly repeat each other are determined only as far as these differ.
+            exact = 1e-9 * max(1.0, 1e-2 / _difference(twin))
+            assert abs(rows[f"reaction:{support.name}"][row] - support.reaction) <= exact * max(size, load)
         length = twin.length(result.deflection)
         (probe,) = result.probes
         assert abs(rows["probe[1]:deflection"][row] - probe.deflection) <= 1e-9 * length
         field = result.fields["mx"]
         assert abs(rows["max:mx"][row] - field.max()) <= 1e-8 * max(np.abs(field).max(), load)
+
+
+def _difference(twin):
+    """Smallest singular value of the rigid points' rows, each of unit size: 0 where they repeat each other."""
+    rigid = twin.G[twin.compliance == 0] / np.sqrt(np.diag(twin.K).clip(1e-12))
+    if not len(rigid):
+        return 1.0
+    return np.linalg.svd(rigid / np.linalg.norm(rigid, axis=1)[:, None], compute_uv=False)[-1]
 
 
 def _all_reactions(problem, result, combination):
