@@ -268,7 +268,7 @@ class PanicException(BaseException):
 def test_a_fault_of_the_program_is_one_line(
     slab: Path, monkeypatch: pytest.MonkeyPatch, kind: type[BaseException]
 ) -> None:
-    def fail(_: object, progress: object) -> None:
+    def fail(*_: object, **__: object) -> None:
         raise kind("by\nzero")
 
     monkeypatch.setattr(signorini, "solve", fail)
@@ -279,7 +279,7 @@ def test_a_fault_of_the_program_is_one_line(
 
 
 def test_an_interrupt_ends_with_130_and_leaves_nothing(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupt(*_: object) -> None:
+    def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(signorini.Result, "to_vtk", interrupt)

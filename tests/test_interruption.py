@@ -132,7 +132,7 @@ def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) ->
 
 NATIVE = """
 import ctypes, signorini
-def solve(model, progress):
+def solve(model, progress, table):
     print("here", flush=True)
     ctypes.CDLL(None).usleep(30_000_000)
 sys.modules["signorini"].solve = solve

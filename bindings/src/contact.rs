@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// two-sided points leave free; none if absent. One-sided points are solved for by Lemke's algorithm, or `by_active_set`.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactProblem {
-    inner: Arc<contact::ContactProblem>,
+    pub inner: Arc<contact::ContactProblem>,
 }
 
 type ConstraintArrays<'py> = (
@@ -34,7 +34,7 @@ fn rows_of(matrix: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
     matrix.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
 }
 
-fn failed(error: FactorError) -> PyErr {
+pub fn failed(error: FactorError) -> PyErr {
     match error {
         FactorError::OutOfMemory => PyMemoryError::new_err(error.to_string()),
         FactorError::NotPositiveDefinite { .. } => PyRuntimeError::new_err(error.to_string()),

@@ -151,6 +151,29 @@ def work_of(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floa
     return np.asarray((found.rigid_motions.T @ nodal / np.array([1.0, size, size])) @ freedom.motions)
 
 
+def allowed_motions(freedom: RigidFreedom) -> Floats:
+    """The extreme rays (r, d) of the cone of free rigid motions that every support allows, each of unit size.
+
+    Reactions balance a load exactly if it does no work in any of them. With at most three components a ray lies in
+    d − 1 of the planes that the points set, and on the allowed side of all others.
+    """
+    one_sided = freedom.moves[freedom.deciding]
+    match freedom.count:
+        case 0:
+            return np.zeros((0, 0))
+        case 1:
+            rays = np.ones((1, 1))
+        case 2:
+            rays = one_sided @ np.array([[0.0, -1.0], [1.0, 0.0]])
+        case _:
+            first, second = np.triu_indices(len(one_sided), 1)
+            rays = np.cross(one_sided[first], one_sided[second])
+    size = np.abs(rays).max(axis=1, initial=0.0)
+    rays = rays[size > _RANK * size.max(initial=0.0)] / size[size > _RANK * size.max(initial=0.0), None]
+    rays = np.concatenate([rays, -rays])
+    return np.asarray(rays[(rays @ one_sided.T).max(axis=1, initial=-np.inf) <= _RANK])
+
+
 def no_equilibrium(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> str:
     """Say why no reactions balance the nodal load (3n,), or return nothing where they exist."""
     if way := _lifting(found, freedom, nodal):

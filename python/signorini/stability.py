@@ -56,7 +56,7 @@ def nearest_limit(found: Discretisation, freedom: RigidFreedom, combination: Com
     >>> case, round(factor, 6)  # 80 kN at 2 and 20 kN at 4; the edge of the supports is at 3
     ('G', 0.25)
     """
-    acting = {case: factor for case, factor in combination.factors.items() if factor != 0.0}
+    acting = {case: factor for case, factor in (combination.factors or {}).items() if factor != 0.0}
     nodal = {case: factor * found.cases[case].nodal for case, factor in acting.items()}
     whole = found.load(combination).nodal
     if len(acting) < 2 or not freedom.count or not whole.any():

@@ -46,9 +46,9 @@ const STATES: usize = 60;
 /// A correction that leaves more than this part of the imbalance before it ends the refinement.
 const PROGRESS: f64 = 0.25;
 /// An imbalance this small, relative to the largest nodal force, is rounding.
-const ROUNDING: f64 = 1e-15;
+pub(super) const ROUNDING: f64 = 1e-15;
 /// Reactions and gaps of the wrong sign, relative to the largest of their kind or of the load, that are rounding.
-const SIGN: f64 = 1e-11;
+pub(super) const SIGN: f64 = 1e-11;
 
 /// What is out of balance and what is left of the gaps.
 #[derive(Default)]

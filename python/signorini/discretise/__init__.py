@@ -15,6 +15,7 @@ from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
 from signorini.discretise.loads import CaseLoad, case_loads
 from signorini.discretise.meshing import mesh_of
+from signorini.discretise.moving import Cases
 from signorini.discretise.places import located
 from signorini.discretise.redundancy import that_can_act
 from signorini.discretise.rows import Floats, Rows
@@ -80,7 +81,7 @@ class Discretisation:
     def load(self, combination: Combination) -> CaseLoad:
         """Sum of the cases times their factors."""
         total = CaseLoad(np.zeros(self.dof_count), np.zeros(3), np.zeros(2 * len(self.mesh.elements)))
-        for case, factor in combination.factors.items():
+        for case, factor in (combination.factors or {}).items():
             total = total + factor * self.cases[case]
         return total
 
@@ -138,7 +139,7 @@ def _discretise(model: Model) -> Discretisation:
         raise InputError(f"{error}. Change the mesh or the thickness.", place="plate") from None
     springs, contacts = springs_and_contacts(model, mesh, plate)
     contacts = that_can_act(mesh, held, contacts)
-    cases = case_loads(model, mesh, plate, held)
+    cases = Cases(case_loads(model, mesh, plate, held), model.moving, mesh)
     positions = np.array([point for probe in model.probe for point in probe.at]).reshape(-1, 2)
     probes = Location(np.zeros(0, np.int64), np.zeros((0, 2)))
     if len(positions):

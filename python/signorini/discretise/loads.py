@@ -80,11 +80,11 @@ def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, 
             order = _GAUSS if load.line_load.is_constant else _GAUSS_VARYING
             points = along_curve(mesh, model.plate, load, place, order)
             force = load.line_load(*points.positions.T, place=f"{place}.line_load")
-            _push(mesh, nodal, points.elements, points.xi, points.weights * force)
+            push(mesh, nodal, points.elements, points.xi, points.weights * force)
         case "force":
             assert load.force is not None and load.at is not None
             points = located(mesh, load.at, place)
-            _push(mesh, nodal, points.elements, points.xi, load.force * points.weights)
+            push(mesh, nodal, points.elements, points.xi, load.force * points.weights)
         case "moment":
             assert load.moment is not None and load.at is not None
             _twist(mesh, plate, nodal, couples, located(mesh, load.at, place), load.moment)
@@ -107,10 +107,11 @@ def _press(
 ) -> None:
     points = in_area(mesh, model.plate, area, place, _GAUSS if pressure.is_constant else _GAUSS_VARYING)
     force = factor * points.weights * pressure(*points.positions.T, place=f"{place}.{key}")
-    _push(mesh, nodal, points.elements, points.xi, force)
+    push(mesh, nodal, points.elements, points.xi, force)
 
 
-def _push(mesh: Mesh, nodal: Floats, elements: Ints, xi: Floats, force: Floats) -> None:
+def push(mesh: Mesh, nodal: Floats, elements: Ints, xi: Floats, force: Floats) -> None:
+    """Add forces (q,) at points of elements to a nodal vector (3n,)."""
     values, _ = _core.serendipity(xi)
     nodal[::3] += np.bincount(mesh.elements[elements].ravel(), (force[:, None] * values).ravel(), mesh.node_count)
 

@@ -5,7 +5,11 @@
 """
 
 from signorini.model.area import Area, Circle
-from signorini.model.load import Combination, Factors, Load, Probe
+from signorini.model.combination import Combination, Factors
+from signorini.model.generated import Combinations
+from signorini.model.load import Load, Probe
+from signorini.model.moving import Moving
+from signorini.model.output import ENVELOPED, Output
 from signorini.model.plate import AnnulusPlate, DiscPlate, Material, MeshOptions, MeshPlate, RectanglePlate
 from signorini.model.problems import validate
 from signorini.model.support import Support
@@ -14,10 +18,12 @@ from signorini.model.whole import Model, Solver, Units
 Plate = RectanglePlate | DiscPlate | AnnulusPlate | MeshPlate
 
 __all__ = [
+    "ENVELOPED",
     "AnnulusPlate",
     "Area",
     "Circle",
     "Combination",
+    "Combinations",
     "DiscPlate",
     "Factors",
     "Load",
@@ -25,6 +31,8 @@ __all__ = [
     "MeshOptions",
     "MeshPlate",
     "Model",
+    "Moving",
+    "Output",
     "Plate",
     "Probe",
     "RectanglePlate",

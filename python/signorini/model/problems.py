@@ -26,7 +26,7 @@ _BRANCHES: dict[str, dict[str, type[Table]]] = {
     "plate": {"rectangle": RectanglePlate, "disc": DiscPlate, "annulus": AnnulusPlate, "mesh": MeshPlate},
     "area": {"all": Area, "table": Area},
 }
-_LISTS = ("support", "load", "combination", "probe")
+_LISTS = ("support", "load", "combination", "moving", "probe")
 
 
 @dataclass(frozen=True)
@@ -181,10 +181,10 @@ def _table_in(annotation: object) -> type[Table] | None:
 def _label(path: Path, data: Any) -> str:
     """Name of the support or combination, or case of the load, that the path leads into."""
     match path:
-        case ("support" | "load" | "combination" as key, int(position), *_) if isinstance(data, Mapping):
+        case ("support" | "load" | "moving" | "combination" as key, int(position), *_) if isinstance(data, Mapping):
             tables = data.get(key)
             table = tables[position] if isinstance(tables, list | tuple) and position < len(tables) else None
-            label = table.get("case" if key == "load" else "name") if isinstance(table, Mapping) else None
+            label = table.get("case" if key in ("load", "moving") else "name") if isinstance(table, Mapping) else None
             return label if isinstance(label, str) and label.isprintable() and len(label) <= 60 else ""
     return ""
 
