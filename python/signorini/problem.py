@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
@@ -78,6 +78,8 @@ class ContactProblem:
     freedom: RigidFreedom
     core: _core.ContactProblem
     method: Method
+    reference: _core.Reference | None = None
+    """A solved load that others begin with; see `near`."""
     _others: dict[Method, ContactProblem] = field(default_factory=dict, repr=False)
 
     @cached_property
@@ -148,6 +150,16 @@ class ContactProblem:
             self._others[method] = _factored(self.discretisation, self.freedom, method)
         return self._others[method]
 
+    def near(self, load: Floats) -> ContactProblem:
+        """Pose the same problem for loads not unlike a nodal one (3n,), with whose contact set an active set begins.
+
+        Its solution is found here. Any load has the same answer, sooner or later; without an active set, or a solution,
+        nothing changes.
+        """
+        if self.method != "active_set":
+            return self
+        return replace(self, reference=self.core.reference(load, self.discretisation.held.values))
+
     @property
     def fallbacks(self) -> tuple[Method, ...]:
         """Methods that take over, in turn, where this one does not settle; none where the method is prescribed."""
@@ -166,6 +178,8 @@ class ContactProblem:
         held = self.discretisation.held.values
         if self.method == "interior_point":
             return self.core.solve_by_interior_point(load.nodal, held, progress=progress)
+        if self.reference is not None:
+            return self.core.solve_near(self.reference, load.nodal, held, progress=progress)
         return self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress)
 
     @property

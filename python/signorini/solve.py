@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from signorini import _core
 from signorini.certificate import Certificate, certify
 from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
+from signorini.discretise.rows import Floats
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, Form, Method, Steps, contact_problem
@@ -189,6 +191,7 @@ def solve_one(problem: ContactProblem, combination: Combination, progress: Watch
 
 def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
     """Every combination as a row, written to the table if there is one."""
+    problem = problem.near(_mean_load(problem.discretisation))
 
     def single(combination: Combination) -> Result:
         return solve_one(problem, combination, watcher)
@@ -214,6 +217,17 @@ def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.Path
             f"None of {len(combined.combinations)} combinations has one, to begin with:\n{reasons}"
         )
     return combined
+
+
+def _mean_load(found: Discretisation) -> Floats:
+    """The mean of all combinations (3n,), whatever their order."""
+    combinations = found.model.effective_combinations
+    factors: dict[str, list[float]] = {}
+    for combination in combinations:
+        for case, factor in (combination.factors or {}).items():
+            factors.setdefault(case, []).append(factor / len(combinations))
+    mean = Combination(name="mean", factors={case: math.fsum(sorted(all_)) for case, all_ in factors.items()})
+    return found.load(mean).nodal
 
 
 def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combination]:
@@ -285,6 +299,9 @@ def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Attempt:
 
 
 def _attempts(problem: ContactProblem) -> Iterator[tuple[ContactProblem, Form]]:
+    if problem.reference is not None:
+        yield problem, "auto"
+        problem = replace(problem, reference=None)
     yield from ((problem, form) for form in (_FORMS if problem.method == "lemke" else _FORMS[:1]))
     for method in problem.fallbacks:
         yield from ((problem.by(method), form) for form in (_FORMS if method == "lemke" else _FORMS[:1]))
