@@ -37,9 +37,9 @@ const STIFFER: f64 = 10.0;
 /// Bending stiffness over that in shear of a wave of ten elements, over the square of thickness over element size.
 const LONG_WAVE: f64 = 0.04;
 /// At most this many Newton steps.
-const NEWTON: usize = 200;
+const NEWTON: usize = 500;
 /// What conjugate gradients leave of the imbalance, while the set still changes and when it does not.
-const LOOSE: f64 = 1e-1;
+const LOOSE: f64 = 0.3;
 const TIGHT: f64 = 1e-8;
 /// Imbalance, over the largest nodal force, at which the points are settled.
 const SETTLED: f64 = 1e-13;
