@@ -40,6 +40,9 @@ const LONG_WAVE: f64 = 0.04;
 const NEWTON: usize = 500;
 /// What conjugate gradients leave of the imbalance, while the set still changes and when it does not.
 const LOOSE: f64 = 0.3;
+/// Instead of the first after so many steps without the set settling: true Newton directions then need fewer.
+const FIRM: f64 = 1e-3;
+const PATIENT: usize = 8;
 const TIGHT: f64 = 1e-8;
 /// Imbalance, over the largest nodal force, at which the points are settled.
 const SETTLED: f64 = 1e-13;
@@ -189,17 +192,32 @@ impl Descent<'_> {
         let mut closed: Vec<bool> = self.stretch.iter().map(|&s| s > 0.0 || !started).collect();
         let mut last = closed.clone();
         let mut stalled = 0;
+        let mut since_settled = 0;
         let mut before = f64::INFINITY;
         for step in 1..=NEWTON {
             let same = step > 1 && closed == last;
-            let direction = self.direction(&closed, if same { TIGHT } else { LOOSE })?;
+            if since_settled == PATIENT && self.limit == STIFFEST && started {
+                // The start was too far away: begin with springs that bend the plate, like from rest.
+                self.limit = self.problem.first_limit;
+                self.springs = self.problem.active.softened(self.limit);
+                self.balance();
+                closed = self.stretch.iter().map(|&s| s > 0.0).collect();
+            }
+            let tolerance = match (same, since_settled < PATIENT) {
+                (true, _) => TIGHT,
+                (false, true) => LOOSE,
+                (false, false) => FIRM,
+            };
+            let direction = self.direction(&closed, tolerance)?;
             self.advance(&direction, &closed);
             last = closed;
             closed = self.stretch.iter().map(|&s| s > 0.0).collect();
             let unchanged = closed == last;
             let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push());
             let settling = unchanged || self.step.worst <= 1e3 * SETTLED * force;
+            since_settled += 1;
             if settling {
+                since_settled = 0;
                 self.refine()?;
                 // Multipliers follow an equilibrium, not what comes before it.
                 let balanced = self.step.worst <= BALANCED * force;
