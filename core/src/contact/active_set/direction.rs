@@ -124,8 +124,8 @@ impl Descent<'_> {
             let stiff = dot(&ahead.nodal, &ahead.force);
             let curvature = self.curvature(closed, &ahead.nodal);
             if !(curvature > FREE * stiff) {
-                // The line search goes as far as the next points.
-                total = if total.nodal.iter().all(|&v| v == 0.0) { ahead } else { total };
+                // The line search goes as far as the next points, before which no other direction balances the load.
+                total = ahead;
                 total.free = true;
                 break;
             }
