@@ -157,6 +157,34 @@ def no_equilibrium(found: Discretisation, freedom: RigidFreedom, nodal: Floats) 
     return _explain_tipping(found, freedom, nodal, freedom.motions @ best.x, one_sided @ best.x)
 
 
+def largest_multiple(found: Discretisation, freedom: RigidFreedom, start: Floats, add: Floats) -> float:
+    """Find the largest t for which reactions balance the nodal load start + t add, by a linear program in both.
+
+    Infinite if there is none; NaN if not even t = 0 has such reactions.
+    """
+    if not freedom.count:
+        return np.inf
+    size = found.mesh.size
+    scale = np.array([1.0, size, size])
+    rest, more = ((found.rigid_motions.T @ nodal / scale) @ freedom.motions for nodal in (start, add))
+    # In units in which both loads are about one, and t too.
+    units = [
+        float(np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / size) for nodal in (start, add)
+    ]
+    if units[1] == 0 or np.abs(more).max() <= _WORK * units[1]:
+        return np.inf
+    units[0] = units[0] or units[1]
+    one_sided = freedom.moves[freedom.deciding]
+    balance = np.column_stack([-more / units[1], one_sided.T])
+    cost = np.zeros(1 + len(one_sided))
+    cost[0] = -1.0
+    found_most = linprog(cost, A_eq=balance, b_eq=rest / units[0], bounds=(0, None), method="highs")
+    if found_most.status == 3:
+        return np.inf
+    most = np.nan if found_most.x is None else float(found_most.x[0])
+    return 0.0 if most <= _WORK else most * units[0] / units[1]
+
+
 def _lifting(freedom: RigidFreedom, one_sided: Floats, work: Floats, least: float) -> str:
     """Which way the plate moves off all its supports without turning, if it does."""
     for way, w in (("up", -1.0), ("down", 1.0)):

@@ -1,15 +1,17 @@
 //! Plates on one-sided supports: min ½uᵀKu − fᵀu subject to Gu ≤ g.
 //!
 //! `condense` turns this into a linear complementarity problem and back; `problem` holds the factor that every load
-//! case shares; `solve` goes from a load to displacements, reactions and gaps.
+//! case shares; `solve` goes from a load to displacements, reactions and gaps, `path` along a load that grows.
 
 pub mod active_set;
 pub mod condense;
 pub mod interior_point;
+pub mod path;
 pub mod problem;
 pub mod solve;
 
 pub use active_set::Progress;
 pub use condense::{Condensed, Form};
+pub use path::{PathEnd, PathLoad, Stop};
 pub use problem::{Constraints, ContactProblem};
 pub use solve::{ContactSolution, Outcome};
