@@ -43,6 +43,10 @@ def slab_under(pressure: float) -> signorini.Model:
     return signorini.validate(data)
 
 
+def documented(message: str) -> bool:
+    return f"> {message}\n" in (EXAMPLES.parent / "docs" / "results.md").read_text("utf-8")
+
+
 def test_every_example_has_a_test() -> None:
     tested = Path(__file__).read_text()
     assert [p.name for p in EXAMPLES.iterdir() if p.suffix in (".py", ".toml") and p.stem not in tested] == []
@@ -82,6 +86,7 @@ def test_a_slab_under_slight_suction_tips(slab: signorini.Results) -> None:
     # About the diagonal through the bearing: 400 kN up at (5, 5) and 500 kN down at (1, 1).
     assert f"short by a moment of {(400e3 * 9 - 500e3) / np.sqrt(2):.6g} N m" in service
     assert "An extra 163158 N down at [10, 10] would just hold it." in service
+    assert documented(service)
     assert "slab alone: The plate lifts off its supports: the load's resultant is 400000 N up" in alone
 
 
@@ -105,6 +110,28 @@ def test_a_slab_under_strong_suction_flies() -> None:
     service = str(caught.value).splitlines()[0]
     assert "service: The plate lifts off its supports: the load's resultant is 500000 N up" in service
     assert "An extra 500000 N down at [9, 9] would just hold it." in service
+    assert documented(service)
+
+
+def test_a_base_plate_stands_the_wind_that_its_anchors_hold() -> None:
+    model = signorini.load(EXAMPLES / "base_plate.toml")
+    right, left = signorini.solve(model).values()
+    grout, anchors = right.supports
+    # The anchors pull about as hard as a rigid plate on the grout's edge would make them: 500 kN at 0.05 outside of it.
+    assert grout.reaction + anchors.reaction == pytest.approx(500.0, rel=1e-9)
+    assert -250 < anchors.reaction < -500 * 0.05 / 0.35
+    assert left.status == "no_equilibrium"
+    assert documented(f"{left.name}: {left.message}")
+
+
+def test_the_messages_about_supports_are_those_of_the_documents() -> None:
+    tables = tomllib.loads((EXAMPLES / "slab_on_points.toml").read_text())
+    beam = {**tables, "support": [{"at": [[1, 5], [5, 5], [9, 5]], "resists": "down"}]}
+    stops = [{"at": [1, 1], "resists": "down"}, {"at": [1, 1], "resists": "up", "settlement": 0.01}]
+    for wrong in (beam, {**tables, "support": stops}):
+        with pytest.raises(signorini.InputError) as caught:
+            signorini.solve(signorini.validate(wrong))
+        assert documented(f"Error: {caught.value}")
 
 
 def test_a_disc_lets_go_of_its_ring_at_both_sides_of_the_crane() -> None:

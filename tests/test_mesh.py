@@ -64,6 +64,18 @@ def test_a_rectangle_has_the_divisions_asked_for_and_its_own_area_and_moments_of
     assert mesh.size == 4.0 and q.total == pytest.approx(12.0, rel=1e-14)
 
 
+@pytest.mark.parametrize("sector", [1.0, 60.0, 135.5, 359.0])
+def test_an_annulus_may_be_any_sector(sector):
+    n = 4 * math.ceil(sector / 90)
+    mesh = annulus((1.0, -1.0), 1.0, 2.0, (2, n), sector)
+    assert len(mesh.elements) == 2 * n
+    assert area_quadrature(mesh, order=4).total == pytest.approx(math.radians(sector) * 1.5, rel=1e-4)
+    end = mesh.points[mesh.edges["end"]] - (1.0, -1.0)
+    angle = np.degrees(np.arctan2(end[..., 1], end[..., 0])) % 360
+    assert angle == pytest.approx(np.full(angle.shape, sector), abs=1e-9)
+    assert (mesh.points[mesh.edges["start"]][..., 1] == -1.0).all()
+
+
 @pytest.mark.parametrize("sector", [90, 180, 360])
 @pytest.mark.parametrize("mesher", [disc, lambda c, r, n, s: annulus(c, 0.4 * r, r, n, s)], ids=["disc", "annulus"])
 def test_area_and_moment_of_inertia_of_round_meshes_converge_with_the_fourth_power(mesher, sector):
@@ -176,6 +188,8 @@ def test_divisions_follow_from_an_element_size():
         (lambda: disc((0, 0), 1.0, (1, 4), sector=45), "90, 180 or 360 degrees; found 45"),
         (lambda: annulus((0, 0), 2.0, 1.0, (1, 4)), "inner radius must be less"),
         (lambda: annulus((0, 0), 1.0, 2.0, (1, 3)), "at least 4 elements; found 3"),
+        (lambda: annulus((0, 0), 1.0, 2.0, (1, 1), sector=91), "at least 2 elements; found 1"),
+        (lambda: annulus((0, 0), 1.0, 2.0, (1, 9), sector=361), "up to 360 degrees; found 361"),
     ],
 )
 def test_a_mesher_says_what_it_cannot_make(make, message):

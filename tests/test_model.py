@@ -139,8 +139,22 @@ def test_divisions_follow_from_counts_size_or_twenty_along_the_longer_side(plate
     ],
 )
 def test_polygon_that_is_no_outline_is_refused(corners, says):
-    with pytest.raises(ValidationError, match=says):
+    with pytest.raises(InputError, match=says):
         Area(polygon=corners)
+
+
+def test_a_model_made_in_python_is_refused_in_the_words_of_an_input_file():
+    wrong = slab(plate={"shape": "rectangle", "size": [4, 4], "thickness": -0.1}, support=[{"stifness": 0}])
+    for make in (lambda: Model(**wrong), lambda: validate(wrong)):
+        with pytest.raises(InputError) as caught:
+            make()
+        assert str(caught.value).splitlines()[1:] == [
+            "  plate.thickness: found -0.1; it must be greater than 0.",
+            "  support[1].stifness: unknown key 'stifness'. Did you mean 'stiffness'? Allowed here: name, at, edge, "
+            "line, circle, area, fix, resists, gap, stiffness, settlement.",
+        ]
+    with pytest.raises(InputError, match=r"^stiffness: found 0; it must be greater than 0.$"):
+        Support(at=[1, 1], stiffness=0)
 
 
 def test_polygon_may_be_concave_and_run_either_way():

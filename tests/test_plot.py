@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from signorini.errors import InputError
 from signorini.plot import (
+    BalanceMark,
     LoadMark,
     PressureLayer,
     SupportMark,
@@ -140,6 +141,12 @@ def test_the_mark_shows_which_way_a_support_acts(kind: str, marker: str) -> None
     assert axes.lines[0].get_marker() == marker
 
 
+def test_a_support_that_acts_nowhere_stands_in_the_legend() -> None:
+    idle = SupportMark("idle", "down", np.zeros((0, 2)), np.zeros(0, dtype=bool))
+    axes = supports([idle], Figure().add_subplot())
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["idle: pushes up only, 0 closed, 0 open"]
+
+
 def test_the_legend_counts_closed_and_open_below_the_axes() -> None:
     wall = SupportMark("wall", "fixed", np.array([[0, 0], [0, 1.0]]), style="line")
     figure = deflection_picture(POINTS, ELEMENTS, POINTS[:, 0], [PADS, wall], title="ULS", length="m")
@@ -192,6 +199,26 @@ def test_the_check_picture_shows_mesh_supports_and_loads() -> None:
     edges = [entry for entry in axes.collections if isinstance(entry, LineCollection)]
     assert sum(len(entry.get_segments()) for entry in edges) == 7
     assert len(axes.patches) == 1
+
+
+def test_the_check_picture_shows_resultants_and_the_lines_the_plate_tips_about() -> None:
+    marks = [
+        BalanceMark("calm", (0.5, 0.5)),
+        BalanceMark("wind", (1.8, 0.5), unbalanced=True, axis=((0.75, 0.0), (0.75, 1.0))),
+        BalanceMark("storm", (1e6, 0.0), upward=True, unbalanced=True),
+        BalanceMark("couple", None),
+    ]
+    axes = check_picture(POINTS, ELEMENTS, balance=marks).axes[0]
+    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == [
+        "calm: resultant",
+        "wind: resultant, not balanced",
+        "wind: tips about this line",
+        "storm: upward resultant, not balanced, far off the plate",
+    ]
+    calm, wind, axis = axes.lines
+    assert [*calm.get_xydata()[0], *wind.get_xydata()[0]] == [0.5, 0.5, 1.8, 0.5]
+    assert (axis.get_xdata() == 0.75).all() and np.ptp(axis.get_ydata()) > 1.0
+    assert axes.get_xlim()[1] > 1.8
 
 
 def test_sections_are_drawn_with_deflection_down_and_share_axes() -> None:

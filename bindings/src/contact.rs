@@ -5,6 +5,7 @@ use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 use signorini_core::cholesky::FactorError;
 use signorini_core::contact::{self, Constraints, Form, Outcome, PathEnd, PathLoad, Progress, Stop};
+use std::sync::Arc;
 
 /// A plate on its supports, factored once.
 ///
@@ -14,7 +15,7 @@ use signorini_core::contact::{self, Constraints, Form, Outcome, PathEnd, PathLoa
 /// two-sided points leave free; none if absent. One-sided points are solved for by Lemke's algorithm, or `by_active_set`.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactProblem {
-    inner: contact::ContactProblem,
+    pub inner: Arc<contact::ContactProblem>,
 }
 
 type ConstraintArrays<'py> = (
@@ -33,7 +34,7 @@ fn rows_of(matrix: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
     matrix.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
 }
 
-fn failed(error: FactorError) -> PyErr {
+pub fn failed(error: FactorError) -> PyErr {
     match error {
         FactorError::OutOfMemory => PyMemoryError::new_err(error.to_string()),
         FactorError::NotPositiveDefinite { .. } => PyRuntimeError::new_err(error.to_string()),
@@ -111,7 +112,7 @@ impl ContactProblem {
         let inner = py
             .detach(|| contact::ContactProblem::new(shared, springs, held, constraints, by_active_set))
             .map_err(failed)?;
-        Ok(Self { inner })
+        Ok(Self { inner: Arc::new(inner) })
     }
 
     /// Solves one load; `form` is "dual", "stiffness", or None for the better conditioned of them.
@@ -133,6 +134,39 @@ impl ContactProblem {
         let held_value = sized("held_value", &held_value, dofs)?;
         let form = form.map(form_of).transpose()?;
         watched(py, progress, |watch| self.inner.solve(&load, &held_value, form, max_pivots, watch))
+    }
+
+    /// Solves one load beginning with the solution of another; `progress` as for `solve`.
+    #[pyo3(signature = (reference, load, held_value, progress=None))]
+    fn solve_near(
+        &self,
+        py: Python<'_>,
+        reference: &Reference,
+        load: PyReadonlyArray1<'_, f64>,
+        held_value: PyReadonlyArray1<'_, f64>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<ContactSolution> {
+        let dofs = self.inner.plate.dof_count();
+        let load = sized("the load", &load, dofs)?;
+        let held_value = sized("held_value", &held_value, dofs)?;
+        if !Arc::ptr_eq(&reference.of, &self.inner) {
+            return Err(invalid("the reference is of another problem"));
+        }
+        watched(py, progress, |watch| self.inner.solve_near(&reference.inner, &load, &held_value, watch))
+    }
+
+    /// Solves one load and factors its contact set, for others to begin with; None without an active set or a solution.
+    fn reference(
+        &self,
+        py: Python<'_>,
+        load: PyReadonlyArray1<'_, f64>,
+        held_value: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Option<Reference>> {
+        let dofs = self.inner.plate.dof_count();
+        let load = sized("the load", &load, dofs)?;
+        let held_value = sized("held_value", &held_value, dofs)?;
+        let found = py.detach(|| self.inner.reference(&load, &held_value)).map_err(failed)?;
+        Ok(found.map(|inner| Reference { inner, of: self.inner.clone() }))
     }
 
     /// Solves one load by an interior point method, from whose contact set the exact solution is found; `progress` as
@@ -256,6 +290,13 @@ impl ContactProblem {
     fn factor_entries(&self) -> usize {
         self.inner.base.factor.entries()
     }
+}
+
+/// One load's solution with its contact set factored; see `ContactProblem.reference`.
+#[pyclass(frozen, module = "signorini._core")]
+pub struct Reference {
+    inner: contact::Reference,
+    of: Arc<contact::ContactProblem>,
 }
 
 /// Displacements (3n,) as two doubles, reactions, gaps and states (m,) of one load.

@@ -1,6 +1,7 @@
 //! Python face of `signorini-core`: conversions and nothing else.
 
 mod arrays;
+mod combinations;
 mod contact;
 mod interpolation;
 mod lcp;
@@ -17,5 +18,16 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<plate::Plate>()?;
     module.add_class::<contact::ContactProblem>()?;
     module.add_class::<contact::ContactSolution>()?;
+    module.add_class::<contact::Reference>()?;
+    module.add_class::<combinations::Response>()?;
+    module.add_class::<combinations::CombinedCases>()?;
+    module.add_function(wrap_pyfunction!(combinations::rest_response, module)?)?;
+    module.add_function(wrap_pyfunction!(combinations::load_responses, module)?)?;
+    module.add_function(wrap_pyfunction!(combinations::point_responses, module)?)?;
+    module.add_function(wrap_pyfunction!(combinations::combined_cases, module)?)?;
+    module.add_function(wrap_pyfunction!(combinations::combine, module)?)?;
+    module.add_function(wrap_pyfunction!(combinations::response_stresses, module)?)?;
+    module.add_function(wrap_pyfunction!(combinations::superpose, module)?)?;
+    module.add_function(wrap_pyfunction!(combinations::envelop, module)?)?;
     Ok(())
 }

@@ -13,3 +13,4 @@ pub mod ordering;
 pub mod plate;
 pub mod residual;
 pub mod stress;
+pub mod superposition;

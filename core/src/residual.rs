@@ -6,6 +6,7 @@
 use crate::double_double::DoubleDouble;
 use crate::element::{DOFS, packed};
 use crate::plate::Plate;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 /// A displacement with its low-order part.
@@ -192,15 +193,66 @@ pub fn internal_magnitude(plate: &Plate, held: &[bool], displacement: &Displacem
     sum.iter().zip(held).filter(|(_, held)| !**held).fold(0.0, |worst, (value, _)| worst.max(*value))
 }
 
+/// K_e u, summed in double-double.
 fn internal_force(lower: &[f64], displacement: &[f64; DOFS]) -> [f64; DOFS] {
-    let mut force = [DoubleDouble::default(); DOFS];
-    for i in 0..DOFS {
-        let row = &lower[packed(i, 0)..=packed(i, i)];
-        for j in 0..i {
-            force[i].add_product(row[j], displacement[j]);
-            force[j].add_product(row[j], displacement[i]);
+    Arch::new().dispatch(InternalForce { lower, displacement })
+}
+
+struct InternalForce<'a> {
+    lower: &'a [f64],
+    displacement: &'a [f64; DOFS],
+}
+
+impl WithSimd for InternalForce<'_> {
+    type Output = [f64; DOFS];
+
+    /// Sums of all rows side by side, so that none waits for itself.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; DOFS] {
+        let mut whole = [[0.0; DOFS]; DOFS];
+        for i in 0..DOFS {
+            for j in 0..=i {
+                let value = self.lower[packed(i, j)];
+                (whole[j][i], whole[i][j]) = (value, value);
+            }
         }
-        force[i].add_product(row[i], displacement[i]);
+        let (mut high, mut low) = ([0.0; DOFS], [0.0; DOFS]);
+        let (high_parts, low_parts) = (S::as_mut_simd_f64s(&mut high).0, S::as_mut_simd_f64s(&mut low).0);
+        for (column, u) in whole.iter().zip(self.displacement) {
+            let u = simd.splat_f64s(*u);
+            for ((h, l), k) in high_parts.iter_mut().zip(low_parts.iter_mut()).zip(S::as_simd_f64s(column).0) {
+                let product = simd.mul_f64s(*k, u);
+                let error = simd.mul_add_f64s(*k, u, simd.neg_f64s(product));
+                let sum = simd.add_f64s(*h, product);
+                let part = simd.sub_f64s(sum, *h);
+                let carried = simd.add_f64s(simd.sub_f64s(*h, simd.sub_f64s(sum, part)), simd.sub_f64s(product, part));
+                *h = sum;
+                *l = simd.add_f64s(*l, simd.add_f64s(carried, error));
+            }
+        }
+        std::array::from_fn(|i| high[i] + low[i])
     }
-    force.map(DoubleDouble::value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::PACKED;
+
+    #[test]
+    fn sums_side_by_side_have_the_bits_of_sums_one_by_one() {
+        let mut seed = 1_u64;
+        let mut next = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 33) as f64 / (1u64 << 30) as f64 - 1.0
+        };
+        let lower: Vec<f64> = (0..PACKED).map(|_| next()).collect();
+        let displacement: [f64; DOFS] = std::array::from_fn(|_| next());
+        let one_by_one: [f64; DOFS] = std::array::from_fn(|i| {
+            let mut sum = DoubleDouble::default();
+            (0..DOFS).for_each(|j| sum.add_product(lower[packed(i, j)], displacement[j]));
+            sum.value()
+        });
+        assert_eq!(internal_force(&lower, &displacement), one_by_one);
+    }
 }

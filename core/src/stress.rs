@@ -23,28 +23,73 @@ pub fn at_gauss_points(
     curvature: [f64; 3],
     couples: [f64; 2],
 ) -> [Stress; 4] {
-    let geometry = plate.geometry(e);
-    let strained = displacement.strained(plate, e);
-    let mut all = [0.0; ALL_DOFS];
-    all[..DOFS].copy_from_slice(&strained);
-    let inner = plate.centre(e);
-    for a in 0..2 {
-        all[DOFS + a] = inner.compliance[a][0] * couples[0] + inner.compliance[a][1] * couples[1]
-            - inner.coupling[a].iter().zip(&strained).map(|(c, u)| c * u).sum::<f64>();
+    Samples::of(plate, e).stress(plate, e, displacement, curvature, couples)
+}
+
+/// What the stresses at an element's Gauss points are made of, whatever its displacements.
+struct Samples {
+    strain: [[[f64; ALL_DOFS]; 5]; 4],
+    thickness: [f64; 4],
+}
+
+impl Samples {
+    fn of(plate: &Plate, e: usize) -> Self {
+        let geometry = plate.geometry(e);
+        let [low, high] = GAUSS_2.map(|(at, _)| at);
+        let points = [(low, low), (high, low), (low, high), (high, high)];
+        let strain = element::strain_matrices(plate.kind, &geometry, points);
+        Self { strain, thickness: points.map(|(xi, eta)| geometry.jacobian(xi, eta).thickness) }
     }
-    let mut out = [[0.0; 5]; 4];
-    let [low, high] = GAUSS_2.map(|(at, _)| at);
-    let points = [(low, low), (high, low), (low, high), (high, high)];
-    let strains = element::strain_matrices(plate.kind, &geometry, points);
-    for ((stress, (xi, eta)), rows) in out.iter_mut().zip(points).zip(strains) {
-        let thickness = geometry.jacobian(xi, eta).thickness;
-        let strain = rows.map(|row| row.iter().zip(&all).map(|(b, u)| b * u).sum::<f64>());
-        let elastic = [strain[0] - curvature[0], strain[1] - curvature[1], strain[2] - 2.0 * curvature[2]];
-        let moment = plate.material.bending(thickness, elastic);
-        let shear = plate.material.shear_rigidity(thickness);
-        *stress = [-moment[0], -moment[1], -moment[2], shear * strain[3], shear * strain[4]];
+
+    fn stress(
+        &self,
+        plate: &Plate,
+        e: usize,
+        displacement: &Displacement,
+        curvature: [f64; 3],
+        couples: [f64; 2],
+    ) -> [Stress; 4] {
+        let strained = displacement.strained(plate, e);
+        let mut all = [0.0; ALL_DOFS];
+        all[..DOFS].copy_from_slice(&strained);
+        let inner = plate.centre(e);
+        for a in 0..2 {
+            all[DOFS + a] = inner.compliance[a][0] * couples[0] + inner.compliance[a][1] * couples[1]
+                - inner.coupling[a].iter().zip(&strained).map(|(c, u)| c * u).sum::<f64>();
+        }
+        let mut out = [[0.0; 5]; 4];
+        for ((stress, rows), &thickness) in out.iter_mut().zip(&self.strain).zip(&self.thickness) {
+            let strain = rows.map(|row| row.iter().zip(&all).map(|(b, u)| b * u).sum::<f64>());
+            let elastic = [strain[0] - curvature[0], strain[1] - curvature[1], strain[2] - 2.0 * curvature[2]];
+            let moment = plate.material.bending(thickness, elastic);
+            let shear = plate.material.shear_rigidity(thickness);
+            *stress = [-moment[0], -moment[1], -moment[2], shear * strain[3], shear * strain[4]];
+        }
+        out
     }
-    out
+}
+
+/// Displacements with the stress-free curvature and the couples on centre rotations that belong to them.
+pub struct Strained<'a> {
+    pub displacement: &'a Displacement,
+    pub curvature: [f64; 3],
+    pub couples: &'a [f64],
+}
+
+/// Stress at every node for several displacements: the elements' matrices are made once.
+pub fn smoothed_together(plate: &Plate, all: &[Strained]) -> Vec<Vec<Stress>> {
+    let sampled: Vec<Vec<[Stress; 4]>> = (0..plate.elements().len())
+        .into_par_iter()
+        .with_min_len(64)
+        .map(|e| {
+            let samples = Samples::of(plate, e);
+            let of = |s: &Strained| {
+                samples.stress(plate, e, s.displacement, s.curvature, [s.couples[2 * e], s.couples[2 * e + 1]])
+            };
+            all.iter().map(of).collect()
+        })
+        .collect();
+    (0..all.len()).into_par_iter().map(|k| carried_to_nodes(plate, |e| sampled[e][k])).collect()
 }
 
 /// Stress at every node, five numbers each, and at the Gauss points of every element, twenty each.
@@ -59,10 +104,17 @@ pub fn smoothed(
         .with_min_len(256)
         .map(|e| at_gauss_points(plate, e, displacement, curvature, [couples[2 * e], couples[2 * e + 1]]))
         .collect();
+    let nodal = carried_to_nodes(plate, |e| sampled[e]);
+    (nodal, sampled)
+}
+
+/// Mean, over the elements that meet at a node, of what each one's samples give there.
+fn carried_to_nodes(plate: &Plate, sampled: impl Fn(usize) -> [Stress; 4]) -> Vec<Stress> {
     let weights: [[f64; 4]; 8] = std::array::from_fn(|i| bilinear(NODES[i][0], NODES[i][1]));
     let mut nodal = vec![[0.0; 5]; plate.node_count()];
     let mut meeting = vec![0u32; plate.node_count()];
-    for (nodes, samples) in plate.elements().iter().zip(&sampled) {
+    for (e, nodes) in plate.elements().iter().enumerate() {
+        let samples = sampled(e);
         for (i, &node) in nodes.iter().enumerate() {
             meeting[node] += 1;
             for (sample, weight) in samples.iter().zip(&weights[i]) {
@@ -77,7 +129,7 @@ pub fn smoothed(
             *value /= f64::from(count.max(1));
         }
     }
-    (nodal, sampled)
+    nodal
 }
 
 /// The bilinear functions through the 2×2 Gauss points.

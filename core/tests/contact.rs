@@ -1,10 +1,10 @@
 //! Contact problems on a square plate: against the conditions themselves, and the rigid motions in the LCP.
 use proptest::prelude::*;
 use signorini_core::contact::interior_point::{InteriorPoint, interior_point};
-use signorini_core::contact::{Constraints, ContactProblem, Form, Outcome};
+use signorini_core::contact::{Constraints, ContactProblem, Form, Outcome, Verdict};
 use signorini_core::element::{Kind, Material};
 use signorini_core::plate::Plate;
-use signorini_core::residual::Springs;
+use signorini_core::residual::{Displacement, Springs};
 use std::sync::Arc;
 
 const SIZE: usize = 3;
@@ -147,6 +147,46 @@ proptest! {
         let polished = problem.solve_by_interior_point(&load, &vec![0.0; load.len()], &mut |_| true).unwrap();
         prop_assert!(polished.iterations == found.iterations && polished.closed == exact.closed);
         prop_assert!(apart(&polished.reaction, &exact.reaction) < 1e-12);
+    }
+
+    #[test]
+    fn combinations_of_two_loads_are_their_sums_solved_by_themselves(
+        at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5),
+        gap in prop::collection::vec(prop_oneof![Just(0.0), 0.0f64..0.01], 5),
+        elements in (0usize..9, 0usize..9), soft: bool,
+        factors in prop::collection::vec(prop_oneof![Just(0.0), Just(1.0), -0.5f64..1.5], 6),
+    ) {
+        let problem = free_on_points(&at, &gap, soft);
+        let held = vec![0.0; problem.plate.dof_count()];
+        let loads = vec![load(&problem.plate, elements.0, 1.0), load(&problem.plate, elements.1, 2.0)];
+        let rest = problem.rest_response(&held).unwrap();
+        let cases = problem.load_responses(&loads).unwrap();
+        let points = problem.point_responses(0..5).unwrap();
+        let shared = problem.combined_cases(rest.clone(), cases.clone(), &points);
+        let rows: Vec<Vec<f64>> = factors.chunks(2).map(<[f64]>::to_vec).collect();
+        for (row, found) in rows.iter().zip(problem.combine(&shared, &rows)) {
+            let sum: Vec<f64> = loads[0].iter().zip(&loads[1]).map(|(a, b)| row[0] * a + row[1] * b).collect();
+            let single = problem.solve(&sum, &held, None, None, &mut |_| true).unwrap();
+            match found.verdict {
+                Verdict::NoEquilibrium => prop_assert_eq!(single.outcome, Outcome::NoEquilibrium),
+                Verdict::Solved => {
+                    prop_assert_eq!(single.outcome, Outcome::Solved);
+                    for i in 0..5 {
+                        prop_assert!((found.reaction[i] - single.reaction[i]).abs() < 1e-9);
+                    }
+                    let terms = [(1.0, &rest), (row[0], &cases[0]), (row[1], &cases[1])];
+                    let pushes = found.factor.iter().copied().zip(&points);
+                    let mut displacement = vec![0.0; sum.len()];
+                    for (factor, term) in terms.into_iter().chain(pushes) {
+                        displacement.iter_mut().zip(&term.displacement.hi).for_each(|(u, v)| *u += factor * v);
+                    }
+                    let rounded = Displacement { lo: vec![0.0; sum.len()], hi: displacement };
+                    let out = problem.imbalance(&sum, &rounded, &found.reaction);
+                    prop_assert!(out.iter().all(|f| f.abs() < 1e-8));
+                }
+                Verdict::Doubtful => {}
+            }
+        }
     }
 
     /// Gaps that a rigid motion opens cost no reaction, and the posed reactions balance the load.

@@ -20,6 +20,8 @@ _ROUNDINGS = 4.0
 """Units of rounding, of the internal forces that cancel at a node, below which no imbalance can be seen."""
 _NIL = 1e-6
 """Deflections below this part of F a²/D are rounding of the elimination."""
+_UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
+"""Part of a size which, as a scale, turns the tolerance into that size's rounding."""
 
 _BLOCK = 1 << 12
 """Rows in extended precision at a time."""
@@ -34,12 +36,13 @@ class Certificate:
     Parameters
     ----------
     penetration : float
-        Deepest penetration, or largest violation of a held deflection, over the largest deflection or gap, or, where
-        supports leave none, a millionth of the deflection F a²/D by which the load F scales on a plate of size a.
+        Deepest penetration, or largest violation of a held deflection, over the largest deflection, or, where supports
+        leave none, a millionth of the deflection F a²/D by which the load F scales on a plate of size a. Violations of
+        held slopes count over the largest slope, or that deflection over a.
     tension : float
         Largest reaction of the wrong sign over the largest reaction or nodal load.
     complementarity : float
-        Largest product of a reaction and its gap over the product of the sizes these two are judged by.
+        Largest lesser one of a reaction and its gap, each over the size that it is judged by above.
     equilibrium : float
         Largest nodal force out of balance over the largest nodal load (couples over the element size).
     balance : float
@@ -98,42 +101,49 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
     >>> certify(found, load, answer.hi, answer.lo, -answer.reaction).passed
     False
     """
-    contacts, held = found.contacts, found.held
+    contacts, held, size = found.contacts, found.held, found.mesh.size
     with np.errstate(invalid="ignore"):
         imbalance = found.plate.residual(spring_arrays(found), load.nodal, hi, lo)
         imbalance = imbalance - found.contact_rows.T @ reaction
         at_holds = np.where(held.dofs, imbalance, 0.0)
-        at_free = np.where(held.dofs, 0.0, imbalance).reshape(-1, 3)
+        at_free = np.where(held.dofs, 0.0, imbalance)
 
         gap = _gap(found, hi, lo, reaction)
-        length = max(
-            _largest(hi[::3]), _largest(contacts.distance), _largest(held.values), _nil_deflection(found, load)
-        )
-        slip = np.abs(np.where(held.dofs, hi + lo - held.values, 0.0))[::3]
-        open_by = np.where(contacts.two_sided, np.abs(gap), -gap)
-        one_sided = np.where(contacts.two_sided, 0.0, reaction)
+        force = np.where(contacts.slope, reaction / size, reaction)
+        slip = np.where(held.dofs, hi + lo - held.values, 0.0).reshape(-1, 3)
+        # Travel counts by its rounding, and at its own point: a stop far away must not excuse what happens at others.
+        travel, idle = _UNSEEN * np.abs(contacts.distance), not load.nodal.any()
+        length = _largest(hi[::3], _NIL * _loaded_deflection(found, load), travel if idle else 0.0)
+        slope = _largest(hi.reshape(-1, 3)[:, 1:], length / size)
+        lengths = np.where(contacts.slope, slope, np.maximum(travel, length)) + (length == 0.0)
+        open_by = np.maximum(np.where(contacts.two_sided, np.abs(gap), -gap), 0.0)
 
         across = float(np.sqrt(found.mesh.element_area.mean()))
-        forces = _nodal_size(load.nodal, across)
-        # Under no load every force is rounding: at least that of a deflection carried over the plate.
-        rigidity = found.model.material.E * found.thickness.max() ** 3 / 12
-        rest = float(np.finfo(float).eps * rigidity * length / found.mesh.size**2)
-        scale = max(forces or _nodal_size(at_holds, across) or _largest(reaction), rest)
-        pressing = max(scale, _largest(reaction))
+        # Forces count from what bending to the deflection takes; under no load, from what shearing to the travel does.
+        rest = _UNSEEN * _rigidity(found, found.thickness.max()) * length / size**2
+        if idle:
+            shear = found.model.material.E * found.thickness.max()
+            rest = max(rest, _UNSEEN * shear * _largest(length, contacts.distance))
+        scale = _largest(_by_force(load.nodal, across) or _largest(_by_force(at_holds, across), force), rest)
+        pressing = _largest(scale, force)
+        both = np.minimum(np.abs(force) / (pressing or 1.0), np.abs(gap) / lengths)
+        out_of_balance, total = _balance(found, load.nodal, hi + lo, at_holds, reaction)
         figures = {
-            "penetration": _ratio(max(_largest(np.maximum(open_by, 0.0)), _largest(slip)), length),
-            "tension": _ratio(_largest(np.maximum(-one_sided, 0.0)), pressing),
-            "complementarity": _ratio(_largest(one_sided * np.where(contacts.two_sided, 0.0, gap)), pressing * length),
-            "equilibrium": _ratio(_nodal_size(at_free.ravel(), across), scale),
-            "balance": _balance(found, load.nodal, hi + lo, at_holds, reaction, rest),
+            "penetration": _largest(
+                open_by / lengths, _ratio(_largest(slip[:, 0]), length), _ratio(_largest(slip[:, 1:]), slope)
+            ),
+            "tension": _ratio(_largest(np.where(contacts.two_sided, 0.0, np.maximum(-force, 0.0))), pressing),
+            "complementarity": _largest(np.where(contacts.two_sided, 0.0, both)),
+            "equilibrium": _ratio(_by_force(at_free, across), scale),
+            "balance": _ratio(out_of_balance, _largest(total, rest)),
         }
-    if max(figures["equilibrium"], figures["balance"]) <= TOLERANCE:
+    if _largest(figures["equilibrium"], figures["balance"]) <= TOLERANCE:
         return Certificate(**figures)
-    rounding = _ROUNDINGS * np.finfo(float).eps * found.plate.internal_magnitude(held.dofs, hi, lo)
+    rounding = _ROUNDINGS * float(np.finfo(float).eps) * found.plate.internal_magnitude(held.dofs, hi, lo)
     # Roundings of the dofs add up as in a random walk.
     resultant = rounding * np.sqrt(found.dof_count)
-    total = float(np.abs(load.nodal[::3]).sum()) or float(np.abs(at_holds[::3]).sum())
-    return Certificate(**figures, equilibrium_limit=_ratio(rounding, scale), balance_limit=_ratio(resultant, total))
+    limits = float(_ratio(rounding, scale)), float(_ratio(resultant, _largest(total, rest)))
+    return Certificate(**figures, equilibrium_limit=limits[0], balance_limit=limits[1])
 
 
 def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
@@ -149,34 +159,36 @@ def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Flo
 
 
 def _balance(
-    found: Discretisation, nodal: Floats, displacement: Floats, at_holds: Floats, reaction: Floats, rest: float
-) -> float:
-    """The three resultants of load and reactions, from the supports' forces alone."""
+    found: Discretisation, nodal: Floats, displacement: Floats, at_holds: Floats, reaction: Floats
+) -> tuple[float, float]:
+    """Largest resultant out of balance, from the supports' forces alone, and the size it is part of."""
     springs, size = found.springs, found.mesh.size
     pull = springs.stiffness * (found.spring_rows @ displacement - springs.base)
     against = at_holds + found.spring_rows.T @ pull + found.contact_rows.T @ reaction
     motions = found.rigid_motions / np.array([1.0, size, size])
-    total = max(np.abs(nodal) @ np.abs(motions).max(axis=1), np.abs(against) @ np.abs(motions).max(axis=1))
-    return _ratio(_largest(motions.T @ (nodal - against)), max(float(total), rest))
+    reach = np.abs(motions).max(axis=1)
+    return _largest(motions.T @ (nodal - against)), _largest(np.abs(nodal) @ reach, np.abs(against) @ reach)
 
 
-def _nil_deflection(found: Discretisation, load: CaseLoad) -> float:
-    """Deflection that counts as none under a load."""
+def _loaded_deflection(found: Discretisation, load: CaseLoad) -> float:
+    """Deflection by which a load scales on the plate."""
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0)
-    size, material = found.mesh.size, found.model.material
-    rigidity = material.E * float(found.thickness.min()) ** 3 / 12
-    return _NIL * float(forces + sum(couples) / size) * size**2 / rigidity
+    size = found.mesh.size
+    return float(forces + sum(couples) / size) * size**2 / _rigidity(found, found.thickness.min())
 
 
-def _nodal_size(nodal: Floats, across: float) -> float:
+def _rigidity(found: Discretisation, thickness: float) -> float:
+    return found.model.material.E * float(thickness) ** 3 / 12
+
+
+def _by_force(nodal: Floats, across: float) -> float:
     """Largest nodal force; couples count by the force they are at an element's size apart."""
-    forces, *couples = nodal.reshape(-1, 3).T
-    return max(_largest(forces), *(_largest(couple) / across for couple in couples))
+    return _largest(nodal.reshape(-1, 3) / [1.0, across, across])
 
 
-def _largest(values: Floats) -> float:
+def _largest(*values: Floats | float) -> float:
     """Largest magnitude; NaN where there is one."""
-    return float(np.abs(values).max(initial=0.0))
+    return float(np.max([np.abs(value).max(initial=0.0) for value in values]))
 
 
 def _ratio(error: float, size: float) -> float:

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from signorini.discretise import Discretisation, discretise
-from signorini.equilibrium import RigidFreedom, no_equilibrium, rigid_freedom
+from signorini.discretise.rows import Floats
+from signorini.equilibrium import RigidFreedom, allowed_motions, rigid_freedom, tipping_axis
 from signorini.errors import InputError
 from signorini.model import Combination, Model
 from signorini.sketch import load_marks, support_marks
+from signorini.stability import nearest_limit, on_the_brink, why_none
 
 _NO_FORCE = 1e-12
+_WORK = 1e-10
+"""Work below this part of the load times the motion is rounding."""
 _FORMATS = (".png", ".svg", ".pdf")
 
 
@@ -34,6 +39,13 @@ class Resultant:
         Couples about the middle of the plate.
     message : str
         Why no reactions balance it; empty where they do.
+    brink : bool
+        Whether they only just do: the load is on the edge of what the supports can hold. Of many combinations neither
+        this nor the limit is asked.
+    limit : (case, factor) or None
+        The nearest limit of equilibrium: the case, and the factor on top of its own that reaches it alone.
+    axis : ((x, y), (x, y)) or None
+        Two points of the line about which the plate tips, if it does.
     """
 
     name: str
@@ -41,6 +53,9 @@ class Resultant:
     at: tuple[float, float] | None
     couple: tuple[float, float]
     message: str
+    brink: bool
+    limit: tuple[str, float] | None
+    axis: tuple[tuple[float, float], tuple[float, float]] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +71,7 @@ class Check:
         return not any(resultant.message for resultant in self.resultants)
 
     def save_picture(self, path: str | os.PathLike[str]) -> None:
-        """Draw mesh, supports and loads to a file.
+        """Draw mesh, supports, loads, their resultants and the lines about which they tip the plate to a file.
 
         Raises
         ------
@@ -64,7 +79,7 @@ class Check:
             If the file cannot be written, or its suffix names no format of pictures.
         """
         # Only this method needs matplotlib.
-        from signorini.plot import check_picture, save
+        from signorini.plot import BalanceMark, check_picture, save
 
         require_picture(path)
         found = self.discretisation
@@ -73,6 +88,7 @@ class Check:
             found.mesh.elements,
             supports=support_marks(found),
             loads=load_marks(found),
+            balance=[BalanceMark(r.name, r.at, r.force < 0, bool(r.message), r.axis) for r in self.resultants],
             title=found.model.title,
             length=found.model.units.length,
         )
@@ -117,14 +133,57 @@ def check(model: Model) -> Check:
     """
     found = discretise(model)
     freedom = rigid_freedom(found)
+    if model.tabulated:
+        return Check(found, tuple(_resultants(found, freedom)))
     return Check(found, tuple(_resultant(found, freedom, c) for c in model.effective_combinations))
+
+
+def _resultants(found: Discretisation, freedom: RigidFreedom) -> Iterator[Resultant]:
+    """Resultants of many combinations, from those of their load cases."""
+    combinations = found.model.effective_combinations
+    used = combinations.cases
+    nodal = {case: found.cases[case].nodal for case in found.cases if case in used}
+    of_case = {case: found.rigid_motions.T @ load for case, load in nodal.items()}
+    size = {case: float(np.abs(load[::3]).sum()) for case, load in nodal.items()}
+    scale = np.array([1.0, found.mesh.size, found.mesh.size])
+    motions = allowed_motions(freedom)
+    for combination in combinations:
+        factors = combination.factors or {}
+        resultant = np.sum([np.zeros(3), *(factor * of_case[case] for case, factor in factors.items())], axis=0)
+        total = sum(abs(factor) * size[case] for case, factor in factors.items())
+        work = motions @ (resultant / scale @ freedom.motions) if len(motions) else np.zeros(0)
+        message = ""
+        if work.max(initial=0.0) > _WORK * total:
+            message = why_none(found, freedom, combination)
+        yield _of(found, freedom, combination, resultant, total, message)
 
 
 def _resultant(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> Resultant:
     nodal = found.load(combination).nodal
-    force, mx, my = (float(part) for part in found.rigid_motions.T @ nodal)
+    message = why_none(found, freedom, combination)
+    brink = not message and on_the_brink(found, freedom, nodal)
+    limit = nearest_limit(found, freedom, combination)
+    total = float(np.abs(nodal[::3]).sum())
+    return _of(found, freedom, combination, found.rigid_motions.T @ nodal, total, message, brink, limit)
+
+
+def _of(
+    found: Discretisation,
+    freedom: RigidFreedom,
+    combination: Combination,
+    resultant: Floats,
+    total: float,
+    message: str,
+    brink: bool = False,
+    limit: tuple[str, float] | None = None,
+) -> Resultant:
+    force, mx, my = (float(part) for part in resultant)
     at = None
-    if abs(force) > _NO_FORCE * np.abs(nodal[::3]).sum():
+    if abs(force) > _NO_FORCE * total:
         x, y = ((found.middle + np.array([mx, my]) / force) / found.mesh.size).round(12) * found.mesh.size + 0.0
         at = (float(x), float(y))
-    return Resultant(combination.name, force, at, (mx, my), no_equilibrium(found, freedom, nodal))
+    if not message:
+        return Resultant(combination.name, force, at, (mx, my), "", brink, limit, None)
+    ends = tipping_axis(found, freedom, found.load(combination).nodal)
+    axis = None if ends is None else ((float(ends[0, 0]), float(ends[0, 1])), (float(ends[1, 0]), float(ends[1, 1])))
+    return Resultant(combination.name, force, at, (mx, my), message, brink, limit, axis)

@@ -11,9 +11,6 @@ import contextlib
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import qr
-from scipy.optimize import linprog
-from scipy.spatial import ConvexHull, QhullError
 
 from signorini.discretise import ContactPoints, Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -85,6 +82,8 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
 
 
 def _outermost(contacts: ContactPoints) -> Ints:
+    from scipy.spatial import ConvexHull, QhullError
+
     deciding = []
     for direction in (1.0, -1.0):
         those = np.flatnonzero(~contacts.two_sided & (contacts.direction == direction))
@@ -121,6 +120,7 @@ def _describe(motion: Floats, found: Discretisation) -> str:
     normal = np.array(slopes) / turning
     through = found.middle - w / turning * normal
     along = np.array([-normal[1], normal[0]])
+    along *= 1.0 if (along > 1e-9).any() and along[np.abs(along) > 1e-9][0] > 0 else -1.0
     return f"turning about the line through {_point(through)} along {_point(along)}"
 
 
@@ -131,6 +131,8 @@ def _point(at: Floats) -> str:
 
 def restraining_points(freedom: RigidFreedom) -> Ints:
     """Contact points, as few as there are free motions, that hold them when closed; far apart where they can be."""
+    from scipy.linalg import qr
+
     if not freedom.count:
         return np.zeros(0, dtype=np.int64)
     # Each pick is the longest column that is left, and lengths, being convex, are greatest at corners of the hull.
@@ -138,55 +140,79 @@ def restraining_points(freedom: RigidFreedom) -> Ints:
     return freedom.deciding[order[: freedom.count]]
 
 
+def load_size(found: Discretisation, nodal: Floats) -> float:
+    """Sum of a nodal load's magnitudes; couples count by the force they are at the plate's size apart."""
+    return float(np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / found.mesh.size)
+
+
+def work_of(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats:
+    """Work (d,) of a nodal load on the free motions."""
+    size = found.mesh.size
+    return np.asarray((found.rigid_motions.T @ nodal / np.array([1.0, size, size])) @ freedom.motions)
+
+
+def allowed_motions(freedom: RigidFreedom) -> Floats:
+    """The extreme rays (r, d) of the cone of free rigid motions that every support allows, each of unit size.
+
+    Reactions balance a load exactly if it does no work in any of them. With at most three components a ray lies in
+    d − 1 of the planes that the points set, and on the allowed side of all others.
+    """
+    one_sided = freedom.moves[freedom.deciding]
+    match freedom.count:
+        case 0:
+            return np.zeros((0, 0))
+        case 1:
+            rays = np.ones((1, 1))
+        case 2:
+            rays = one_sided @ np.array([[0.0, -1.0], [1.0, 0.0]])
+        case _:
+            first, second = np.triu_indices(len(one_sided), 1)
+            rays = np.cross(one_sided[first], one_sided[second])
+    size = np.abs(rays).max(axis=1, initial=0.0)
+    rays = rays[size > _RANK * size.max(initial=0.0)] / size[size > _RANK * size.max(initial=0.0), None]
+    rays = np.concatenate([rays, -rays])
+    return np.asarray(rays[(rays @ one_sided.T).max(axis=1, initial=-np.inf) <= _RANK])
+
+
 def no_equilibrium(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> str:
     """Say why no reactions balance the nodal load (3n,), or return nothing where they exist."""
-    if not freedom.count:
+    if way := _lifting(found, freedom, nodal):
+        return _explain_lifting(found, freedom, nodal, way)
+    best = _tipping(found, freedom, nodal)
+    if best is None:
         return ""
-    size = found.mesh.size
-    work = (found.rigid_motions.T @ nodal / np.array([1.0, size, size])) @ freedom.motions
-    total = np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / size
-    if total == 0:
-        return ""
-    one_sided = freedom.moves[freedom.deciding]
-    lifting = _lifting(freedom, one_sided, work, _WORK * total)
-    if lifting:
-        return _explain_lifting(found, freedom, nodal, lifting)
+    return _explain_tipping(found, freedom, nodal, freedom.motions @ best, freedom.moves[freedom.deciding] @ best)
+
+
+def tipping_axis(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats | None:
+    """Two points (2, 2) of the line about which a load tips the plate, as far apart as the plate is large."""
+    best = None if _lifting(found, freedom, nodal) else _tipping(found, freedom, nodal)
+    if best is None:
+        return None
+    w, *slopes = (freedom.motions @ best) / np.array([1.0, found.mesh.size, found.mesh.size])
+    normal = np.array(slopes) / np.hypot(*slopes)
+    foot = found.middle - w / np.hypot(*slopes) * normal
+    return np.asarray(foot + np.outer([-0.5, 0.5], [-normal[1], normal[0]]) * found.mesh.size)
+
+
+def _tipping(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats | None:
+    """The motion (d,) that every support allows on which the load does most work, if there is one."""
+    from scipy.optimize import linprog
+
+    total = load_size(found, nodal)
+    if not freedom.count or total == 0:
+        return None
+    work, one_sided = work_of(found, freedom, nodal), freedom.moves[freedom.deciding]
     best = linprog(-work / total, A_ub=one_sided, b_ub=np.zeros(len(one_sided)), bounds=(-1, 1), method="highs")
     if best.x is None or work @ best.x <= _WORK * total:
-        return ""
-    return _explain_tipping(found, freedom, nodal, freedom.motions @ best.x, one_sided @ best.x)
+        return None
+    return np.asarray(best.x)
 
 
-def largest_multiple(found: Discretisation, freedom: RigidFreedom, start: Floats, add: Floats) -> float:
-    """Find the largest t for which reactions balance the nodal load start + t add, by a linear program in both.
-
-    Infinite if there is none; NaN if not even t = 0 has such reactions.
-    """
-    if not freedom.count:
-        return np.inf
-    size = found.mesh.size
-    scale = np.array([1.0, size, size])
-    rest, more = ((found.rigid_motions.T @ nodal / scale) @ freedom.motions for nodal in (start, add))
-    # In units in which both loads are about one, and t too.
-    units = [
-        float(np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / size) for nodal in (start, add)
-    ]
-    if units[1] == 0 or np.abs(more).max() <= _WORK * units[1]:
-        return np.inf
-    units[0] = units[0] or units[1]
-    one_sided = freedom.moves[freedom.deciding]
-    balance = np.column_stack([-more / units[1], one_sided.T])
-    cost = np.zeros(1 + len(one_sided))
-    cost[0] = -1.0
-    found_most = linprog(cost, A_eq=balance, b_eq=rest / units[0], bounds=(0, None), method="highs")
-    if found_most.status == 3:
-        return np.inf
-    most = np.nan if found_most.x is None else float(found_most.x[0])
-    return 0.0 if most <= _WORK else most * units[0] / units[1]
-
-
-def _lifting(freedom: RigidFreedom, one_sided: Floats, work: Floats, least: float) -> str:
+def _lifting(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> str:
     """Which way the plate moves off all its supports without turning, if it does."""
+    one_sided, least = freedom.moves[freedom.deciding], _WORK * load_size(found, nodal)
+    work = work_of(found, freedom, nodal)
     for way, w in (("up", -1.0), ("down", 1.0)):
         motion = np.array([w, 0.0, 0.0])
         part = motion @ freedom.motions
@@ -209,6 +235,8 @@ def _holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, best: 
 
 def _least_holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, at: Floats, way: str) -> float | None:
     """Least extra load at a point with which reactions balance the load, by a linear program in them."""
+    from scipy.optimize import linprog
+
     size = found.mesh.size
     # The conditions of equilibrium over the free motions, forces in units of the load and lengths of the plate.
     scale = np.array([1.0, size, size])
@@ -253,11 +281,19 @@ def _explain_tipping(
     # Weight holds it best where the motion lifts the plate most.
     lift = -(found.mesh.points @ normal + offset)
     farthest = int(lift.argmax())
-    axis = f"the line {normal[0]:+.6g} x {normal[1]:+.6g} y {offset:+.6g} = 0"
+    axis = f"the line {_line(normal, offset)}"
     text = f"The plate tips about {axis}{names}, short by a moment of {moment:.6g}{moment_unit}."
     if lift[farthest] <= 1e-9 * size:
         return text
     return text + _holding(found, freedom, nodal, found.mesh.points[farthest], "down")
+
+
+def _line(normal: Floats, offset: float) -> str:
+    """Equation of a line; of one parallel to an axis, its coordinate."""
+    for i, name in enumerate("xy"):
+        if abs(normal[1 - i]) < 1e-9:
+            return f"{name} = {0.0 - offset / normal[i]:.6g}"
+    return f"{normal[0]:+.6g} x {normal[1]:+.6g} y {offset:+.6g} = 0"
 
 
 def _hinges(found: Discretisation, freedom: RigidFreedom, closed: Bools) -> str:

@@ -40,11 +40,21 @@ def load(path: str | os.PathLike[str]) -> Model:
     text = _read(path)
     source = os.path.basename(path)
     lines = functools.cache(lambda: Lines(text))
-    model = validate(_parse(text, source), source=source, line_of=lambda path: lines().of(path))
+    data = _parse(text, source)
+    _look_beside(data, Path(path).parent)
+    model = validate(data, source=source, line_of=lambda path: lines().of(path))
     if isinstance(model.plate, MeshPlate):
         plate = model.plate.model_copy(update={"file": Path(path).parent / model.plate.file})
         model = model.model_copy(update={"plate": plate})
     return model
+
+
+def _look_beside(data: dict[str, Any], directory: Path) -> None:
+    """Name the tables of factors from where the program runs rather than from where the input file is."""
+    combinations = data.get("combination")
+    for table in combinations if isinstance(combinations, list) else ():
+        if isinstance(table, dict) and isinstance(table.get("file"), str):
+            table["file"] = str(directory / table["file"])
 
 
 def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -12,16 +13,19 @@ from signorini import _core
 from signorini.certificate import FIGURES, Certificate, certify
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools, Ints
-from signorini.equilibrium import largest_multiple, no_equilibrium
+from signorini.equilibrium import no_equilibrium
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
 from signorini.model import Model
 from signorini.path_stop import PathStop, path_stop
 from signorini.problem import ContactProblem, contact_problem
 from signorini.progress import Progress, Watcher
 from signorini.result import Result
+from signorini.stability import largest_factor
 
 Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
+_NAMED = 20
+"""Combinations that a message names."""
 _AT_LIMIT = 1e-6
 """Distance of a path's end from the limit of equilibrium, over the limit, that is none."""
 
@@ -134,7 +138,7 @@ def path(model: Model, start: str, add: str, until: float | None = None, progres
     ----------
     model : Model
     start, add : str
-        Names of load cases or combinations; a case of the same name as a combination is not meant.
+        Names of load cases or combinations; of two with one name the case is meant.
     until : float, optional
         The largest t wanted; by default to the end of equilibrium, or until there are no more events.
     progress : callable, optional
@@ -181,7 +185,7 @@ def path(model: Model, start: str, add: str, until: float | None = None, progres
     message = no_equilibrium(found, problem.freedom, loads[0].nodal)
     if message:
         raise NoEquilibriumError(f"{start}: {message}")
-    limit = largest_multiple(found, problem.freedom, loads[0].nodal, loads[1].nodal)
+    limit = largest_factor(found, problem.freedom, loads[0].nodal, loads[1].nodal)
     traced = _trace(problem, (start, add), loads, until, limit, watcher)
     for method in problem.fallbacks:
         if method != "interior_point" and (traced is None or traced.ending == "stopped"):
@@ -193,13 +197,15 @@ def path(model: Model, start: str, add: str, until: float | None = None, progres
 
 
 def _load(found: Discretisation, name: str, argument: str) -> CaseLoad:
-    for combination in found.model.effective_combinations:
-        if combination.name == name and found.model.combination:
+    """The load of a case or, if there is none of that name, of a combination."""
+    if name in found.cases:
+        return found.cases[name]
+    combinations = found.model.effective_combinations if found.model.combination else ()
+    for combination in combinations:
+        if combination.name == name:
             return found.load(combination)
-    if name not in found.cases:
-        names = [*found.cases, *(combination.name for combination in found.model.combination)]
-        raise InputError(unknown("load case or combination", name, names), place=argument)
-    return found.cases[name]
+    names = [*found.cases, *(combination.name for combination in itertools.islice(combinations, _NAMED))]
+    raise InputError(unknown("load case or combination", name, names), place=argument)
 
 
 def _trace(

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
 
 from signorini import _core
 from signorini.discretise import CaseLoad, Discretisation, discretise
@@ -16,6 +15,9 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import RigidFreedom, restraining_points, rigid_freedom
 from signorini.errors import InputError, SignoriniError
 from signorini.model import Model
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array, csr_array
 
 Form = Literal["auto", "dual", "stiffness"]
 Method = Literal["lemke", "active_set", "interior_point"]
@@ -29,8 +31,11 @@ MOST_POINTS = 6000
 _FEW = 300
 """Elastic points up to which Lemke's algorithm is the quicker one."""
 
-_FEW_RIGID = 1500
-"""One-sided points up to which it is where they are mostly rigid."""
+_FEW_IN_AREAS = 500
+"""Points of areas up to which it is, rigid ones included."""
+
+_FEW_RIGID = 3000
+"""Rigid points, along lines for the most part, up to which it is."""
 
 _CARRIED = 100.0
 """Stiffness that the factor carries at restraining points, over D/a²: about a plate's own under a point load."""
@@ -78,6 +83,8 @@ class ContactProblem:
     @cached_property
     def K(self) -> csc_array:
         """Stiffness (3n, 3n) of plate and springs over every dof, held ones included."""
+        from scipy.sparse import csc_array
+
         start, row, value = self.discretisation.plate.stiffness_matrix(spring_arrays(self.discretisation))
         size = self.discretisation.dof_count
         lower = csc_array((value, row, start), shape=(size, size))
@@ -180,9 +187,9 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     Raises
     ------
     InputError
-        If the plate is a mechanism, or has more contact points than can be condensed.
+        If the plate is a mechanism, has more contact points than can be condensed, or cannot be factored.
     SignoriniError
-        If the factorization fails.
+        If it does not fit into memory.
     """
     found = model if isinstance(model, Discretisation) else discretise(model)
     freedom = rigid_freedom(found)
@@ -231,9 +238,10 @@ def _factored(found: Discretisation, freedom: RigidFreedom, method: Method) -> C
                 'Take element = "mitc9" or a finer mesh.',
                 place="plate.element",
             ) from None
-        raise SignoriniError(
-            f"The stiffness matrix cannot be factored: {error}. A part of the plate can move freely, or the plate is "
-            "too thin for double precision."
+        raise InputError(
+            f"The stiffness matrix cannot be factored: {error}. The plate's parts are too unlike for double precision: "
+            "see that the thickness, the elements' sides and the stiffnesses of the supports do not differ wildly.",
+            place="plate",
         ) from None
     except MemoryError:
         raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
@@ -270,5 +278,7 @@ def _method(found: Discretisation) -> Method:
         return "lemke"
     if asked != "auto":
         return asked
-    elastic = int((contacts.compliance[one_sided] > 0).sum())
-    return "active_set" if elastic > _FEW or int(one_sided.sum()) > _FEW_RIGID else "lemke"
+    in_areas = np.array([support.area is not None for support in found.model.support])[contacts.support]
+    elastic, areal = contacts.compliance[one_sided] > 0, in_areas[one_sided]
+    many = elastic.sum() > _FEW or areal.sum() > _FEW_IN_AREAS or len(areal) > _FEW_RIGID
+    return "active_set" if many else "lemke"

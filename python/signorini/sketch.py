@@ -78,6 +78,10 @@ def load_marks(found: Discretisation) -> list[LoadMark]:
             marks.append(LoadMark(name, _outline(load.area), "area"))
         else:
             marks.append(LoadMark(f"{name} everywhere", np.zeros((0, 2)), "area"))
+    for moving in found.model.moving:
+        marks.append(LoadMark(f"{moving.case}: the way it moves", np.array(moving.line), "line"))
+        halfway = [at for at, _, _ in moving.wheels(0.5 * moving.length)]
+        marks.append(LoadMark(f"{moving.case}: its wheels halfway", np.array(halfway), "points"))
     return marks
 
 

@@ -2,28 +2,55 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from signorini import _core
 from signorini.certificate import Certificate, certify
+from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.equilibrium import no_equilibrium
-from signorini.errors import NoEquilibriumError, NotCertifiedError
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
-from signorini.problem import ContactProblem, Steps, contact_problem
+from signorini.problem import ContactProblem, Form, Method, Steps, contact_problem
 from signorini.progress import Progress, Watcher
 from signorini.result import Result, unsolved_result
+from signorini.stability import supports_contradict, why_none
+
+_FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
+_REASONS = 5
+"""Combinations without equilibrium that a message names where none has one."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Attempt:
+    """An answer, how it came about, and what it is worth."""
+
+    methods: list[Method]
+    answer: _core.ContactSolution
+    certificate: Certificate | None
+    infeasible: bool
 
 
 @dataclass(frozen=True, eq=False)
 class Results(Mapping[str, Result]):
-    """Results by combination, in the order of the model."""
+    """Results by combination, in the order of the model.
+
+    Parameters
+    ----------
+    discretisation : Discretisation
+    by_name : mapping of Result
+        All results of every combination; where combinations are rows of a table, of those that were asked for.
+    seconds : mapping of float
+    combined : Combined or None
+        Where combinations are rows of a table: envelopes over all of them, and what governs.
+    """
 
     discretisation: Discretisation
     by_name: Mapping[str, Result]
     seconds: Mapping[str, float]
+    combined: Combined | None = None
 
     def __getitem__(self, name: str) -> Result:
         """Return the result of a combination."""
@@ -37,16 +64,33 @@ class Results(Mapping[str, Result]):
         """Count the combinations."""
         return len(self.by_name)
 
+    @property
+    def unbalanced(self) -> Mapping[str, str]:
+        """Why combinations have no equilibrium, by name; of many the first."""
+        if self.combined is not None:
+            return self.combined.unbalanced
+        return {name: result.message for name, result in self.by_name.items() if result.message}
+
+    @property
+    def unbalanced_count(self) -> int:
+        """How many combinations have no equilibrium."""
+        if self.combined is not None:
+            return len(self.combined.combinations) - self.combined.solved
+        return len(self.unbalanced)
+
     def _repr_html_(self) -> str:
         """Show every combination in a notebook."""
         return "".join(result._repr_html_() for result in self.by_name.values())
 
 
-def solve(model: Model, progress: Watcher | None = None) -> Results:
+def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLike[str] | None = None) -> Results:
     """Solve a model for each of its combinations.
 
     A combination whose load no reactions can balance gets a result with status "no_equilibrium", NaN for every number,
     and the reason in ``message``; the others are solved.
+
+    More than a few combinations, or where ``output.combinations`` is "table", are rows of a table: the mapping then
+    holds those that ``output.fields`` asks for, and ``combined`` what is known of all.
 
     Parameters
     ----------
@@ -54,6 +98,9 @@ def solve(model: Model, progress: Watcher | None = None) -> Results:
     progress : callable, optional
         Called with a `Progress` before meshing and factoring, as every combination begins, and after every step of its
         active set. What it raises ends the solve and reaches the caller.
+    table : path-like, optional
+        A Parquet file to write the table to, whole or not at all; docs/results.md describes its columns. Nothing is
+        written where every combination has all results.
 
     Returns
     -------
@@ -89,14 +136,19 @@ def solve(model: Model, progress: Watcher | None = None) -> Results:
     watcher(Progress(stage="factor"))
     problem = contact_problem(found)
     results: dict[str, Result] = {}
+    combined = None
     contact = recover = 0.0
-    for combination in model.effective_combinations:
+    if model.tabulated:
+        combined = _solve_table(problem, watcher, table)
+        contact = time.perf_counter() - begun - found.seconds["mesh"] - found.seconds["assemble"]
+        contact -= sum(problem.seconds.values())
+    for combination in _with_all_results(model, combined):
         watcher(Progress(combination.name))
         result, spent = _solve_one(problem, combination, watcher)
         results[combination.name] = result
         contact += spent
         recover += result.seconds
-    if all(result.status == "no_equilibrium" for result in results.values()):
+    if combined is None and all(result.status == "no_equilibrium" for result in results.values()):
         raise NoEquilibriumError("\n".join(f"{name}: {result.message}" for name, result in results.items()))
     part = problem.seconds
     seconds = {
@@ -108,7 +160,70 @@ def solve(model: Model, progress: Watcher | None = None) -> Results:
         "recover": recover,
         "total": time.perf_counter() - begun,
     }
-    return Results(found, results, seconds)
+    return Results(found, results, seconds, combined)
+
+
+def solve_one(problem: ContactProblem, combination: Combination, progress: Watcher | None = None) -> Result:
+    """Solve one combination by itself.
+
+    Raises
+    ------
+    NotCertifiedError
+        If the answer fails its certificate; it is refused.
+
+    Examples
+    --------
+    >>> from signorini import Model, contact_problem
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+    ...     support=[{"name": "bearings", "at": [[1, 1], [9, 1], [1, 9], [9, 9]], "resists": "down"}],
+    ...     load=[{"case": "G", "pressure": 2e3}],
+    ... )
+    >>> (combination,) = model.effective_combinations
+    >>> round(solve_one(contact_problem(model), combination).reactions["bearings"], 3)
+    200000.0
+    """
+    return _solve_one(problem, combination, progress or _nobody)[0]
+
+
+def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
+    """Every combination as a row, written to the table if there is one."""
+
+    def single(combination: Combination) -> Result:
+        return solve_one(problem, combination, watcher)
+
+    def begin(name: str) -> None:
+        watcher(Progress(name))
+
+    if table is None:
+        combined = combine(problem, single, begin)
+    else:
+        # Only this function needs pyarrow.
+        from signorini.table import writing
+
+        try:
+            with writing(table) as sink:
+                combined = combine(problem, single, begin, sink)
+        except OSError as error:
+            why = error.strerror or str(error)
+            raise InputError(f"the table cannot be written there: {why}. Name another file.", str(table)) from None
+    if not combined.solved:
+        reasons = "\n".join(f"{name}: {message}" for name, message in list(combined.unbalanced.items())[:_REASONS])
+        raise NoEquilibriumError(
+            f"None of {len(combined.combinations)} combinations has one, to begin with:\n{reasons}"
+        )
+    return combined
+
+
+def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combination]:
+    """The combinations of which every field is computed."""
+    asked = model.output.fields
+    if combined is None or asked == "all":
+        yield from model.effective_combinations
+    elif asked != "none":
+        names = set(combined.governing if asked == "governing" else asked)
+        yield from (combination for combination in model.effective_combinations if combination.name in names)
 
 
 def _nobody(now: Progress) -> None:
@@ -124,37 +239,52 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
         watcher(Progress(combination.name, step, changing, residual))
 
     begun = time.perf_counter()
-    message = no_equilibrium(found, problem.freedom, load.nodal)
+    message = why_none(found, problem.freedom, combination)
     if message:
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
-    answer, certificate = _answer(problem, load, steps)
-    methods = [problem.method]
-    for method in problem.fallbacks:
-        if answer.status == "no_equilibrium" or (certificate is not None and certificate.passed):
-            break
-        methods.append(method)
-        problem = problem.by(method)
-        answer, certificate = _answer(problem, load, steps)
+    tried = _answer(problem, load, steps)
     spent = time.perf_counter() - begun
-    if answer.status == "no_equilibrium":
+    if tried.infeasible and supports_contradict(found):
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
         reason = (
             "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and "
             "settlements. Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
         )
         return unsolved_result(found, combination.name, reason), spent
-    if certificate is None:
+    if tried.certificate is None:
         raise NotCertifiedError(
-            f'Combination "{combination.name}": no method solved the contact problem; the last was {problem.method}.'
+            f'Combination "{combination.name}" has no answer that could be certified: rounding decides which of its '
+            "supports are in contact. Take a finer mesh or fewer supports that nearly repeat each other, or give the "
+            "rigid ones a stiffness."
         )
-    if not certificate.passed:
-        raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {certificate}.')
-    return Result.of(found, combination.name, methods, load, answer, certificate), spent
+    if not tried.certificate.passed:
+        raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {tried.certificate}.')
+    return Result.of(found, combination.name, tried.methods, load, tried.answer, tried.certificate), spent
 
 
-def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> tuple[_core.ContactSolution, Certificate | None]:
-    """Solve one load, and certify it if there is something to certify."""
-    answer = problem.solve(load, progress=steps)
-    if answer.status != "solved":
-        return answer, None
-    return answer, certify(problem.discretisation, load, answer.hi, answer.lo, answer.reaction)
+def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Attempt:
+    """Solve one load and certify the answer; where that fails, ask in every other form and by every other method.
+
+    A basis that rounding makes singular in one form is regular in another. If no answer is certified the first stands.
+    """
+    first: _Attempt | None = None
+    methods: list[Method] = []
+    infeasible = False
+    for attempt, form in _attempts(problem):
+        methods += [] if attempt.method in methods else [attempt.method]
+        answer = attempt.solve(load, form, steps)
+        solved = answer.status == "solved"
+        certificate = certify(problem.discretisation, load, answer.hi, answer.lo, answer.reaction) if solved else None
+        infeasible |= answer.status == "no_equilibrium"
+        tried = _Attempt(list(methods), answer, certificate, False)
+        if certificate is not None and certificate.passed:
+            return tried
+        first = first or tried
+    assert first is not None, "there are attempts"
+    return _Attempt(methods, first.answer, first.certificate, infeasible)
+
+
+def _attempts(problem: ContactProblem) -> Iterator[tuple[ContactProblem, Form]]:
+    yield from ((problem, form) for form in (_FORMS if problem.method == "lemke" else _FORMS[:1]))
+    for method in problem.fallbacks:
+        yield from ((problem.by(method), form) for form in (_FORMS if method == "lemke" else _FORMS[:1]))

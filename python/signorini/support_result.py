@@ -10,9 +10,9 @@ import numpy as np
 from signorini import _core
 from signorini.contact_field import AreaContact
 from signorini.discretise import Discretisation
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Floats
 from signorini.kinds import describe
-from signorini.model import Support
+from signorini.supportpoints import SupportPoints
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,46 +96,24 @@ def support_result(
     answer : ContactSolution
     """
     support = found.model.support[index]
-    held = (found.held.support.reshape(-1, 3)[:, 0] == index) & found.held.dofs[::3]
-    springs = found.springs.support == index
-    contacts = (found.contacts.support == index) & ~found.contacts.slope
-    points = found.contacts.pick(contacts)
-    # A point with travel both ways has two rows, first all those that push up, then all that hold down.
-    ways = 2 if len(points) and np.ptp(points.direction) > 0 else 1
-    forces = (points.direction * answer.reaction[contacts]).reshape(ways, -1).sum(axis=0)
-    travel = answer.gap[contacts].reshape(ways, -1).min(axis=0)
-    touching = answer.closed[contacts].reshape(ways, -1).any(axis=0)
-    points = points.pick(np.arange(len(points)) < len(forces))
-    nodes = int(held.sum())
-    fixed = nodes + int(springs.sum())
-    positions = np.concatenate([found.mesh.points[held], found.springs.positions[springs], points.positions])
-    reactions = np.concatenate([held_force[held], pull[springs], forces])
-    gaps = np.concatenate([np.zeros(fixed), travel])
-    closed = np.concatenate([np.ones(fixed, np.bool_), touching])
-    weights = np.concatenate([np.ones(nodes), found.springs.weights[springs], points.weights])
-    order = _as_written(support, positions)
+    points = SupportPoints.of(found, index)
+    reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.reaction)
+    closed = points.closed(answer.closed)
     area = None
     if support.area is not None:
-        elements = np.concatenate([found.springs.rows.elements[springs], points.rows.elements])
-        area = AreaContact(found.mesh, support, (answer.hi + answer.lo)[::3], elements, weights, closed, reactions)
+        of_springs = found.springs.rows.elements[points.springs]
+        elements = np.concatenate([of_springs, found.contacts.rows.elements[points.rows[0]]])
+        deflection = (answer.hi + answer.lo)[::3]
+        area = AreaContact(found.mesh, support, deflection, elements, points.weights, closed, reactions)
     return SupportResult(
         support.name,
         describe(support),
         float(reactions.sum()),
-        positions[order],
-        reactions[order],
-        gaps[order],
-        closed[order],
-        weights[order],
+        points.positions,
+        reactions,
+        points.gaps(answer.gap),
+        closed,
+        points.weights,
         support.place,
         area,
     )
-
-
-def _as_written(support: Support, positions: Floats) -> Ints:
-    """Order of point supports as the model lists them."""
-    if support.at is None or not len(positions):
-        return np.arange(len(positions))
-    given = np.array(support.at)
-    nearest = ((positions[:, None] - given) ** 2).sum(axis=2).argmin(axis=1)
-    return np.argsort(nearest, kind="stable")

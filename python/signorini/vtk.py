@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 
-import meshio  # type: ignore[import-untyped]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -47,7 +46,7 @@ def write_vtu(
 
     Examples
     --------
-    >>> import pathlib, tempfile
+    >>> import meshio, pathlib, tempfile
     >>> points = [[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [2, 0.5], [1, 1], [0, 0.5]]
     >>> deflection = [0, 0, 0, 0, 1e-3, 0, 1e-3, 0]
     >>> with tempfile.TemporaryDirectory() as directory:
@@ -57,6 +56,8 @@ def write_vtu(
     ...     meshio.read(path).point_data["displacement"][4].tolist()
     [0.0, 0.0, -0.001]
     """
+    import meshio  # type: ignore[import-untyped]
+
     nodes = np.asarray(points, dtype=float)
     cells = np.asarray(elements, dtype=np.int64)
     if nodes.ndim != 2 or nodes.shape[1] != 2:

@@ -215,7 +215,7 @@ class Dense:
         return len(rigid) > rigid.shape[1] or values[-1] < 1e-6
 
     def states(self):
-        """Every contact state whose equations are regular and whose signs hold: displacements and reactions."""
+        """Every contact state whose equations are regular and whose signs hold: displacements, reactions, condition."""
         n, one = len(self.f), np.flatnonzero(~self.two_sided)
         scale = 1 / np.sqrt(np.diag(self.K).clip(1e-12))
         for chosen in product([False, True], repeat=len(one)):
@@ -238,7 +238,7 @@ class Dense:
             u, reaction = solution[:n], np.zeros(len(self.G))
             reaction[closed] = solution[n:]
             if max(v for name, v in self.violations(u, reaction).items() if name != "equilibrium") < 1e-9:
-                yield u, reaction
+                yield u, reaction, values[0] / values[-1] if len(values) else 1.0
 
     def pins(self, reaction):
         """Whether pressed points and stiffness leave no rigid motion: then the displacements are unique."""

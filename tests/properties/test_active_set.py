@@ -78,3 +78,28 @@ def test_one_linear_solve_on_the_set_found_gives_the_result_again(gaps, wave, st
     pressing = problem.G @ once - problem.gaps
     assert (pressing[closed] > -1e-6 * np.abs(once[::3]).max()).all()
     assert (pressing[~closed] < 1e-6 * np.abs(once[::3]).max()).all()
+
+
+@pytest.mark.parametrize("stiffness", [3e7, None])
+def test_loads_are_solved_from_the_reference_of_another_as_they_are_from_rest(stiffness) -> None:
+    problem = contact_problem(slab(0.2, stiffness, [{"pressure": 2e3}, {"case": "Q", "force": 2e5, "at": [3, 4]}], 8))
+    held = problem.discretisation.held.values
+    dead, live = (problem.discretisation.cases[case].nodal for case in ("load", "Q"))
+    reference = problem.core.reference(dead + live, held)
+    assert reference is not None
+    with pytest.raises(ValueError, match="of another problem"):
+        contact_problem(problem.discretisation).core.solve_near(reference, dead, held)
+    for factor in (0.1, 0.9, 1.0, 3.0):
+        near = problem.core.solve_near(reference, dead + factor * live, held)
+        cold = problem.core.solve(dead + factor * live, held)
+        assert near.status == cold.status == "solved"
+        assert (near.closed == cold.closed).all() and near.closed.any()
+        assert np.abs(near.hi - cold.hi).max() < 1e-10 * np.abs(cold.hi).max()
+        if factor == 1.0:
+            assert near.iterations < 4 < cold.iterations
+
+
+def test_a_load_on_few_points_has_no_reference() -> None:
+    tables = slab(0.2, 3e7, [{"pressure": 2e3}]).model_dump(exclude_unset=True) | {"solver": {"method": "lemke"}}
+    problem = contact_problem(Model.model_validate(tables))
+    assert problem.core.reference(problem.load("all"), problem.discretisation.held.values) is None

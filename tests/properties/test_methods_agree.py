@@ -108,11 +108,12 @@ def test_units_do_not_matter_to_the_interior_point_method(length: float, force: 
 
 
 def test_the_interior_point_method_says_that_supports_contradict_each_other() -> None:
-    """At one point a pad 10 mm high pushes up and an anchor 10 mm deep holds down."""
+    """On a side of an element, a parabola cannot zigzag between pads 10 mm high and anchors 10 mm deep."""
+    first, second, third, last = ([3.75 + 1.25 * t / 3, 2.4] for t in range(4))
     supports = [
         {"at": [[1, 1], [9, 1], [5, 5]], "resists": "down"},
-        {"at": [[4.99, 3]], "resists": "down", "settlement": -0.01},
-        {"at": [[4.99, 3]], "resists": "up", "settlement": 0.01},
+        {"at": [first, third], "resists": "down", "settlement": -0.01},
+        {"at": [second, last], "resists": "up", "settlement": 0.01},
     ]
     with pytest.raises(NoEquilibriumError, match="contradict each other"):
         signorini.solve(Model(**table("interior_point", support=supports)))

@@ -59,7 +59,9 @@ def test_few_points_agree_with_every_contact_state_tried(data, drawing, dense):
     assert (answer.status == "solved") == bool(states)
     if states and twin.pins(answer.reaction):
         u = (answer.hi + answer.lo)[twin.free]
-        assert min(np.abs(u - v).max() for v, _ in states) <= 1e-8 * twin.length(u)
+        # Rounding of K alone moves the solution of badly conditioned equations.
+        apart = min(np.abs(u - v).max() / max(1e-8, 1e-15 * condition) for v, _, condition in states)
+        assert apart <= twin.length(u)
 
 
 @settings(max_examples=60)

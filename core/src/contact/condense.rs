@@ -72,6 +72,7 @@ pub struct Response {
 }
 
 /// An LCP w = Mz + q over the one-sided points, row-major, and the way back.
+#[derive(Clone)]
 pub struct PosedLcp {
     pub matrix: Vec<f64>,
     pub q: Vec<f64>,
@@ -142,6 +143,13 @@ impl Condensed {
         self.rows.iter().map(|row| on_dof(row[0].0) / row[0].1).collect()
     }
 
+    /// Forces f̂ − S y that hold the points at displacements y under the forces f̂; where the rows pick single dofs.
+    pub(super) fn holding_forces(&self, force: &[f64], moved: &[f64]) -> Vec<f64> {
+        let Some(stiffness) = &self.stiffness else { return force.to_vec() };
+        let of_motion = |i: usize| (0..self.len()).map(|j| stiffness[(i, j)] * moved[j]).sum::<f64>();
+        force.iter().enumerate().map(|(i, f)| f - of_motion(i)).collect()
+    }
+
     /// The last part of a forward-substituted vector whose back substitution moves the points by `moved`: z = Lᵀu.
     pub fn prescribing(&self, moved: &[f64]) -> Vec<f64> {
         let mut on_dofs = vec![0.0; self.trailing.nrows()];
@@ -154,12 +162,16 @@ impl Condensed {
 
     /// The LCP past `reaction`s already acting.
     pub fn lcp(&self, form: Form, drive: &Drive, reaction: &[f64]) -> PosedLcp {
-        let posed = match (form, &self.stiffness) {
+        self.balanced(self.posed(form, drive, reaction), drive, reaction)
+    }
+
+    /// The LCP as elimination gives it: M does not depend on the drive, and q is linear in it.
+    pub(super) fn posed(&self, form: Form, drive: &Drive, reaction: &[f64]) -> PosedLcp {
+        match (form, &self.stiffness) {
             (Form::Stiffness, Some(stiffness)) => self.stiffness_lcp(stiffness, drive, reaction),
             (Form::Stiffness, None) => self.flexibility_lcp(drive, reaction, true),
             (Form::Dual, _) => self.flexibility_lcp(drive, reaction, false),
-        };
-        self.balanced(posed, drive, reaction)
+        }
     }
 
     /// Which points are closed, given which z of the LCP are basic.

@@ -7,7 +7,7 @@
 
 mod program;
 
-use super::active_set::Progress;
+use super::active_set::{Progress, Start};
 use super::problem::{Constraints, ContactProblem};
 use super::solve::{ContactSolution, Outcome};
 use crate::assembly::Numbering;
@@ -102,6 +102,12 @@ fn unsolved(dofs: usize, constraints: &Constraints, outcome: Outcome, iterations
     InteriorPoint { outcome, displacement, reaction, closed: vec![false; m], iterations }
 }
 
+impl InteriorPoint {
+    fn as_start(&self) -> Start<'_> {
+        Start { displacement: &self.displacement, reaction: &self.reaction, closed: &self.closed, factored: None }
+    }
+}
+
 impl ContactProblem {
     /// As [`ContactProblem::solve`], with the contact set of an interior point method to begin with.
     ///
@@ -116,7 +122,7 @@ impl ContactProblem {
         let all = self.all_constraints();
         let start = interior_point(&self.plate, &self.springs, &self.held, held_value, &all, load);
         let mut solution = match start.outcome {
-            Outcome::Solved => self.solve_from(load, held_value, &start, watch)?,
+            Outcome::Solved => self.solve_from(load, held_value, &start.as_start(), watch)?,
             Outcome::NoEquilibrium => self.without_solution(held_value, Outcome::NoEquilibrium),
             Outcome::Unsolved | Outcome::Interrupted => self.solve(load, held_value, None, None, watch)?,
         };

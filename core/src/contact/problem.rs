@@ -260,7 +260,7 @@ impl Parts<'_> {
     }
 }
 
-fn with_regularization(springs: &Springs, constraints: &Constraints) -> Springs {
+pub(super) fn with_regularization(springs: &Springs, constraints: &Constraints) -> Springs {
     let mut all = springs.clone();
     for (i, &delta) in constraints.regularization.iter().enumerate() {
         if delta > 0.0 {

@@ -1,8 +1,7 @@
 //! From a load to displacements, reactions and gaps.
 
-use super::active_set::Progress;
+use super::active_set::{Progress, Reference, Start};
 use super::condense::{ContactState, Drive, Form, PosedLcp};
-use super::interior_point::InteriorPoint;
 use super::problem::{ContactProblem, Factored};
 use crate::cholesky::FactorError;
 use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from};
@@ -47,9 +46,9 @@ const STATES: usize = 60;
 /// A correction that leaves more than this part of the imbalance before it ends the refinement.
 const PROGRESS: f64 = 0.25;
 /// An imbalance this small, relative to the largest nodal force, is rounding.
-const ROUNDING: f64 = 1e-15;
+pub(super) const ROUNDING: f64 = 1e-15;
 /// Reactions and gaps of the wrong sign, relative to the largest of their kind or of the load, that are rounding.
-const SIGN: f64 = 1e-11;
+pub(super) const SIGN: f64 = 1e-11;
 
 /// What is out of balance and what is left of the gaps.
 #[derive(Default)]
@@ -96,10 +95,21 @@ impl ContactProblem {
         &self,
         load: &[f64],
         held_value: &[f64],
-        start: &InteriorPoint,
+        start: &Start<'_>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
         self.solve_beginning(load, held_value, None, None, Some(start), watch)
+    }
+
+    /// As [`ContactProblem::solve`], beginning with the solution of another load.
+    pub fn solve_near(
+        &self,
+        reference: &Reference,
+        load: &[f64],
+        held_value: &[f64],
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<ContactSolution, FactorError> {
+        self.solve_from(load, held_value, &reference.start(), watch)
     }
 
     fn solve_beginning(
@@ -108,7 +118,7 @@ impl ContactProblem {
         held_value: &[f64],
         form: Option<Form>,
         max_pivots: Option<usize>,
-        start: Option<&InteriorPoint>,
+        start: Option<&Start<'_>>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
         if !self.active.is_empty() {
@@ -117,7 +127,7 @@ impl ContactProblem {
         let with = &self.base;
         let form = form.unwrap_or(with.condensed.better_form());
         let mut solution = self.at_rest(load.len(), held_value);
-        let mut first = start.map(|start| start.closed.as_slice());
+        let mut first = start.map(|start| start.closed);
         let mut step = self.step(load, &solution);
         let mut motion = self.motion(with, &step, form)?;
         let travel = motion.drive.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));

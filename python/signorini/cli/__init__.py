@@ -6,8 +6,8 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from types import FrameType
 from typing import Annotated
@@ -16,13 +16,12 @@ import typer
 from rich.console import Console
 
 import signorini
-from signorini.cli import tables
+from signorini.cli import interrupts, tables
 from signorini.cli.progress import transient_line
 from signorini.errors import InputError, NoEquilibriumError, SignoriniError
 from signorini.inputfile import with_line
 
-_INTERRUPTED = 130
-_TERMINATED = 143
+_MOST_REASONS = 20
 _WIDTH_OF_FILES = 160
 """Where the output is no terminal, tables keep their width up to this, so that programs find a row on a line."""
 
@@ -59,7 +58,7 @@ def main() -> None:
 
 def _terminate(number: int, frame: FrameType | None) -> None:
     """Unwind, so that files half written are removed."""
-    sys.exit(_TERMINATED)
+    sys.exit(interrupts.TERMINATED)
 
 
 def _version(wanted: bool) -> None:
@@ -83,26 +82,37 @@ def solve(
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Directory of the results. [default: FILE-results]"),
     ] = None,
+    threads: Annotated[
+        int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one a core]")
+    ] = None,
 ) -> None:
-    """Solve every combination; write results.json, reactions.csv, a .vtu file and a picture each; print a table."""
+    """Solve every combination; write results.json, reactions.csv, a .vtu file and a picture each; print a table.
+
+    Of many combinations write combinations.parquet, envelopes, and all of this for those that govern.
+    """
     with _messages(file):
         from signorini import output as files
+        from signorini.tabulated import TABLE
 
+        if threads is not None:
+            # Rust's threads start at their first use and read this then.
+            os.environ["RAYON_NUM_THREADS"] = str(threads)
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
-        files.require_writable(directory)
         try:
-            with transient_line() as show:
-                results = signorini.solve(model, progress=show)
+            with files.room_for(directory) as room, transient_line() as show:
+                table = room / TABLE if model.tabulated else None
+                with interrupts.at_once() if table is None else nullcontext():
+                    results = signorini.solve(model, progress=show, table=table)
                 show("writing the results")
-                files.write(results, directory)
+                files.write(results, directory, table)
         except SignoriniError:
             if (directory / files.JSON).exists():
                 _stderr().print(f"Nothing is written; {directory} holds the results of an earlier run.")
             raise
         tables.print_results(_stdout(), results)
         _stdout().print(f"Written to {directory}{os.sep}")
-        _refuse({result.name: result.message for result in results.values()})
+        _refuse(results.unbalanced, results.unbalanced_count)
 
 
 @app.command()
@@ -127,7 +137,8 @@ def check(
         found.save_picture(picture)
         tables.print_check(_stdout(), found)
         _stdout().print(f"Drawn in {picture}")
-        _refuse({resultant.name: resultant.message for resultant in found.resultants})
+        unbalanced = {resultant.name: resultant.message for resultant in found.resultants if resultant.message}
+        _refuse(unbalanced, len(unbalanced))
 
 
 @app.command()
@@ -138,11 +149,12 @@ def schema() -> None:
         print_raw(json.dumps(signorini.schema(), indent=2, ensure_ascii=False) + "\n")
 
 
-def _refuse(messages: dict[str, str]) -> None:
-    """End with the exit code of no equilibrium if a combination has none."""
-    missing = [f"{name}: {message}" for name, message in messages.items() if message]
-    if missing:
-        raise NoEquilibriumError("\n".join(missing))
+def _refuse(unbalanced: Mapping[str, str], count: int) -> None:
+    """End with the exit code of no equilibrium if a combination has none; say why of the first few."""
+    if count:
+        reasons = [f"{name}: {message}" for name, message in unbalanced.items()][:_MOST_REASONS]
+        more = [f"And {count - len(reasons)} more."] if count > len(reasons) else []
+        raise NoEquilibriumError("\n".join(reasons + more))
 
 
 @contextmanager
@@ -157,12 +169,15 @@ def _messages(file: Path | None = None) -> Iterator[None]:
     except SignoriniError as error:
         _end(f"Error: {error}", error.exit_code)
     except KeyboardInterrupt:
-        _end("Interrupted; nothing is written.", _INTERRUPTED)
+        _end(interrupts.SAID, interrupts.INTERRUPTED)
     except MemoryError:
         _end("Error: not enough memory. Take a coarser mesh.", SignoriniError.exit_code)
     except (typer.Exit, BrokenPipeError):
         raise
-    except Exception as error:
+    except BaseException as error:
+        # What Rust calls a panic arrives as an exception that is none of Python's ordinary ones.
+        if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
+            raise
         _end(
             f"Internal error ({type(error).__name__}: {' '.join(str(error).split())}). This is a fault of signorini "
             f"{signorini.__version__}; please report it with the input file.",

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from signorini.check import Check
+from signorini.cli.cells import in_unit, number, per_area, point, table, unit_of
+from signorini.cli.governing import print_combined
 from signorini.discretise import Discretisation
 from signorini.kinds import MEANINGS, SYMBOLS, describe, kinds
 from signorini.model import Support, Units
@@ -20,6 +21,8 @@ from signorini.support_result import SupportResult
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _MOST_OPEN = 8
 """Open points named below a table; where more are open their number says enough."""
+_MOST_LISTED = 20
+"""Combinations listed by `check`, and as many again of those that cannot be balanced."""
 _ROUNDING = 1e-12
 """Part of the largest value of its kind below which a figure shows zero."""
 
@@ -27,7 +30,10 @@ _ROUNDING = 1e-12
 def print_results(console: Console, results: Results) -> None:
     """Print every combination: supports, certificate, extremes, probes."""
     _print_model(console, results.discretisation)
-    for result in results.values():
+    if results.combined is not None:
+        console.print()
+        print_combined(console, results.combined, results)
+    for result in results.values() if results.combined is None else ():
         console.print()
         if result.status == "solved":
             _print_result(console, result)
@@ -43,7 +49,7 @@ def print_check(console: Console, check: Check) -> None:
     model, units = found.model, found.model.units
     _print_model(console, found)
     console.print()
-    supports = _table("", "support", "kind", right=["nodes held", "springs", "contact points"])
+    supports = table("", "support", "kind", right=["nodes held", "springs", "contact points"])
     for index, support in enumerate(model.support):
         held = found.held.support.reshape(-1, 3)[found.held.dofs.reshape(-1, 3).any(axis=1)]
         counts = (
@@ -54,12 +60,18 @@ def print_check(console: Console, check: Check) -> None:
         supports.add_row(_symbol(support, console), Text(support.name), describe(support), *map(str, counts))
     console.print(supports)
     console.print()
-    loads = _table("combination", right=[f"load{_in(units.force)}", f"acts at{_in(units.length)}", "balanced"])
-    for resultant in check.resultants:
-        at = _point(resultant.at) if resultant.at else f"couple {_point(resultant.couple)}"
-        verdict = Text("no", style="bold red") if resultant.message else Text("yes")
-        loads.add_row(Text(resultant.name), _number(resultant.force), at, verdict)
+    right = [f"load{in_unit(units.force)}", f"acts at{in_unit(units.length)}", "balanced", "limit"]
+    loads = table("combination", right=right)
+    listed = [r for number, r in enumerate(check.resultants) if number < _MOST_LISTED or r.message]
+    for resultant in listed[: 2 * _MOST_LISTED]:
+        at = point(resultant.at) if resultant.at else f"couple {point(resultant.couple)}"
+        verdict = Text("no", style="bold red") if resultant.message else Text("just" if resultant.brink else "yes")
+        limit = f"{resultant.limit[0]} at {resultant.limit[1]:.4g}" if resultant.limit else ""
+        loads.add_row(Text(resultant.name), number(resultant.force), at, verdict, Text(limit))
     console.print(loads)
+    if left := len(check.resultants) - len(listed[: 2 * _MOST_LISTED]):
+        unbalanced = sum(bool(resultant.message) for resultant in check.resultants)
+        console.print(f"and {left} more; of all {len(check.resultants)} combinations {unbalanced} cannot be balanced")
     console.print()
     _print_legend(console, model.support)
 
@@ -80,23 +92,23 @@ def _print_result(console: Console, result: Result) -> None:
     before = f" after {' and '.join(result.unsettled)} did not settle" if result.unsettled else ""
     how = f": solved by {result.method}{before}, {result.iterations} {result.counted}"
     console.print(Text(result.name, style="bold") + Text(how))
-    table = _table("", "support", "kind", right=[f"reaction{_in(units.force)}", "closed", "open"])
+    rows = table("", "support", "kind", right=[f"reaction{in_unit(units.force)}", "closed", "open"])
     least = _ROUNDING * float(abs(result.nodal_reaction).max())
     for support, found in zip(result.model.support, result.supports, strict=True):
-        table.add_row(
+        rows.add_row(
             _symbol(support, console),
             Text(found.name),
             found.kind,
-            _number(found.reaction if abs(found.reaction) > least else 0.0),
+            number(found.reaction if abs(found.reaction) > least else 0.0),
             str(found.closed_count),
             str(found.open_count),
         )
     if len(result.supports) > 1:
-        table.add_section()
+        rows.add_section()
         total = sum(found.reaction for found in result.supports)
         counts = [sum(getattr(found, count) for found in result.supports) for count in ("closed_count", "open_count")]
-        table.add_row("", "all", "", _number(total), *map(str, counts))
-    console.print(table)
+        rows.add_row("", "all", "", number(total), *map(str, counts))
+    console.print(rows)
     for found in result.supports:
         _print_extent(console, found, units)
     _print_deflection(console, result)
@@ -108,18 +120,18 @@ def _print_result(console: Console, result: Result) -> None:
 def _print_extent(console: Console, found: SupportResult, units: Units) -> None:
     """Which points are open, or how large the area in contact is."""
     if found.place == "at" and 0 < found.open_count <= _MOST_OPEN:
-        console.print(f"{found.name}, open: {', '.join(map(_point, found.positions[~found.closed].tolist()))}")
+        console.print(f"{found.name}, open: {', '.join(map(point, found.positions[~found.closed].tolist()))}")
     if found.contact_area is not None and found.max_pressure is not None:
-        area = f"{_number(found.contact_area)}{_unit(units.length, 2)}"
-        pressure = f"{_number(found.max_pressure)} {_per_area(units)}".rstrip()
+        area = f"{number(found.contact_area)}{unit_of(units.length, 2)}"
+        pressure = f"{number(found.max_pressure)} {per_area(units)}".rstrip()
         console.print(f"{found.name}, in contact: {area}, largest pressure {pressure}")
 
 
 def _print_deflection(console: Console, result: Result) -> None:
-    unit = _unit(result.model.units.length)
+    unit = unit_of(result.model.units.length)
     ends = (("max", int(result.deflection.argmax())), ("min", int(result.deflection.argmin())))
     parts = (
-        f"{name} {_number(float(result.deflection[node]))}{unit} at {_point(result.mesh.points[node].tolist())}"
+        f"{name} {number(float(result.deflection[node]))}{unit} at {point(result.mesh.points[node].tolist())}"
         for name, node in ends
     )
     console.print(f"deflection, positive down: {', '.join(parts)}")
@@ -128,16 +140,16 @@ def _print_deflection(console: Console, result: Result) -> None:
 def _probes(result: Result, units: Units) -> Table:
     moment = f" [{units.force} {units.length}/{units.length}]" if units.force and units.length else ""
     shear = f" [{units.force}/{units.length}]" if units.force and units.length else ""
-    titles = [f"deflection{_in(units.length)}", "θx", "θy", f"mx{moment}", "my", "mxy", f"qx{shear}", "qy"]
+    titles = [f"deflection{in_unit(units.length)}", "θx", "θy", f"mx{moment}", "my", "mxy", f"qx{shear}", "qy"]
     pressed = any(probe.pressure is not None for probe in result.probes)
-    table = _table(f"probe{_in(units.length)}", right=titles + pressed * [f"pressure{_in(_per_area(units))}"])
+    rows = table(f"probe{in_unit(units.length)}", right=titles + pressed * [f"pressure{in_unit(per_area(units))}"])
     rounding = [_ROUNDING * float(abs(field).max()) for field in result.fields.values()]
     for probe in result.probes:
         values = (probe.deflection, *probe.rotation, *probe.moment, *probe.shear)
         shown = (value if abs(value) > least else 0.0 for value, least in zip(values, rounding, strict=True))
-        pressure = pressed * ["" if probe.pressure is None else _number(probe.pressure, 5)]
-        table.add_row(_point(probe.at), *(_number(value, 5) for value in shown), *pressure)
-    return table
+        pressure = pressed * ["" if probe.pressure is None else number(probe.pressure, 5)]
+        rows.add_row(point(probe.at), *(number(value, 5) for value in shown), *pressure)
+    return rows
 
 
 def _print_legend(console: Console, supports: Sequence[Support]) -> None:
@@ -152,33 +164,3 @@ def _symbol(support: Support, console: Console) -> str:
 
 def _marks(console: Console) -> dict[str, str]:
     return SYMBOLS if console.encoding.lower().startswith("utf") else _PLAIN
-
-
-def _table(*left: str, right: Sequence[str]) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, header_style="bold")
-    for title in left:
-        table.add_column(title, overflow="fold")
-    for title in right:
-        table.add_column(title, justify="right", overflow="fold")
-    return table
-
-
-def _number(value: float, digits: int = 6) -> str:
-    # Forces in newtons pass six digits soon; an exponent would be harder to read than some more of them.
-    return f"{value:.0f}" if 1e5 <= abs(value) < 1e10 else f"{value:.{digits}g}"
-
-
-def _point(at: Sequence[float]) -> str:
-    return f"[{', '.join(f'{value:.6g}' for value in at)}]"
-
-
-def _per_area(units: Units) -> str:
-    return f"{units.force}/{units.length}²" if units.force and units.length else ""
-
-
-def _in(unit: str) -> str:
-    return f" [{unit}]" if unit else ""
-
-
-def _unit(length: str, power: int = 1) -> str:
-    return f" {length}{'²' if power == 2 else ''}" if length else ""

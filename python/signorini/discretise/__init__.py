@@ -15,6 +15,7 @@ from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
 from signorini.discretise.loads import CaseLoad, case_loads
 from signorini.discretise.meshing import mesh_of
+from signorini.discretise.moving import Cases
 from signorini.discretise.places import located
 from signorini.discretise.redundancy import that_can_act
 from signorini.discretise.rows import Floats, Rows
@@ -22,6 +23,9 @@ from signorini.discretise.supports import ContactPoints, Springs, springs_and_co
 from signorini.errors import InputError
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
+
+_THICKNESS = (1e-6, 10.0)
+"""Thickness over the plate's size: beyond, double precision holds no plate, or the plate is a block."""
 
 __all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Rows", "Springs", "discretise"]
 
@@ -77,7 +81,7 @@ class Discretisation:
     def load(self, combination: Combination) -> CaseLoad:
         """Sum of the cases times their factors."""
         total = CaseLoad(np.zeros(self.dof_count), np.zeros(3), np.zeros(2 * len(self.mesh.elements)))
-        for case, factor in combination.factors.items():
+        for case, factor in (combination.factors or {}).items():
             total = total + factor * self.cases[case]
         return total
 
@@ -106,11 +110,19 @@ def discretise(model: Model) -> Discretisation:
     >>> print(round(found.cases["load"].nodal[::3].sum(), 6))
     40000.0
     """
+    try:
+        return _discretise(model)
+    except InputError as error:
+        # What a mesh finds wrong with itself is the plate's fault.
+        raise InputError(error.message, place=error.place or "plate") from None
+
+
+def _discretise(model: Model) -> Discretisation:
     begun = time.perf_counter()
     mesh = mesh_of(model)
     meshed = time.perf_counter()
     held = hold(model, mesh)
-    thickness = model.plate.thickness(*mesh.points.T, above=0.0, place="plate.thickness")
+    thickness = _thickness(model, mesh)
     material = model.material
     try:
         plate = _core.Plate(
@@ -127,7 +139,7 @@ def discretise(model: Model) -> Discretisation:
         raise InputError(f"{error}. Change the mesh or the thickness.", place="plate") from None
     springs, contacts = springs_and_contacts(model, mesh, plate)
     contacts = that_can_act(mesh, held, contacts)
-    cases = case_loads(model, mesh, plate, held)
+    cases = Cases(case_loads(model, mesh, plate, held), model.moving, mesh)
     positions = np.array([point for probe in model.probe for point in probe.at]).reshape(-1, 2)
     probes = Location(np.zeros(0, np.int64), np.zeros((0, 2)))
     if len(positions):
@@ -136,3 +148,18 @@ def discretise(model: Model) -> Discretisation:
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
     return Discretisation(model, mesh, plate, thickness, held, springs, contacts, cases, probes, positions, seconds)
+
+
+def _thickness(model: Model, mesh: Mesh) -> Floats:
+    """Thickness (n,) at the nodes, of a plate that is one."""
+    thickness = model.plate.thickness(*mesh.points.T, above=0.0, place="plate.thickness")
+    thinnest, thickest = _THICKNESS[0] * mesh.size, _THICKNESS[1] * mesh.size
+    wrong = (thickness < thinnest) | (thickness > thickest)
+    if wrong.any():
+        x, y = mesh.points[np.argmax(wrong)]
+        raise InputError(
+            f"Found the thickness {thickness[np.argmax(wrong)]:g} at [{x:g}, {y:g}]; on a plate {mesh.size:g} long it "
+            f"must be from {thinnest:g} to {thickest:g}. Are the units those of the plate's size?",
+            place="plate.thickness",
+        )
+    return thickness

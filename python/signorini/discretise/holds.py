@@ -7,10 +7,13 @@ import numpy as np
 from signorini.discretise.frames import PARALLEL, Held, Holds
 from signorini.discretise.places import Sampled, edge_nodes, located, mesh_edges, quadratic_tangents
 from signorini.discretise.rows import Ints
+from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
 
 _SAME_NODE = 1e-9
+_SAME_SETTLEMENT = 1e-9
+"""Part of a settlement, as of a varying one at a node that two supports share."""
 
 
 def hold(model: Model, mesh: Mesh) -> Held:
@@ -44,9 +47,7 @@ def _hold_along(mesh: Mesh, holds: Holds, index: int, support: Support) -> None:
     if triples is None:
         return
     if holds_deflection(support):
-        nodes = edge_nodes(mesh, triples).nodes
-        for node, value in zip(nodes, support.settlement(*mesh.points[nodes].T), strict=True):
-            holds.deflection(int(node), float(value), index)
+        _hold_deflections(mesh, holds, index, support, edge_nodes(mesh, triples).nodes)
     if not {"slope", "twist"} & set(support.fixed):
         return
     for node, tangents in _tangents(mesh, triples).items():
@@ -60,13 +61,29 @@ def _hold_along(mesh: Mesh, holds: Holds, index: int, support: Support) -> None:
 def _hold_points(mesh: Mesh, holds: Holds, index: int, support: Support) -> None:
     assert support.at is not None
     sampled = located(mesh, support.at, f"support[{index + 1}]")
-    settlement = support.settlement(*sampled.positions.T)
-    for node, value in zip(nodes_at(mesh, sampled), settlement, strict=True):
-        if node >= 0 and holds_deflection(support):
-            holds.deflection(int(node), float(value), index)
-        if node >= 0 and "slope" in support.fixed:
-            holds.slope(int(node), (1.0, 0.0), index)
-            holds.slope(int(node), (0.0, 1.0), index)
+    nodes = nodes_at(mesh, sampled)
+    nodes = nodes[nodes >= 0]
+    if holds_deflection(support):
+        _hold_deflections(mesh, holds, index, support, nodes)
+    if "slope" in support.fixed:
+        for node in nodes.tolist():
+            holds.slope(node, (1.0, 0.0), index)
+            holds.slope(node, (0.0, 1.0), index)
+
+
+def _hold_deflections(mesh: Mesh, holds: Holds, index: int, support: Support, nodes: Ints) -> None:
+    settlement = support.settlement(*mesh.points[nodes].T, place=f"support[{index + 1}].settlement")
+    for node, value in zip(nodes.tolist(), settlement.tolist(), strict=True):
+        held = holds.value.get(node, value)
+        if abs(value - held) > _SAME_SETTLEMENT * max(abs(value), abs(held)):
+            x, y = mesh.points[node]
+            raise InputError(
+                f"Supports contradict each other at [{x:g}, {y:g}]: support[{holds.by[node] + 1}] holds the plate at "
+                f"{held:g} there and this one at {value:g}. Correct a settlement, end one support short of there, or "
+                "give a stiffness.",
+                place=f"support[{index + 1}]",
+            )
+        holds.deflection(node, value, index)
 
 
 def _tangents(mesh: Mesh, triples: Ints) -> dict[int, list[tuple[float, float]]]:

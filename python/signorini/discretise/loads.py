@@ -17,6 +17,8 @@ from signorini.model import Area, Load, Model
 _GAUSS = 3
 _GAUSS_VARYING = 5
 """Gauss points a direction where the load varies."""
+_CANCELLED = 16 * float(np.finfo(float).eps)
+"""Part of two loads below which their sum is rounding: a plate held up by its buoyancy must not drift away on it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,12 +40,19 @@ class CaseLoad:
     couples: Floats
 
     def __add__(self, other: CaseLoad) -> CaseLoad:
-        """Let both act."""
-        return CaseLoad(self.nodal + other.nodal, self.curvature + other.curvature, self.couples + other.couples)
+        """Let both act; where they cancel but for rounding, nothing does."""
+        return CaseLoad(
+            _sum(self.nodal, other.nodal), _sum(self.curvature, other.curvature), _sum(self.couples, other.couples)
+        )
 
     def __rmul__(self, factor: float) -> CaseLoad:
         """Multiply by a factor."""
         return CaseLoad(factor * self.nodal, factor * self.curvature, factor * self.couples)
+
+
+def _sum(a: Floats, b: Floats) -> Floats:
+    total = a + b
+    return np.where(np.abs(total) <= _CANCELLED * (np.abs(a) + np.abs(b)), 0.0, total)
 
 
 def case_loads(model: Model, mesh: Mesh, plate: _core.Plate, held: Held) -> dict[str, CaseLoad]:
@@ -61,20 +70,21 @@ def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, 
     match load.kind:
         case "pressure":
             assert load.pressure is not None
-            _press(model, mesh, nodal, load.pressure, load.area, place)
+            _press(model, mesh, nodal, load.pressure, load.area, place, "pressure")
         case "self_weight":
             weight = model.material.unit_weight
             assert weight is not None
-            _press(model, mesh, nodal, model.plate.thickness, None, place, weight)
+            _press(model, mesh, nodal, model.plate.thickness, None, place, "self_weight", weight)
         case "line_load":
             assert load.line_load is not None
             order = _GAUSS if load.line_load.is_constant else _GAUSS_VARYING
             points = along_curve(mesh, model.plate, load, place, order)
-            _push(mesh, nodal, points.elements, points.xi, points.weights * load.line_load(*points.positions.T))
+            force = load.line_load(*points.positions.T, place=f"{place}.line_load")
+            push(mesh, nodal, points.elements, points.xi, points.weights * force)
         case "force":
             assert load.force is not None and load.at is not None
             points = located(mesh, load.at, place)
-            _push(mesh, nodal, points.elements, points.xi, load.force * points.weights)
+            push(mesh, nodal, points.elements, points.xi, load.force * points.weights)
         case "moment":
             assert load.moment is not None and load.at is not None
             _twist(mesh, plate, nodal, couples, located(mesh, load.at, place), load.moment)
@@ -92,14 +102,16 @@ def _press(
     pressure: Expression,
     area: Area | str | None,
     place: str,
+    key: str,
     factor: float = 1.0,
 ) -> None:
     points = in_area(mesh, model.plate, area, place, _GAUSS if pressure.is_constant else _GAUSS_VARYING)
-    force = factor * points.weights * pressure(*points.positions.T)
-    _push(mesh, nodal, points.elements, points.xi, force)
+    force = factor * points.weights * pressure(*points.positions.T, place=f"{place}.{key}")
+    push(mesh, nodal, points.elements, points.xi, force)
 
 
-def _push(mesh: Mesh, nodal: Floats, elements: Ints, xi: Floats, force: Floats) -> None:
+def push(mesh: Mesh, nodal: Floats, elements: Ints, xi: Floats, force: Floats) -> None:
+    """Add forces (q,) at points of elements to a nodal vector (3n,)."""
     values, _ = _core.serendipity(xi)
     nodal[::3] += np.bincount(mesh.elements[elements].ravel(), (force[:, None] * values).ravel(), mesh.node_count)
 

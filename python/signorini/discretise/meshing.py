@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from signorini.discretise.places import curve, region
+from signorini.memory import require_memory
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import annulus, disc, rectangle
-from signorini.mesh.meshfile import read
 from signorini.model import AnnulusPlate, DiscPlate, Load, MeshPlate, Model, RectanglePlate, Support
 from signorini.regions import Curve, Region
 
@@ -15,9 +16,14 @@ from signorini.regions import Curve, Region
 def mesh_of(model: Model) -> Mesh:
     """Mesh the model's plate, or read its mesh."""
     plate = model.plate
+    if isinstance(plate, MeshPlate):
+        from signorini.mesh.meshfile import read
+
+        mesh = read(plate.file)
+        require_memory(len(mesh.elements), "plate.file")
+        return mesh
+    require_memory(math.prod(plate.divisions(model.mesh)), "mesh")
     match plate:
-        case MeshPlate():
-            return read(plate.file)
         case RectanglePlate():
             x_lines = [x for shape in _shapes(model) for x in shape.x_lines]
             y_lines = [y for shape in _shapes(model) for y in shape.y_lines]

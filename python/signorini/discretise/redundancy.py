@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import lapack, solve_triangular
-from scipy.sparse import csr_array
 
 from signorini.discretise.frames import Held
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -17,6 +15,9 @@ _NONE = 1e-12
 _DEPENDENT = 1e-10
 """Part of a row, squared, that no other rows make up, below which it follows from them."""
 _CONSISTENT = 1e-9
+_SAME_PLACE = 1e-9
+_MOST = 10_000
+"""Two-sided points between nodes; to tell which follow from others takes a dense matrix of them."""
 
 
 def that_can_act(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
@@ -27,7 +28,35 @@ def that_can_act(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoin
     InputError
         If rigid ones contradict each other or a held dof.
     """
+    _require_room(mesh, contacts)
     return _independent(mesh, held, _not_held(mesh, held, contacts))
+
+
+def _require_room(mesh: Mesh, contacts: ContactPoints) -> None:
+    """Refuse a rigid stop from below that is above a rigid one from above at the same point."""
+    rigid = np.flatnonzero((contacts.compliance == 0) & ~contacts.slope & ~contacts.two_sided)
+    spots = np.round(contacts.positions[rigid] / (_SAME_PLACE * mesh.size))
+    order = rigid[np.lexsort((contacts.distance[rigid], contacts.direction[rigid], *spots.T))]
+    at = np.round(contacts.positions[order] / (_SAME_PLACE * mesh.size))
+    # At each spot the narrowest stop of either direction comes first of its kind.
+    new_spot = np.append(True, (at[1:] != at[:-1]).any(axis=1))
+    new_kind = new_spot | np.append(True, np.diff(contacts.direction[order]) != 0)
+    facing = np.flatnonzero(new_kind & ~new_spot)
+    first = np.maximum.accumulate(np.where(new_spot, np.arange(len(order)), 0))[facing]
+    one, other = order[first], order[facing]
+    room = contacts.distance[one] + contacts.distance[other]
+    size = np.maximum(np.abs(contacts.distance[one]), np.abs(contacts.distance[other]))
+    if (none := room < -_CONSISTENT * size).any():
+        i = int(np.argmax(none))
+        x, y = contacts.positions[one[i]]
+        down, up = (one, other) if contacts.direction[one[i]] > 0 else (other, one)
+        most, least = contacts.distance[down[i]], 0.0 - contacts.distance[up[i]]
+        names = [f"support[{contacts.support[of[i]] + 1}]" for of in (down, up)]
+        raise InputError(
+            f"Supports contradict each other at [{x:g}, {y:g}]: {names[0]} lets the deflection be at most {most:g} "
+            f"there and {names[1]} at least {least:g}. Correct a gap or a settlement, or give a stiffness.",
+            place=names[1],
+        )
 
 
 def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
@@ -49,9 +78,18 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
 
 def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
     """Leave out two-sided points that follow from other two-sided ones; those kept carry the reaction of all."""
+    from scipy.linalg import lapack, solve_triangular
+    from scipy.sparse import csr_array
+
     equations = np.flatnonzero(contacts.two_sided)
     if len(equations) < 2:
         return contacts
+    if len(equations) > _MOST:
+        raise InputError(
+            f"Found {len(equations)} rigid points between the mesh's nodes that hold both ways; at most {_MOST} can be "
+            "told apart. Hold an edge, or a line or circle that the mesh follows, or give a stiffness.",
+            place=f"support[{contacts.support[equations[0]] + 1}]",
+        )
     points = contacts.pick(equations)
     coefficients = np.where(_free_entries(mesh, held, points), points.rows.coefficients, 0.0)
     coefficients /= np.linalg.norm(coefficients, axis=1, keepdims=True)

@@ -145,7 +145,7 @@ def _acting(mesh: Mesh, shape: Plate, plate: _core.Plate, index: int, support: S
 def _springs_or_contacts(index: int, support: Support, acting: _Acting) -> Springs | list[ContactPoints]:
     place = f"support[{index + 1}]"
     positions, weights, count = acting.positions, acting.weights, len(acting.rows)
-    settlement = np.zeros(count) if acting.slope else support.settlement(*positions.T)
+    settlement = np.zeros(count) if acting.slope else support.settlement(*positions.T, place=f"{place}.settlement")
     gap = support.gap(*positions.T, at_least=0.0, place=f"{place}.gap")
     who = np.full(count, index, dtype=np.int64)
     compliance = np.zeros(count)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from signorini.errors import InputError
 from signorini.mesh.boxtree import BoxTree
@@ -132,6 +130,9 @@ def check_boundary_nodes(points: Floats, boundary: Ints) -> None:
 
 def check_one_piece(points: Floats, elements: Ints) -> None:
     """Check that every element can be reached from every other through sides."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     midsides = elements[:, 4:].ravel()
     of = np.repeat(np.arange(len(elements)), 4)
     incidence = coo_array((np.ones(len(of), dtype=np.int8), (of, midsides)), shape=(len(elements), len(points))).tocsr()

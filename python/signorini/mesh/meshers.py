@@ -89,8 +89,8 @@ def annulus(
         Their radii.
     divisions : (int, int)
         Elements along a radius and along the circumference; the numbers are kept.
-    sector : 360, 180 or 90
-        Degrees.
+    sector : float
+        Degrees, up to 360.
     radii : sequence of float
         Radii of circles that the mesh should have; see `signorini.mesh.subdivision.subdivide` for which are followed.
 
@@ -114,19 +114,23 @@ def annulus(
     if not inner < outer:
         raise InputError(f"An annulus's inner radius must be less than the outer one; found {inner:g} and {outer:g}.")
     _require_divisions(divisions, ("the radius", "the circumference"))
-    quarters = _quarters(sector)
+    if not 0.0 < sector <= 360.0:
+        raise InputError(f"A sector has up to 360 degrees; found {sector:g}.")
     radial, around = divisions
-    if around < quarters:
-        raise InputError(f"Along the circumference there must be at least {quarters} elements; found {around}.")
+    if around < sector / 90.0:
+        raise InputError(
+            f"Along the circumference there must be at least {math.ceil(sector / 90.0)} elements; found {around}."
+        )
+    closed = sector == 360.0
     radius = _with_middles(subdivide(inner, outer, radial, radii))
     degrees = np.linspace(0.0, sector, 2 * around + 1)
-    columns = slice(-1) if quarters == 4 else slice(None)
+    columns = slice(-1) if closed else slice(None)
     points = (_directions(degrees[columns])[:, None] * radius[:, None]).reshape(-1, 2)
     index = np.arange(len(points)).reshape(-1, len(radius))
-    if quarters == 4:
+    if closed:
         index = np.vstack([index, index[:1]])
     edges = {"inner": _triples(index[::-1, 0]), "outer": _triples(index[:, -1])}
-    if quarters < 4:
+    if not closed:
         edges |= {"start": _triples(index[0]), "end": _triples(index[-1, ::-1])}
     return _mesh(center + points, _quads(index), edges)
 

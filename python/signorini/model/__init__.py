@@ -1,11 +1,15 @@
 """What the engineer said: the plate, its supports and its loads, under the names of the input file.
 
-``Model`` is the whole; the other classes are its tables. All are immutable. A mapping that is not a model raises
-pydantic's ``ValidationError`` in ``Model(...)`` and, in plain words, ``InputError`` in ``validate``.
+``Model`` is the whole; the other classes are its tables. All are immutable. What is wrong with them is said in an
+``InputError``, everything at once; ``validate`` makes a ``Model`` of a mapping that was read somewhere.
 """
 
 from signorini.model.area import Area, Circle
-from signorini.model.load import Combination, Factors, Load, Probe
+from signorini.model.combination import Combination, Factors
+from signorini.model.generated import Combinations
+from signorini.model.load import Load, Probe
+from signorini.model.moving import Moving
+from signorini.model.output import ENVELOPED, Output
 from signorini.model.plate import AnnulusPlate, DiscPlate, Material, MeshOptions, MeshPlate, RectanglePlate
 from signorini.model.problems import validate
 from signorini.model.support import Support
@@ -14,10 +18,12 @@ from signorini.model.whole import Model, Solver, Units
 Plate = RectanglePlate | DiscPlate | AnnulusPlate | MeshPlate
 
 __all__ = [
+    "ENVELOPED",
     "AnnulusPlate",
     "Area",
     "Circle",
     "Combination",
+    "Combinations",
     "DiscPlate",
     "Factors",
     "Load",
@@ -25,6 +31,8 @@ __all__ = [
     "MeshOptions",
     "MeshPlate",
     "Model",
+    "Moving",
+    "Output",
     "Plate",
     "Probe",
     "RectanglePlate",

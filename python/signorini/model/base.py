@@ -6,7 +6,7 @@ import datetime
 import reprlib
 from collections.abc import Callable, Iterable, Iterator
 from numbers import Integral, Real
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import (
     AfterValidator,
@@ -31,8 +31,35 @@ Path = tuple[str | int, ...]
 Complaint = tuple[Path, str]
 
 
-class Table(BaseModel):
-    """A table of the input: immutable, and it refuses keys it does not know."""
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+
+class _InWords(ModelMetaclass):
+    """Makes tables that, called with wrong values, say so as an input file would be told."""
+
+    if not TYPE_CHECKING:  # The signatures of the tables stay those of their fields.
+
+        def __call__(cls, *args: Any, **keys: Any) -> Any:
+            """Make a table. pydantic makes the tables within it without this, so that all problems are told at once."""
+            try:
+                return super().__call__(*args, **keys)
+            except ValidationError as error:
+                from signorini.model.problems import explained
+
+                raise explained(error, cls, keys) from None
+
+
+class Table(BaseModel, metaclass=_InWords):
+    """A table of the input: immutable, and it refuses keys it does not know.
+
+    Raises
+    ------
+    InputError
+        Naming everything that is wrong, each with its place.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

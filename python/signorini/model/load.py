@@ -1,19 +1,11 @@
-"""Loads, their combinations, and the points where results are asked for."""
+"""Loads, and the points where results are asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    PlainSerializer,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
 
 from signorini.model.area import AnyArea, Circle
 from signorini.model.base import (
@@ -135,44 +127,6 @@ class Load(Table):
         if allowed and len(here) != 1:
             needs = f"exactly one of {', '.join(allowed)}" if len(allowed) > 1 else allowed[0]
             yield (), f"found {' and '.join(here) or 'no place'}; {self.kind} needs {needs} to say where it acts."
-
-
-class Factors(Mapping[str, float]):
-    """Factor of each load case: an immutable mapping."""
-
-    __slots__ = ("_of",)
-
-    def __init__(self, factors: Mapping[str, float]) -> None:
-        self._of = dict(factors)
-
-    def __getitem__(self, case: str) -> float:
-        """Return the factor of a case."""
-        return self._of[case]
-
-    def __iter__(self) -> Iterator[str]:
-        """Iterate over the cases."""
-        return iter(self._of)
-
-    def __len__(self) -> int:
-        """Count the cases."""
-        return len(self._of)
-
-    def __hash__(self) -> int:
-        """Hash the cases and factors."""
-        return hash(frozenset(self._of.items()))
-
-    def __repr__(self) -> str:
-        """Show the cases and factors."""
-        return f"Factors({self._of})"
-
-
-class Combination(Table):
-    """A combination of load cases, each with its factor."""
-
-    name: Text = Field(default="", description='Name, each once; default "combination 1", "combination 2", ...')
-    factors: Annotated[Mapping[Text, Number], Field(min_length=1), AfterValidator(Factors), PlainSerializer(dict)] = (
-        Field(description="Factor of each load case, as in { G = 1.35, Q = 1.5 }; a case left out has none.")
-    )
 
 
 class Probe(Table):

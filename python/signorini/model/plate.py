@@ -89,8 +89,14 @@ class _OutlinedPlate(_Plate):
             return mesh.divisions
         lengths = self._lengths()
         size = mesh.size if mesh.size is not None else self._longer_side() / _DEFAULT_ALONG
-        first, second = (max(1, math.ceil(min(length / size, 1e9) - 1e-9)) for length in lengths)
+        counts = (math.ceil(min(length / size, 1e9) - 1e-9) for length in lengths)
+        first, second = (max(count, least) for count, least in zip(counts, self.fewest, strict=True))
         return first, second
+
+    @property
+    def fewest(self) -> tuple[int, int]:
+        """Least numbers of elements along the two directions."""
+        return 1, 1
 
     @abstractmethod
     def _lengths(self) -> tuple[float, float]:
@@ -118,6 +124,8 @@ class RectanglePlate(_OutlinedPlate):
         return self.size
 
     def _complaints(self) -> Iterator[Complaint]:
+        if max(self.size) > _FARTHEST * min(self.size):
+            yield ("size",), f"found {list(self.size)}: one side is over {_FARTHEST:g} times the other. It is no plate."
         yield from _too_far("origin", self.origin, min(self.size))
 
 
@@ -170,6 +178,11 @@ class AnnulusPlate(_OutlinedPlate):
         """Names of the edges; a sector has its straight sides too."""
         return ("inner", "outer") if self.sector == 360 else ("inner", "outer", "start", "end")
 
+    @property
+    def fewest(self) -> tuple[int, int]:
+        """Least numbers of elements: sides of more than a quarter of the circumference would not be round."""
+        return 1, math.ceil(self.sector / 90)
+
     def _lengths(self) -> tuple[float, float]:
         return self.outer - self.inner, math.radians(self.sector) * self.outer
 
@@ -180,6 +193,8 @@ class AnnulusPlate(_OutlinedPlate):
     def _complaints(self) -> Iterator[Complaint]:
         if not self.outer - self.inner > self.outer / _FARTHEST:
             yield ("outer",), f"found {self.outer:g}; it must be greater than inner, which is {self.inner:g}."
+        elif self.outer > _FARTHEST * self.inner:
+            yield ("inner",), f"found {self.inner:g}; it must be at least {1 / _FARTHEST:g} times outer. Take a disc."
         yield from _too_far("center", self.center, self.outer)
 
 

@@ -26,7 +26,7 @@ _BRANCHES: dict[str, dict[str, type[Table]]] = {
     "plate": {"rectangle": RectanglePlate, "disc": DiscPlate, "annulus": AnnulusPlate, "mesh": MeshPlate},
     "area": {"all": Area, "table": Area},
 }
-_LISTS = ("support", "load", "combination", "probe")
+_LISTS = ("support", "load", "combination", "moving", "probe")
 
 
 @dataclass(frozen=True)
@@ -92,9 +92,20 @@ def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Pa
     try:
         return Model.model_validate(data)
     except ValidationError as error:
-        errors = error.errors(include_url=False)
-        found = _problems(errors[:_MOST_READ], data)
-        unread = len(errors[_MOST_READ:])
+        raise explained(error, Model, data, source, line_of) from None
+
+
+def explained(
+    error: ValidationError,
+    root: type[Table],
+    data: Any,
+    source: str = "",
+    line_of: Callable[[Path], int] | None = None,
+) -> InputError:
+    """Put pydantic's error with data for a table in words; the other parameters are those of `validate`."""
+    errors = error.errors(include_url=False)
+    found = _problems(errors[:_MOST_READ], data, root)
+    unread = len(errors[_MOST_READ:])
     if line_of is None:
         placed = [(problem.place, problem.message) for problem in found]
     else:
@@ -102,16 +113,16 @@ def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Pa
         placed = [(f"{source}:{line}", f"{problem.place}: {problem.message}") for line, problem in lines]
     count = len(placed) + unread
     if count == 1:
-        raise InputError(placed[0][1], place=placed[0][0])
-    listed = [f"{place}: {message}" for place, message in placed[:_MOST_LISTED]]
+        return InputError(placed[0][1], place=placed[0][0])
+    listed = [f"{place}: {message}" if place else message for place, message in placed[:_MOST_LISTED]]
     if count > _MOST_LISTED:
         listed.append(f"and {count - _MOST_LISTED} more.")
-    raise InputError("\n  ".join([f"{count} problems:", *listed]), place=source)
+    return InputError("\n  ".join([f"{count} problems:", *listed]), place=source)
 
 
-def _problems(errors: list[ErrorDetails], data: Any) -> list[Problem]:
+def _problems(errors: list[ErrorDetails], data: Any, root: type[Table]) -> list[Problem]:
     """Put every error in words, but for those that only echo another one."""
-    resolved = [(details, *_resolve(details["loc"], data)) for details in errors]
+    resolved = [(details, *_resolve(details["loc"], data, root)) for details in errors]
     misspelt = {
         (*path[:-1], _nearest(str(path[-1]), table.model_fields))
         for details, path, table, _ in resolved
@@ -129,11 +140,11 @@ def _problems(errors: list[ErrorDetails], data: Any) -> list[Problem]:
     return list(dict.fromkeys(found))
 
 
-def _resolve(loc: Path, data: Any) -> tuple[Path, type[Table], FieldInfo | None]:
+def _resolve(loc: Path, data: Any, root: type[Table]) -> tuple[Path, type[Table], FieldInfo | None]:
     """Walk pydantic's path; return it as the user wrote it, with the table and field that its last key belongs to."""
     path: list[str | int] = []
-    owner: type[Table] = Model
-    inner: type[Table] | None = Model
+    owner: type[Table] = root
+    inner: type[Table] | None = root
     field: FieldInfo | None = None
     branches: dict[str, type[Table]] = {}
     value = data
@@ -170,10 +181,10 @@ def _table_in(annotation: object) -> type[Table] | None:
 def _label(path: Path, data: Any) -> str:
     """Name of the support or combination, or case of the load, that the path leads into."""
     match path:
-        case ("support" | "load" | "combination" as key, int(position), *_) if isinstance(data, Mapping):
+        case ("support" | "load" | "moving" | "combination" as key, int(position), *_) if isinstance(data, Mapping):
             tables = data.get(key)
             table = tables[position] if isinstance(tables, list | tuple) and position < len(tables) else None
-            label = table.get("case" if key == "load" else "name") if isinstance(table, Mapping) else None
+            label = table.get("case" if key in ("load", "moving") else "name") if isinstance(table, Mapping) else None
             return label if isinstance(label, str) and label.isprintable() and len(label) <= 60 else ""
     return ""
 

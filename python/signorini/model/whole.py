@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Annotated, Literal, TypeVar
 
 from pydantic import AfterValidator, Field
 
 from signorini.errors import unknown
 from signorini.model.base import Complaint, Table, Text
-from signorini.model.load import Combination, Factors, Load, Probe
+from signorini.model.combination import Combination
+from signorini.model.generated import Choice, Combinations, Positions, Product, products
+from signorini.model.load import Load, Probe
+from signorini.model.moving import Moving
+from signorini.model.output import FEW, Output
 from signorini.model.plate import AnyPlate, Material, MeshOptions, MeshPlate
 from signorini.model.support import Support
 
 _MOST_ELEMENTS = 10_000_000
+_MOST_COMBINATIONS = 1_000_000
+_MOST_POSITIONS = 2000
 
 Named = TypeVar("Named", Support, Combination)
 
@@ -66,18 +73,39 @@ class Model(Table):
     combination: Annotated[tuple[Combination, ...], AfterValidator(_named)] = Field(
         default=(), description='Combinations of load cases; none given: one named "all", every case at factor 1.'
     )
+    moving: tuple[Moving, ...] = Field(default=(), description="Loads that move along a line.")
     probe: tuple[Probe, ...] = Field(default=(), description="Points where results are written out.")
+    output: Output = Field(default=Output(), description="What is written of each combination.")
     solver: Solver = Field(default=Solver(), description="How the contact problem is solved.")
 
     @property
     def cases(self) -> tuple[str, ...]:
-        """Names of the load cases, in the order in which they first appear."""
+        """Names of the load cases that stay where they are, in the order in which they first appear."""
         return tuple(dict.fromkeys(load.case for load in self.load))
 
     @property
-    def effective_combinations(self) -> tuple[Combination, ...]:
-        """The combinations, or, where none is given, every case at factor 1 under the name "all"."""
-        return self.combination or (Combination(name="all", factors=Factors(dict.fromkeys(self.cases, 1.0))),)
+    def positions(self) -> Positions:
+        """Names of the load cases that the positions of each moving load are, by the moving load's case."""
+        return {moving.case: tuple(moving.positions) for moving in self.moving}
+
+    @cached_property
+    def effective_combinations(self) -> Combinations:
+        """Every combination, those generated made when they are asked for.
+
+        Where none is given there is one named "all", every case at factor 1; with moving loads one for each of their
+        positions.
+        """
+        positions = self.positions
+        if self.combination:
+            return Combinations(tuple(p for combination in self.combination for p in products(combination, positions)))
+        groups = tuple(tuple(Choice(at, at, 1.0) for at in places) for places in positions.values())
+        return Combinations((Product("all", tuple((case, 1.0) for case in self.cases), groups),))
+
+    @property
+    def tabulated(self) -> bool:
+        """Whether combinations are rows of a table, and only some have all results."""
+        asked = self.output.combinations
+        return asked == "table" or (asked == "auto" and len(self.effective_combinations) > FEW)
 
     def _complaints(self) -> Iterator[Complaint]:
         yield from self._mesh_complaints()
@@ -90,10 +118,8 @@ class Model(Table):
                     ("load", index, "self_weight"),
                     "self_weight needs the material's unit_weight, which is not given.",
                 )
-        for index, combination in enumerate(self.combination):
-            for case in combination.factors:
-                if case not in self.cases:
-                    yield ("combination", index, "factors", case), unknown("case", case, self.cases)
+        yield from self._moving_complaints()
+        yield from self._combination_complaints()
 
     def _mesh_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):
@@ -101,12 +127,85 @@ class Model(Table):
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
             return
         first, second = self.plate.divisions(self.mesh)
+        fewest = self.plate.fewest[1]
+        if second < fewest:
+            yield ("mesh", "divisions"), f"found {second} elements around; this plate needs at least {fewest}."
         if first * second > _MOST_ELEMENTS:
             key = "size" if self.mesh.size is not None else "divisions"
             yield (
                 ("mesh", key),
                 f"found {first:.3g} by {second:.3g} elements; at most {_MOST_ELEMENTS:.0e} are allowed.",
             )
+
+    def _moving_complaints(self) -> Iterator[Complaint]:
+        yield from _repeated("moving", [moving.case for moving in self.moving], key="case")
+        for index, moving in enumerate(self.moving):
+            if moving.case in self.cases:
+                yield (
+                    ("moving", index, "case"),
+                    f'"{moving.case}" is a case of [[load]] too; give the moving load a case of its own.',
+                )
+        total = sum(moving.count for moving in self.moving)
+        if total > _MOST_POSITIONS:
+            longest = max(range(len(self.moving)), key=lambda index: self.moving[index].count)
+            yield (
+                ("moving", longest, "step"),
+                f"the moving loads have {total} positions; at most {_MOST_POSITIONS} are allowed. Take a larger step.",
+            )
+
+    def _combination_complaints(self) -> Iterator[Complaint]:
+        if sum(moving.count for moving in self.moving) > _MOST_POSITIONS:
+            return
+        positions = self.positions
+        still = (*self.cases, *(at for places in positions.values() for at in places))
+        total = 0
+        for index, combination in enumerate(self.combination):
+            known = True
+            for case, place in combination.cases.items():
+                if case in positions and combination.generate is None:
+                    known = False
+                    yield (
+                        ("combination", index, *place),
+                        f'"{case}" moves. Write generate = "positions" for a combination of each of its positions, or '
+                        f'name one of them, from "{positions[case][0]}" to "{positions[case][-1]}".',
+                    )
+                elif case not in still and case not in positions:
+                    known = False
+                    yield ("combination", index, *place), unknown("case", case, (*self.cases, *positions))
+            if combination.generate == "positions" and not positions.keys() & combination.cases.keys():
+                yield ("combination", index, "factors"), 'generate = "positions" needs a case of [[moving]] among them.'
+            if known:
+                total += sum(len(product) for product in products(combination, positions))
+            if total > _MOST_COMBINATIONS:
+                yield (
+                    ("combination", index),
+                    f"there are {total:.3g} combinations up to here; at most {_MOST_COMBINATIONS} are allowed. Name "
+                    "fewer cases or factors, or list under 'exclusive' the cases that do not act together.",
+                )
+                return
+        yield from self._name_complaints()
+
+    def _name_complaints(self) -> Iterator[Complaint]:
+        """Names that are there twice once the tables are written out."""
+        if any(combination.generate for combination in self.combination):
+            positions = self.positions
+            taken: dict[str, int] = {}
+            for index, combination in enumerate(self.combination):
+                for name in Combinations(tuple(products(combination, positions))).names():
+                    if name in taken:
+                        yield (
+                            ("combination", index),
+                            f'it makes "{name}", a name that combination[{taken[name] + 1}] makes; each may '
+                            "stand once.",
+                        )
+                        return
+                    taken[name] = index
+        if isinstance(self.output.fields, tuple) and self.output.fields:
+            names = set(self.effective_combinations.names())
+            for position, name in enumerate(self.output.fields):
+                if name not in names:
+                    some = sorted(names)[:20]
+                    yield ("output", "fields", position), unknown("combination", name, some, "Among others this model")
 
     def _edge_complaints(self) -> Iterator[Complaint]:
         names = self.plate.edge_names
@@ -120,11 +219,11 @@ class Model(Table):
                     yield (key, index, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
 
 
-def _repeated(key: str, names: list[str]) -> Iterator[Complaint]:
+def _repeated(table: str, names: list[str], key: str = "name") -> Iterator[Complaint]:
     first: dict[str, int] = {}
     for index, name in enumerate(names):
         if first.setdefault(name, index) != index:
             yield (
-                (key, index, "name"),
-                f'the name "{name}" is taken by {key}[{first[name] + 1}]; each name may stand once.',
+                (table, index, key),
+                f'the name "{name}" is taken by {table}[{first[name] + 1}]; each name may stand once.',
             )

@@ -1,4 +1,4 @@
-"""Results as files: results.json, reactions.csv, and a .vtu and a picture of every combination."""
+"""Results as files: results.json, reactions.csv, a .vtu and pictures of combinations, the table of all of them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import json
 import os
 import re
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from signorini.errors import InputError
@@ -14,14 +16,20 @@ from signorini.output.names import CSV, JSON, PRESSURE, has_areas, slugs, unique
 from signorini.output.tables import reactions_csv, results_json
 from signorini.result import pressure_layers, support_marks
 from signorini.solve import Results
+from signorini.tabulated import ENVELOPE, TABLE, write_envelope
 
-__all__ = ["CSV", "JSON", "reactions_csv", "require_writable", "results_json", "unique_slugs", "write"]
+__all__ = ["CSV", "JSON", "reactions_csv", "results_json", "room_for", "unique_slugs", "write"]
 
-_OURS = re.compile(r"[\w.-]+\.(vtu|png)|reactions\.csv|results\.json")
+_OURS = re.compile(r"[\w.-]+\.(vtu|png)|reactions\.csv|results\.json|combinations\.parquet")
 
 
-def write(results: Results, directory: str | os.PathLike[str]) -> list[Path]:
+def write(
+    results: Results, directory: str | os.PathLike[str], table: str | os.PathLike[str] | None = None
+) -> list[Path]:
     """Write ``results.json``, ``reactions.csv`` and, of each solved combination, a ``.vtu`` and pictures.
+
+    Where combinations are rows of a table, these are of the combinations in ``results``; the table and, unless no field
+    is enveloped, ``envelope.vtu`` come with them.
 
     All of them, or none: they are written elsewhere and moved into place when complete. The files of an earlier run in
     the directory are replaced as a set; other files in it stay.
@@ -31,6 +39,9 @@ def write(results: Results, directory: str | os.PathLike[str]) -> list[Path]:
     results : Results
     directory : path-like
         Made if need be.
+    table : path-like, optional
+        The table that `signorini.solve` has written, on the same file system; it is moved. Needed where combinations
+        are rows of a table.
 
     Returns
     -------
@@ -67,6 +78,10 @@ def write(results: Results, directory: str | os.PathLike[str]) -> list[Path]:
                     layers, label = pressure_layers(result), f"contact pressure{of_pressure}, positive up"
                     figure = pressure_picture(*plate, layers, marks, title=title, label=label, length=units.length)
                     save(figure, beside / f"{slug}{PRESSURE}.png")
+            if results.combined is not None and results.combined.envelope.fields:
+                write_envelope(results.combined, results.discretisation, beside / ENVELOPE)
+            if table is not None:
+                Path(table).rename(beside / TABLE)
             (beside / CSV).write_text(reactions_csv(results), encoding="utf-8")
             (beside / JSON).write_text(json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
             names = found["files"]
@@ -75,8 +90,15 @@ def write(results: Results, directory: str | os.PathLike[str]) -> list[Path]:
     return [target / name for name in names]
 
 
-def require_writable(directory: str | os.PathLike[str]) -> None:
-    """Refuse a directory that results could not be written to, before the time to compute them is spent.
+@contextmanager
+def room_for(directory: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a directory, for as long as the context lasts, on the file system where results will be written.
+
+    It is refused before the time to compute them is spent.
+
+    Yields
+    ------
+    Path
 
     Raises
     ------
@@ -86,10 +108,11 @@ def require_writable(directory: str | os.PathLike[str]) -> None:
     target = Path(directory).absolute()
     nearest = next(place for place in (target, *target.parents) if place.exists())
     try:
-        with tempfile.TemporaryDirectory(prefix=".signorini-", dir=nearest):
-            pass
+        room = tempfile.TemporaryDirectory(prefix=".signorini-", dir=nearest)
     except OSError as error:
         raise _cannot_write(Path(directory), error) from None
+    with room as place:
+        yield Path(place)
 
 
 def _cannot_write(target: Path, error: OSError) -> InputError:

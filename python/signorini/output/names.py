@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 
 from signorini.result import Result
 from signorini.solve import Results
+from signorini.tabulated import ENVELOPE, TABLE
 
 JSON, CSV = "results.json", "reactions.csv"
 PRESSURE = "-pressure"
@@ -19,7 +21,9 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 def file_names(results: Results) -> list[str]:
     """Name every file of the results."""
     endings = [".vtu", ".png", *([f"{PRESSURE}.png"] if has_areas(results) else [])]
-    return [JSON, CSV, *(f"{slug}{ending}" for _, slug in slugs(results) for ending in endings)]
+    combined = results.combined
+    together = [] if combined is None else [TABLE, *([ENVELOPE] if combined.envelope.fields else [])]
+    return [JSON, CSV, *together, *(f"{slug}{ending}" for _, slug in slugs(results) for ending in endings)]
 
 
 def has_areas(results: Results) -> bool:
@@ -30,7 +34,9 @@ def has_areas(results: Results) -> bool:
 def slugs(results: Results) -> Iterator[tuple[Result, str]]:
     """Solved combinations with file names of their own, on every file system."""
     solved = [result for result in results.values() if result.status == "solved"]
-    return zip(solved, unique_slugs(result.name for result in solved), strict=True)
+    taken = [] if results.combined is None else [Path(ENVELOPE).stem]
+    found = unique_slugs([*taken, *(result.name for result in solved)])
+    return zip(solved, found[len(taken) :], strict=True)
 
 
 def unique_slugs(names: Iterable[str]) -> list[str]:

@@ -13,6 +13,7 @@ from signorini.probe_result import ProbeResult
 from signorini.result import Result
 from signorini.solve import Results
 from signorini.support_result import SupportResult
+from signorini.tabulated import envelope_json, table_json
 
 SCHEMA = 1
 _COLUMNS = (
@@ -49,7 +50,8 @@ def results_json(results: Results) -> dict[str, Any]:
     >>> found["name"], found["status"], [point["state"] for point in found["supports"][0]["points"]]
     ('all', 'solved', ['closed', 'closed', 'closed', 'closed'])
     """
-    found = results.discretisation
+    found, combined = results.discretisation, results.combined
+    tabulated = {} if combined is None else {"table": table_json(combined), "envelope": envelope_json(combined, found)}
     return {
         "schema": SCHEMA,
         "title": found.model.title,
@@ -61,6 +63,7 @@ def results_json(results: Results) -> dict[str, Any]:
             "contact_points": int((~found.contacts.two_sided).sum()),
         },
         "combinations": [_combination(result) for result in results.values()],
+        **tabulated,
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
         "files": file_names(results),
     }

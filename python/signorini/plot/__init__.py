@@ -5,6 +5,7 @@ Takes arrays and returns matplotlib axes or figures that no global state knows o
 
 from matplotlib.axes import Axes
 
+from signorini.plot.balance import BalanceMark
 from signorini.plot.field import contour, line
 from signorini.plot.marks import LoadMark, SupportMark, supports
 from signorini.plot.pictures import check_picture, deflection_picture, pressure_picture, save
@@ -12,6 +13,7 @@ from signorini.plot.pressure import PressureLayer, pressure
 
 __all__ = [
     "Axes",
+    "BalanceMark",
     "LoadMark",
     "PressureLayer",
     "SupportMark",

@@ -150,6 +150,7 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
     for chosen, style in [(closed, full), (~closed, hollow)]:
         if chosen.any():
             axes.plot(*positions[chosen].T, zorder=5, **style)
+        if chosen.any() or (style is full and not len(positions)):
             samples.append(Line2D([], [], **(style | {"markersize": max(size, 5.5), "markeredgewidth": 0.9})))
     return mark.label, tuple(samples) or (Line2D([], [], linestyle="none"),)
 

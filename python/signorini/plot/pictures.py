@@ -12,6 +12,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.files import replacing
+from signorini.plot.balance import BalanceMark, draw_balance
 from signorini.plot.field import contour
 from signorini.plot.marks import Entry, LoadMark, SupportMark, draw_legend, draw_load, draw_supports
 from signorini.plot.plan import INK, checked_mesh, draw_outlines, draw_sheet, plan_axes
@@ -95,10 +96,11 @@ def check_picture(
     *,
     supports: Iterable[SupportMark] = (),
     loads: Iterable[LoadMark] = (),
+    balance: Iterable[BalanceMark] = (),
     title: str = "",
     length: str = "",
 ) -> Figure:
-    """Draw a model before it is solved: mesh, supports and loads.
+    """Draw a model before it is solved: mesh, supports and loads, and what the loads amount to.
 
     Parameters
     ----------
@@ -106,6 +108,7 @@ def check_picture(
         As for :func:`contour`.
     supports : iterable of SupportMark
     loads : iterable of LoadMark
+    balance : iterable of BalanceMark
     title : str
     length : str
         The unit of length, for the two axes.
@@ -120,7 +123,10 @@ def check_picture(
     vertices = cut.interpolate(nodes)
     draw_sheet(axes, vertices, cut)
     draw_outlines(axes, vertices, cut, inner=0.3)
-    return _finished(axes, draw_supports(supports, axes) + [draw_load(mark, axes) for mark in loads], length)
+    entries = draw_supports(supports, axes) + [draw_load(mark, axes) for mark in loads]
+    for mark in balance:
+        entries += draw_balance(mark, axes)
+    return _finished(axes, entries, length)
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:

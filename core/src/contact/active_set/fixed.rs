@@ -38,17 +38,21 @@ impl ContactProblem {
             load,
             limit: STIFFEST,
             springs: self.active.softened(STIFFEST),
-            own: own.take(),
+            given: with,
+            own: None,
             state,
             solution,
             stretch: vec![0.0; given.len()],
             multiplier,
             step: Step::default(),
-            given: Some(given.clone()),
+            imposed: Some(given.clone()),
         };
         let outcome = descent.settle(&given)?;
-        *own = descent.own.take();
+        let factored = descent.own.take();
         let found = descent.in_order();
+        if factored.is_some() {
+            *own = factored;
+        }
         Ok(if outcome == Outcome::Solved { ContactSolution { outcome, ..found } } else { found.failed(outcome) })
     }
 }

@@ -16,7 +16,6 @@ mod push;
 pub use points::{ActivePoints, Softened};
 
 use super::condense::ContactState;
-use super::interior_point::InteriorPoint;
 use super::problem::{ContactProblem, Factored};
 use super::solve::{ContactSolution, Outcome, Step};
 use crate::cholesky::FactorError;
@@ -56,6 +55,32 @@ const BALANCED: f64 = 1e-3;
 /// Change of the multipliers, over the largest force, at which the next stage begins.
 const STEADY: f64 = 5e-2;
 
+/// Where to begin: displacements over all dofs, reactions and states in the caller's order, and a factor, if not the
+/// problem's own.
+pub(super) struct Start<'a> {
+    pub displacement: &'a [f64],
+    pub reaction: &'a [f64],
+    pub closed: &'a [bool],
+    pub factored: Option<&'a Factored>,
+}
+
+/// One load's solution and the factor of its contact set, for loads not unlike it to begin with.
+pub struct Reference {
+    pub solution: ContactSolution,
+    factored: Factored,
+}
+
+impl Reference {
+    pub(super) fn start(&self) -> Start<'_> {
+        Start {
+            displacement: &self.solution.displacement.hi,
+            reaction: &self.solution.reaction,
+            closed: &self.solution.closed,
+            factored: Some(&self.factored),
+        }
+    }
+}
+
 /// A solution on its way.
 struct Descent<'a> {
     problem: &'a ContactProblem,
@@ -63,7 +88,8 @@ struct Descent<'a> {
     /// Stiffest springs, over the plate's stiffness in shear.
     limit: f64,
     springs: Softened,
-    /// The factor in use, if not the problem's own.
+    /// The factor that it was given, and the one in its place, if any.
+    given: &'a Factored,
     own: Option<Factored>,
     /// Two-sided points, held.
     state: ContactState,
@@ -71,8 +97,8 @@ struct Descent<'a> {
     multiplier: Vec<f64>,
     stretch: Vec<f64>,
     step: Step,
-    /// Points that are closed whatever their stretch, and all others open, where the set is not to be found but given.
-    given: Option<Vec<bool>>,
+    /// Points that are closed whatever their stretch, and all others open, where the set is not to be found.
+    imposed: Option<Vec<bool>>,
 }
 
 impl ContactProblem {
@@ -93,23 +119,24 @@ impl ContactProblem {
         if all_softer { STIFFEST } else { limit }
     }
 
-    /// Displacements, reactions and gaps under one load, beginning with those of an answer if there is one; `watch` may
+    /// Displacements, reactions and gaps under one load, beginning with those of a start if there is one; `watch` may
     /// stop it by returning false.
     pub(super) fn solve_active(
         &self,
         load: &[f64],
         held_value: &[f64],
-        start: Option<&InteriorPoint>,
+        start: Option<&Start<'_>>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
         let mut solution = self.at_rest(load.len(), held_value);
-        let Some(state) = self.base.condensed.state(self.constraints.two_sided.clone()) else {
+        let given = start.and_then(|start| start.factored).unwrap_or(&self.base);
+        let Some(state) = given.condensed.state(self.constraints.two_sided.clone()) else {
             return Ok(solution.failed(Outcome::Unsolved));
         };
         solution.closed.clone_from(&self.constraints.two_sided);
         let mut multiplier = vec![0.0; self.active.len()];
         if let Some(start) = start {
-            solution.displacement.hi.copy_from_slice(&start.displacement);
+            solution.displacement.hi.copy_from_slice(start.displacement);
             for (multiplier, &i) in multiplier.iter_mut().zip(&self.order.active) {
                 *multiplier = if start.closed[i] { start.reaction[i] } else { 0.0 };
             }
@@ -118,6 +145,7 @@ impl ContactProblem {
         let mut descent = Descent {
             problem: self,
             load,
+            given,
             limit,
             springs: self.active.softened(limit),
             own: None,
@@ -126,7 +154,7 @@ impl ContactProblem {
             stretch: vec![0.0; multiplier.len()],
             multiplier,
             step: Step::default(),
-            given: None,
+            imposed: None,
         };
         let outcome = descent.run(start.is_some(), watch)?;
         Ok(match outcome {
@@ -136,9 +164,28 @@ impl ContactProblem {
     }
 }
 
+impl ContactProblem {
+    /// Solves one load and factors the contact set found; `None` where there is no active set, no solution, or the set
+    /// does not hold the plate.
+    pub fn reference(&self, load: &[f64], held_value: &[f64]) -> Result<Option<Reference>, FactorError> {
+        let solution = self.solve(load, held_value, None, None, &mut |_| true)?;
+        if self.active.is_empty() || solution.outcome != Outcome::Solved {
+            return Ok(None);
+        }
+        let stiffness = self.active.softened(STIFFEST).stiffness;
+        let closed = self.order.active.iter().map(|&i| solution.closed[i]);
+        let carried = stiffness.iter().zip(closed).map(|(&k, closed)| if closed { k } else { 0.0 }).collect();
+        match self.refactored(carried) {
+            Ok(factored) => Ok(Some(Reference { solution, factored })),
+            Err(FactorError::NotPositiveDefinite { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+}
+
 impl Descent<'_> {
     fn factored(&self) -> &Factored {
-        self.own.as_ref().unwrap_or(&self.problem.base)
+        self.own.as_ref().unwrap_or(self.given)
     }
 
     fn run(&mut self, started: bool, watch: &mut dyn FnMut(Progress) -> bool) -> Result<Outcome, FactorError> {
@@ -197,12 +244,12 @@ impl Descent<'_> {
     fn advance(&mut self, direction: &Direction, closed: &[bool]) {
         let (problem, points) = (self.problem, &self.problem.active);
         let change = points.change(&problem.plate, &direction.nodal);
-        let length = if self.given.is_some() { 1.0 } else { self.line_search(direction, &change, closed) };
+        let length = if self.imposed.is_some() { 1.0 } else { self.line_search(direction, &change, closed) };
         for (dof, value) in direction.nodal.iter().enumerate() {
             self.solution.displacement.add(dof, length * value);
         }
         let mut loss: Vec<f64> = direction.force.iter().map(|f| -length * f).collect();
-        let carried = self.own.as_ref().unwrap_or(&problem.base).carried.iter();
+        let carried = self.own.as_ref().unwrap_or(self.given).carried.iter();
         for (i, &carried) in carried.enumerate() {
             let old = self.stretch[i];
             self.stretch[i] += length * change[i];
@@ -229,7 +276,7 @@ impl Descent<'_> {
     fn refine(&mut self) -> Result<(), FactorError> {
         self.balance();
         if !self.problem.constraints.rows.is_empty() {
-            let with = self.own.as_ref().unwrap_or(&self.problem.base);
+            let with = self.own.as_ref().unwrap_or(self.given);
             let motion = self.problem.motion(with, &self.step, with.condensed.better_form())?;
             self.problem.correct(with, &self.state, motion, &mut self.solution)?;
             self.balance();
@@ -268,7 +315,7 @@ impl Descent<'_> {
         for (at, &i) in order.active.iter().enumerate() {
             let stretch = self.stretch[at];
             all.reaction[i] = self.springs.stiffness[at] * self.pushing(at);
-            all.closed[i] = self.given.as_ref().map_or(stretch > 0.0, |closed| closed[at]);
+            all.closed[i] = self.imposed.as_ref().map_or(stretch > 0.0, |closed| closed[at]);
             all.gap[i] = if all.closed[i] { 0.0 } else { self.springs.softening[at] * self.multiplier[at] - stretch };
         }
         all

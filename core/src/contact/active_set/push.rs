@@ -5,7 +5,7 @@ use super::Descent;
 impl Descent<'_> {
     /// The part of a stretch that pushes.
     pub(super) fn pushes(&self, i: usize, stretch: f64) -> f64 {
-        match &self.given {
+        match &self.imposed {
             Some(closed) => f64::from(u8::from(closed[i])) * stretch,
             None => stretch.max(0.0),
         }

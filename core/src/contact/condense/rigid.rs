@@ -21,7 +21,7 @@ const LEFT: f64 = 1e-6;
 impl Condensed {
     /// The LCP with the free motions imposed: M_JJ ← QM_JJQ with Q = I − N_J(N_JᵀN_J)⁻¹N_Jᵀ, and M_OJ, q_J moved by the
     /// least that satisfies their equations.
-    pub(super) fn balanced(&self, mut lcp: PosedLcp, drive: &Drive, reaction: &[f64]) -> PosedLcp {
+    pub(in crate::contact) fn balanced(&self, mut lcp: PosedLcp, drive: &Drive, reaction: &[f64]) -> PosedLcp {
         let free = self.moves.ncols();
         let order = lcp.q.len();
         let inside = lcp.gap_is_z.iter().filter(|&&gap| gap).count();

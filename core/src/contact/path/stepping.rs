@@ -2,7 +2,7 @@
 
 use super::{Line, MOST_EVENTS, PathEnd, PathLoad, SIGN, Stop};
 use crate::cholesky::FactorError;
-use crate::contact::interior_point::InteriorPoint;
+use crate::contact::active_set::Start;
 use crate::contact::problem::{ContactProblem, Factored};
 use crate::contact::solve::{ContactSolution, Outcome};
 
@@ -78,12 +78,11 @@ impl ContactProblem {
             }
         }
         for part in BEYOND {
-            let start = InteriorPoint {
-                outcome: Outcome::Solved,
-                displacement: here.displacement.hi.clone(),
-                reaction: here.reaction.clone(),
-                closed: here.closed.clone(),
-                iterations: 0,
+            let start = Start {
+                displacement: &here.displacement.hi,
+                reaction: &here.reaction,
+                closed: &here.closed,
+                factored: own.as_ref(),
             };
             let near = self.solve_from(&load.at(t + part * span), load.held_value, &start, &mut |_| true)?;
             if near.outcome != Outcome::Solved {

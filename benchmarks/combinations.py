@@ -1,0 +1,200 @@
+"""What ten thousand load combinations cost on top of the first one: slab B, 12 load cases, reactions and 20 probes.
+
+Each figure is the time of a whole process, from the interpreter's start to its end: the model is made, meshed, factored
+and solved, and the results are on disk. The two kinds of run take turns. Some combinations, picked at random, are then
+solved by themselves and compared with their rows.
+
+    python benchmarks/combinations.py [--elements 80] [--combinations 10000] [--repeat 3] [--pick 200]
+    python benchmarks/combinations.py --pynite     ten combinations at 20×20 against PyNite (pip install PyNiteFEA)
+    python benchmarks/combinations.py --check      correctness only, on a coarse mesh
+"""
+
+import argparse
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+POINTS = [[x, y] for y in (0.5, 3.5, 6.5, 9.5) for x in (0.5, 3.5, 6.5, 9.5)]
+CASES = 12
+SPRING = 1e11
+"""Stiffness of the springs that stand for rigid points in PyNite."""
+
+
+def tables(elements, combinations):
+    """Slab B with its weight, ten forces and a wind that lifts; factors at random."""
+    random = np.random.default_rng(5)
+    at = random.uniform(0.25, 9.75, (CASES - 2, 2)).round(2).tolist()
+    forces = [{"case": f"Q{i}", "force": 100e3, "at": point} for i, point in enumerate(at)]
+    loads = [{"case": "G", "pressure": 2e3}, *forces, {"case": "W", "pressure": -1e3}]
+    factors = random.choice([0.0, 0.7, 1.0, 1.5], (combinations, CASES))
+    factors[:, 0] = random.choice([1.0, 1.35], combinations)
+    factors[:, -1] = random.uniform(-1.5, 1.5, combinations)
+    rows = {f"c{i}": row for i, row in enumerate(factors.tolist())}
+    return {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+        "mesh": {"divisions": [elements, elements]},
+        "support": [{"name": "points", "at": POINTS, "resists": "down"}],
+        "load": loads,
+        "combination": [{"generate": "table", "columns": [load["case"] for load in loads], "rows": rows}],
+        "probe": [{"at": random.uniform(0, 10, (20, 2)).tolist()}],
+        "output": {"combinations": "table", "fields": "none", "envelope": []},
+    }
+
+
+def run(elements, combinations, path, first_alone):
+    """One process's work: every combination into a table, or the first one with all its results into memory."""
+    from signorini import Model, solve
+
+    data = tables(elements, combinations)
+    if first_alone:
+        (table,) = data["combination"]
+        row = dict(zip(table["columns"], table["rows"]["c0"], strict=True))
+        data["combination"] = [{"name": "c0", "factors": row}]
+        data["output"] = {}
+    results = solve(Model(**data), table=path)
+    if results.combined is not None:
+        print(results.combined.alone, max(results.combined.certificate.values()))
+
+
+def process(*arguments):
+    begun = time.perf_counter()
+    done = subprocess.run([sys.executable, __file__, *map(str, arguments)], check=True, capture_output=True, text=True)
+    return time.perf_counter() - begun, done.stdout
+
+
+def compare(elements, combinations, path, pick):
+    """Largest relative difference between rows and the same combinations solved by themselves."""
+    import pyarrow.parquet as pq
+
+    from signorini import Model, contact_problem
+    from signorini.solve import solve_one
+
+    rows = pq.read_table(path).to_pylist()
+    problem = contact_problem(Model(**tables(elements, combinations)))
+    every = problem.discretisation.model.effective_combinations
+    worst, opened = 0.0, set()
+    for number in np.random.default_rng(7).choice(combinations, pick, replace=False).tolist():
+        single = solve_one(problem, every[number])
+        row = rows[number]
+        assert row["combination"] == single.name and row["status"] == single.status
+        if single.status != "solved":
+            continue
+        (points,) = single.supports
+        opened.add(tuple(np.flatnonzero(~points.closed)))
+        forces = np.array([row[f"reaction_at:points[{i + 1}]"] for i in range(16)])
+        worst = max(worst, np.abs(forces - points.reactions).max() / points.reactions.max())
+        for index, probe in enumerate(single.probes, start=1):
+            values = (probe.deflection, *probe.rotation, *probe.moment, *probe.shear)
+            for (name, field), value in zip(single.fields.items(), values, strict=True):
+                worst = max(worst, abs(row[f"probe[{index}]:{name}"] - value) / np.abs(field).max())
+    return worst, len(opened)
+
+
+def measure(elements, combinations, repeat, pick):
+    with tempfile.TemporaryDirectory() as place:
+        path = Path(place, "combinations.parquet")
+        seconds = {way: [] for way in ("first", "all")}
+        for _ in range(repeat):
+            for way in seconds:
+                spent, said = process("--run", way, "--elements", elements, "--combinations", combinations, path)
+                seconds[way].append(spent)
+        first, every = (statistics.median(seconds[way]) for way in ("first", "all"))
+        worst, states = compare(elements, combinations, path, pick)
+    alone, certificate = said.split()
+    print(f"slab B, {elements}x{elements}, {CASES} load cases, median of {repeat} processes of each kind in turn")
+    print(f"first alone {first:.2f} s, all {combinations} {every:.2f} s: {every / first:.2f} times")
+    print(f"solved by themselves: {alone}; worst certificate figure {float(certificate):.1e}")
+    print(f"{pick} picked at random, {states} contact states: largest relative difference {worst:.1e}")
+    return worst
+
+
+def pynite(elements, count):
+    """Ten combinations with PyNite: rectangular Mindlin plates, and springs under 16 nodes that only push."""
+    from Pynite import FEModel3D
+
+    from signorini import Model, solve
+
+    data = tables(elements, count)
+    (table,) = data["combination"]
+    loads = {load["case"]: load for load in data["load"]}
+    begun = time.perf_counter()
+    results = solve(Model(**data | {"output": {"combinations": "each"}}))
+    ours = time.perf_counter() - begun
+
+    begun = time.perf_counter()
+    model = FEModel3D()
+    model.add_material("concrete", 30e9, 30e9 / 2.4, 0.2, 0)
+    model.add_rectangle_mesh("slab", 10 / elements, 10, 10, 0.3, "concrete", plane="XY", element_type="Quad")
+    model.meshes["slab"].generate()
+    nodes = {(round(node.X, 6), round(node.Y, 6)): name for name, node in model.nodes.items()}
+    for name in model.nodes:
+        # In-plane motions and drilling are not the question.
+        model.def_support(name, True, True, False, False, False, True)
+    for x, y in POINTS:
+        model.def_support_spring(nodes[x, y], "DZ", SPRING, "-")
+    for case, load in loads.items():
+        if "pressure" in load:
+            for quad in model.meshes["slab"].elements:
+                model.add_quad_surface_pressure(quad, -load["pressure"], case=case)
+        else:
+            near = min(nodes, key=lambda at, p=load["at"]: (at[0] - p[0]) ** 2 + (at[1] - p[1]) ** 2)
+            model.add_node_load(nodes[near], "FZ", -load["force"], case=case)
+    for name, row in table["rows"].items():
+        model.add_load_combo(name, dict(zip(table["columns"], row, strict=True)))
+    model.analyze()
+    theirs = time.perf_counter() - begun
+
+    total = {case: load["pressure"] * 100 if "pressure" in load else load["force"] for case, load in loads.items()}
+    errors = {"signorini": [], "PyNite, reactions it reports": [], "PyNite, its springs times its deflections": []}
+    for name, row in table["rows"].items():
+        applied = sum(factor * total[case] for case, factor in zip(table["columns"], row, strict=True))
+        pushed = sum(model.nodes[nodes[x, y]].RxnFZ[name] for x, y in POINTS)
+        springs = sum(-SPRING * min(model.nodes[nodes[x, y]].DZ[name], 0) for x, y in POINTS)
+        for which, force in zip(list(errors)[1:], (pushed, springs), strict=True):
+            errors[which].append(abs(force - applied) / abs(applied))
+        errors["signorini"].append(abs(results[name].reactions["points"] - applied) / abs(applied))
+    print(f"slab B, {elements}x{elements}, {count} combinations: signorini {ours:.2f} s ({ours / count:.3f} s each)")
+    print(f"PyNite {theirs:.1f} s, {theirs / ours:.0f} times as long")
+    for program, found in errors.items():
+        print(f"{program}: reactions against loads, worst relative residual {max(found):.1e}")
+
+
+def check():
+    """Every row of a coarse mesh's table equals its combination solved by itself."""
+    with tempfile.TemporaryDirectory() as place:
+        path = Path(place, "combinations.parquet")
+        run(20, 300, path, first_alone=False)
+        worst, states = compare(20, 300, path, 100)
+    print(f"100 of 300 combinations, {states} contact states: largest relative difference {worst:.1e}")
+    sys.exit(0 if worst <= 1e-9 and states > 5 else 1)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--elements", type=int)
+    parser.add_argument("--combinations", type=int, default=10000)
+    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--pick", type=int, default=200)
+    parser.add_argument("--pynite", action="store_true")
+    parser.add_argument("--check", action="store_true")
+    parser.add_argument("--run", choices=["first", "all"], help=argparse.SUPPRESS)
+    parser.add_argument("path", nargs="?", help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.run:
+        run(given.elements, given.combinations, given.path, first_alone=given.run == "first")
+    elif given.check:
+        check()
+    elif given.pynite:
+        pynite(given.elements or 20, 10)
+    elif measure(given.elements or 80, given.combinations, given.repeat, given.pick) > 1e-9:
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,174 @@
+"""Random small plates: each ends certified, or without an equilibrium that a linear program of its own confirms.
+
+The models are those of tests/fuzz/random_models.py. The judge here shares no code with the program's own check: it
+assembles the balance of every combination from the places of the supports and the resultants of the loads, held nodes
+and springs among the supports, and asks scipy.optimize.linprog for reactions. Verdicts that supports contradict each
+other are confirmed by a second program over the plate's deflections.
+
+    python benchmarks/random_plates.py [--count 100000] [--first 0] [--processes 2]
+    python benchmarks/random_plates.py --show SEED
+    python benchmarks/random_plates.py --check        a few, to see that the script works
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import os
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+from random import Random
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import bmat, csr_array
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
+import random_models
+
+from signorini import InputError, NoEquilibriumError, NotCertifiedError, solve, validate
+from signorini.discretise import discretise
+
+_NEAR = 1e-7
+"""Part of the load within which the judge calls equilibrium marginal, and either verdict right."""
+
+
+def balance(found, nodal):
+    """Columns of the unit reactions' resultants, which of them may pull, and the load's resultants.
+
+    Resultants are force and the moments over the plate's size about its middle, from positions alone; a slope's
+    reaction is a couple.
+    """
+    points, contacts, springs, held = found.mesh.points, found.contacts, found.springs, found.held
+    middle, size = 0.5 * (points.min(axis=0) + points.max(axis=0)), np.ptp(points, axis=0).max()
+
+    def lever(at):
+        return np.column_stack([np.ones(len(at)), (at - middle) / size])
+
+    nodes = np.repeat(np.arange(len(points)), 3)
+    frames = np.tile([1.0, 0.0], (len(points), 1)) if held.frames is None else held.frames
+    unit = np.zeros((len(nodes), 3))
+    unit[0::3] = lever(points)
+    unit[1::3, 1:] = frames / size
+    unit[2::3, 1:] = frames[:, ::-1] * [-1.0, 1.0] / size
+    rows = contacts.rows
+    of_slopes = np.einsum("mi,mij->mj", rows.coefficients, unit[rows.dofs(found.mesh.elements)])
+    at_contacts = np.where(contacts.slope[:, None], of_slopes, contacts.direction[:, None] * lever(contacts.positions))
+    columns = np.vstack([unit[held.dofs], lever(springs.positions), at_contacts])
+    both_ways = np.concatenate([np.ones(held.dofs.sum() + len(springs.positions), bool), contacts.two_sided])
+    return columns.T, both_ways, unit.T @ nodal
+
+
+def reactions_exist(found, nodal):
+    """Whether reactions balance the load: True, False, or None where rounding decides."""
+    columns, both_ways, wanted = balance(found, nodal)
+    total = np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / found.mesh.size
+    if total == 0.0:
+        return True
+    # The least that is left unbalanced, in units of the load.
+    slack = np.hstack([np.eye(3), -np.eye(3)])
+    count = columns.shape[1]
+    bounds = [(None if both else 0, None) for both in both_ways] + [(0, None)] * 6
+    cost = np.append(np.zeros(count), np.ones(6))
+    least = linprog(cost, A_eq=np.hstack([columns, slack]), b_eq=wanted / total, bounds=bounds, method="highs")
+    if least.x is None:
+        return None
+    return True if least.fun < 1e-12 else None if least.fun < _NEAR else False
+
+
+def deflection_exists(found):
+    """Whether some deflection agrees with every rigid support: True, False, or None where rounding decides."""
+    contacts, held = found.contacts, found.held
+    rigid = np.flatnonzero(contacts.compliance == 0)
+    scale = max(np.abs(contacts.distance).max(initial=0.0), np.abs(held.values).max(initial=0.0))
+    if scale == 0.0 or not len(rigid):
+        return True
+    dofs = contacts.rows.dofs(found.mesh.elements)[rigid]
+    shape = (len(rigid), found.dof_count)
+    rows = csr_array(
+        (contacts.rows.coefficients[rigid].ravel(), (np.repeat(np.arange(len(rigid)), 24), dofs.ravel())), shape=shape
+    )
+    # The least overlap, one for all: rows · u ≤ distance + overlap.
+    upper = bmat([[rows, -np.ones((len(rigid), 1))]])
+    two = contacts.two_sided[rigid]
+    both = upper if not two.any() else bmat([[upper], [bmat([[-rows[two], -np.ones((two.sum(), 1))]])]])
+    distance = contacts.distance[rigid] / scale
+    limits = np.concatenate([distance, -distance[two]])
+    bounds = [(v / scale, v / scale) if h else (None, None) for h, v in zip(held.dofs, held.values, strict=True)]
+    cost = np.append(np.zeros(found.dof_count), 1.0)
+    least = linprog(cost, A_ub=both, b_ub=limits, bounds=[*bounds, (0, None)], method="highs")
+    if least.x is None:
+        return None
+    return True if least.fun < 1e-9 else None if least.fun < 1e-6 else False
+
+
+def judged(seed):
+    """Outcome of one model, and what is wrong with it."""
+    tables = random_models.model(Random(seed))
+    try:
+        model = validate(tables)
+        found = discretise(model)
+    except InputError:
+        return Counter({"refused input": 1}), []
+    try:
+        results = solve(model)
+        messages = {name: result.message for name, result in results.items()}
+    except InputError:
+        return Counter({"mechanism": 1}), []
+    except NotCertifiedError as error:
+        return Counter({"not certified": 1}), [str(error)]
+    except NoEquilibriumError as error:
+        messages = dict(line.split(": ", 1) for line in str(error).splitlines())
+    outcomes, wrong = Counter(), []
+    for combination in model.effective_combinations:
+        message = messages[combination.name]
+        exists = reactions_exist(found, found.load(combination).nodal)
+        contradiction = "contradict" in message
+        outcomes["contradiction" if contradiction else "no equilibrium" if message else "certified"] += 1
+        if exists is None:
+            outcomes["of these marginal"] += 1
+        elif exists == (bool(message) and not contradiction):
+            wrong.append(f'"{combination.name}": the linear program says {exists}, the program "{message}"')
+        elif contradiction and deflection_exists(found):
+            wrong.append(f'"{combination.name}": a deflection agrees with all supports, yet: "{message}"')
+    return outcomes, wrong
+
+
+def _one(seed):
+    try:
+        return seed, *judged(seed)
+    except Exception as error:  # What a random model raises is what is looked for.
+        return seed, Counter({"fault": 1}), [f"{type(error).__name__}: {error}"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=100_000)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--processes", type=int, default=os.cpu_count())
+    parser.add_argument("--show", type=int)
+    parser.add_argument("--check", action="store_true")
+    given = parser.parse_args()
+    if given.show is not None:
+        print(json.dumps(random_models.model(Random(given.show)), indent=1))
+        print(*judged(given.show), sep="\n")
+        return
+    seeds = range(given.first, given.first + (100 if given.check else given.count))
+    begun, outcomes, failures = time.perf_counter(), Counter(), 0
+    with multiprocessing.Pool(given.processes) as pool:
+        for seed, found, wrong in pool.imap_unordered(_one, seeds, chunksize=20):
+            outcomes += found
+            failures += bool(wrong)
+            for message in wrong:
+                print(f"seed {seed}: {message}", flush=True)
+    spent = time.perf_counter() - begun
+    print(f"{len(seeds)} plates in {spent:.0f} s: {dict(outcomes)}, {failures} with failures")
+    unconfirmed = failures - outcomes["not certified"]
+    sys.exit(0 if (unconfirmed if given.check else failures) == 0 else 1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,255 @@
+use crate::arrays::{invalid, matrix, rows_of, sized};
+use crate::contact::{ContactProblem, failed};
+use crate::plate::Plate;
+use numpy::{
+    PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1,
+    PyUntypedArrayMethods,
+};
+use pyo3::prelude::*;
+use signorini_core::contact::{self, Verdict};
+use signorini_core::stress::{Strained, smoothed_together};
+use signorini_core::superposition::{self, Envelope};
+
+/// What the plate does under one load case, or at one contact point, alone: displacements (3n,) as two doubles,
+/// reactions and displacements (m,) of the contact points.
+#[pyclass(frozen, module = "signorini._core")]
+pub struct Response {
+    inner: contact::Response,
+}
+
+#[pymethods]
+impl Response {
+    #[getter]
+    fn hi<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.displacement.hi)
+    }
+
+    #[getter]
+    fn lo<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.displacement.lo)
+    }
+
+    #[getter]
+    fn reaction<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.reaction)
+    }
+
+    /// The same without its displacements, which the contact problem does not read.
+    fn at_points(&self) -> Self {
+        Self { inner: at_points(self) }
+    }
+
+    #[getter]
+    fn moved<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.moved)
+    }
+}
+
+/// What the combinations of some load cases share.
+#[pyclass(frozen, module = "signorini._core")]
+pub struct CombinedCases {
+    inner: contact::CombinedCases,
+    cases: usize,
+}
+
+type Combined<'py> = (
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<bool>>,
+    Bound<'py, PyArray1<i64>>,
+);
+
+fn rows(array: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
+    array.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
+}
+
+/// A response without its displacement, which the contact points do not read.
+fn at_points(response: &Response) -> contact::Response {
+    let r = &response.inner;
+    contact::Response {
+        displacement: Default::default(),
+        reaction: r.reaction.clone(),
+        moved: r.moved.clone(),
+        work: r.work.clone(),
+        work_size: r.work_size.clone(),
+    }
+}
+
+/// The response to no load, with the held dofs at `held_value` (3n,) and the springs on their bases.
+#[pyfunction]
+pub fn rest_response(
+    problem: &ContactProblem,
+    py: Python<'_>,
+    held_value: PyReadonlyArray1<'_, f64>,
+) -> PyResult<Response> {
+    let held_value = sized("held_value", &held_value, problem.inner.plate.dof_count())?;
+    let inner = py.detach(|| problem.inner.rest_response(&held_value)).map_err(failed)?;
+    Ok(Response { inner })
+}
+
+/// The responses to nodal loads (k, 3n), held dofs and bases at zero.
+#[pyfunction]
+pub fn load_responses(
+    problem: &ContactProblem,
+    py: Python<'_>,
+    loads: PyReadonlyArray2<'_, f64>,
+) -> PyResult<Vec<Response>> {
+    if loads.shape()[1] != problem.inner.plate.dof_count() {
+        return Err(invalid(format!("loads must have {} columns", problem.inner.plate.dof_count())));
+    }
+    let loads = rows(&loads);
+    let found = py.detach(|| problem.inner.load_responses(&loads)).map_err(failed)?;
+    Ok(found.into_iter().map(|inner| Response { inner }).collect())
+}
+
+/// The responses to one unit of the own action of contact points `first` to `end`, the last excluded.
+#[pyfunction]
+pub fn point_responses(problem: &ContactProblem, py: Python<'_>, first: usize, end: usize) -> PyResult<Vec<Response>> {
+    let count = problem.inner.constraints.rows.len();
+    if end > count {
+        return Err(invalid(format!("there are {count} contact points, not {end}")));
+    }
+    let found = py.detach(|| problem.inner.point_responses(first..end)).map_err(failed)?;
+    Ok(found.into_iter().map(|inner| Response { inner }).collect())
+}
+
+/// Condenses load cases for `combine`, from the responses at rest, of the cases and of the points.
+#[pyfunction]
+pub fn combined_cases(
+    problem: &ContactProblem,
+    py: Python<'_>,
+    rest: PyRef<'_, Response>,
+    cases: Vec<PyRef<'_, Response>>,
+    points: Vec<PyRef<'_, Response>>,
+) -> PyResult<CombinedCases> {
+    let count = problem.inner.constraints.rows.len();
+    if points.len() != count {
+        return Err(invalid(format!("{} responses for {count} contact points", points.len())));
+    }
+    let rest = at_points(&rest);
+    let cases: Vec<_> = cases.iter().map(|case| at_points(case)).collect();
+    let points: Vec<_> = points.iter().map(|point| at_points(point)).collect();
+    let number = cases.len();
+    let inner = py.detach(|| problem.inner.combined_cases(rest, cases, &points));
+    Ok(CombinedCases { inner, cases: number })
+}
+
+/// Solves combinations of factors (k, c), each by itself and all in parallel.
+///
+/// Returns verdicts (k,), 0 solved, 1 no equilibrium, 2 to be solved by itself; factors of the points' responses,
+/// reactions, gaps and states (k, m); pivots (k,).
+#[pyfunction]
+pub fn combine<'py>(
+    problem: &ContactProblem,
+    py: Python<'py>,
+    cases: PyRef<'_, CombinedCases>,
+    factors: PyReadonlyArray2<'_, f64>,
+) -> PyResult<Combined<'py>> {
+    if factors.shape()[1] != cases.cases {
+        return Err(invalid(format!("factors must have {} columns", cases.cases)));
+    }
+    let factors = rows(&factors);
+    let shared = &cases.inner;
+    let found = py.detach(|| problem.inner.combine(shared, &factors));
+    let count = problem.inner.constraints.rows.len();
+    let verdict = |verdict: Verdict| match verdict {
+        Verdict::Solved => 0,
+        Verdict::NoEquilibrium => 1,
+        Verdict::Doubtful => 2,
+    };
+    let table = |of: fn(&contact::Combined) -> &[f64]| {
+        let values = found.iter().flat_map(|combined| of(combined).iter().copied()).collect();
+        PyArray1::from_vec(py, values).reshape([found.len(), count])
+    };
+    let closed = found.iter().flat_map(|combined| combined.closed.iter().copied()).collect();
+    Ok((
+        PyArray1::from_vec(py, found.iter().map(|combined| verdict(combined.verdict)).collect()),
+        table(|combined| &combined.factor)?,
+        table(|combined| &combined.reaction)?,
+        table(|combined| &combined.gap)?,
+        PyArray1::from_vec(py, closed).reshape([found.len(), count])?,
+        PyArray1::from_vec(py, found.iter().map(|combined| combined.pivots as i64).collect()),
+    ))
+}
+
+/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of several responses, with their curvatures (b, 3) and couples (b, 2e).
+#[pyfunction]
+pub fn response_stresses<'py>(
+    py: Python<'py>,
+    plate: &Plate,
+    responses: Vec<PyRef<'_, Response>>,
+    curvatures: PyReadonlyArray2<'_, f64>,
+    couples: PyReadonlyArray2<'_, f64>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let (number, nodes) = (responses.len(), plate.inner.node_count());
+    let curvatures = rows_of::<3, f64>("curvatures", &curvatures)?;
+    if curvatures.len() != number || couples.shape() != [number, 2 * plate.inner.elements().len()] {
+        return Err(invalid("curvatures (b, 3) and couples (b, 2e) must have a row for every response"));
+    }
+    let couples = rows(&couples);
+    let strained: Vec<Strained> = responses
+        .iter()
+        .zip(curvatures)
+        .zip(&couples)
+        .map(|((r, curvature), couples)| Strained { displacement: &r.inner.displacement, curvature, couples })
+        .collect();
+    let nodal = py.detach(|| smoothed_together(&plate.inner, &strained));
+    let values = nodal.into_iter().flat_map(|stress| stress.into_flattened()).collect();
+    PyArray1::from_vec(py, values).reshape([number, nodes, 5])
+}
+
+/// Coefficients (k, b) times vectors (b, n), each sum in the order of the vectors: (k, n).
+#[pyfunction]
+pub fn superpose<'py>(
+    py: Python<'py>,
+    coefficients: PyReadonlyArray2<'py, f64>,
+    vectors: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (count, length) = (vectors.shape()[0], vectors.shape()[1]);
+    if coefficients.shape()[1] != count {
+        return Err(invalid(format!("{} coefficients for {count} vectors", coefficients.shape()[1])));
+    }
+    let number = coefficients.shape()[0];
+    let (coefficients, vectors) = (coefficients.as_slice()?, vectors.as_slice()?);
+    let mut out = py.detach(|| superposition::superpose(coefficients, vectors, count));
+    out.resize(number * length, 0.0);
+    PyArray1::from_vec(py, out).reshape([number, length])
+}
+
+type Peaks<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
+
+/// Widens an envelope (n,), in place, by every sum of vectors (b, n) with coefficients (k, b) of combinations `who` (k,).
+///
+/// Returns every sum's largest and smallest value (k, 2) and where they are (k, 2).
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+pub fn envelop<'py>(
+    py: Python<'py>,
+    coefficients: PyReadonlyArray2<'py, f64>,
+    vectors: PyReadonlyArray2<'py, f64>,
+    who: PyReadonlyArray1<'py, i64>,
+    mut largest: PyReadwriteArray1<'py, f64>,
+    mut largest_by: PyReadwriteArray1<'py, i64>,
+    mut smallest: PyReadwriteArray1<'py, f64>,
+    mut smallest_by: PyReadwriteArray1<'py, i64>,
+) -> PyResult<Peaks<'py>> {
+    let (count, length) = (vectors.shape()[0], vectors.shape()[1]);
+    let number = who.len();
+    let sizes = [largest.len(), largest_by.len(), smallest.len(), smallest_by.len()];
+    if coefficients.shape() != [number, count] || sizes.iter().any(|&size| size != length) {
+        return Err(invalid("coefficients (k, b), vectors (b, n), k names and an envelope (n,) must agree"));
+    }
+    let (coefficients, vectors, who) = (coefficients.as_slice()?, vectors.as_slice()?, who.as_slice()?);
+    let mut envelope = Envelope {
+        largest: largest.as_slice_mut()?,
+        largest_by: largest_by.as_slice_mut()?,
+        smallest: smallest.as_slice_mut()?,
+        smallest_by: smallest_by.as_slice_mut()?,
+    };
+    let peaks = py.detach(|| superposition::envelop(coefficients, vectors, who, &mut envelope));
+    let values = peaks.iter().flat_map(|peak| [peak.largest, peak.smallest]).collect();
+    let places = peaks.iter().flat_map(|peak| [peak.largest_at as i64, peak.smallest_at as i64]).collect();
+    Ok((matrix(py, values, 2)?, PyArray1::from_vec(py, places).reshape([number, 2])?))
+}

@@ -1,0 +1,222 @@
+//! What the plate does under each load case and at each contact point alone: every combination is a sum of these.
+//!
+//! u = u₀ + Σ factor_c u_c + Σ x_i u_i, and the reactions and displacements of the points likewise, each term in
+//! equilibrium by itself: Ku + Gᵀ·reaction = f. Where the rows pick single dofs, x is the points' displacement and the
+//! cases act with all points held; else x is the force δ·Gu − reaction, and the cases act on K̃.
+
+use super::condense::Form;
+use super::problem::{ContactProblem, with_regularization};
+use crate::cholesky::FactorError;
+use crate::residual::{Displacement, Springs, residual};
+use rayon::prelude::*;
+
+/// One term of the sum, refined with the double-double residual.
+#[derive(Clone, Debug)]
+pub struct Response {
+    pub displacement: Displacement,
+    /// Force of every contact point, against its row.
+    pub reaction: Vec<f64>,
+    /// Displacement Gu of every contact point.
+    pub moved: Vec<f64>,
+    /// Work of the load in each free rigid motion, and the sum of the magnitudes it is made of.
+    pub work: Vec<f64>,
+    pub work_size: Vec<f64>,
+}
+
+/// What acts.
+#[derive(Clone, Copy)]
+enum Action<'a> {
+    /// No load: held dofs at their values (3n,), springs on their bases.
+    Rest(&'a [f64]),
+    /// A nodal load (3n,), held dofs and bases at zero.
+    Load(&'a [f64]),
+    /// x_i = 1.
+    Point(usize),
+}
+
+/// Responses refined together, so that the factor is read once for all of them.
+const TOGETHER: usize = 8;
+/// At most this many corrections.
+const CORRECTIONS: usize = 8;
+/// A correction that leaves more than this part of the imbalance before it ends the refinement.
+const PROGRESS: f64 = 0.25;
+/// An imbalance this small, relative to the largest nodal force, is not worth another correction: sums add no digits.
+const ENOUGH: f64 = 1e-13;
+
+/// A response that is being refined.
+struct Draft<'a> {
+    action: Action<'a>,
+    displacement: Displacement,
+    reaction: Vec<f64>,
+    imbalance: Vec<f64>,
+    /// What is left of the displacements to be imposed on the points; empty where none are.
+    remaining: Vec<f64>,
+    worst: f64,
+    settled: bool,
+}
+
+impl ContactProblem {
+    /// The response to no load, with the held dofs at `held_value` (3n,).
+    pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, FactorError> {
+        Ok(self.responses(&[Action::Rest(held_value)])?.remove(0))
+    }
+
+    /// The responses to nodal loads (3n,) each.
+    pub fn load_responses(&self, loads: &[Vec<f64>]) -> Result<Vec<Response>, FactorError> {
+        self.responses(&loads.iter().map(|load| Action::Load(load)).collect::<Vec<_>>())
+    }
+
+    /// The responses of some contact points.
+    pub fn point_responses(&self, points: std::ops::Range<usize>) -> Result<Vec<Response>, FactorError> {
+        self.responses(&points.map(Action::Point).collect::<Vec<_>>())
+    }
+
+    fn responses(&self, actions: &[Action]) -> Result<Vec<Response>, FactorError> {
+        let blocks: Result<Vec<_>, _> = actions.par_chunks(TOGETHER).map(|block| self.refined(block)).collect();
+        Ok(blocks?.into_iter().flatten().collect())
+    }
+
+    fn imposed(&self) -> bool {
+        self.base.condensed.better_form() == Form::Stiffness
+    }
+
+    fn refined(&self, actions: &[Action]) -> Result<Vec<Response>, FactorError> {
+        let springs =
+            if self.imposed() { self.springs.clone() } else { with_regularization(&self.springs, &self.constraints) };
+        let still = Springs { base: vec![0.0; springs.base.len()], ..springs.clone() };
+        let own = |action: Action| if matches!(action, Action::Rest(_)) { &springs } else { &still };
+        let mut drafts: Vec<Draft> = actions.iter().map(|&action| self.draft(action, own(action))).collect();
+        for round in 0..CORRECTIONS {
+            if drafts.iter().all(|draft| draft.settled) {
+                break;
+            }
+            self.correct_together(&mut drafts, round, &own)?;
+        }
+        Ok(drafts.into_iter().map(|draft| self.response(draft)).collect())
+    }
+
+    fn draft<'a>(&self, action: Action<'a>, springs: &Springs) -> Draft<'a> {
+        let count = self.constraints.rows.len();
+        let mut displacement = Displacement::zeros(self.plate.dof_count());
+        if let Action::Rest(held_value) = action {
+            for (dof, _) in self.held.iter().enumerate().filter(|(_, held)| **held) {
+                displacement.hi[dof] = held_value[dof];
+            }
+        }
+        let mut draft = Draft {
+            action,
+            displacement,
+            reaction: vec![0.0; count],
+            imbalance: Vec::new(),
+            remaining: Vec::new(),
+            worst: 0.0,
+            settled: false,
+        };
+        self.judge(&mut draft, springs);
+        draft.settled = draft.worst == 0.0 && draft.remaining.iter().all(|&left| left == 0.0);
+        draft
+    }
+
+    /// What is out of balance, and what is left to impose.
+    fn judge(&self, draft: &mut Draft, springs: &Springs) {
+        let mut force = match draft.action {
+            Action::Load(load) => load.to_vec(),
+            _ => vec![0.0; self.plate.dof_count()],
+        };
+        if let (Action::Point(i), false) = (draft.action, self.imposed()) {
+            self.constraints.rows.scatter(&self.plate, i, 1.0, &mut force);
+        }
+        // Before the first correction nothing has moved but what is held.
+        let moved = draft.displacement.hi.iter().any(|&u| u != 0.0) || springs.base.iter().any(|&base| base != 0.0);
+        let mut out = if moved { residual(&self.plate, springs, &force, &draft.displacement) } else { force };
+        if self.imposed() {
+            let downward: Vec<f64> = draft.reaction.iter().map(|r| -r).collect();
+            self.spread(&downward, &mut out);
+            let target = |i: usize| if matches!(draft.action, Action::Point(j) if j == i) { 1.0 } else { 0.0 };
+            let left = |i: usize| -self.constraints.rows.gap(&self.plate, i, &draft.displacement, target(i));
+            draft.remaining = (0..draft.reaction.len()).map(left).collect();
+        }
+        draft.worst = 0.0;
+        for (value, &held) in out.iter_mut().zip(&self.held) {
+            *value = if held { 0.0 } else { *value };
+            draft.worst = draft.worst.max(value.abs());
+        }
+        draft.imbalance = out;
+    }
+
+    /// One correction of every draft that is not settled.
+    fn correct_together<'s>(
+        &self,
+        drafts: &mut [Draft],
+        round: usize,
+        springs: &impl Fn(Action) -> &'s Springs,
+    ) -> Result<(), FactorError> {
+        let open: Vec<usize> = (0..drafts.len()).filter(|&d| !drafts[d].settled).collect();
+        let size = self.base.factor.len();
+        let leading = size - self.numbering.trailing;
+        let mut block: Vec<f64> = open.iter().flat_map(|&d| self.gather(&drafts[d].imbalance)).collect();
+        self.base.factor.forward(&mut block)?;
+        let mut increments = Vec::new();
+        if self.imposed() {
+            for (column, &d) in block.chunks_exact_mut(size).zip(&open) {
+                let force = self.base.condensed.condensed_force(&column[leading..]);
+                increments.push(self.base.condensed.holding_forces(&force, &drafts[d].remaining));
+                column[leading..].copy_from_slice(&self.base.condensed.prescribing(&drafts[d].remaining));
+            }
+        }
+        self.base.factor.backward(&mut block)?;
+        for (at, (column, &d)) in block.chunks_exact(size).zip(&open).enumerate() {
+            let draft = &mut drafts[d];
+            let before = (draft.displacement.clone(), draft.reaction.clone(), draft.worst);
+            for (&dof, &value) in self.numbering.dof.iter().zip(column) {
+                draft.displacement.add(dof, value);
+            }
+            if let Some(increment) = increments.get(at) {
+                draft.reaction.iter_mut().zip(increment).for_each(|(total, part)| *total += part);
+            }
+            self.judge(draft, springs(draft.action));
+            if round > 0 && !(draft.worst < before.2) {
+                (draft.displacement, draft.reaction, draft.worst) = before;
+                draft.settled = true;
+            } else {
+                let force = draft.size();
+                draft.settled = draft.worst <= ENOUGH * force || (round > 0 && draft.worst > PROGRESS * before.2);
+            }
+        }
+        Ok(())
+    }
+
+    fn response(&self, draft: Draft) -> Response {
+        let rows = &self.constraints.rows;
+        let moved = (0..rows.len()).map(|i| rows.gap(&self.plate, i, &draft.displacement, 0.0));
+        let moved: Vec<f64> = moved.collect();
+        let mut reaction = draft.reaction;
+        if !self.imposed() {
+            let push = |i: usize| if matches!(draft.action, Action::Point(j) if j == i) { 1.0 } else { 0.0 };
+            let carried = &self.base.condensed.regularization;
+            reaction = (0..rows.len()).map(|i| carried[i] * moved[i] - push(i)).collect();
+        }
+        let motions = &self.constraints.free_motions;
+        let (work, work_size) = match draft.action {
+            Action::Load(load) => motions
+                .iter()
+                .map(|motion| motion.iter().zip(load).map(|(u, f)| u * f))
+                .map(|terms| (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>()))
+                .unzip(),
+            _ => (vec![0.0; motions.len()], vec![0.0; motions.len()]),
+        };
+        Response { displacement: draft.displacement, reaction, moved, work, work_size }
+    }
+}
+
+impl Draft<'_> {
+    /// The largest nodal force.
+    fn size(&self) -> f64 {
+        let load = match self.action {
+            Action::Load(load) => load,
+            _ => &[],
+        };
+        let pushed = if matches!(self.action, Action::Point(_)) && self.remaining.is_empty() { 1.0 } else { 0.0 };
+        load.iter().chain(&self.reaction).fold(pushed, |largest: f64, f| largest.max(f.abs()))
+    }
+}

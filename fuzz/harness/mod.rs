@@ -1,0 +1,125 @@
+//! What the fuzzers do with their bytes; core/tests/fuzz_corpus.rs does the same with the corpus.
+use signorini_core::contact::{Constraints, ContactProblem, Form, Outcome};
+use signorini_core::element::{Kind, Material};
+use signorini_core::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from};
+use signorini_core::plate::Plate;
+use signorini_core::residual::{Rows, Springs};
+use std::sync::Arc;
+
+/// Bytes read off one after the other; zeros where they end.
+struct Bytes<'a>(std::slice::Iter<'a, u8>);
+
+impl Bytes<'_> {
+    fn byte(&mut self) -> u8 {
+        *self.0.next().unwrap_or(&0)
+    }
+
+    fn below(&mut self, limit: usize) -> usize {
+        usize::from(self.byte()) % limit
+    }
+
+    /// Mostly a small number, now and then one that tries the arithmetic.
+    fn number(&mut self) -> f64 {
+        match self.byte() {
+            byte @ 0..=239 => f64::from(byte) / 16.0 - 7.0,
+            240..=244 => f64::from_bits(u64::from_le_bytes(std::array::from_fn(|_| self.byte()))),
+            245 => f64::NAN,
+            246 => f64::INFINITY,
+            247 => -1e300,
+            248 => 1e-300,
+            249 => -0.0,
+            byte => 10f64.powi(i32::from(byte) - 248),
+        }
+    }
+
+    fn numbers(&mut self, count: usize) -> Vec<f64> {
+        (0..count).map(|_| self.number()).collect()
+    }
+
+    fn flags(&mut self, count: usize) -> Vec<bool> {
+        (0..count).map(|_| self.byte() & 1 == 1).collect()
+    }
+}
+
+/// A linear complementarity problem of up to seven pairs, with lengths that may not fit, solved from both starts.
+pub fn linear_complementarity(data: &[u8]) {
+    let mut bytes = Bytes(data.iter());
+    let order = bytes.below(8);
+    let (rows, more) = (order + usize::from(bytes.byte() == 255), usize::from(bytes.byte() == 255));
+    let matrix = bytes.numbers(rows * order + more);
+    let q = bytes.numbers(order);
+    let Ok(problem) = Lcp::new(&matrix, &q) else { return };
+    let covering = (bytes.byte() & 1 == 1).then(|| bytes.numbers(order + more));
+    let options = LemkeOptions { covering: covering.as_deref(), max_pivots: Some(bytes.below(200)) };
+    let basis = bytes.flags(order + more);
+    for answer in [lemke(&problem, &options), lemke_from(&problem, &options, &basis)].into_iter().flatten() {
+        if answer.status == LcpStatus::Solved {
+            assert!(answer.z.iter().chain(&answer.w).all(|v| *v >= 0.0 && v.is_finite()), "{answer:?}");
+            assert!(answer.z.iter().zip(&answer.w).all(|(z, w)| *z == 0.0 || *w == 0.0), "{answer:?}");
+        }
+    }
+}
+
+/// Two elements on up to four points, distorted, held and loaded as the bytes say, by both methods.
+pub fn contact(data: &[u8]) {
+    let mut bytes = Bytes(data.iter());
+    let mut points: Vec<[f64; 2]> = [(0, 0), (2, 0), (4, 0), (0, 2), (2, 2), (4, 2), (1, 0)]
+        .into_iter()
+        .chain([(3, 0), (0, 1), (2, 1), (4, 1), (1, 2), (3, 2)])
+        .map(|(x, y)| [0.5 * f64::from(x), 0.5 * f64::from(y)])
+        .collect();
+    for _ in 0..bytes.below(3) {
+        let (node, axis) = (bytes.below(points.len()), bytes.below(2));
+        points[node][axis] += bytes.number() / 40.0;
+    }
+    let mut elements = vec![[0, 1, 4, 3, 6, 9, 11, 8], [1, 2, 5, 4, 7, 10, 12, 9]];
+    if bytes.byte() > 250 {
+        elements[0][bytes.below(8)] = bytes.below(20);
+    }
+    let mut thickness = vec![0.2; points.len()];
+    if bytes.byte() > 240 {
+        thickness[bytes.below(13)] = bytes.number();
+    }
+    let material = Material { young: 1000.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
+    let kind = if bytes.byte() & 1 == 0 { Kind::Mitc9 } else { Kind::Q8r };
+    let Ok(plate) = Plate::new(points, elements, thickness, material, kind, None) else { return };
+    let plate = Arc::new(plate);
+    let count = bytes.below(5);
+    let mut constraints = Constraints { two_sided: bytes.flags(count), ..Constraints::default() };
+    for _ in 0..count {
+        let (xi, eta) = (f64::from(bytes.byte()) / 127.5 - 1.0, f64::from(bytes.byte()) / 127.5 - 1.0);
+        let element = bytes.below(2);
+        constraints.rows.element.push(element);
+        constraints.rows.coefficient.push(plate.interpolation_row(element, xi, eta, 0).0);
+        constraints.distance.push(bytes.number());
+        constraints.compliance.push(if bytes.byte() & 1 == 0 { 0.0 } else { bytes.number().abs() });
+        constraints.regularization.push(if bytes.byte() & 1 == 0 { 0.0 } else { 10.0 });
+    }
+    let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
+    if !finite(&constraints.distance) || !finite(&constraints.compliance) {
+        return; // the bindings refuse them
+    }
+    let mut held = vec![false; plate.dof_count()];
+    for _ in 0..bytes.below(8) {
+        held[bytes.below(plate.dof_count())] = true;
+    }
+    let springs = Springs {
+        rows: Rows { element: vec![0], coefficient: vec![plate.interpolation_row(0, 0.1, 0.2, 0).0] },
+        stiffness: vec![f64::from(bytes.byte())],
+        base: vec![0.1],
+    };
+    let load: Vec<f64> = (0..plate.dof_count()).map(|_| bytes.number()).collect();
+    let values = vec![0.0; plate.dof_count()];
+    for by_active_set in [false, true] {
+        let (springs, held, constraints) = (springs.clone(), held.clone(), constraints.clone());
+        let Ok(problem) = ContactProblem::new(plate.clone(), springs, held, constraints, by_active_set) else {
+            continue;
+        };
+        for form in [None, Some(Form::Dual), Some(Form::Stiffness)] {
+            let Ok(answer) = problem.solve(&load, &values, form, Some(500), &mut |_| true) else { continue };
+            if answer.outcome == Outcome::Solved && load.iter().all(|f| f.abs() < 1e100) {
+                assert!(answer.reaction.iter().all(|r| r.is_finite()), "{:?}", answer.reaction);
+            }
+        }
+    }
+}

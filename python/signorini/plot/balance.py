@@ -1,0 +1,74 @@
+"""What a load amounts to, in plan: its resultant, and the line about which it tips the plate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from signorini.plot.marks import Entry
+
+_GOOD, _BAD = "#1b6e53", "#b3261e"
+_FARTHEST = 1.0
+"""How far off the plate, in its sizes, a resultant is still drawn."""
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class BalanceMark:
+    """The resultant of a combination, and how it ends.
+
+    Attributes
+    ----------
+    name : str
+        Its name in the legend.
+    at : (x, y) or None
+        Where the resultant acts; None for a couple.
+    upward : bool
+        Whether it points up.
+    unbalanced : bool
+        Whether no reactions balance it.
+    axis : ((x, y), (x, y)) or None
+        Two points of the line about which the plate tips.
+    """
+
+    name: str
+    at: Point | None
+    upward: bool = False
+    unbalanced: bool = False
+    axis: tuple[Point, Point] | None = None
+
+
+def draw_balance(mark: BalanceMark, axes: Axes) -> list[Entry]:
+    """Draw a resultant as a cross in a square, and a tipping axis dash-dotted; widen the axes to the cross."""
+    entries: list[Entry] = []
+    colour = _BAD if mark.unbalanced else _GOOD
+    low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
+    size = float((high - low).max())
+    if mark.at is not None:
+        at = np.array(mark.at)
+        way = "upward resultant" if mark.upward else "resultant"
+        ending = ", not balanced" if mark.unbalanced else ""
+        look: dict[str, Any] = {"marker": "$\\boxtimes$", "linestyle": "none", "color": colour, "markersize": 10.0}
+        look["clip_on"] = False
+        words = f"{mark.name}: {way}{ending}"
+        if (np.abs(at - np.clip(at, low, high)) <= _FARTHEST * size).all():
+            axes.plot(*at, zorder=8, **look)
+            margin = 0.04 * size
+            axes.set_xlim(min(low[0], at[0] - margin), max(high[0], at[0] + margin))
+            axes.set_ylim(min(low[1], at[1] - margin), max(high[1], at[1] + margin))
+        else:
+            words += ", far off the plate"
+        entries.append((words, (Line2D([], [], **look),)))
+    if mark.axis is not None:
+        start, end = np.array(mark.axis)
+        reach = (end - start) / max(float(np.hypot(*(end - start))), 1e-300) * size
+        drawn = axes.plot(*np.array([start - reach, end + reach]).T, color=colour, linestyle="-.", zorder=7)
+        drawn[0].set_clip_on(True)
+        sample = Line2D([], [], color=colour, linestyle="-.")
+        entries.append((f"{mark.name}: tips about this line", (sample,)))
+    return entries

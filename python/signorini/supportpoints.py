@@ -1,0 +1,85 @@
+"""Where each support acts: held nodes, springs and contact points, in the order in which results list them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini.discretise import Discretisation
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.model import Support
+
+
+@dataclass(frozen=True, eq=False)
+class SupportPoints:
+    """Points (p,) of one support.
+
+    Parameters
+    ----------
+    nodes, springs : (h,) and (s,) arrays
+        Nodes whose deflection it holds, and its springs: the fixed points, always closed.
+    rows : (ways, c) array
+        Its contact points; a point with travel both ways has two rows.
+    direction : (ways, c) array
+        +1 where a row pushes the plate up, −1 where it holds it down.
+    order : (h + s + c,) array
+        From nodes, springs and contact points, one behind the other, to the order of the input.
+    positions, weights : (p, 2) and (p,) arrays
+        In the order of the input; a weight is the length or area that a point stands for, 1 at a point.
+    """
+
+    nodes: Ints
+    springs: Ints
+    rows: Ints
+    direction: Floats
+    order: Ints
+    positions: Floats
+    weights: Floats
+
+    @classmethod
+    def of(cls, found: Discretisation, index: int) -> SupportPoints:
+        """Points of the support at that place in the model."""
+        support, contacts = found.model.support[index], found.contacts
+        nodes = np.flatnonzero((found.held.support.reshape(-1, 3)[:, 0] == index) & found.held.dofs[::3])
+        springs = np.flatnonzero(found.springs.support == index)
+        mine = np.flatnonzero((contacts.support == index) & ~contacts.slope)
+        # A point with travel both ways has two rows, first all those that push up, then all that hold down.
+        ways = 2 if len(mine) and np.ptp(contacts.direction[mine]) > 0 else 1
+        rows = mine.reshape(ways, -1)
+        points = contacts.pick(rows[0])
+        positions = np.concatenate([found.mesh.points[nodes], found.springs.positions[springs], points.positions])
+        weights = np.concatenate([np.ones(len(nodes)), found.springs.weights[springs], points.weights])
+        order = _as_written(support, positions)
+        return cls(nodes, springs, rows, contacts.direction[rows], order, positions[order], weights[order])
+
+    @property
+    def fixed(self) -> int:
+        """Number of held nodes and springs."""
+        return len(self.nodes) + len(self.springs)
+
+    def forces(self, fixed: Floats, reaction: Floats) -> Floats:
+        """Upward force (..., p) of every point, from those of the fixed ones (..., h + s) and of contacts (..., m)."""
+        acting = (self.direction * reaction[..., self.rows]).sum(axis=-2)
+        return np.asarray(np.concatenate([fixed, acting], axis=-1)[..., self.order])
+
+    def gaps(self, gap: Floats) -> Floats:
+        """What is left of the travel (..., p) of every point, from that of contacts (..., m)."""
+        travel = gap[..., self.rows].min(axis=-2)
+        closed = np.zeros((*travel.shape[:-1], self.fixed))
+        return np.asarray(np.concatenate([closed, travel], axis=-1)[..., self.order])
+
+    def closed(self, closed: Bools) -> Bools:
+        """Whether every point is closed (..., p), from contacts (..., m)."""
+        touching = closed[..., self.rows].any(axis=-2)
+        always = np.ones((*touching.shape[:-1], self.fixed), np.bool_)
+        return np.asarray(np.concatenate([always, touching], axis=-1)[..., self.order])
+
+
+def _as_written(support: Support, positions: Floats) -> Ints:
+    """Order of point supports as the model lists them."""
+    if support.at is None or not len(positions):
+        return np.arange(len(positions))
+    given = np.array(support.at)
+    nearest = ((positions[:, None] - given) ** 2).sum(axis=2).argmin(axis=1)
+    return np.argsort(nearest, kind="stable")

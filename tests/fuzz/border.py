@@ -1,0 +1,167 @@
+"""Calls across the border to Rust with arrays that are wrong: lengths, NaN, indices, strides, the same array twice.
+
+    python tests/fuzz/border.py [--count 100000] [--first 0]
+
+Whatever comes, a call answers or raises an ordinary exception; a panic is a failure.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import warnings
+from collections.abc import Callable
+from random import Random
+from typing import Any
+
+import numpy as np
+
+from signorini import Model, _core
+from signorini.discretise import Discretisation
+from signorini.problem import ContactProblem, contact_problem, spring_arrays
+
+ORDINARY = (ValueError, TypeError, RuntimeError, MemoryError, OverflowError)
+
+_REALS = [np.nan, np.inf, -np.inf, 0.0, -0.0, -1.0, 1e300, -1e300, 1e-300, 5e-324]
+_WHOLES = [-1, -(2**63), 2**63 - 1, 10**9, 0, 7, 8, 20, 21]
+
+
+def example() -> tuple[ContactProblem, Discretisation]:
+    """A small problem with every kind of array: held slopes in frames, springs, one-sided and two-sided points."""
+    problem = contact_problem(
+        Model(
+            material={"E": 1000.0, "nu": 0.3},
+            plate={"shape": "disc", "radius": 2.0, "sector": 90, "thickness": 0.3},
+            mesh={"divisions": [2, 4]},
+            support=[
+                {"edge": "rim", "fix": "hard"},
+                {"at": [[0.7, 0.6]], "stiffness": 5.0},
+                {"at": [[0.4, 0.9]], "fix": "simple"},
+                {"at": [[0.9, 0.3], [0.3, 0.2]], "resists": "down", "gap": 0.01},
+                {"area": {"rectangle": [0.1, 0.1, 0.4, 0.4]}, "resists": "down", "stiffness": 9.0},
+            ],
+            load=[{"pressure": 1.0}],
+        )
+    )
+    return problem, problem.discretisation
+
+
+def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable[..., Any], list[Any]]]:
+    """Every entry point with arguments that are right."""
+    mesh, material, contacts, held = found.mesh, found.model.material, found.contacts, found.held
+    u, load = np.linspace(0.0, 1.0, found.dof_count), found.cases["load"].nodal
+    rows = contacts.rows
+    constraints = [
+        *(rows.elements, rows.coefficients, contacts.distance, contacts.compliance, contacts.two_sided),
+        np.zeros(len(rows)),
+    ]
+
+    def contact(
+        elements, coefficients, distance, compliance, two_sided, regularization, dofs, motions, active, *spring
+    ):
+        arrays = (elements, coefficients, distance, compliance, two_sided, regularization)
+        _core.ContactProblem(found.plate, dofs, spring, arrays, motions, active).solve(load, held.values)
+
+    def residual(load, hi, lo, *spring):
+        found.plate.residual(spring, load, hi, lo)
+
+    plate = [mesh.points, mesh.elements, found.thickness, material.E, material.nu, 5 / 6, "mitc9", held.frames]
+    spring = list(spring_arrays(found))
+    centre = np.zeros(2 * len(mesh.elements))
+    lcp = problem.lcp(load)
+    return [
+        (_core.Plate, plate),
+        (found.plate.interpolation_rows, [rows.elements, np.zeros((len(rows), 2)), 0]),
+        (found.plate.curvature_load, [np.array([0.1, 0.0, 0.2])]),
+        (residual, [load, u, 1e-17 * u, *spring]),
+        (found.plate.internal_magnitude, [held.dofs, u, u]),
+        (found.plate.stresses, [u, u, np.array([0.1, 0.0, 0.2]), centre]),
+        (contact, [*constraints, held.dofs, np.zeros((0, found.dof_count)), False, *spring]),
+        (problem.core.solve, [load, held.values, None, 100]),
+        (problem.core.lcp, [load, held.values, "dual"]),
+        (problem.core.apply_inverse, [load]),
+        (_core.lemke, [lcp.M, lcp.q, np.ones(len(lcp.q)), 1000, np.zeros(len(lcp.q), np.bool_)]),
+        (_core.serendipity, [np.zeros((3, 2))]),
+    ]
+
+
+def spoilt(rng: Random, arguments: list[Any]) -> list[Any]:
+    """The arguments with one to three of them wrong."""
+    arguments = [argument.copy() if isinstance(argument, np.ndarray) else argument for argument in arguments]
+    for _ in range(rng.choice([1, 1, 2, 3])):
+        at = rng.randrange(len(arguments))
+        if isinstance(arguments[at], np.ndarray):
+            arguments[at] = rng.choice([_value, _value, _value, _length, _strides, _kind])(rng, arguments[at])
+        else:
+            arguments[at] = rng.choice([None, -1, 0, 2**62, 3, "stiffness", "", "ö", np.nan, 1e308, [], arguments[0]])
+        if rng.random() < 0.1:
+            arguments[rng.randrange(len(arguments))] = arguments[at]
+    return arguments
+
+
+def _value(rng: Random, array: np.ndarray) -> np.ndarray:
+    if array.size:
+        at = rng.randrange(array.size)
+        if array.dtype == np.bool_:
+            array.flat[at] ^= True
+        else:
+            with np.errstate(over="ignore"):
+                array.flat[at] = rng.choice(_WHOLES if array.dtype.kind == "i" else _REALS)
+    return array
+
+
+def _length(rng: Random, array: np.ndarray) -> np.ndarray:
+    way = rng.randrange(4)
+    if way == 0:
+        return array[: rng.randrange(len(array) + 1)]
+    if way == 1:
+        return np.concatenate([array, array[:1]])
+    if way == 2 and array.ndim == 2:
+        return array[:, : rng.randrange(array.shape[1] + 1)]
+    return array.reshape(rng.choice([(-1,), (1, -1), (-1, 1), (*array.shape, 1)]))
+
+
+def _strides(rng: Random, array: np.ndarray) -> np.ndarray:
+    array = rng.choice([np.asfortranarray, lambda a: a[::-1], lambda a: np.repeat(a, 2, axis=0)[::2]])(array)
+    array.flags.writeable = rng.random() < 0.5
+    return array
+
+
+def _kind(rng: Random, array: np.ndarray) -> np.ndarray:
+    kind = rng.choice([np.float32, np.int32, np.float64, np.int64, np.bool_, np.complex128, object])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return array.astype(kind)
+
+
+def fault(seed: int, entries: list[tuple[Callable[..., Any], list[Any]]]) -> str:
+    """What one seed's call does that it must not; empty if nothing."""
+    rng = Random(seed)
+    call, arguments = rng.choice(entries)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            call(*spoilt(rng, arguments))
+    except ORDINARY:
+        pass
+    except BaseException as error:  # pyo3's PanicException is none of Exception's.
+        return f"{getattr(call, '__name__', call)}: {type(error).__name__}: {error}"
+    return ""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=100_000)
+    parser.add_argument("--first", type=int, default=0)
+    given = parser.parse_args()
+    entries, failures = calls(*example()), 0
+    for seed in range(given.first, given.first + given.count):
+        if found := fault(seed, entries):
+            failures += 1
+            print(f"seed {seed}: {found}", flush=True)
+    print(f"{given.count} calls from seed {given.first}, {failures} failures")
+    sys.exit(min(failures, 1))
+
+
+if __name__ == "__main__":
+    main()

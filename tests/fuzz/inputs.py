@@ -1,0 +1,189 @@
+"""Fuzz the command line with input files: each ends with an exit code and one message, and leaves whole files or none.
+
+    python tests/fuzz/inputs.py [--count 100000] [--first 0] [--processes 2]
+    python tests/fuzz/inputs.py --show SEED     the input file of a seed, and what it ends with
+
+Outcomes and failures are printed with their seeds; the exit code is 0 where there is no failure.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import os
+import re
+import signal
+import sys
+import tempfile
+import time
+import warnings
+from collections import Counter
+from pathlib import Path
+from random import Random
+from types import FrameType
+
+import mutations
+from typer.testing import CliRunner
+
+import signorini
+import signorini.plot
+from signorini.cli import app
+
+NAME = "slab.toml"
+TOO_LONG = 60
+"""Seconds after which an input hangs; the largest of these models takes under one."""
+
+_SELDOM = 50
+"""One picture in so many is drawn; they take most of the time and do not depend on what was found."""
+
+_PLACE = re.compile(rf"Error: (\S*{re.escape(NAME)}(:\d+)?: |({'|'.join(signorini.Model.model_fields)})\b)")
+
+
+class Hang(BaseException):
+    """An input took too long."""
+
+
+def ended(content: bytes, command: str, directory: Path, pictures: bool) -> tuple[int, str, list[str]]:
+    """Run a command on an input file: its exit code, standard error, and everything wrong with how it ended."""
+    file = directory / NAME
+    file.write_bytes(content)
+    drawn = signorini.plot.save
+    if not pictures:
+        signorini.plot.save = lambda figure, path: Path(path).write_bytes(b"")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("always")
+            done = CliRunner().invoke(app, [command, str(file)])
+    finally:
+        signorini.plot.save = drawn
+    wrong = list(_faults(done.exit_code, done.stderr, done.exception))
+    left = {path.name for path in directory.iterdir()} - {NAME}
+    if done.exit_code in (0, 3) and command == "solve" and "slab-results" in left:
+        wrong += _faults_of_results(directory / "slab-results", done.exit_code)
+        left -= {"slab-results"}
+    elif done.exit_code in (0, 3) and command == "check":
+        left -= {"slab-check.png"}
+    elif done.exit_code == 0:
+        wrong.append("nothing is written")
+    if left:
+        wrong.append(f"left behind: {sorted(left)}")
+    return done.exit_code, done.stderr, wrong
+
+
+def _faults(code: int, errors: str, exception: BaseException | None):
+    if exception is not None and not isinstance(exception, SystemExit):
+        yield f"{type(exception).__name__}: {exception}"
+        return
+    if code not in (0, 2, 3, 4):
+        yield f"exit code {code}: {errors.strip()}"
+    elif code == 0 and errors:
+        yield f"says with success: {errors.strip()}"
+    elif code == 2 and not _PLACE.match(errors):
+        yield f"no place in: {errors.strip()}"
+    elif code == 3 and not errors.startswith("No equilibrium.\n"):
+        yield f"does not say that there is no equilibrium: {errors.strip()}"
+    if "Traceback" in errors or "Warning:" in errors:
+        yield f"not for users: {errors.strip()}"
+    if len(errors) > 20_000 or errors.count("\n") > 25:
+        yield f"a message of {len(errors)} characters"
+
+
+def _faults_of_results(directory: Path, code: int) -> list[str]:
+    try:
+        found = json.loads((directory / "results.json").read_text("utf-8"), parse_constant=float.fromhex)
+    except (OSError, ValueError) as error:
+        return [f"results.json: {error}"]
+    wrong = []
+    if sorted(found["files"]) != sorted(path.name for path in directory.iterdir()):
+        wrong.append("other files than results.json says")
+    states = [combination["status"] for combination in found["combinations"]]
+    if set(states) - {"solved", "no_equilibrium"} or (code == 0) != (set(states) == {"solved"}):
+        wrong.append(f"exit code {code} with {states}")
+    if not all(c["certificate"]["passed"] for c in found["combinations"] if c["status"] == "solved"):
+        wrong.append("not certified")
+    return wrong
+
+
+def one(seed: int) -> tuple[str, str, list[str]]:
+    """Draw and run one input: its outcome, its message, its faults."""
+    rng = Random(seed)
+    content = mutations.text(rng)
+    command = rng.choice(["solve", "solve", "solve", "check"])
+    with tempfile.TemporaryDirectory() as directory:
+        code, errors, wrong = ended(content, command, Path(directory), rng.randrange(_SELDOM) == 0)
+    return f"exit {code}", errors, wrong
+
+
+def _late(number: int, frame: FrameType | None) -> None:
+    raise Hang(f"longer than {TOO_LONG} s")
+
+
+def _work(seeds: multiprocessing.SimpleQueue, found: multiprocessing.SimpleQueue) -> None:
+    signal.signal(signal.SIGALRM, _late)
+    while (seed := seeds.get()) is not None:
+        found.put((seed, "begun", 0.0, []))
+        begun = time.perf_counter()
+        signal.alarm(TOO_LONG)
+        try:
+            outcome, _, wrong = one(seed)
+        except BaseException as error:  # What ends a run is what the fuzzer looks for.
+            outcome, wrong = "fault", [f"{type(error).__name__}: {error}"]
+        signal.alarm(0)
+        found.put((seed, outcome, time.perf_counter() - begun, wrong))
+
+
+def fuzz(first: int, count: int, processes: int) -> int:
+    """Run so many seeds; print failures as they come and a summary; return the number of failures."""
+    seeds, found = multiprocessing.SimpleQueue(), multiprocessing.SimpleQueue()
+    workers = [multiprocessing.Process(target=_work, args=(seeds, found)) for _ in range(processes)]
+    for worker in workers:
+        worker.start()
+    for seed in range(first, first + min(count, processes)):
+        seeds.put(seed)
+    following, open_, outcomes, failures = first + processes, set(), Counter(), 0
+    slowest, certified_not = (0.0, -1), []
+    while outcomes.total() < count:
+        while found.empty():
+            time.sleep(0.002)
+            if not all(worker.is_alive() for worker in workers):
+                print(f"a process died at one of the seeds {sorted(open_)}", flush=True)
+                return failures + 1
+        seed, outcome, seconds, wrong = found.get()
+        if outcome == "begun":
+            open_.add(seed)
+            continue
+        open_.discard(seed)
+        if following < first + count:
+            seeds.put(following)
+            following += 1
+        outcomes[outcome] += 1
+        slowest = max(slowest, (seconds, seed))
+        if outcome == "exit 4":
+            certified_not.append(seed)
+        if wrong:
+            failures += 1
+            print(f"seed {seed}: {'; '.join(wrong)}", flush=True)
+    for _ in workers:
+        seeds.put(None)
+    print(f"{count} inputs from seed {first}: {dict(sorted(outcomes.items()))}, {failures} failures")
+    print(f"not certified: {certified_not}; slowest: seed {slowest[1]}, {slowest[0]:.1f} s")
+    return failures
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=100_000)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--processes", type=int, default=os.cpu_count())
+    parser.add_argument("--show", type=int)
+    given = parser.parse_args()
+    if given.show is not None:
+        sys.stdout.buffer.write(mutations.text(Random(given.show)))
+        print(*one(given.show), sep="\n")
+        return
+    sys.exit(min(fuzz(given.first, given.count, given.processes), 1))
+
+
+if __name__ == "__main__":
+    main()

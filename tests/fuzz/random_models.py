@@ -1,0 +1,209 @@
+"""Small models drawn from a seeded generator, as the nested tables of an input file: what an engineer might write."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from random import Random
+from typing import Any
+
+Tables = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """What lengths, forces and point stiffnesses are of the plate's own size: it sags by a thousandth of its span."""
+
+    length: float
+    force: float
+    stiffness: float
+
+
+def model(rng: Random) -> Tables:
+    """Draw a model that says something: perhaps a mechanism, perhaps a load that nothing can hold."""
+    plate, mesh = _plate(rng)
+    young, size = rng.choice([30e9, 1000.0, 2.1e5]), _extent(plate)
+    thickness = float(str(plate["thickness"]).partition("*")[0])
+    stiffness = young * thickness**3 / 12 / size**2
+    scale = _Scale(size, 1e-3 * size * stiffness, stiffness)
+    loads = [_load(rng, plate, scale) for _ in range(rng.choice([1, 1, 2, 3]))]
+    tables: Tables = {
+        "material": {"E": young, "nu": rng.choice([0.0, 0.2, 0.3, 0.49, -0.3])},
+        "plate": plate,
+        "mesh": mesh,
+        "support": [_support(rng, plate, scale) for _ in range(rng.choice([0, 1, 1, 2, 2, 3, 4]))],
+        "load": loads,
+    }
+    if any("self_weight" in load for load in loads):
+        tables["material"]["unit_weight"] = scale.force / thickness / size**2
+    if rng.random() < 0.3:
+        cases = sorted({load.get("case", "load") for load in loads})
+        tables["combination"] = [
+            {"name": f"C{i}", "factors": {case: rng.choice([1.0, 1.35, -1.0, 0.0]) for case in cases}}
+            for i in range(rng.choice([1, 2, 3]))
+        ]
+    if rng.random() < 0.2:
+        tables["probe"] = [{"at": point(rng, plate)}]
+    if rng.random() < 0.2:
+        tables["solver"] = {"method": rng.choice(["auto", "lemke", "active_set"])}
+    if rng.random() < 0.1:
+        tables |= {"title": "Größe [m]", "units": {"length": "m", "force": "kN"}}
+    return tables
+
+
+def _plate(rng: Random) -> tuple[Tables, Tables]:
+    shape = rng.choice(["rectangle", "rectangle", "rectangle", "disc", "annulus"])
+    size = rng.choice([1.0, 4.0, 10.0, 5000.0])
+    plate: Tables = {"shape": shape}
+    if shape == "rectangle":
+        plate["size"] = [size, size * rng.choice([1.0, 0.5, 0.13])]
+        if rng.random() < 0.2:
+            plate["origin"] = [rng.choice([-1.0, 3.7]) * size, 0.0]
+        divisions = [rng.randint(1, 6), rng.randint(1, 6)]
+    elif shape == "disc":
+        plate |= {"radius": size, "sector": rng.choice([90, 180, 360])}
+        divisions = [rng.randint(1, 3), 4 * rng.randint(1, 3)]
+    else:
+        plate |= {"inner": 0.4 * size, "outer": size, "sector": rng.choice([60, 180, 360])}
+        divisions = [rng.randint(1, 3), rng.randint(4, 8)]
+    if shape != "rectangle" and rng.random() < 0.2:
+        plate["center"] = [rng.uniform(-size, size), 0.0]
+    thickness = size * rng.choice([0.2, 0.1, 0.03, 0.001])
+    plate["thickness"] = thickness if rng.random() < 0.8 else f"{thickness}*(1 + (x/{size})**2)"
+    if rng.random() < 0.2:
+        plate["element"] = rng.choice(["mitc9", "q8r"])
+    if rng.random() < 0.1:
+        return plate, {"size": 0.4 * size}
+    return plate, {"divisions": divisions}
+
+
+def _extent(plate: Tables) -> float:
+    return float(plate["size"][0] if plate["shape"] == "rectangle" else plate.get("outer", plate.get("radius")))
+
+
+def point(rng: Random, plate: Tables) -> list[float]:
+    """Draw a point of the plate, often a node or on its outline."""
+    if plate["shape"] == "rectangle":
+        origin = plate.get("origin", [0.0, 0.0])
+        return [o + s * _part(rng) for o, s in zip(origin, plate["size"], strict=True)]
+    inner, outer = plate.get("inner", 0.0), _extent(plate)
+    radius = inner + (outer - inner) * (0.02 + 0.96 * _part(rng))
+    angle = math.radians(plate["sector"]) * (0.001 + 0.998 * _part(rng))
+    x, y = plate.get("center", [0.0, 0.0])
+    return [x + radius * math.cos(angle), y + radius * math.sin(angle)]
+
+
+def _part(rng: Random) -> float:
+    return rng.choice([0.0, 0.25, 0.5, 0.75, 1.0]) if rng.random() < 0.4 else rng.random()
+
+
+def _edges(plate: Tables) -> list[str]:
+    if plate["shape"] == "rectangle":
+        return ["left", "right", "bottom", "top"]
+    outline = ["rim"] if plate["shape"] == "disc" else ["inner", "outer"]
+    return outline if plate["sector"] == 360 else [*outline, "start", "end"]
+
+
+def _points(rng: Random, plate: Tables, count: int) -> list[list[float]]:
+    return [list(at) for at in dict.fromkeys(tuple(point(rng, plate)) for _ in range(count))]
+
+
+def _place(rng: Random, plate: Tables, size: float, kinds: list[str]) -> Tables:
+    match rng.choice(kinds):
+        case "at":
+            count = rng.choice([1, 2, 3, 4, 4, 9])
+            return {"at": _points(rng, plate, count)}
+        case "edge":
+            edges = _edges(plate)
+            return {"edge": rng.sample(edges, rng.randint(1, len(edges)))}
+        case "line":
+            ends = _points(rng, plate, 2)
+            return {"line": ends} if len(ends) == 2 else {"at": ends}
+        case "circle":
+            inside = plate["shape"] != "rectangle" and rng.random() < 0.7
+            return {"circle": _concentric(rng, plate) if inside else _circle(rng, plate, size)}
+        case _:
+            return {"area": rng.choice(["all", _area(rng, plate, size)])}
+
+
+def _concentric(rng: Random, plate: Tables) -> Tables:
+    inner, outer = plate.get("inner", 0.0), _extent(plate)
+    return {"center": plate.get("center", [0.0, 0.0]), "radius": inner + (outer - inner) * rng.choice([0.5, 0.7, 1.0])}
+
+
+def _middle(rng: Random, plate: Tables) -> tuple[list[float], float]:
+    """Draw a point well inside the plate, and how far it is from its outline at least."""
+    if plate["shape"] == "rectangle":
+        parts = [rng.choice([0.5, rng.uniform(0.3, 0.7)]) for _ in range(2)]
+        origin = plate.get("origin", [0.0, 0.0])
+        at = [o + s * t for o, s, t in zip(origin, plate["size"], parts, strict=True)]
+        return at, min(s * min(t, 1 - t) for s, t in zip(plate["size"], parts, strict=True))
+    inner, outer = plate.get("inner", 0.0), _extent(plate)
+    angle = math.radians(min(plate["sector"], 90)) / 2
+    radius = 0.5 * (inner + outer)
+    x, y = plate.get("center", [0.0, 0.0])
+    return [x + radius * math.cos(angle), y + radius * math.sin(angle)], 0.5 * min(outer - inner, radius * angle)
+
+
+def _circle(rng: Random, plate: Tables, size: float) -> Tables:
+    if rng.random() < 0.1:
+        return {"center": point(rng, plate), "radius": size * rng.choice([0.1, 0.25, 0.5])}
+    center, most = _middle(rng, plate)
+    return {"center": center, "radius": most * rng.choice([0.9, 0.5, 0.1])}
+
+
+def _area(rng: Random, plate: Tables, size: float) -> Tables:
+    circle = _circle(rng, plate, size)
+    (x, y), r = circle["center"], circle["radius"]
+    a, b = 0.7 * r * rng.choice([1.0, rng.random()]), 0.7 * r
+    return rng.choice(
+        [
+            {"rectangle": [x - a, y - b, x + a, y + b]},
+            {"circle": circle},
+            {"polygon": [[x - a, y], [x + a, y - b], [x, y + b]]},
+        ]
+    )
+
+
+def _support(rng: Random, plate: Tables, scale: _Scale) -> Tables:
+    size, stiffness = scale.length, scale.stiffness
+    place = _place(rng, plate, size, ["at", "at", "at", "edge", "line", "circle", "area"])
+    if "area" not in place and rng.random() < 0.25:
+        fixes: list[Any] = ["simple", "clamped"]
+        fixes += [] if "at" in place else ["hard", "symmetry", ["slope", "w"]]
+        return {**place, "fix": rng.choice(fixes)}
+    # Per point, per length or per area.
+    per = stiffness / size ** (0 if "at" in place else 2 if "area" in place else 1)
+    support = {**place, "resists": rng.choice(["down", "down", "down", "up", "both"])}
+    for key, values in (
+        ("gap", [1e-4 * size, 0.01 * size, "1e-4*abs(x)"]),
+        ("stiffness", [per, 100 * per, 1e6 * per, f"{per}*(1 + (x/{size})**2)"]),
+        ("settlement", [1e-4 * size, -1e-3 * size, "1e-4*y"]),
+    ):
+        if rng.random() < 0.25:
+            support[key] = rng.choice(values)
+    return support
+
+
+def _load(rng: Random, plate: Tables, scale: _Scale) -> Tables:
+    size, force = scale.length, scale.force
+    case: Tables = {"case": rng.choice(["G", "Q"])} if rng.random() < 0.4 else {}
+    match rng.choice(["pressure"] * 3 + ["force", "force", "line_load", "moment", "self_weight", "curvature"]):
+        case "pressure":
+            where = {"area": _area(rng, plate, size)} if rng.random() < 0.4 else {}
+            p = force / size**2
+            return case | {"pressure": rng.choice([p, 3 * p, -0.5 * p, f"{p}*(x/{size} - 0.1)"])} | where
+        case "force":
+            return case | {"force": force * rng.choice([1.0, 0.1, 20.0, -0.5]), "at": point(rng, plate)}
+        case "line_load":
+            q = rng.choice([force / size, f"{force / size}*(x/{size} - 0.1)"])
+            return case | {"line_load": q} | _place(rng, plate, size, ["edge", "circle"])
+        case "moment":
+            return case | {
+                "moment": [force * size * rng.choice([-0.1, 0.0, 0.2]), 0.1 * force * size],
+                "at": point(rng, plate),
+            }
+        case "self_weight":
+            return case | {"self_weight": True}
+        case _:
+            return case | {"curvature": [c * 1e-3 / size for c in rng.choice([[1.0, 0.0, 0.0], [0.0, -2.0, 1.0]])]}

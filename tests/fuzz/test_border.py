@@ -1,0 +1,19 @@
+"""Wrong arrays at the border to Rust raise ordinary exceptions; a panic never crosses it."""
+
+import border
+import pytest
+
+
+@pytest.fixture(scope="module")
+def entries():
+    return border.calls(*border.example())
+
+
+def test_the_calls_are_right_before_they_are_spoilt(entries) -> None:
+    for call, arguments in entries:
+        call(*arguments)
+
+
+def test_no_panic_crosses_the_border(entries) -> None:
+    faults = {seed: found for seed in range(3000) if (found := border.fault(seed, entries))}
+    assert faults == {}

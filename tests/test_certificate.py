@@ -1,0 +1,211 @@
+"""Faults planted in right answers, which the certificate has to find; and right answers that it must not refuse."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from signorini import Model
+from signorini.certificate import Certificate, certify
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.problem import contact_problem
+
+CORNERS = [[0.5, 0.5], [3.5, 0.4], [3.3, 3.6], [0.4, 3.2]]
+PUSH = [{"pressure": 5.0}, {"force": 30.0, "at": [0.7, 0.9]}]
+
+
+@dataclass
+class Answer:
+    """An answer that may be tampered with."""
+
+    found: Discretisation
+    load: CaseLoad
+    hi: np.ndarray
+    lo: np.ndarray
+    reaction: np.ndarray
+
+    def judged(self) -> Certificate:
+        return certify(self.found, self.load, self.hi, self.lo, self.reaction)
+
+
+def model(supports, loads=PUSH, scale=1.0, **more) -> Model:
+    """A plate of 4 by 4 metres, in units of length that are so many to the metre; kN."""
+    return Model(
+        material={"E": 30e6 / scale**2, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4 * scale, 4 * scale], "thickness": 0.2 * scale},
+        mesh={"divisions": [6, 6]},
+        support=supports,
+        load=loads,
+        **more,
+    )
+
+
+def answer(supports, loads=PUSH, **more) -> Answer:
+    problem = contact_problem(model(supports, loads, **more))
+    found = problem.discretisation
+    load = found.cases["load"]
+    solved = problem.solve(load)
+    assert solved.status == "solved"
+    return Answer(found, load, solved.hi.copy(), solved.lo.copy(), solved.reaction.copy())
+
+
+MODELS = {
+    "bearings": [{"at": CORNERS, "resists": "down"}],
+    "bearings and a gap": [{"at": CORNERS, "resists": "down"}, {"at": [2.0, 2.0], "resists": "down", "gap": 1e-4}],
+    "wall and prop": [{"edge": "left", "fix": "clamped"}, {"at": [[3.5, 1.0], [3.5, 3.0]], "resists": "down"}],
+    "soil": [{"area": "all", "resists": "down", "stiffness": 3e4}],
+    "wall on its line": [{"line": [[0.3, 1.1], [3.7, 1.7]], "resists": "down"}, {"edge": "top", "fix": "simple"}],
+}
+
+
+@pytest.fixture(params=MODELS.values(), ids=MODELS)
+def right(request) -> Answer:
+    return answer(request.param)
+
+
+def largest(values) -> int:
+    return int(np.abs(values).argmax())
+
+
+def test_a_right_answer_passes(right: Answer) -> None:
+    assert right.judged().passed
+
+
+def test_a_sign_flipped_in_a_reaction(right: Answer) -> None:
+    right.reaction[largest(right.reaction)] *= -1
+    judged = right.judged()
+    assert not judged.passed and judged.tension > 1e-5 and judged.equilibrium > 1e-5
+
+
+def test_a_support_dropped(right: Answer) -> None:
+    right.reaction[largest(right.reaction)] = 0.0
+    judged = right.judged()
+    assert not judged.passed and judged.balance > 1e-4
+
+
+def test_two_reactions_exchanged(right: Answer) -> None:
+    order = np.argsort(right.reaction)
+    right.reaction[order[[-1, 0]]] = right.reaction[order[[0, -1]]]
+    assert not right.judged().passed
+
+
+@pytest.mark.parametrize("dof", [0, 1, 2])
+def test_a_field_perturbed_at_one_node_by_a_millionth(right: Answer, dof: int) -> None:
+    free = ~right.found.held.dofs.reshape(-1, 3)[:, dof]
+    node = int(np.flatnonzero(free)[40])
+    right.hi[3 * node + dof] += 1e-6 * np.abs(right.hi[dof::3]).max()
+    judged = right.judged()
+    assert not judged.passed and judged.equilibrium > 1e-7
+
+
+@pytest.mark.parametrize("motion", [0, 1, 2])
+def test_a_rigid_motion_added(right: Answer, motion: int) -> None:
+    """No force tells it; the supports' gaps do."""
+    moved = right.found.rigid_motions[:, motion]
+    right.hi += 1e-6 * np.abs(right.hi[::3]).max() / np.abs(moved[::3]).max() * moved
+    judged = right.judged()
+    assert not judged.passed and max(judged.penetration, judged.complementarity) > 1e-8
+
+
+def test_a_solver_with_a_tolerance_of_single_precision(right: Answer) -> None:
+    right.hi, right.lo = right.hi.astype(np.float32).astype(float), np.zeros_like(right.lo)
+    assert not right.judged().passed
+
+
+def test_an_answer_to_another_load(right: Answer) -> None:
+    right.load = (1 + 1e-6) * right.load
+    judged = right.judged()
+    assert not judged.passed and judged.equilibrium > 1e-8 and judged.balance > 1e-8
+
+
+@pytest.mark.parametrize("where", ["hi", "lo", "reaction"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_number_that_is_none(right: Answer, where: str, value: float) -> None:
+    for index in (0, 1, len(getattr(right, where)) - 1):
+        spoilt = Answer(right.found, right.load, right.hi.copy(), right.lo.copy(), right.reaction.copy())
+        getattr(spoilt, where)[index] = value
+        assert not spoilt.judged().passed
+
+
+def test_a_point_closed_that_ought_to_open() -> None:
+    """Held both ways, one of the bearings pulls; as an answer for bearings that only push it is wrong."""
+    load = [{"pressure": 1.0}, {"force": 40.0, "at": [0.1, 0.1]}]
+    asked = answer(MODELS["bearings"], load)
+    held = answer([{"at": CORNERS, "resists": "both"}], load)
+    assert held.reaction.min() < 0
+    asked.hi, asked.lo, asked.reaction = held.hi, held.lo, held.reaction
+    judged = asked.judged()
+    assert not judged.passed and judged.tension > 0.01 and judged.equilibrium < 1e-8
+
+
+def test_a_point_open_that_ought_to_close() -> None:
+    asked = answer(MODELS["bearings and a gap"])
+    missed = answer([{"at": CORNERS, "resists": "down"}])
+    asked.hi, asked.lo = missed.hi, missed.lo
+    asked.reaction = np.append(missed.reaction, 0.0)
+    judged = asked.judged()
+    assert not judged.passed and judged.penetration > 0.01 and judged.equilibrium < 1e-8
+
+
+def test_a_reaction_across_a_small_gap() -> None:
+    """A small force over a small gap: neither is large, nor is their product."""
+    asked = answer([{"at": CORNERS, "resists": "both"}, {"at": [2.0, 2.0], "resists": "down", "gap": 1.0}])
+    held = answer([{"at": CORNERS, "resists": "both"}, {"at": [2.0, 2.0], "resists": "down", "stiffness": 0.1}])
+    asked.hi, asked.lo, asked.reaction = held.hi, held.lo, held.reaction
+    asked.found.contacts.distance[-1] = 1.0001 * held.hi.max()
+    judged = asked.judged()
+    assert 0 < held.reaction[-1] < 1e-4 * held.reaction.max()
+    assert not judged.passed and judged.complementarity > 1e-7
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e3], ids=["metres", "millimetres"])
+def test_a_clamped_slope_that_gives_way(scale: float) -> None:
+    wall = {"edge": "left", "fix": "clamped"}
+    right = answer([wall], [{"pressure": 5.0 / scale**2}], scale=scale)
+    assert right.judged().passed
+    slopes = np.flatnonzero(right.found.held.dofs.reshape(-1, 3)[:, 1])
+    # A turn about the wall is rigid: nothing is out of balance, and the deflection of the wall is nil.
+    turn = right.found.rigid_motions[:, 1] + 2 * scale * right.found.rigid_motions[:, 0]
+    right.hi += 1e-6 * np.abs(right.hi[1::3]).max() * turn
+    assert len(slopes) and np.abs(right.hi[3 * slopes]).max() < 1e-15 * np.abs(right.hi).max()
+    judged = right.judged()
+    assert not judged.passed and judged.penetration > 1e-7
+
+
+def test_a_stop_far_away_excuses_nothing() -> None:
+    right = answer([*MODELS["bearings"], {"at": [2.0, 2.0], "resists": "both", "gap": 1e6}])
+    assert right.judged().passed
+    right.hi[::3] += 1e-3 * np.abs(right.hi[::3]).max()
+    judged = right.judged()
+    assert not judged.passed and judged.penetration > 1e-4
+
+
+@pytest.mark.parametrize("loads", [[{"moment": [3.0, -2.0], "at": [1.3, 2.2]}], [{"curvature": [1e-3, 0.0, 2e-4]}]])
+def test_loads_without_a_force_are_judged_too(loads) -> None:
+    right = answer([{"edge": "left", "fix": "simple"}, {"at": CORNERS[1], "resists": "both"}], loads)
+    assert right.judged().passed
+    right.reaction *= 2.0
+    right.hi *= 1 + 1e-3
+    judged = right.judged()
+    assert not judged.passed
+    assert np.isfinite([judged.balance_limit, judged.equilibrium_limit]).all() and judged.balance_limit < 1e-6
+
+
+@pytest.mark.parametrize(
+    "supports",
+    [
+        [{"at": CORNERS, "resists": "down", "gap": 1e-4}],
+        [{"at": CORNERS, "resists": "down", "settlement": "1e-4*x"}],
+        [{"area": "all", "resists": "down", "stiffness": 3e4, "gap": "1e-4*x"}, {"at": CORNERS[:3], "fix": "clamped"}],
+        [{"at": CORNERS[:2], "resists": "both", "gap": "1e-4*x"}, {"line": CORNERS[2:], "resists": "down"}],
+        [{"edge": "left", "fix": "simple", "settlement": 1e-3}, {"at": CORNERS[1], "resists": "down"}],
+    ],
+)
+def test_where_nothing_pushes_rounding_is_no_fault(supports) -> None:
+    assert answer(supports, [{"pressure": 0.0}]).judged().passed
+
+
+def test_loads_that_cancel_leave_none() -> None:
+    """A plate afloat: what rounding leaves of its weight and of the water's pressure must not carry it away."""
+    right = answer(MODELS["bearings"], [{"pressure": 0.3}, {"pressure": -0.1}, {"pressure": -0.2}])
+    assert not right.load.nodal.any() and not right.reaction.any() and right.judged().passed

@@ -1,0 +1,352 @@
+"""Combinations: generated, solved together, and held to what each gives when it is solved by itself."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+import signorini
+from signorini import InputError, Model, NoEquilibriumError, validate
+from signorini.model import Combination
+from signorini.output import results_json
+from signorini.solve import solve_one
+
+LEGS = [[1, 1], [3, 1], [3.1, 3.3], [1, 3]]
+
+
+def tables(**changes):
+    return {
+        "material": {"E": 30e6, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        "mesh": {"divisions": [4, 4]},
+        "support": [
+            {"name": "legs", "at": LEGS, "resists": "down"},
+            {"name": "prop", "at": [2, 2.1], "resists": "both", "gap": 1e-4, "stiffness": 1e4},
+        ],
+        "load": [
+            {"case": "G", "pressure": 5},
+            {"case": "Q", "force": 60, "at": [0.5, 0.5]},
+            {"case": "W", "pressure": -4, "area": {"rectangle": [0, 0, 4, 2]}},
+            {"case": "T", "curvature": [1e-4, 0, 2e-5]},
+        ],
+        "combination": [
+            {
+                "name": "ULS",
+                "generate": "patterns",
+                "permanent": {"G": [1, 1.35]},
+                "variable": {"Q": 1.5, "W": [-1.5, 1.5], "T": [-1, 1]},
+            }
+        ],
+        "probe": [{"at": [[2, 2], [0.3, 3.7]]}],
+        **changes,
+    }
+
+
+def names(data):
+    return [combination.name for combination in Model(**data).effective_combinations]
+
+
+def factors(data):
+    return {c.name: dict(c.factors) for c in Model(**data).effective_combinations}
+
+
+# Generation
+
+
+def test_patterns_are_every_choice_of_factors_with_variable_cases_absent_or_not():
+    generated = factors(tables())
+    assert len(generated) == 2 * 2 * 3 * 3
+    assert generated["ULS: 1.35 G + 1.5 Q - 1.5 W + T"] == {"G": 1.35, "Q": 1.5, "W": -1.5, "T": 1.0}
+    assert generated["ULS: G - T"] == {"G": 1.0, "T": -1.0}
+    assert next(iter(generated)) == "ULS: G"
+
+
+def test_exclusive_cases_never_act_together():
+    data = tables()
+    data["combination"][0]["exclusive"] = [["Q", "W"]]
+    generated = factors(data)
+    assert len(generated) == 2 * (1 + 1 + 2) * 3
+    assert not any({"Q", "W"} <= set(of) for of in generated.values())
+
+
+def test_a_table_is_a_row_a_combination_inline_or_from_a_file(tmp_path, monkeypatch):
+    (tmp_path / "factors.csv").write_text("name, G, Q\nfirst, 1.35, 1.5\nsecond, 1,\n", "utf-8")
+    inline = {"generate": "table", "columns": ["G", "Q"], "rows": {"first": [1.35, 1.5], "second": [1, 0]}}
+    monkeypatch.chdir(tmp_path)
+    expected = {"first": {"G": 1.35, "Q": 1.5}, "second": {"G": 1.0}}
+    for table in (inline, {"generate": "table", "file": "factors.csv"}):
+        assert factors(tables(combination=[table])) == expected
+
+
+def test_a_file_of_factors_is_looked_for_beside_the_input_file(tmp_path):
+    (tmp_path / "f.csv").write_text("name,load\na,1\n", "utf-8")
+    path = tmp_path / "in.toml"
+    path.write_text(
+        "[material]\nE = 1\nnu = 0\n[plate]\nshape = 'disc'\nradius = 1\nthickness = 1\n[[load]]\npressure = 1\n"
+        "[[combination]]\ngenerate = 'table'\nfile = 'f.csv'\n",
+        "utf-8",
+    )
+    assert [c.name for c in signorini.load(path).effective_combinations] == ["a"]
+
+
+TRUCK = {"case": "truck", "line": [[0, 2], [4, 2]], "step": 1.5, "axles": [[0, 10], [1, 30]], "gauge": 1}
+
+
+def test_a_moving_load_makes_a_combination_of_each_position():
+    data = tables(moving=[TRUCK], combination=[{"name": "t", "generate": "positions", "factors": {"G": 1, "truck": 2}}])
+    assert factors(data) == {f"t: truck@{s}": {"G": 1.0, f"truck@{s}": 2.0} for s in ("0", "1.5", "3", "4")}
+    patterns = {"generate": "patterns", "permanent": {"G": 1}, "variable": {"truck": 1.35}}
+    assert names(tables(moving=[TRUCK], combination=[patterns]))[1] == "combination 1: G + 1.35 truck@0"
+    assert names(tables(moving=[TRUCK], combination=[]))[0] == "all: truck@0"
+
+
+def resultant(found, case):
+    """Force and its moments about the axes."""
+    w = found.cases[case].nodal[::3]
+    return np.array([w.sum(), *(found.mesh.points.T @ w)])
+
+
+@pytest.mark.parametrize("patch", [None, [0.3, 0.2]])
+def test_wheels_stand_where_they_should_and_act_only_on_the_plate(patch):
+    truck = {**TRUCK, "line": [[1, 3], [1, 1], [3, 1]]} | ({"patch": patch} if patch else {})
+    found = signorini.discretise.discretise(Model(**tables(moving=[truck])))
+    # The first axle has gone 3 of the 4: on [2, 1], heading x; the second is at the corner, heading y.
+    wheels = [(5, 2, 0.5), (5, 2, 1.5), (15, 0.5, 1), (15, 1.5, 1)]
+    expected = np.sum([(f, f * x, f * y) for f, x, y in wheels], axis=0)
+    assert np.allclose(resultant(found, "truck@3"), expected, rtol=1e-9)
+    # At the start the second axle is behind the line's beginning, on the plate's edge: half of each print acts.
+    assert np.isclose(resultant(found, "truck@0")[0], 10 + (15 if patch else 30), rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("combination", "says"),
+    [
+        ({"generate": "patterns"}, "combination[1].variable: 'variable' is missing."),
+        ({"generate": "patterns", "variable": {"Q": []}}, "found an empty list; it must be a factor"),
+        ({"generate": "patterns", "variable": {"Q": 0}}, "found the factor 0; leave it out."),
+        ({"generate": "patterns", "variable": {"Q": [1, 1.0]}}, "the factor 1 is listed twice."),
+        ({"generate": "patterns", "variable": {"Z": 1}}, "combination[1].variable.Z: Unknown case 'Z'. This model has"),
+        ({"generate": "patterns", "permanent": {"Q": 1}, "variable": {"Q": 1}}, "among the permanent cases too"),
+        ({"generate": "patterns", "variable": {"Q": 1}, "exclusive": [["Q", "W"]]}, '"W" is not among the variable'),
+        (
+            {"generate": "patterns", "variable": {c: [0.1 * i for i in range(1, 60)] for c in "GQWT"}},
+            "there are 1.3e+07 combinations up to here; at most 1000000 are allowed.",
+        ),
+        ({"generate": "table"}, "needs either file, or columns and rows."),
+        ({"generate": "table", "columns": ["G"]}, "combination[1].rows: 'rows' is missing; it goes with columns."),
+        (
+            {"generate": "table", "columns": ["G"], "rows": {"a": [1, 2]}},
+            "combination[1].rows.a: found 2 factors; columns lists 1 cases.",
+        ),
+        ({"generate": "table", "file": "no.csv"}, "combination[1].file: no.csv cannot be read: No such file"),
+        ({"factors": {"G": 1}, "variable": {"Q": 1}}, "variable does not go with a combination without generate"),
+        ({"generate": "positions", "factors": {"G": 1}}, 'generate = "positions" needs a case of [[moving]]'),
+        ({"factors": {"truck": 1}}, '"truck" moves. Write generate = "positions"'),
+        ({"generate": "moving", "factors": {"G": 1}}, "it must be one of table, patterns, positions."),
+    ],
+)
+def test_what_cannot_be_generated_is_refused_with_its_place(combination, says):
+    with pytest.raises(InputError) as error:
+        validate(tables(moving=[TRUCK], combination=[combination]))
+    assert says in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "has no header"),
+        ("name,G\n", "has a header but no rows"),
+        ("name,G,G\na,1,1\n", 'names the load case "G" twice'),
+        ("name,G\na,1,2\n", "line 2 of f.csv has 2 factors; the header names 1 cases."),
+        ("name,G\na,x\n", 'line 2 of f.csv has "x" under "G"; it must be a number.'),
+        ("name,G\n,1\n", "it must be the combination's name"),
+        ("name,G\na,1\na,1\n", 'it makes "a", a name that combination[1] makes'),
+    ],
+)
+def test_a_bad_file_of_factors_is_refused_with_its_line(tmp_path, monkeypatch, text, says):
+    (tmp_path / "f.csv").write_text(text, "utf-8")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError) as error:
+        validate(tables(combination=[{"generate": "table", "file": "f.csv"}]))
+    assert says in str(error.value)
+
+
+def test_too_many_positions_are_refused():
+    with pytest.raises(InputError, match="have 40001 positions; at most 2000"):
+        validate(tables(moving=[{**TRUCK, "step": 1e-4}]))
+
+
+# Solving
+
+
+def columns(path):
+    return pq.read_table(path).to_pydict()
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    path = tmp_path_factory.mktemp("table") / "combinations.parquet"
+    model = Model(**tables())
+    return signorini.solve(model, table=path), columns(path)
+
+
+def close(a, b, scale):
+    return abs(a - b) <= 1e-9 * scale
+
+
+def test_every_row_equals_the_combination_solved_by_itself(solved):
+    results, table = solved
+    problem = signorini.contact_problem(results.discretisation)
+    assert results.combined.solved == len(table["combination"]) == 36 and results.combined.alone == 0
+    opened = set()
+    for row, combination in enumerate(results.combined.combinations):
+        single = solve_one(problem, combination)
+        assert table["combination"][row] == single.name and table["status"][row] == "solved"
+        legs = single.supports[0]
+        force = np.abs(legs.reactions).max()
+        assert close(table["reaction:legs"][row], single.reactions["legs"], force)
+        assert table["closed:legs"][row] == legs.closed_count
+        opened.add(legs.open_count)
+        largest = np.abs(single.deflection).max()
+        for i in range(4):
+            assert close(table[f"reaction_at:legs[{i + 1}]"][row], legs.reactions[i], force)
+            assert close(table[f"gap_at:legs[{i + 1}]"][row], legs.gaps[i], largest)
+        assert close(table["reaction_at:prop[1]"][row], single.supports[1].reactions[0], force)
+        for number, probe in enumerate(single.probes, start=1):
+            values = (probe.deflection, *probe.rotation, *probe.moment, *probe.shear)
+            for name, value in zip(single.fields, values, strict=True):
+                assert close(table[f"probe[{number}]:{name}"][row], value, np.abs(single.fields[name]).max())
+        for name in ("deflection", "mx", "my", "mxy", "qx", "qy"):
+            field = single.fields[name]
+            assert close(table[f"max:{name}"][row], field.max(), np.abs(field).max())
+            assert close(table[f"min:{name}"][row], field.min(), np.abs(field).max())
+        for name in ("equilibrium", "balance", "penetration", "tension", "complementarity"):
+            assert table[f"certificate:{name}"][row] <= 1e-10
+    assert len(opened) > 2  # the contact states differ
+
+
+def test_the_envelope_bounds_every_combination_and_names_the_one_that_governs(solved):
+    results, _ = solved
+    combined = results.combined
+    problem = signorini.contact_problem(results.discretisation)
+    singles = [solve_one(problem, combination) for combination in combined.combinations]
+    for name, extremes in combined.envelope.fields.items():
+        every = np.array([s.nodal_reaction if name == "reaction" else s.fields[name] for s in singles])
+        scale = np.abs(every).max()
+        assert np.abs(extremes.largest - every.max(axis=0)).max() <= 1e-9 * scale
+        assert np.abs(extremes.smallest - every.min(axis=0)).max() <= 1e-9 * scale
+        nodes = np.arange(every.shape[1])
+        assert np.abs(every[extremes.largest_by, nodes] - every.max(axis=0)).max() <= 1e-9 * scale
+    legs = combined.envelope.supports[0]
+    assert legs.lifted.tolist() == [sum(not s.supports[0].closed[p] for s in singles) for p in range(4)]
+    assert legs.reaction.largest[0] == pytest.approx(max(s.reactions["legs"] for s in singles), rel=1e-9)
+
+
+def test_only_those_that_govern_have_all_results(solved):
+    results, _ = solved
+    assert 0 < len(results) <= 12 and set(results) == set(results.combined.governing)
+    found = results_json(results)
+    assert [c["name"] for c in found["combinations"]] == list(results)
+    assert found["table"]["solved"] == 36 and found["envelope"]["fields"]["deflection"]["max_by"] in results
+
+
+def test_fields_may_be_asked_for_by_name_or_not_at_all():
+    chosen = signorini.solve(Model(**tables(output={"fields": ["ULS: G"]})))
+    assert list(chosen) == ["ULS: G"] and chosen["ULS: G"].certificate.passed
+    assert len(signorini.solve(Model(**tables(output={"fields": "none", "envelope": []})))) == 0
+    with pytest.raises(InputError, match="Unknown combination 'ULS: F'"):
+        validate(tables(output={"fields": ["ULS: F"]}))
+
+
+def test_combinations_without_equilibrium_are_reported_and_the_others_go_on(tmp_path):
+    rows = {f"c{i}": [1, w] for i, w in enumerate([0, 1, 5, 2, 30])}
+    data = tables(
+        support=[{"name": "legs", "at": LEGS, "resists": "down"}],
+        combination=[{"generate": "table", "columns": ["G", "W"], "rows": rows}],
+        output={"combinations": "table"},
+    )
+    results = signorini.solve(Model(**data), table=tmp_path / "t.parquet")
+    table = columns(tmp_path / "t.parquet")
+    balanced = [status == "solved" for status in table["status"]]
+    assert balanced == [name not in results.unbalanced for name in table["combination"]] and not all(balanced)
+    assert [value is not None for value in table["reaction:legs"]] == balanced
+    assert "lifts off" in results.unbalanced["c4"] or "tips" in results.unbalanced["c4"]
+    data["combination"][0]["rows"] = {"up": [0, 1]}
+    with pytest.raises(NoEquilibriumError, match="None of 1 combinations"):
+        signorini.solve(Model(**data))
+
+
+def test_a_moving_load_has_columns_for_its_factor_and_its_place(tmp_path):
+    rows = {"first": [1, 2, 0], "second": [1, 0, 3], "both": [1, 1, 1]}
+    table = {"generate": "table", "columns": ["G", "truck@0", "truck@1.5"], "rows": rows}
+    data = tables(moving=[TRUCK], combination=[table], output={"combinations": "table", "fields": "none"})
+    signorini.solve(Model(**data), table=tmp_path / "t.parquet")
+    found = columns(tmp_path / "t.parquet")
+    assert (found["factor:truck"], found["position:truck"]) == ([2.0, 3.0, None], [0.0, 1.5, None])
+
+
+def test_many_elastic_points_go_to_the_active_set_one_by_one(tmp_path):
+    data = tables(
+        support=[{"name": "soil", "area": "all", "resists": "down", "stiffness": 2e3}],
+        solver={"method": "active_set"},
+        output={"combinations": "table", "fields": "none"},
+        combination=[{"generate": "table", "columns": ["G", "Q"], "rows": {"a": [1, 0], "b": [1, 1]}}],
+    )
+    results = signorini.solve(Model(**data), table=tmp_path / "t.parquet")
+    table = columns(tmp_path / "t.parquet")
+    assert table["method"] == ["active_set"] * 2 and results.combined.alone == 2
+    assert table["reaction:soil"] == pytest.approx([80, 140], rel=1e-9)
+
+
+SCRIPT = """
+import sys, numpy as np, signorini, pyarrow.parquet as pq
+sys.path.insert(0, sys.argv[1])
+from test_combinations import tables
+rows = {f"c{i}": r for i, r in enumerate(np.random.default_rng(1).uniform(-0.5, 2, (200, 4)).tolist())}
+order = list(rows) if sys.argv[3] == "forward" else list(rows)[::-1]
+data = tables(combination=[{"generate": "table", "columns": ["G", "Q", "W", "T"], "rows": {n: rows[n] for n in order}}])
+signorini.solve(signorini.Model(**data | {"output": {"fields": "none"}}), table=sys.argv[2])
+"""
+
+
+def test_neither_order_nor_number_of_threads_changes_a_bit(tmp_path):
+    found = []
+    for threads, order in (("1", "forward"), ("3", "backward")):
+        path = tmp_path / f"{threads}.parquet"
+        command = [sys.executable, "-c", SCRIPT, str(Path(__file__).parent), str(path), order]
+        subprocess.run(command, check=True, env={**os.environ, "RAYON_NUM_THREADS": threads})
+        table = columns(path)
+        rows = zip(*table.values(), strict=True)
+        found.append(dict(zip(table["combination"], rows, strict=True)))
+    assert len(found[0]) == 200 and found[0] == found[1]
+
+
+def test_nothing_half_written_is_left(tmp_path, monkeypatch):
+    def fail(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("signorini.combine._Run.solve", fail)
+    with pytest.raises(KeyboardInterrupt):
+        signorini.solve(Model(**tables()), table=tmp_path / "t.parquet")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_combinations_are_made_when_asked_for():
+    cases = [{"case": f"c{i}", "pressure": 1} for i in range(19)]
+    many = [{"name": "m", "generate": "patterns", "variable": {case["case"]: 1 for case in cases}}]
+    combinations = Model(**tables(load=cases, combination=many)).effective_combinations
+    assert len(combinations) == 2**19
+    assert isinstance(combinations[-1], Combination) and dict(combinations[-1].factors) == {
+        f"c{i}": 1 for i in range(19)
+    }
+    assert [c.name for c in combinations[:3]] == ["m", "m: c18", "m: c17"]
+
+
+def test_results_json_of_a_table_is_valid_json(solved):
+    results, _ = solved
+    assert json.loads(json.dumps(results_json(results), allow_nan=False))["table"]["combinations"] == 36

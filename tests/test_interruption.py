@@ -1,0 +1,198 @@
+"""Whatever ends a run leaves the results of the run before, or those of this one, and nothing else."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import signorini
+from signorini.cli import app, interrupts
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
+
+SLAB = """
+title = "{title}"
+material = {{ E = 30e6, nu = 0.2 }}
+plate = {{ shape = "rectangle", size = [4, 4], thickness = 0.2 }}
+mesh = {{ divisions = [{along}, {along}] }}
+support = [{{ at = [[1, 1], [3, 1], [3, 3], [1, 3]], resists = "down" }}]
+load = [{{ pressure = 5 }}]
+"""
+
+
+@pytest.fixture
+def slab(tmp_path: Path) -> Path:
+    path = tmp_path / "slab.toml"
+    path.write_text(SLAB.format(title="first", along=4))
+    assert CliRunner().invoke(app, ["solve", str(path)]).exit_code == 0
+    return path
+
+
+def started(path: Path, before: str = "") -> subprocess.Popen[str]:
+    """Run the command line in a process of its own, after some Python."""
+    lines = ["import sys", f"sys.argv = ['signorini', 'solve', {str(path)!r}]", before]
+    code = "\n".join([*lines, "import signorini.__main__ as m", "m.main()"])
+    handled = lambda: signal.signal(signal.SIGINT, signal.default_int_handler)  # noqa: E731
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    return subprocess.Popen([sys.executable, "-c", code], text=True, preexec_fn=handled, **pipes)
+
+
+def whole(directory: Path) -> str:
+    """Title of the results in a directory, every file of which is there and of that run."""
+    found = json.loads((directory / "results.json").read_text("utf-8"))
+    assert sorted(found["files"]) == sorted(path.name for path in directory.iterdir())
+    assert all((directory / name).stat().st_size > 0 for name in found["files"])
+    return str(found["title"])
+
+
+@pytest.mark.parametrize("limit", [1_000, 30_000])
+def test_a_full_disk_leaves_the_old_results(slab: Path, limit: int) -> None:
+    slab.write_text(SLAB.format(title="second", along=8))
+    bounded = "import resource, signal\nsignal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+    running = started(slab, f"{bounded}resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))")
+    _, errors = running.communicate(timeout=60)
+    results = slab.with_name("slab-results")
+    assert running.returncode == 2
+    assert errors.splitlines() == [
+        f"Nothing is written; {results} holds the results of an earlier run.",
+        f"Error: {results}: the results cannot be written there: File too large. Name another directory.",
+    ]
+    assert whole(results) == "first"
+    assert sorted(path.name for path in slab.parent.iterdir()) == ["slab-results", "slab.toml"]
+
+
+PAUSED = """
+import signorini.{module} as module, sys, time
+module = sys.modules["signorini.{module}"]
+real = module.{name}
+def paused(*given, **more):
+    print("here", flush=True)
+    time.sleep({seconds})
+    return real(*given, **more)
+module.{name} = paused
+"""
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(
+    ("module", "name"), [("solve", "certify"), ("output", "reactions_csv"), ("files", "_exchange")]
+)
+def test_a_signal_leaves_the_old_results(slab: Path, number: int, code: int, module: str, name: str) -> None:
+    slab.write_text(SLAB.format(title="second", along=4))
+    running = started(slab, PAUSED.format(module=module, name=name, seconds=30))
+    assert running.stdout is not None and running.stdout.readline() == "here\n"
+    running.send_signal(number)
+    _, errors = running.communicate(timeout=20)
+    assert running.returncode == code
+    assert errors == ("Interrupted; nothing is written.\n" if number == signal.SIGINT else "")
+    assert whole(slab.with_name("slab-results")) == "first"
+    assert sorted(path.name for path in slab.parent.iterdir()) == ["slab-results", "slab.toml"]
+
+
+STEPPING = """
+import pathlib
+real, count = pathlib.Path.rename, 0
+def rename(self, target):
+    global count
+    count += 1
+    print(count, flush=True)
+    sys.stdin.readline()
+    return real(self, target)
+pathlib.Path.rename = rename
+"""
+
+
+@pytest.mark.parametrize("kill_at", [1, 2, 5, 8])
+def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) -> None:
+    """results.json goes first and comes last of the eight, so what is found without it is not taken for results."""
+    slab.write_text(SLAB.format(title="second", along=4))
+    running = started(slab, STEPPING)
+    assert running.stdout is not None and running.stdin is not None
+    for step in range(1, kill_at + 1):
+        assert running.stdout.readline() == f"{step}\n"
+        if step < kill_at:
+            running.stdin.write("go\n")
+            running.stdin.flush()
+    running.kill()
+    running.communicate()
+    results = slab.with_name("slab-results") / "results.json"
+    assert results.exists() == (kill_at == 1)
+    if kill_at == 1:
+        assert json.loads(results.read_text("utf-8"))["title"] == "first"
+    # The next run is not disturbed by what the killed one left.
+    assert CliRunner().invoke(app, ["solve", str(slab)]).exit_code == 0
+    assert json.loads(results.read_text("utf-8"))["title"] == "second"
+
+
+NATIVE = """
+import ctypes, signorini
+def solve(model, progress, table):
+    print("here", flush=True)
+    ctypes.CDLL(None).usleep(30_000_000)
+sys.modules["signorini"].solve = solve
+"""
+
+
+def test_ctrl_c_ends_native_code_too(slab: Path) -> None:
+    running = started(slab, NATIVE)
+    assert running.stdout is not None and running.stdout.readline() == "here\n"
+    begun = time.monotonic()
+    # usleep returns early on a signal to its own thread; libc's other threads keep sleeping as a factorization would.
+    running.send_signal(signal.SIGINT)
+    _, errors = running.communicate(timeout=20)
+    assert (running.returncode, errors) == (130, "Interrupted; nothing is written.\n")
+    assert time.monotonic() - begun < 10
+
+
+def test_ctrl_c_while_modules_are_read_is_a_word() -> None:
+    running = started(Path("slab.toml"), "import signorini, builtins\nreal = builtins.__import__\n" + IMPORTING)
+    assert running.stdout is not None and running.stdout.readline() == "here\n"
+    running.send_signal(signal.SIGINT)
+    _, errors = running.communicate(timeout=20)
+    assert (running.returncode, errors) == (130, "Interrupted; nothing is written.\n")
+
+
+IMPORTING = """
+import time
+def slow(name, *given):
+    if name == "typer":
+        print("here", flush=True)
+        time.sleep(30)
+    return real(name, *given)
+builtins.__import__ = slow
+"""
+
+
+def test_signals_are_as_before_after_a_solve() -> None:
+    before = signal.getsignal(signal.SIGINT), signal.set_wakeup_fd(-1)
+    with interrupts.at_once():
+        pass
+    assert (signal.getsignal(signal.SIGINT), signal.set_wakeup_fd(-1)) == before
+
+
+def test_a_mesh_that_cannot_fit_is_refused_before_it_is_made(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("signorini.memory.available", lambda: 2e9)
+    slab.write_text(SLAB.format(title="large", along=1000))
+    begun = time.monotonic()
+    done = CliRunner().invoke(app, ["solve", str(slab)])
+    assert done.exit_code == 2 and time.monotonic() - begun < 2
+    assert "slab.toml:5: mesh: A mesh of 1,000,000 elements takes about 29." in done.stderr
+    assert "2.0 GB are free, enough for about 77,000. Take larger elements." in done.stderr
+
+
+def test_threads_are_bounded(slab: Path) -> None:
+    probe = "import atexit, os\natexit.register(lambda: print('threads', len(os.listdir('/proc/self/task'))))"
+    counts = {}
+    for bound in ("1", "3"):
+        asked = f"import os\nos.environ['OPENBLAS_NUM_THREADS'] = '1'\nsys.argv += ['--threads', '{bound}']"
+        out, _ = started(slab, f"{probe}\n{asked}").communicate(timeout=60)
+        counts[bound] = int(out.splitlines()[-1].split()[1])
+    assert counts["3"] - counts["1"] == 2
+    assert CliRunner().invoke(app, ["solve", str(slab), "--threads", "0"]).exit_code == 2
+    assert signorini.solve(signorini.load(slab))["all"].certificate.passed

@@ -1,0 +1,95 @@
+"""How near to the end of its equilibrium a combination is, against statics by hand."""
+
+import numpy as np
+import pytest
+
+from signorini import Model, solve
+from signorini.check import check as checked
+from signorini.errors import NoEquilibriumError
+
+SQUARE = [[1, 1], [3, 1], [3, 3], [1, 3]]
+
+
+def model(loads, factors=None, supports=None) -> Model:
+    return Model(
+        material={"E": 30e6, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        mesh={"divisions": [4, 4]},
+        support=supports or [{"name": "pads", "at": SQUARE, "resists": "down"}],
+        load=loads,
+        combination=[{"name": "ULS", "factors": factors}] if factors else [],
+    )
+
+
+def resultant(*given):
+    (found,) = checked(model(*given)).resultants
+    return found
+
+
+WEIGHT = {"case": "G", "pressure": 5.0}
+CRANE = {"case": "Q", "force": 20.0, "at": [4.0, 2.0]}
+
+
+@pytest.mark.parametrize(
+    ("loads", "factors", "limit"),
+    [
+        # 80 at 2 and 20 Q at 4 about the pads' line at 3: 80 = 20 Q. The weight may shrink by as much.
+        ([WEIGHT, CRANE], {"G": 1.0, "Q": 1.0}, {("Q", 4.0), ("G", 0.25)}),
+        ([WEIGHT, CRANE], {"G": 1.0, "Q": 2.0}, {("Q", 2.0), ("G", 0.5)}),
+        ([WEIGHT, CRANE], {"G": 1.0, "Q": 8.0}, {("Q", 0.5), ("G", 2.0)}),
+        ([WEIGHT, {"case": "W", "pressure": -4.0}], {"G": 1.0, "W": 1.0}, {("W", 1.25), ("G", 0.8)}),
+        ([WEIGHT, {"case": "W", "pressure": -4.0}], {"G": 1.0, "W": 2.0}, {("W", 0.625), ("G", 1.6)}),
+        ([WEIGHT, {"case": "Q", "force": 20.0, "at": [2.5, 2.0]}], {"G": 1.0, "Q": 1.0}, {None}),
+        ([WEIGHT], {"G": 1.0}, {None}),
+        ([{"case": "W", "pressure": -4.0}], {"W": 1.0}, {None}),
+    ],
+)
+def test_the_nearest_limit_is_that_of_statics(loads, factors, limit) -> None:
+    found = resultant(loads, factors).limit
+    assert any(
+        found == want if want is None else found == (want[0], pytest.approx(want[1], rel=1e-9)) for want in limit
+    )
+
+
+def test_the_limit_that_is_named_is_where_equilibrium_ends() -> None:
+    case, factor = resultant([WEIGHT, CRANE], {"G": 1.0, "Q": 1.0}).limit
+    for step, balanced in ((1 - 1e-6, case == "Q"), (1 + 1e-6, case == "G")):
+        factors = {"G": 1.0, "Q": 1.0} | {case: factor * step}
+        assert (resultant([WEIGHT, CRANE], factors).message == "") == balanced
+
+
+def test_what_would_bring_it_back_is_in_the_message() -> None:
+    with pytest.raises(
+        NoEquilibriumError, match=r'With the case "[GQ]" at (0\.5|2) times its factor it would just stand'
+    ):
+        solve(model([WEIGHT, CRANE], {"G": 1.0, "Q": 8.0}))
+
+
+@pytest.mark.parametrize(
+    ("at", "brink"),
+    [([3.0, 2.0], True), ([3.0, 3.0], True), ([2.2, 1.0], True), ([2.9999, 2.0], False), ([2.0, 2.0], False)],
+)
+def test_a_resultant_on_the_edge_of_the_hull_is_on_the_brink(at, brink) -> None:
+    found = resultant([{"force": 7.0, "at": at}])
+    assert found.message == "" and found.brink == brink
+    assert solve(model([{"force": 7.0, "at": at}]))["all"].certificate.passed
+
+
+def test_three_points_and_weight_at_one_are_on_the_brink_and_a_clamped_plate_never() -> None:
+    three = [{"at": SQUARE[:3], "resists": "down"}]
+    assert resultant([{"force": 1.0, "at": [1, 1]}], None, three).brink
+    assert not resultant([{"force": 1.0, "at": [2.5, 1.5]}], None, three).brink
+    assert not resultant([{"force": 1.0, "at": [1, 1]}], None, [{"edge": "left", "fix": "clamped"}]).brink
+
+
+def test_the_axis_is_the_line_of_the_supports_it_turns_on() -> None:
+    ends = np.array(resultant([{"force": 1.0, "at": [3.5, 2.0]}]).axis)
+    assert ends[:, 0] == pytest.approx([3.0, 3.0]) and abs(np.ptp(ends[:, 1])) == pytest.approx(4.0)
+    assert resultant([{"pressure": -1.0}]).axis is None and resultant([{"pressure": 1.0}]).axis is None
+
+
+def test_a_hinged_plate_tips_about_its_hinge() -> None:
+    hinge = [{"edge": "left", "fix": "simple"}, {"at": [3, 2], "resists": "down"}]
+    found = resultant([{"pressure": -1.0}], None, hinge)
+    assert "tips about the line x = 0" in found.message
+    assert np.array(found.axis)[:, 0] == pytest.approx([0.0, 0.0], abs=1e-12)
