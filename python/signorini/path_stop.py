@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -27,6 +28,11 @@ class Switch:
     support: str
     at: tuple[float, float]
     closes: bool
+
+    @property
+    def change(self) -> Literal["opens", "closes"]:
+        """What it does."""
+        return "closes" if self.closes else "opens"
 
 
 @dataclass(frozen=True, eq=False)
