@@ -27,7 +27,7 @@ Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 _NAMED = 20
 """Combinations that a message names."""
 _AT_LIMIT = 1e-6
-"""Distance of a path's end from the limit of equilibrium, over the limit, that is none."""
+"""Distance from the limit of equilibrium, over the limit, that is none: the last contact sets barely hold the plate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +53,10 @@ class Path:
 
     Parameters
     ----------
-    start, add : str
-        The load at t = 0 and the load that grows: names of cases or combinations.
+    start : str or None
+        The load at t = 0; None is no load.
+    add : str
+        The load that grows. Both are names of cases or combinations.
     problem : ContactProblem
     stops : tuple of PathStop
         At t = 0, at every event, and at the end.
@@ -67,7 +69,7 @@ class Path:
         The worst of every figure over all stops.
     """
 
-    start: str
+    start: str | None
     add: str
     problem: ContactProblem
     stops: tuple[PathStop, ...]
@@ -81,6 +83,11 @@ class Path:
     def model(self) -> Model:
         """The model."""
         return self.problem.discretisation.model
+
+    @property
+    def name(self) -> str:
+        """Its load in words."""
+        return f"t {self.add}" if self.start is None else f"{self.start} + t {self.add}"
 
     @property
     def end(self) -> float:
@@ -125,20 +132,24 @@ class Path:
             # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
             answer = self.problem.solve(load)
             certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
-        name = f"{self.start} + {t:.12g} {self.add}"
+        name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
         if not certificate.passed:
             raise NotCertifiedError(f'"{name}" is refused, its certificate {certificate}.')
         return Result.of(found, name, (self.problem.method,), load, answer, certificate)
 
 
-def path(model: Model, start: str, add: str, until: float | None = None, progress: Watcher | None = None) -> Path:
+def path(
+    model: Model, start: str | None, add: str, until: float | None = None, progress: Watcher | None = None
+) -> Path:
     """Follow start + t add from t = 0: every t at which a contact point opens or closes, and where equilibrium ends.
 
     Parameters
     ----------
     model : Model
-    start, add : str
-        Names of load cases or combinations; of two with one name the case is meant.
+    start : str or None
+        Name of a load case or combination; of two with one name the case is meant. None begins without load.
+    add : str
+        Name of the load that grows.
     until : float, optional
         The largest t wanted; by default to the end of equilibrium, or until there are no more events.
     progress : callable, optional
@@ -184,7 +195,7 @@ def path(model: Model, start: str, add: str, until: float | None = None, progres
     problem = contact_problem(found)
     message = no_equilibrium(found, problem.freedom, loads[0].nodal)
     if message:
-        raise NoEquilibriumError(f"{start}: {message}")
+        raise NoEquilibriumError(f"{start or 'without load'}: {message}")
     limit = largest_factor(found, problem.freedom, loads[0].nodal, loads[1].nodal)
     traced = _trace(problem, (start, add), loads, until, limit, watcher)
     for method in problem.fallbacks:
@@ -192,12 +203,14 @@ def path(model: Model, start: str, add: str, until: float | None = None, progres
             other = _trace(problem.by(method), (start, add), loads, until, limit, watcher)
             traced = other if traced is None or (other is not None and other.end > traced.end) else traced
     if traced is None:
-        raise NotCertifiedError(f'"{start}": the contact problem at t = 0 has no answer that could be certified.')
+        raise NotCertifiedError("The contact problem at t = 0 has no answer that could be certified.")
     return traced
 
 
-def _load(found: Discretisation, name: str, argument: str) -> CaseLoad:
+def _load(found: Discretisation, name: str | None, argument: str) -> CaseLoad:
     """The load of a case or, if there is none of that name, of a combination."""
+    if name is None:
+        return 0.0 * next(iter(found.cases.values()))
     if name in found.cases:
         return found.cases[name]
     combinations = found.model.effective_combinations if found.model.combination else ()
@@ -210,7 +223,7 @@ def _load(found: Discretisation, name: str, argument: str) -> CaseLoad:
 
 def _trace(
     problem: ContactProblem,
-    names: tuple[str, str],
+    names: tuple[str | None, str],
     loads: tuple[CaseLoad, CaseLoad],
     until: float | None,
     limit: float,
@@ -245,7 +258,7 @@ def _trace(
     ending: Ending = "stopped"
     if ended == "unbounded":
         ending = "no_more_events"
-    elif ended in ("reached", "no_equilibrium") and near_limit:
+    elif ended != "too_many" and near_limit:
         ending = "no_equilibrium"
     elif ended == "reached":
         ending = "until"

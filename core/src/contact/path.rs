@@ -158,8 +158,11 @@ impl ContactProblem {
             return Ok(None);
         }
         let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let force = at.map(|t| largest(&load.at(t))).into_iter().fold(0.0, f64::max);
-        let force = largest(&from.reaction).max(largest(&to.reaction)).max(force);
+        // Couples have another unit: the load counts only where no point reacts.
+        let force = match largest(&from.reaction).max(largest(&to.reaction)) {
+            0.0 => largest(&load.at(at[1])),
+            force => force,
+        };
         let deflection =
             |of: &ContactSolution| of.displacement.hi.iter().step_by(3).fold(0.0, |m: f64, w| m.max(w.abs()));
         let length = [&from, &to].map(|end| largest(&end.gap).max(deflection(end))).into_iter().fold(0.0, f64::max);

@@ -144,13 +144,14 @@ def check(
 @app.command()
 def path(
     file: InputFile,
-    start: Annotated[
-        str,
-        typer.Option("--from", metavar="CASE", help="The load at t = 0, a case or combination.", show_default=False),
-    ],
     add: Annotated[
-        str, typer.Option("--add", metavar="CASE", help="The load that grows: t times it.", show_default=False)
+        str,
+        typer.Option("--add", metavar="CASE", help="The load that grows, a case or combination.", show_default=False),
     ],
+    start: Annotated[
+        str | None,
+        typer.Option("--from", metavar="CASE", help="The load at t = 0, a case or combination. [default: none]"),
+    ] = None,
     until: Annotated[
         float | None,
         typer.Option(metavar="T", help="The largest t. [default: to the end of equilibrium or of the events]"),

@@ -20,7 +20,7 @@ def print_path(console: Console, path: Path) -> None:
     model, units = path.model, path.model.units
     if model.title:
         console.print(Text(model.title, style="bold"))
-    console.print(Text(f"{path.start} + t {path.add}", style="bold") + Text(f": followed by {path.problem.method}"))
+    console.print(Text(path.name, style="bold") + Text(f": followed by {path.problem.method}"))
     rows = table("t", "event", right=[f"largest deflection{in_unit(units.length)}", f"reactions{in_unit(units.force)}"])
     kept = list(path.stops)
     left_out = max(len(kept) - _MOST_EVENTS, 0)

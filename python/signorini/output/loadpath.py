@@ -102,7 +102,7 @@ def write_path(path: Path, directory: str | os.PathLike[str]) -> None:
         curves,
         {support.name: parts[:, i] for i, support in enumerate(model.support)},
         limit=path.end if path.ending == "no_equilibrium" else None,
-        title=", ".join(part for part in (model.title, f"{path.start} + t {path.add}") if part),
+        title=", ".join(part for part in (model.title, path.name) if part),
         factor=f"t, the factor of {path.add}",
         length=model.units.length,
     )

@@ -8,6 +8,8 @@ use crate::contact::solve::{ContactSolution, Outcome};
 
 /// Events nearer than this part of a step are one.
 const SAME: f64 = 1e-9;
+/// Reactions and gaps that fall by less over a step, over the largest of their kind, stay.
+const STILL: f64 = 1e-10;
 /// Times that points which move the wrong way from an event on are switched.
 const ROUNDS: usize = 20;
 /// How far beyond an event, over a step, a solve tells the contact set after it where switching does not.
@@ -105,7 +107,8 @@ impl ContactProblem {
             if now < -SIGN {
                 return None;
             }
-            if now < SIGN && later - now < -SIGN {
+            let fall = now - later;
+            if fall > STILL && now <= SAME * fall {
                 points.push(i);
             }
         }
@@ -121,7 +124,7 @@ impl ContactProblem {
             .active
             .iter()
             .map(falls)
-            .filter(|&(_, _, fall)| fall > SIGN)
+            .filter(|&(_, _, fall)| fall > STILL)
             .map(|(i, now, fall)| (from + span * (now / fall).max(0.0), i))
             .collect();
         let first = roots.iter().map(|(t, _)| *t).fold(f64::INFINITY, f64::min);
