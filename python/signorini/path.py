@@ -176,9 +176,9 @@ def path(
     ...         {"edge": ["left", "right", "bottom", "top"], "fix": "clamped"},
     ...         {"name": "prop", "at": [2, 2], "resists": "down", "gap": 0.001},
     ...     ],
-    ...     load=[{"case": "G", "self_weight": False, "pressure": 0.0}, {"case": "Q", "pressure": 10e3}],
+    ...     load=[{"case": "Q", "pressure": 10e3}],
     ... )
-    >>> found = path(model, start="G", add="Q")
+    >>> found = path(model, start=None, add="Q")
     >>> (event,) = found.events
     >>> event.switched[0].support, event.switched[0].closes, found.ending
     ('prop', True, 'no_more_events')

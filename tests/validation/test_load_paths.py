@@ -11,7 +11,7 @@ GAUSS = (1 - 0.6**0.5) / 2
 
 
 def test_a_heavy_strip_on_soil_lifts_off_at_its_closed_form_load() -> None:
-    """An infinite beam under a force P rises most at π/β from it, by Pβ e^{−π}/2k; its weight q presses it in by q/k."""
+    """A long beam under a force P rises most at π/β from it, by Pβ e^{−π}/2k; its weight q presses it in by q/k."""
     height, young, bed, weight = 0.05, 1e9, 1e6, 1e3
     length = (young * height**3 / 12 / bed) ** 0.25
     beta = 1 / (np.sqrt(2) * length)

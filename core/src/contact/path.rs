@@ -57,6 +57,9 @@ const SIGN: f64 = 1e-9;
 /// How far, over a segment's length, its refined end may be from where pivoting saw it.
 const MOVED: f64 = 1e-3;
 
+/// The bases of the LCP along a path, and the contact set of each.
+type Pivoted = (ParametricPath, Vec<Vec<bool>>);
+
 /// The plate on one contact set at two loads of the path, between and beyond which it is linear.
 struct Line {
     at: [f64; 2],
@@ -233,13 +236,10 @@ impl ContactProblem {
     }
 
     /// The bases of the LCP along the path, and the contact set of each; in the other form where one stops.
-    fn pivoted(
-        &self,
-        load: &PathLoad,
-        closed: &[bool],
-    ) -> Result<Option<(ParametricPath, Vec<Vec<bool>>)>, FactorError> {
+    fn pivoted(&self, load: &PathLoad, closed: &[bool]) -> Result<Option<Pivoted>, FactorError> {
         let mut best = None;
-        for form in [self.base.condensed.better_form(), Form::Dual, Form::Stiffness] {
+        let better = self.base.condensed.better_form();
+        for form in [better, if better == Form::Dual { Form::Stiffness } else { Form::Dual }] {
             let rest = self.at_rest(load.start.len(), load.held_value);
             let posed =
                 self.base.condensed.lcp(form, &self.drive(&self.step(load.start, &rest), form)?, &rest.reaction);
