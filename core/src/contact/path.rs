@@ -54,6 +54,8 @@ pub const MOST_EVENTS: usize = 100_000;
 
 /// Reactions and gaps of the wrong sign at the ends of a segment, over the largest of their kind, that are rounding.
 const SIGN: f64 = 1e-9;
+/// Travel, over the largest deflection or gap, within which events are one.
+const SAME: f64 = 1e-11;
 /// How far, over a segment's length, its refined end may be from where pivoting saw it.
 const MOVED: f64 = 1e-3;
 
@@ -76,6 +78,14 @@ impl Line {
         let (value, size) =
             if solution.closed[i] { (solution.reaction[i], self.force) } else { (solution.gap[i], self.length) };
         if size > 0.0 { value / size } else { 0.0 }
+    }
+
+    /// Largest change of the deflection between two t.
+    fn travel(&self, from: f64, to: f64) -> f64 {
+        let [a, b] = &self.ends;
+        let change = |i: usize| (b.displacement.at(i) - a.displacement.at(i)).value().abs();
+        let whole = (0..a.displacement.hi.len()).step_by(3).map(change).fold(0.0, f64::max);
+        whole * (to - from) / (self.at[1] - self.at[0])
     }
 
     fn part(&self, t: f64) -> f64 {
@@ -110,6 +120,11 @@ impl PathLoad<'_> {
             _ => 1.0,
         }
     }
+}
+
+/// Points whose states differ.
+fn differing(one: &[bool], other: &[bool]) -> Vec<usize> {
+    (0..one.len()).filter(|&i| one[i] != other[i]).collect()
 }
 
 impl ContactProblem {
@@ -192,38 +207,38 @@ impl ContactProblem {
         let Some((found, sets)) = self.pivoted(load, &first.closed)? else {
             return Ok(PathEnd::Unsolved);
         };
-        let mut shown = ContactSolution { closed: sets.first().unwrap_or(&first.closed).clone(), ..first };
-        let (mut t, mut switched) = (0.0, Vec::new());
+        let set_at = |k: usize| sets.get(k).unwrap_or(&first.closed).clone();
+        let mut shown = ContactSolution { closed: set_at(0), ..first.clone() };
+        let (mut t, mut before) = (0.0, None);
         for (k, segment) in found.segments.iter().enumerate() {
             let far = if segment.to.is_finite() { segment.to } else { segment.from + load.span(segment.from) };
-            let Some(line) = self.line(load, &sets[k], [segment.from, far], None, &mut None)? else {
-                return Ok(if visit(Stop { t, switched: &switched, solution: &shown }) {
-                    PathEnd::Unsolved
-                } else {
-                    PathEnd::Interrupted
-                });
-            };
-            shown = ContactSolution { closed: sets[k].clone(), ..line.at(t) };
+            let line = self.line(load, &sets[k], [segment.from, far], None, &mut None)?;
+            let next = sets.get(k + 1);
+            let to = line.as_ref().map_or(far, |line| {
+                let leaving = next.map_or(Vec::new(), |next| differing(next, &sets[k]));
+                line.root(&leaving).unwrap_or(far).max(t)
+            });
+            if next.is_some() && line.as_ref().is_some_and(|line| line.travel(t, to) <= SAME * line.length) {
+                continue;
+            }
+            let switched = before.map_or(Vec::new(), |before| differing(&sets[k], before));
+            before = Some(&sets[k]);
+            shown = line.as_ref().map_or(shown, |line| line.at(t));
+            shown.closed.clone_from(&sets[k]);
             if !visit(Stop { t, switched: &switched, solution: &shown }) {
                 return Ok(PathEnd::Interrupted);
             }
-            if !self.signs_hold_on(&line) {
+            let Some(line) = line.filter(|line| self.signs_hold_on(line)) else {
                 return Ok(PathEnd::Unsolved);
-            }
-            let next = sets.get(k + 1);
-            switched = next.map_or(Vec::new(), |next| (0..next.len()).filter(|&i| next[i] != sets[k][i]).collect());
-            t = line.root(&switched).unwrap_or(far).max(t);
+            };
+            t = to;
             if t >= load.end || next.is_none() {
-                let unbounded = segment.to.is_infinite() && load.end.is_infinite();
-                t = t.min(load.end).max(segment.from);
-                if segment.to.is_infinite() && load.end.is_finite() {
-                    t = load.end;
-                }
-                shown = line.at(t);
-                let on = visit(Stop { t, switched: &[], solution: &shown });
+                let endless = segment.to.is_infinite();
+                t = if endless && load.end.is_finite() { load.end } else { t.min(load.end) };
+                let on = visit(Stop { t, switched: &[], solution: &line.at(t) });
                 return Ok(match found.end {
                     _ if !on => PathEnd::Interrupted,
-                    _ if unbounded => PathEnd::Unbounded,
+                    _ if endless && load.end.is_infinite() => PathEnd::Unbounded,
                     _ if t >= load.end => PathEnd::Reached,
                     ParametricEnd::Infeasible => PathEnd::NoEquilibrium,
                     _ => PathEnd::Unsolved,
@@ -231,7 +246,7 @@ impl ContactProblem {
             }
         }
         // Equilibrium ends where it begins.
-        visit(Stop { t, switched: &switched, solution: &shown });
+        visit(Stop { t, switched: &[], solution: &shown });
         Ok(if found.end == ParametricEnd::Infeasible { PathEnd::NoEquilibrium } else { PathEnd::Unsolved })
     }
 
