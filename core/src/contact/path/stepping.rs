@@ -32,7 +32,14 @@ impl ContactProblem {
             if event > 0 {
                 switched = (0..set.len()).filter(|&i| set[i] != here.closed[i]).collect();
             }
-            here.closed.clone_from(set);
+            let set = set.clone();
+            if event == 0
+                && let Some(line) = &line
+            {
+                // A plate that touches nothing may rest anywhere; what counts is where the path leaves from.
+                here = line.at(t);
+            }
+            here.closed = set;
             if !visit(Stop { t, switched: &switched, solution: &here }) {
                 return Ok(PathEnd::Interrupted);
             }
