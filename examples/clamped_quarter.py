@@ -4,8 +4,9 @@ A quarter of the plate, 2 x 2 elements of 8 nodes; nodes numbered row by row, 1 
 are clamped, the other two sides are axes of symmetry, and node 21 is the centre of the plate, over a support that
 only pushes, 0.48e-4 mm below it.
 
-Two linear steps give the same as one unilateral one: R1, the free plate at the load that closes the gap, and R2, the
-plate on the support for the rest of the load. Their sum is R*, the unilateral plate's reactions in one step.
+Two linear steps give the same as one unilateral one, or as one load path: R1, the free plate at the load that closes
+the gap, and R2, the plate on the support for the rest of the load. Their sum is R*, the unilateral plate's reactions
+in one step.
 
 The paper gives neither size, thickness nor material. Here the quarter is 100 mm wide, 20 mm thick, nu = 0.3; its load
 is 64 N, and E is chosen so that the gap closes at exactly half of it.
@@ -37,9 +38,9 @@ class Table(NamedTuple):
     young: float
 
 
-def plate(pressure: float, young: float, element: str, *centre: dict) -> signorini.Result:
-    """Solve the quarter under a pressure, with or without a support under its centre."""
-    model = signorini.Model(
+def quarter(pressure: float, young: float, element: str, *centre: dict) -> signorini.Model:
+    """Make the quarter under a pressure, with or without a support under its centre."""
+    return signorini.Model(
         units={"length": "mm", "force": "N"},
         material={"E": young, "nu": NU},
         plate={"shape": "rectangle", "size": [SIDE, SIDE], "thickness": THICKNESS, "element": element},
@@ -51,7 +52,17 @@ def plate(pressure: float, young: float, element: str, *centre: dict) -> signori
         ],
         load=[{"pressure": pressure}],
     )
-    return signorini.solve(model)["all"]
+
+
+def plate(pressure: float, young: float, element: str, *centre: dict) -> signorini.Result:
+    """Solve the quarter."""
+    return signorini.solve(quarter(pressure, young, element, *centre))["all"]
+
+
+def two_stages(young: float, element: str = "q8r") -> signorini.Path:
+    """Let the load grow from nothing to its whole: both of the paper's stages are one path with one event."""
+    model = quarter(PRESSURE, young, element, {"resists": "down", "gap": GAP})
+    return signorini.path(model, None, "load", until=1.0)
 
 
 def row_by_row(result: signorini.Result) -> np.ndarray:
@@ -88,6 +99,8 @@ def main() -> None:
     columns = table(element)
     print(f"Element {element}, E = {columns.young:.6g} N/mm2. * Results in one step, unilateral support.\n")
     print(printed(columns))
+    (event,) = two_stages(columns.young, element).events
+    print(f"\nAs one path: the {event.switched[0].support} {event.switched[0].change} at {event.t:.12g} of the load.")
     print(f"\nlargest difference of R1+R2 and R*: {abs(columns.first + columns.second - columns.unilateral).max():.1e}")
 
 

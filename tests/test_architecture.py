@@ -21,7 +21,7 @@ LAYERS = (
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
     {"equilibrium", "stability", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
-    {"supportpoints", "support_result", "probe_result", "notebook", "result", "combine", "solve"},
+    {"supportpoints", "support_result", "probe_result", "notebook", "result", "combine", "solve", "path_stop", "path"},
     {"tabulated", "output", "check"},
     {"__init__"},
     {"cli"},

@@ -4,7 +4,7 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 use signorini_core::cholesky::FactorError;
-use signorini_core::contact::{self, Constraints, Form, Outcome, Progress};
+use signorini_core::contact::{self, Constraints, Form, Outcome, PathEnd, PathLoad, Progress, Stop};
 use std::sync::Arc;
 
 /// A plate on its supports, factored once.
@@ -183,6 +183,65 @@ impl ContactProblem {
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
         watched(py, progress, |watch| self.inner.solve_by_interior_point(&load, &held_value, watch))
+    }
+
+    /// Displacements, reactions and gaps under one load on a contact set (m,) that is given, signs as they come.
+    fn solve_on(
+        &self,
+        py: Python<'_>,
+        load: PyReadonlyArray1<'_, f64>,
+        held_value: PyReadonlyArray1<'_, f64>,
+        closed: PyReadonlyArray1<'_, bool>,
+    ) -> PyResult<ContactSolution> {
+        let dofs = self.inner.plate.dof_count();
+        let load = sized("the load", &load, dofs)?;
+        let held_value = sized("held_value", &held_value, dofs)?;
+        let points = self.inner.order.condensed.len() + self.inner.order.active.len();
+        let closed = flags("closed", &closed, points)?;
+        let inner = py.detach(|| self.inner.solve_on(&load, &held_value, &closed)).map_err(failed)?;
+        Ok(ContactSolution { inner })
+    }
+
+    /// Follows the load start + t add from t = 0 to `end`, and says how that ended: "reached", "unbounded" (no more
+    /// events), "no_equilibrium", "too_many" or "unsolved".
+    ///
+    /// `visit(t, switched, solution)` is called where it begins, at every event and where it ends, with the points that
+    /// open or close there and the contact set from there on. What it raises ends the path.
+    fn path(
+        &self,
+        py: Python<'_>,
+        start: PyReadonlyArray1<'_, f64>,
+        add: PyReadonlyArray1<'_, f64>,
+        held_value: PyReadonlyArray1<'_, f64>,
+        end: f64,
+        visit: Py<PyAny>,
+    ) -> PyResult<&'static str> {
+        let dofs = self.inner.plate.dof_count();
+        let start = sized("the load", &start, dofs)?;
+        let add = sized("the load to be added", &add, dofs)?;
+        let held_value = sized("held_value", &held_value, dofs)?;
+        let mut raised = None;
+        let mut show = |stop: Stop| {
+            let called = Python::attach(|py| {
+                let switched = PyArray1::from_vec(py, stop.switched.iter().map(|&i| i as i64).collect());
+                let solution = ContactSolution { inner: stop.solution.clone() };
+                visit.call1(py, (stop.t, switched, solution)).map(|_| ())
+            });
+            raised = called.err();
+            raised.is_none()
+        };
+        let load = PathLoad { start: &start, add: &add, held_value: &held_value, end };
+        let ended = py.detach(|| self.inner.path(&load, &mut show)).map_err(failed);
+        if let Some(error) = raised {
+            return Err(error);
+        }
+        Ok(match ended? {
+            PathEnd::Reached => "reached",
+            PathEnd::Unbounded => "unbounded",
+            PathEnd::NoEquilibrium => "no_equilibrium",
+            PathEnd::TooMany => "too_many",
+            PathEnd::Unsolved | PathEnd::Interrupted => "unsolved",
+        })
     }
 
     #[pyo3(signature = (load, held_value, form=None))]

@@ -19,6 +19,7 @@ from signorini._core import __version__
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini.inputfile import load, schema
 from signorini.model import Model, validate
+from signorini.path import Path, path
 from signorini.probe_result import ProbeResult
 from signorini.problem import ContactProblem, contact_problem
 from signorini.progress import Progress
@@ -32,6 +33,7 @@ __all__ = [
     "Model",
     "NoEquilibriumError",
     "NotCertifiedError",
+    "Path",
     "ProbeResult",
     "Progress",
     "Result",
@@ -41,6 +43,7 @@ __all__ = [
     "__version__",
     "contact_problem",
     "load",
+    "path",
     "schema",
     "solve",
     "validate",

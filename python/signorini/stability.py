@@ -135,6 +135,22 @@ def supports_contradict(found: Discretisation) -> bool:
     return least.x is not None and bool(least.x[-1] > _OVERLAP)
 
 
+def largest_factor(found: Discretisation, freedom: RigidFreedom, rest: Floats, case: Floats) -> float:
+    """Find the largest factor of a nodal load (3n,) with which reactions balance it beside the rest.
+
+    Infinite if there is none; NaN if no factor from 0 on has such reactions.
+    """
+    size = load_size(found, case)
+    if not freedom.count or size == 0:
+        return np.inf
+    unit = (load_size(found, rest) or size) / size
+    limits = _limits(found, freedom, rest, unit * case)
+    if not limits:
+        return np.nan
+    most = limits[-1]
+    return np.inf if most >= _MOST else 0.0 if most <= _BRINK else unit * most
+
+
 def _limits(found: Discretisation, freedom: RigidFreedom, rest: Floats, case: Floats) -> list[float]:
     """Least and largest factor of a case beside the rest of the load for which reactions balance both."""
     from scipy.optimize import linprog

@@ -237,7 +237,7 @@ impl ContactProblem {
     }
 
     /// Corrects with one contact state for as long as the imbalance shrinks.
-    fn refine(
+    pub(super) fn refine(
         &self,
         load: &[f64],
         state: &ContactState,
@@ -385,6 +385,12 @@ impl ContactProblem {
         let force = SIGN * largest(&solution.reaction).max(load);
         let length = (SIGN * largest(&solution.gap).max(largest(&c.distance))).max(ROUNDING * travel);
         (0..c.two_sided.len()).all(|i| c.two_sided[i] || (solution.reaction[i] >= -force && solution.gap[i] >= -length))
+    }
+}
+
+impl Motion {
+    pub(super) fn into_drive(self) -> Drive {
+        self.drive
     }
 }
 

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `problem` | the problem, its solution, its statuses, and what judges a solution without the solver's help |
 //! | `lemke` | Lemke's algorithm, cold or from a given complementary basis |
+//! | `parametric` | every basis of w = Mz + q + t d as t grows |
 //! | `scaling` | the powers of two that make tolerances relative |
 //! | `pivoting` | principal pivotal transforms and the freshly solved basic solution |
 //! | `factors` | LU factors of a block, which know when it is singular |
@@ -16,6 +17,7 @@
 mod factors;
 mod kernels;
 mod lemke;
+mod parametric;
 mod pivoting;
 mod problem;
 mod ratio_test;
@@ -23,4 +25,5 @@ mod scaling;
 mod tableau;
 
 pub use lemke::{LemkeOptions, default_max_pivots, lemke, lemke_from};
+pub use parametric::{ParametricEnd, ParametricPath, ParametricSegment, parametric};
 pub use problem::{InfeasibilityProof, Lcp, LcpError, LcpSolution, LcpStatus, Residuals};

@@ -16,14 +16,19 @@ impl CoveredLcp<'_> {
     /// The problem as it reads with z_i and w_i exchanged wherever `basis` is true, with covering vector e; None if the
     /// principal submatrix of M there is singular (Cottle, Pang & Stone 1992, section 2.3).
     pub(super) fn principal_transform(&self, basis: &[bool]) -> Option<CoveredLcp<'static>> {
+        let pivoted = self.pivoted(basis)?;
+        Some(CoveredLcp { covering: vec![1.0; self.order()], ..pivoted })
+    }
+
+    /// As [`Self::principal_transform`], with the covering vector that the pivots make of its own.
+    pub(super) fn pivoted(&self, basis: &[bool]) -> Option<CoveredLcp<'static>> {
         let exchanged = indices(basis);
         let mut tableau = Tableau::new(self);
         if !tableau.exchange_block(&exchanged, &exchanged) {
             return None;
         }
-        let (matrix, q) = tableau.into_matrix_and_values();
-        let ones = vec![1.0; self.order()];
-        Some(CoveredLcp { matrix: matrix.into(), units: ones.clone().into(), q, covering: ones })
+        let (matrix, covering, q) = tableau.into_parts();
+        Some(CoveredLcp { matrix: matrix.into(), units: vec![1.0; self.order()].into(), q, covering })
     }
 
     /// z and w at a complementary basis, from an LU factorization and a step of iterative refinement whose residual is

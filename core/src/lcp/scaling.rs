@@ -87,6 +87,14 @@ impl Scaling {
         }
     }
 
+    /// The problem with a direction of q, of any sign, for covering vector, and what a scaled parameter of one is.
+    pub(super) fn scale_along<'a>(&'a self, lcp: &Lcp<'a>, direction: &[f64]) -> (CoveredLcp<'a>, f64) {
+        let mut scaled = self.scale(lcp, None);
+        let size = power_of_two(direction.iter().zip(&self.diagonal).map(|(a, d)| (a * d).abs()));
+        scaled.covering = direction.iter().zip(&self.diagonal).map(|(a, d)| a * d / size).collect();
+        (scaled, self.load / size)
+    }
+
     pub(super) fn unscale_z(&self, z: &mut [f64]) {
         z.iter_mut().zip(&self.diagonal).for_each(|(x, d)| *x *= d * self.load);
     }

@@ -250,11 +250,13 @@ impl Tableau {
         true
     }
 
-    /// T without the artificial variable's column, row-major; meant for a tableau with no exchange pending.
-    pub(super) fn into_matrix_and_values(mut self) -> (Vec<f64>, Vec<f64>) {
+    /// T without the artificial variable's column, row-major, that column, and the values; meant for a tableau with no
+    /// exchange pending.
+    pub(super) fn into_parts(mut self) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         self.values.truncate(self.order);
-        let rows = self.base.chunks_exact(self.stride);
-        (rows.flat_map(|row| &row[..self.order]).copied().collect(), self.values)
+        let rows = || self.base.chunks_exact(self.stride);
+        let matrix = rows().flat_map(|row| &row[..self.order]).copied().collect();
+        (matrix, rows().map(|row| row[self.order]).collect(), self.values)
     }
 
     fn swap_variables(&mut self, r: usize, s: usize) {

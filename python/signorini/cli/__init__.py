@@ -1,4 +1,4 @@
-"""The command line: solve, check, schema."""
+"""The command line: solve, check, path, schema."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rich.console import Console
 import signorini
 from signorini.cli import interrupts, tables
 from signorini.cli.progress import transient_line
-from signorini.errors import InputError, NoEquilibriumError, SignoriniError
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini.inputfile import with_line
 
 _MOST_REASONS = 20
@@ -139,6 +139,44 @@ def check(
         _stdout().print(f"Drawn in {picture}")
         unbalanced = {resultant.name: resultant.message for resultant in found.resultants if resultant.message}
         _refuse(unbalanced, len(unbalanced))
+
+
+@app.command()
+def path(
+    file: InputFile,
+    add: Annotated[
+        str,
+        typer.Option("--add", metavar="CASE", help="The load that grows, a case or combination.", show_default=False),
+    ],
+    start: Annotated[
+        str | None,
+        typer.Option("--from", metavar="CASE", help="The load at t = 0, a case or combination. [default: none]"),
+    ] = None,
+    until: Annotated[
+        float | None,
+        typer.Option(metavar="T", help="The largest t. [default: to the end of equilibrium or of the events]"),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Directory of the files. [default: FILE-path]")
+    ] = None,
+) -> None:
+    """Follow one load as another grows: every t at which supports open or close; write path.json and path.png."""
+    with _messages(file):
+        from signorini import output as files
+        from signorini.cli.events import print_path
+
+        model = signorini.load(file)
+        directory = output if output is not None else file.with_name(f"{file.stem}-path")
+        with files.room_for(directory), transient_line() as show, interrupts.at_once():
+            found = signorini.path(model, start, add, until, progress=show)
+        files.write_path(found, directory)
+        print_path(_stdout(), found)
+        _stdout().print(f"Written to {directory}{os.sep}")
+        if found.ending == "stopped":
+            raise NotCertifiedError(
+                f"the path was followed to t = {found.end:.6g} only; beyond, rounding decides which points are in "
+                "contact. Take a finer mesh, or give rigid supports a stiffness."
+            )
 
 
 @app.command()

@@ -12,13 +12,26 @@ from pathlib import Path
 
 from signorini.errors import InputError
 from signorini.files import replacing_together
+from signorini.output.loadpath import PATH_JSON, PATH_PICTURE, path_json, write_path
 from signorini.output.names import CSV, JSON, PRESSURE, has_areas, slugs, unique_slugs
 from signorini.output.tables import reactions_csv, results_json
 from signorini.result import pressure_layers, support_marks
 from signorini.solve import Results
 from signorini.tabulated import ENVELOPE, TABLE, write_envelope
 
-__all__ = ["CSV", "JSON", "reactions_csv", "results_json", "room_for", "unique_slugs", "write"]
+__all__ = [
+    "CSV",
+    "JSON",
+    "PATH_JSON",
+    "PATH_PICTURE",
+    "path_json",
+    "reactions_csv",
+    "results_json",
+    "room_for",
+    "unique_slugs",
+    "write",
+    "write_path",
+]
 
 _OURS = re.compile(r"[\w.-]+\.(vtu|png)|reactions\.csv|results\.json|combinations\.parquet")
 

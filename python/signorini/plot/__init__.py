@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 
 from signorini.plot.balance import BalanceMark
 from signorini.plot.field import contour, line
+from signorini.plot.load_path import load_path_picture
 from signorini.plot.marks import LoadMark, SupportMark, supports
 from signorini.plot.pictures import check_picture, deflection_picture, pressure_picture, save
 from signorini.plot.pressure import PressureLayer, pressure
@@ -21,6 +22,7 @@ __all__ = [
     "contour",
     "deflection_picture",
     "line",
+    "load_path_picture",
     "pressure",
     "pressure_picture",
     "save",

@@ -8,8 +8,10 @@
 //! turns out to be quite another one is it factored anew.
 
 mod direction;
+mod fixed;
 mod line_search;
 mod points;
+mod push;
 
 pub use points::{ActivePoints, Softened};
 
@@ -98,6 +100,8 @@ struct Descent<'a> {
     multiplier: Vec<f64>,
     stretch: Vec<f64>,
     step: Step,
+    /// Points that are closed whatever their stretch, and all others open, where the set is not to be found.
+    imposed: Option<Vec<bool>>,
 }
 
 impl ContactProblem {
@@ -153,6 +157,7 @@ impl ContactProblem {
             stretch: vec![0.0; multiplier.len()],
             multiplier,
             step: Step::default(),
+            imposed: None,
         };
         let outcome = descent.run(start.is_some(), watch)?;
         Ok(match outcome {
@@ -253,16 +258,11 @@ impl Descent<'_> {
         Ok(Outcome::Unsolved)
     }
 
-    fn largest_push(&self) -> f64 {
-        let k = &self.springs.stiffness;
-        self.stretch.iter().zip(k).fold(0.0, |most, (s, k)| most.max(s * k))
-    }
-
     /// Follows a direction to the least energy on it; what is out of balance then is known without the refined residual.
     fn advance(&mut self, direction: &Direction, closed: &[bool]) {
         let (problem, points) = (self.problem, &self.problem.active);
         let change = points.change(&problem.plate, &direction.nodal);
-        let length = self.line_search(direction, &change, closed);
+        let length = if self.imposed.is_some() { 1.0 } else { self.line_search(direction, &change, closed) };
         for (dof, value) in direction.nodal.iter().enumerate() {
             self.solution.displacement.add(dof, length * value);
         }
@@ -271,7 +271,7 @@ impl Descent<'_> {
         for (i, &carried) in carried.enumerate() {
             let old = self.stretch[i];
             self.stretch[i] += length * change[i];
-            let pushes = self.springs.stiffness[i] * (self.stretch[i].max(0.0) - old.max(0.0));
+            let pushes = self.springs.stiffness[i] * (self.pushing(i) - self.pushes(i, old));
             let factor = length * carried * change[i] - pushes;
             if factor != 0.0 {
                 points.scatter(&problem.plate, i, factor, &mut loss);
@@ -306,37 +306,14 @@ impl Descent<'_> {
         let (problem, points) = (self.problem, &self.problem.active);
         let mut imbalance = problem.imbalance(self.load, &self.solution.displacement, &self.solution.reaction);
         self.stretch = points.overlap(&problem.plate, &self.solution.displacement);
-        for (i, stretch) in self.stretch.iter_mut().enumerate() {
-            *stretch += self.springs.softening[i] * self.multiplier[i];
-            if *stretch > 0.0 {
-                points.scatter(&problem.plate, i, -self.springs.stiffness[i] * *stretch, &mut imbalance);
+        for i in 0..points.len() {
+            self.stretch[i] += self.springs.softening[i] * self.multiplier[i];
+            let pushing = self.pushing(i);
+            if pushing != 0.0 {
+                points.scatter(&problem.plate, i, -self.springs.stiffness[i] * pushing, &mut imbalance);
             }
         }
         self.step = problem.step_of(imbalance, self.load, &self.solution);
-    }
-
-    /// Multipliers become the present forces; the largest change of one.
-    fn renew_multipliers(&mut self) -> f64 {
-        let (problem, points) = (self.problem, &self.problem.active);
-        let mut any = false;
-        let mut largest: f64 = 0.0;
-        for i in 0..points.len() {
-            if self.springs.softening[i] > 0.0 {
-                let old = self.stretch[i].max(0.0);
-                let force = self.springs.stiffness[i] * old;
-                self.stretch[i] += self.springs.softening[i] * (force - self.multiplier[i]);
-                largest = largest.max((force - self.multiplier[i]).abs());
-                self.multiplier[i] = force;
-                let more = self.springs.stiffness[i] * (self.stretch[i].max(0.0) - old);
-                points.scatter(&problem.plate, i, -more, &mut self.step.imbalance);
-                any = true;
-            }
-        }
-        if any {
-            problem.release_held(&mut self.step.imbalance);
-            self.step.worst = self.step.imbalance.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
-        }
-        largest
     }
 
     /// The solution with every point in the caller's order.
@@ -355,8 +332,8 @@ impl Descent<'_> {
         }
         for (at, &i) in order.active.iter().enumerate() {
             let stretch = self.stretch[at];
-            all.reaction[i] = self.springs.stiffness[at] * stretch.max(0.0);
-            all.closed[i] = stretch > 0.0;
+            all.reaction[i] = self.springs.stiffness[at] * self.pushing(at);
+            all.closed[i] = self.imposed.as_ref().map_or(stretch > 0.0, |closed| closed[at]);
             all.gap[i] = if all.closed[i] { 0.0 } else { self.springs.softening[at] * self.multiplier[at] - stretch };
         }
         all

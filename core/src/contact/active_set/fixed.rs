@@ -1,0 +1,92 @@
+//! A contact set that is given: the equations are linear, and points may pull or overlap.
+
+use super::direction::Direction;
+use super::{BALANCED, Descent, NEWTON, ROUNDING, SETTLED, SLOW, STALLS, STIFFEST, TIGHT};
+use crate::cholesky::FactorError;
+use crate::contact::problem::{ContactProblem, Factored};
+use crate::contact::solve::{ContactSolution, Outcome, Step};
+
+impl ContactProblem {
+    /// As [`ContactProblem::solve_on`], beginning with an answer if there is one; `own` is the factor that an earlier
+    /// call came to, and becomes that of this one.
+    pub(in crate::contact) fn solve_active_on(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        closed: &[bool],
+        start: Option<&ContactSolution>,
+        own: &mut Option<Factored>,
+    ) -> Result<ContactSolution, FactorError> {
+        let mut solution = self.at_rest(load.len(), held_value);
+        let given: Vec<bool> = self.order.active.iter().map(|&i| closed[i]).collect();
+        let mut multiplier = vec![0.0; given.len()];
+        if let Some(start) = start {
+            solution.displacement = start.displacement.clone();
+            for (at, &i) in self.order.condensed.iter().enumerate() {
+                solution.reaction[at] = start.reaction[i];
+            }
+            for (at, &i) in self.order.active.iter().enumerate() {
+                multiplier[at] = if given[at] { start.reaction[i] } else { 0.0 };
+            }
+        }
+        let with = own.as_ref().unwrap_or(&self.base);
+        let Some(state) = with.condensed.state(self.constraints.two_sided.clone()) else {
+            return Ok(self.without_solution(held_value, Outcome::Unsolved));
+        };
+        let mut descent = Descent {
+            problem: self,
+            load,
+            limit: STIFFEST,
+            springs: self.active.softened(STIFFEST),
+            given: with,
+            own: None,
+            state,
+            solution,
+            stretch: vec![0.0; given.len()],
+            multiplier,
+            step: Step::default(),
+            imposed: Some(given.clone()),
+        };
+        let outcome = descent.settle(&given)?;
+        let factored = descent.own.take();
+        let found = descent.in_order();
+        if factored.is_some() {
+            *own = factored;
+        }
+        Ok(if outcome == Outcome::Solved { ContactSolution { outcome, ..found } } else { found.failed(outcome) })
+    }
+}
+
+impl Descent<'_> {
+    /// Steps on the given set until what is out of balance is rounding.
+    fn settle(&mut self, closed: &[bool]) -> Result<Outcome, FactorError> {
+        self.refine()?;
+        let (mut before, mut stalled) = (f64::INFINITY, 0);
+        for _ in 0..NEWTON {
+            let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push());
+            let balanced = self.step.worst <= BALANCED * force;
+            if balanced {
+                self.renew_multipliers();
+            }
+            let worst = self.step.worst;
+            if !worst.is_finite() {
+                return Ok(Outcome::Unsolved);
+            }
+            if balanced && worst <= SETTLED * force {
+                return Ok(Outcome::Solved);
+            }
+            stalled = if worst > SLOW * before { stalled + 1 } else { 0 };
+            if stalled == STALLS {
+                return Ok(if worst <= ROUNDING * force { Outcome::Solved } else { Outcome::Unsolved });
+            }
+            before = worst;
+            let direction: Direction = self.direction(closed, TIGHT)?;
+            if direction.free {
+                return Ok(Outcome::Unsolved);
+            }
+            self.advance(&direction, closed);
+            self.refine()?;
+        }
+        Ok(Outcome::Unsolved)
+    }
+}

@@ -1,0 +1,46 @@
+//! What the points push with.
+
+use super::Descent;
+
+impl Descent<'_> {
+    /// The part of a stretch that pushes.
+    pub(super) fn pushes(&self, i: usize, stretch: f64) -> f64 {
+        match &self.imposed {
+            Some(closed) => f64::from(u8::from(closed[i])) * stretch,
+            None => stretch.max(0.0),
+        }
+    }
+
+    pub(super) fn pushing(&self, i: usize) -> f64 {
+        self.pushes(i, self.stretch[i])
+    }
+
+    pub(super) fn largest_push(&self) -> f64 {
+        let k = &self.springs.stiffness;
+        self.stretch.iter().zip(k).fold(0.0, |most, (s, k)| most.max(s * k))
+    }
+
+    /// Multipliers become the present forces; the largest change of one.
+    pub(super) fn renew_multipliers(&mut self) -> f64 {
+        let (problem, points) = (self.problem, &self.problem.active);
+        let mut any = false;
+        let mut largest: f64 = 0.0;
+        for i in 0..points.len() {
+            if self.springs.softening[i] > 0.0 {
+                let old = self.pushing(i);
+                let force = self.springs.stiffness[i] * old;
+                self.stretch[i] += self.springs.softening[i] * (force - self.multiplier[i]);
+                largest = largest.max((force - self.multiplier[i]).abs());
+                self.multiplier[i] = force;
+                let more = self.springs.stiffness[i] * (self.pushing(i) - old);
+                points.scatter(&problem.plate, i, -more, &mut self.step.imbalance);
+                any = true;
+            }
+        }
+        if any {
+            problem.release_held(&mut self.step.imbalance);
+            self.step.worst = self.step.imbalance.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
+        }
+        largest
+    }
+}

@@ -1,0 +1,157 @@
+//! Parametric linear complementarity: every basis that solves w = Mz + q + t d as t grows from zero.
+use super::problem::{Lcp, LcpError};
+use super::ratio_test::{PIVOT_TOLERANCE, leaving_row};
+use super::scaling::{CoveredLcp, Scaling};
+use super::tableau::Tableau;
+
+/// How a parametric path ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParametricEnd {
+    /// The last basis stays to the end asked for.
+    Reached,
+    /// No z ≥ 0 makes w ≥ 0 for a larger t, if M is positive semidefinite.
+    Infeasible,
+    /// The pivot limit was reached, t turned back (M is not positive semidefinite), or rounding made a basis singular.
+    Stopped,
+}
+
+/// One basis of a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParametricSegment {
+    /// The least t at which it solves the problem.
+    pub from: f64,
+    /// The largest; infinite if it never ends.
+    pub to: f64,
+    /// True where z_i is basic.
+    pub basis: Vec<bool>,
+}
+
+/// The solutions of w = Mz + q + t d from t = 0 on: z and w are linear in t between the ends of each segment.
+#[derive(Clone, Debug)]
+pub struct ParametricPath {
+    pub segments: Vec<ParametricSegment>,
+    pub end: ParametricEnd,
+    pub pivots: usize,
+}
+
+/// Steps of t, relative to the larger of 1 (with q and d scaled to about 1) and t, that are none: one event.
+const SAME: f64 = 1e-10;
+
+/// Exchanges a tableau must be old for the end of a path, or a doubtful pivot, to be worth recomputing it.
+const RECOMPUTE_AGE: usize = 16;
+
+/// Follows w = Mz + q + t d, w ≥ 0, z ≥ 0, zᵀw = 0, from t = 0, where `basis` (true where z_i is basic) solves it, to `end`.
+///
+/// t is the artificial variable of Lemke's algorithm with d, of any sign, for covering vector. Pivoted onto `basis`, the
+/// problem is the slacks' own and t enters; whenever a variable falls to zero its complement takes its place. If M is
+/// positive semidefinite t never falls, and where nothing stops the entering variable, t either grows with it for ever
+/// or stands still: then no larger t is feasible. The ratio test is lexicographic, so where several variables reach zero
+/// at once the pivots made there are finite; bases of no length are not told.
+///
+/// # Errors
+/// When `direction` or `basis` does not have m entries, or an entry is not finite.
+///
+/// # Source
+/// Cottle, Pang & Stone (1992), section 4.5; Murty (1988), section 5.
+///
+/// # Example
+/// ```
+/// use signorini_core::lcp::{Lcp, LcpError, ParametricEnd, parametric};
+///
+/// // One spring closes at t = 1, the other at t = 3.
+/// let (matrix, q, direction) = ([1.0, 0.0, 0.0, 1.0], [1.0, 3.0], [-1.0, -1.0]);
+/// let path = parametric(&Lcp::new(&matrix, &q)?, &direction, &[false, false], f64::INFINITY)?;
+/// let ends: Vec<f64> = path.segments.iter().map(|segment| segment.to).collect();
+/// assert_eq!((ends, path.end), (vec![1.0, 3.0, f64::INFINITY], ParametricEnd::Reached));
+/// assert_eq!(path.segments[1].basis, [true, false]);
+/// # Ok::<(), LcpError>(())
+/// ```
+pub fn parametric(lcp: &Lcp, direction: &[f64], basis: &[bool], end: f64) -> Result<ParametricPath, LcpError> {
+    lcp.check_length("direction", direction.len())?;
+    lcp.check_length("basis", basis.len())?;
+    if let Some(index) = direction.iter().position(|d| !d.is_finite()) {
+        return Err(LcpError::Entry { name: "direction", index, value: direction[index] });
+    }
+    let mut path = ParametricPath { segments: Vec::new(), end: ParametricEnd::Reached, pivots: 0 };
+    if direction.iter().all(|&d| d == 0.0) {
+        path.segments.push(ParametricSegment { from: 0.0, to: f64::INFINITY, basis: basis.to_vec() });
+        return Ok(path);
+    }
+    let scaling = Scaling::of(lcp);
+    let (scaled, unit) = scaling.scale_along(lcp, direction);
+    match scaled.pivoted(basis) {
+        Some(origin) => follow(origin, basis, unit, end, &mut path),
+        None => path.end = ParametricEnd::Stopped,
+    }
+    Ok(path)
+}
+
+/// Follows the path from the slacks' basis of a pivoted problem; `unit` is what a scaled t of one is.
+fn follow(mut problem: CoveredLcp, origin: &[bool], unit: f64, end: f64, path: &mut ParametricPath) {
+    let order = problem.order();
+    // What is below zero at the solution of t = 0 is rounding.
+    problem.q.iter_mut().for_each(|q| *q = q.max(0.0));
+    let limit = super::lemke::default_max_pivots(order).max(1000);
+    let mut tableau = Tableau::new(&problem);
+    let parameter = tableau.artificial();
+    let mut entering = parameter;
+    let mut from = 0.0;
+    let mut tied = Vec::new();
+    loop {
+        let leaving = loop {
+            tableau.choose(entering);
+            let leaving = leaving_row(&tableau, &mut tied);
+            let trusted_age = match &leaving {
+                Some(leaving) if leaving.doubtful => RECOMPUTE_AGE,
+                Some(_) => usize::MAX,
+                None => 1,
+            };
+            if tableau.age < trusted_age {
+                break leaving;
+            }
+            match tableau.recomputed(&problem) {
+                Some(fresh) => tableau = fresh,
+                None => return path.end = ParametricEnd::Stopped,
+            }
+        };
+        // The basis between here and the next event: the entering variable is in it, t is not.
+        let basic = |i: usize| tableau.is_basic(order + i) || entering == order + i;
+        let basis: Vec<bool> = (0..order).map(|i| origin[i] != basic(i)).collect();
+        let Some(leaving) = leaving else {
+            let grows = match tableau.row_of(parameter) {
+                Some(row) => tableau.column[row] > PIVOT_TOLERANCE * largest(&tableau.column),
+                None => true,
+            };
+            path.end = if grows { ParametricEnd::Reached } else { ParametricEnd::Infeasible };
+            if grows {
+                path.segments.push(ParametricSegment { from: from * unit, to: f64::INFINITY, basis });
+            }
+            return;
+        };
+        if path.pivots == limit {
+            return path.end = ParametricEnd::Stopped;
+        }
+        let left = tableau.exchange(leaving.row, entering);
+        path.pivots += 1;
+        let Some(row) = tableau.row_of(parameter) else {
+            return path.end = ParametricEnd::Stopped;
+        };
+        let to = tableau.values[row];
+        let least = SAME * to.abs().max(1.0);
+        if to < from - least {
+            return path.end = ParametricEnd::Stopped;
+        }
+        if to > from + least {
+            path.segments.push(ParametricSegment { from: from * unit, to: to * unit, basis });
+            from = to;
+        }
+        if from * unit >= end {
+            return;
+        }
+        entering = tableau.complement(left);
+    }
+}
+
+fn largest(column: &[f64]) -> f64 {
+    column.iter().fold(1.0, |a: f64, x| a.max(x.abs()))
+}

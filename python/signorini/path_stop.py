@@ -1,0 +1,111 @@
+"""What a load path shows at its beginning, at an event and at its end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from signorini import _core
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.rows import Floats, Ints
+from signorini.problem import spring_arrays
+from signorini.support_result import support_result
+
+
+@dataclass(frozen=True)
+class Switch:
+    """A contact point that opens or closes.
+
+    Parameters
+    ----------
+    support : str
+    at : (x, y)
+    closes : bool
+    """
+
+    support: str
+    at: tuple[float, float]
+    closes: bool
+
+    @property
+    def change(self) -> Literal["opens", "closes"]:
+        """What it does."""
+        return "closes" if self.closes else "opens"
+
+
+@dataclass(frozen=True, eq=False)
+class PathStop:
+    """The path at one t. Between two stops all of it is linear in t, but for the extremes of the deflection.
+
+    Parameters
+    ----------
+    t : float
+    switched : tuple of Switch
+        Contact points that open or close here.
+    points : (k,) array
+        Which contact points these are.
+    reactions : (s,) array
+        Total of every support, positive when it pushes the plate up.
+    closed, counts : (s,) arrays
+        Closed points of every support from here on, and how many points it has.
+    deflections : (q,) array
+        At the model's probes.
+    largest, smallest : float
+        Extremes of the deflection over the nodes.
+    largest_at, smallest_at : (x, y)
+    """
+
+    t: float
+    switched: tuple[Switch, ...]
+    points: Ints
+    reactions: Floats
+    closed: Ints
+    counts: Ints
+    deflections: Floats
+    largest: float
+    smallest: float
+    largest_at: tuple[float, float]
+    smallest_at: tuple[float, float]
+
+
+def switches(found: Discretisation, points: Ints, answer: _core.ContactSolution) -> tuple[Switch, ...]:
+    """Say which contact points open or close, and where."""
+    contacts, closed = found.contacts, answer.closed
+    return tuple(
+        Switch(
+            found.model.support[contacts.support[i]].name,
+            (float(contacts.positions[i, 0]), float(contacts.positions[i, 1])),
+            bool(closed[i]),
+        )
+        for i in points
+    )
+
+
+def path_stop(found: Discretisation, t: float, load: CaseLoad, points: Ints, answer: _core.ContactSolution) -> PathStop:
+    """Reduce an answer to what the path keeps of it."""
+    deflection = (answer.hi + answer.lo)[::3]
+    imbalance = found.plate.residual(spring_arrays(found), load.nodal, answer.hi, answer.lo)
+    held_force = np.where(found.held.dofs, imbalance - found.contact_rows.T @ answer.reaction, 0.0)
+    pull = found.springs.stiffness * (found.spring_rows @ (answer.hi + answer.lo) - found.springs.base)
+    supports = [
+        support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
+    ]
+    most, least = int(deflection.argmax()), int(deflection.argmin())
+    at = [(float(x), float(y)) for x, y in found.mesh.points[[most, least]]]
+    values, _ = _core.serendipity(found.probes.xi)
+    elements = found.mesh.elements[found.probes.elements]
+    return PathStop(
+        t,
+        switches(found, points, answer),
+        points,
+        np.array([support.reaction for support in supports]),
+        np.array([support.closed_count for support in supports]),
+        np.array([len(support.closed) for support in supports]),
+        np.einsum("qi,qi->q", values, deflection[elements]),
+        float(deflection[most]),
+        float(deflection[least]),
+        at[0],
+        at[1],
+    )

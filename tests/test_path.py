@@ -1,0 +1,120 @@
+"""Load paths as a user meets them: the command, its files, its refusals, and Path in Python."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import signorini
+from signorini import Model
+from signorini.cli import app
+
+SLAB = """
+title = "Slab on pads"
+units = { length = "m", force = "kN" }
+material = { E = 30e6, nu = 0.2 }
+plate = { shape = "rectangle", size = [4, 4], thickness = 0.2 }
+mesh = { divisions = [4, 4] }
+support = [
+  { name = "pads", at = [[1, 1], [3, 1], [3, 3], [1, 3]], resists = "down" },
+  { name = "prop", at = [2, 2], resists = "down", gap = 1e-3 },
+]
+load = [{ case = "G", pressure = 5 }, { case = "Q", force = 10, at = [3.5, 2.5] }]
+combination = [{ name = "service", factors = { G = 1, Q = 1 } }]
+probe = [{ at = [[2, 2], [3.5, 3.5]] }]
+"""
+
+
+@pytest.fixture
+def slab(tmp_path: Path) -> Path:
+    file = tmp_path / "slab.toml"
+    file.write_text(SLAB)
+    return file
+
+
+def run(*arguments: object):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def test_the_command_prints_the_events_and_writes_them(slab: Path) -> None:
+    result = run("path", slab, "--from", "G", "--add", "Q")
+    assert result.exit_code == 0, result.output
+    assert "pads opens at [1, 3]" in result.output and "Equilibrium ends at t = 16" in result.output
+    directory = slab.with_name("slab-path")
+    assert sorted(file.name for file in directory.iterdir()) == ["path.json", "path.png"]
+    found = json.loads((directory / "path.json").read_text())
+    assert (found["from"], found["add"], found["ending"]) == ("G", "Q", "no_equilibrium")
+    assert found["end"] == pytest.approx(found["limit"], rel=1e-6) and found["certificate"]["passed"]
+    assert found["stops"][0]["t"] == 0 and found["stops"][-1]["t"] == found["end"]
+    events = {stop["t"] for stop in found["stops"][1:-1]}
+    assert {event["t"] for event in found["events"]} == events
+    for stop in found["stops"]:
+        total = sum(support["reaction"] for support in stop["supports"])
+        assert total == pytest.approx(80 + 10 * stop["t"], rel=1e-9)
+        assert len(stop["probes"]) == 2
+
+
+def test_stops_show_what_a_direct_solution_shows(slab: Path) -> None:
+    model = signorini.load(slab)
+    found = signorini.path(model, "G", "Q")
+    for stop in found.stops:
+        result = found.at(stop.t)
+        assert stop.reactions == pytest.approx(list(result.reactions.values()), rel=1e-9, abs=1e-9)
+        assert stop.deflections == pytest.approx([probe.deflection for probe in result.probes], rel=1e-9)
+        assert (stop.largest, stop.smallest) == pytest.approx((result.deflection.max(), result.deflection.min()))
+    whole = signorini.solve(model)["service"]
+    assert found.at(1.0).deflection == pytest.approx(whole.deflection, rel=1e-10)
+
+
+def test_until_ends_the_path_and_at_keeps_to_it(slab: Path) -> None:
+    found = signorini.path(signorini.load(slab), "service", "Q", until=2)
+    assert (found.ending, found.end) == ("until", 2.0)
+    with pytest.raises(signorini.InputError, match="the path goes from 0 to 2"):
+        found.at(2.5)
+    with pytest.raises(signorini.InputError, match="until is -1"):
+        signorini.path(found.model, "G", "Q", until=-1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (["--from", "G", "--add", "W"], 2, "Unknown load case or combination 'W'. This model has: G, Q, service."),
+        (["--from", "Q", "--add", "G"], 3, "Q: The plate tips about the line"),
+        (["--from", "G"], 2, "Missing option '--add'"),
+    ],
+)
+def test_what_cannot_be_followed_is_named(slab: Path, arguments: list[str], code: int, message: str) -> None:
+    result = run("path", slab, *arguments)
+    assert result.exit_code == code
+    assert message in result.output and "Traceback" not in result.output
+    assert not slab.with_name("slab-path").exists()
+
+
+def test_a_path_without_events_has_one_segment() -> None:
+    model = Model(
+        material={"E": 30e6, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        mesh={"divisions": [2, 2]},
+        support=[{"edge": "left", "fix": "clamped"}],
+        load=[{"pressure": 1.0}],
+    )
+    found = signorini.path(model, None, "load")
+    (segment,) = found.segments
+    assert (found.ending, found.limit, found.events) == ("no_more_events", np.inf, ())
+    assert found.at(10 * segment.end.t).deflection == pytest.approx(10 * found.at(segment.end.t).deflection, rel=1e-9)
+
+
+def test_points_that_meet_the_soil_at_once_are_no_events_one_by_one() -> None:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.1},
+        mesh={"divisions": [2, 2]},
+        support=[{"area": "all", "resists": "down", "stiffness": 1e6, "gap": 1e-3}],
+        load=[{"pressure": 1e3}],
+    )
+    found = signorini.path(model, None, "load", until=1)
+    assert [stop.t for stop in found.stops] == [0, 1]
+    assert found.stops[0].closed == found.stops[0].counts
+    assert found.at(1).deflection == pytest.approx(2e-3, rel=1e-9)
