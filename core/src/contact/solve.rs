@@ -56,7 +56,8 @@ pub(super) struct Step {
     pub(super) imbalance: Vec<f64>,
     pub(super) remaining: Vec<f64>,
     pub(super) worst: f64,
-    /// Sum of the load's magnitudes in each free rigid motion.
+    /// Work of the load in each free rigid motion, and the sum of the magnitudes it is made of.
+    pub(super) work: Vec<f64>,
     pub(super) work_size: Vec<f64>,
 }
 
@@ -328,10 +329,18 @@ impl ContactProblem {
     pub(super) fn step_of(&self, mut imbalance: Vec<f64>, load: &[f64], solution: &ContactSolution) -> Step {
         self.release_held(&mut imbalance);
         let worst = imbalance.iter().fold(0.0, |worst: f64, value| worst.max(value.abs()));
-        let size = |motion: &Vec<f64>| motion.iter().zip(load).map(|(u, f)| (u * f).abs()).sum();
-        let work_size = self.constraints.free_motions.iter().map(size).collect();
+        let (work, work_size) = self.works(load);
         let remaining = self.remaining(&solution.displacement, &solution.reaction);
-        Step { imbalance, remaining, worst, work_size }
+        Step { imbalance, remaining, worst, work, work_size }
+    }
+
+    /// Work of a load in each free rigid motion, and the sum of the magnitudes it is made of.
+    pub(super) fn works(&self, load: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let of = |motion: &Vec<f64>| {
+            let terms = motion.iter().zip(load).map(|(u, f)| u * f);
+            (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>())
+        };
+        self.constraints.free_motions.iter().map(of).unzip()
     }
 
     /// Zeroes a nodal vector at the dofs held.
@@ -356,9 +365,7 @@ impl ContactProblem {
         } else {
             Vec::new()
         };
-        let along = |motion: &Vec<f64>| motion.iter().zip(&step.imbalance).map(|(u, f)| u * f).sum();
-        let work = self.constraints.free_motions.iter().map(along).collect();
-        let (work_size, remaining) = (step.work_size.clone(), step.remaining.clone());
+        let (work, work_size, remaining) = (step.work.clone(), step.work_size.clone(), step.remaining.clone());
         Ok(Motion { forward, drive: Drive { displacement, force, work, work_size, remaining } })
     }
 

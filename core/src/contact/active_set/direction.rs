@@ -183,6 +183,7 @@ impl Descent<'_> {
             imbalance: residual.to_vec(),
             remaining: vec![0.0; problem.constraints.rows.len()],
             worst: 0.0,
+            work: vec![0.0; problem.constraints.free_motions.len()],
             work_size: vec![0.0; problem.constraints.free_motions.len()],
         };
         let with = self.factored();

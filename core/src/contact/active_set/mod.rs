@@ -203,8 +203,8 @@ impl Descent<'_> {
                 self.refine()?;
                 // Multipliers follow an equilibrium, not what comes before it.
                 let balanced = self.step.worst <= BALANCED * force;
-                let renewed = if balanced { self.renew_multipliers() / force } else { f64::INFINITY };
-                if self.limit < STIFFEST && renewed < STEADY {
+                let renewed = if balanced { self.renew_multipliers() } else { f64::INFINITY };
+                if self.limit < STIFFEST && renewed <= STEADY * force {
                     self.limit = f64::min(STIFFER * self.limit, STIFFEST);
                     self.springs = self.problem.active.softened(self.limit);
                     self.balance();
