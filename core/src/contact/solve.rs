@@ -45,7 +45,7 @@ const CORRECTIONS: usize = 8;
 const STATES: usize = 60;
 /// A correction that leaves more than this part of the imbalance before it ends the refinement.
 const PROGRESS: f64 = 0.25;
-/// An imbalance this small, relative to the largest nodal force, or a length to the largest deflection, is rounding.
+/// An imbalance this small, relative to the largest nodal force, or a gap to the largest deflection, is rounding.
 pub(super) const ROUNDING: f64 = 1e-15;
 /// Reactions and gaps of the wrong sign, relative to the largest of their kind or of the load, that are rounding.
 pub(super) const SIGN: f64 = 1e-11;
@@ -237,7 +237,7 @@ impl ContactProblem {
         any
     }
 
-    /// Corrects with one contact state for as long as what is wrong shrinks.
+    /// Corrects with one contact state for as long as the imbalance, or what is left of closed gaps, shrinks.
     fn refine(
         &self,
         load: &[f64],
@@ -256,29 +256,30 @@ impl ContactProblem {
             let before = solution.clone();
             self.correct(&self.base, state, now, solution)?;
             let next = self.step(load, solution);
-            let (old, new) = (self.error(load, &step, solution), self.error(load, &next, solution));
-            if !first && !(new < old) {
+            let (left_before, left) = (self.left_open(&step, solution), self.left_open(&next, solution));
+            let closer = left < PROGRESS * left_before;
+            if !first && !(next.worst < step.worst || closer) {
                 *solution = before;
                 return Ok(step);
             }
-            let ended = !first && new > PROGRESS * old;
+            let ended = !first && next.worst > PROGRESS * step.worst && !closer;
             first = false;
             step = next;
-            if ended || new <= ROUNDING {
+            if ended || (left == 0.0 && step.worst <= ROUNDING * self.largest_force(load, solution)) {
                 break;
             }
         }
         Ok(step)
     }
 
-    /// The imbalance over the largest nodal force, or what is left of closed gaps over the largest deflection or travel.
-    fn error(&self, load: &[f64], step: &Step, solution: &ContactSolution) -> f64 {
-        let over = |wrong: f64, size: f64| if wrong == 0.0 { 0.0 } else { wrong / size };
+    /// What is left of closed gaps, over the largest deflection or travel; 0 where that is rounding.
+    fn left_open(&self, step: &Step, solution: &ContactSolution) -> f64 {
         let largest = |size: f64, value: &f64| size.max(value.abs());
         let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, largest);
         let length = self.constraints.distance.iter().fold(deflection, largest);
-        let left = step.remaining.iter().zip(&solution.closed).filter(|(_, closed)| **closed).map(|(left, _)| left);
-        f64::max(over(step.worst, self.largest_force(load, solution)), over(left.fold(0.0, largest), length))
+        let closed = step.remaining.iter().zip(&solution.closed).filter(|(_, closed)| **closed);
+        let left = closed.map(|(left, _)| left).fold(0.0, largest);
+        if left <= ROUNDING * length { 0.0 } else { left / length }
     }
 
     /// One correction: the state's increments of reaction, the gaps they leave, and the motion that goes with them.

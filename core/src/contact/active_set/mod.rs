@@ -18,6 +18,7 @@ use super::problem::{ContactProblem, Factored};
 use super::solve::{ContactSolution, Outcome, Step};
 use crate::cholesky::FactorError;
 use crate::plate::Plate;
+use crate::residual::internal_magnitude;
 use direction::Direction;
 
 /// One Newton step, to whoever watches.
@@ -95,6 +96,8 @@ struct Descent<'a> {
     multiplier: Vec<f64>,
     stretch: Vec<f64>,
     step: Step,
+    /// Rounding of the internal forces, below which an imbalance says nothing.
+    rounding: f64,
 }
 
 impl ContactProblem {
@@ -150,6 +153,7 @@ impl ContactProblem {
             stretch: vec![0.0; multiplier.len()],
             multiplier,
             step: Step::default(),
+            rounding: 0.0,
         };
         let outcome = descent.run(start.is_some(), watch)?;
         Ok(match outcome {
@@ -190,14 +194,19 @@ impl Descent<'_> {
         let mut last = closed.clone();
         let mut stalled = 0;
         let mut before = f64::INFINITY;
+        // Without a load nothing may push in the end, so forces count from those of the settlements at the start.
+        let least = if self.load.iter().all(|&f| f == 0.0) { self.largest_push() } else { 0.0 };
         for step in 1..=NEWTON {
             let same = step > 1 && closed == last;
-            let direction = self.direction(&closed, if same { TIGHT } else { LOOSE })?;
+            let direction = match self.step.worst <= self.rounding {
+                true => Direction::zeros(self.load.len(), self.solution.reaction.len()),
+                false => self.direction(&closed, if same { TIGHT } else { LOOSE })?,
+            };
             self.advance(&direction, &closed);
             last = closed;
             closed = self.stretch.iter().map(|&s| s > 0.0).collect();
             let unchanged = closed == last;
-            let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push());
+            let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push()).max(least);
             let settling = unchanged || self.step.worst <= 1e3 * SETTLED * force;
             if settling {
                 self.refine()?;
@@ -221,7 +230,7 @@ impl Descent<'_> {
                 return Ok(Outcome::Interrupted);
             }
             if settling && self.limit == STIFFEST {
-                if worst <= SETTLED * force {
+                if worst <= f64::max(SETTLED * force, self.rounding) {
                     return Ok(Outcome::Solved);
                 }
                 stalled = if unchanged && worst > SLOW * before { stalled + 1 } else { 0 };
@@ -281,6 +290,8 @@ impl Descent<'_> {
             self.problem.correct(with, &self.state, motion, &mut self.solution)?;
             self.balance();
         }
+        let (plate, held) = (&self.problem.plate, &self.problem.held);
+        self.rounding = f64::EPSILON * internal_magnitude(plate, held, &self.solution.displacement);
         Ok(())
     }
 
