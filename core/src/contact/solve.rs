@@ -258,7 +258,7 @@ impl ContactProblem {
             let next = self.step(load, solution);
             let (left_before, left) = (self.left_open(&step, solution), self.left_open(&next, solution));
             let closer = left < PROGRESS * left_before;
-            if !first && !(next.worst < step.worst || closer) {
+            if !(first || next.worst < step.worst || closer) {
                 *solution = before;
                 return Ok(step);
             }
