@@ -205,6 +205,15 @@ def test_where_nothing_pushes_rounding_is_no_fault(supports) -> None:
     assert answer(supports, [{"pressure": 0.0}]).judged().passed
 
 
+def test_supports_that_push_against_each_other_are_judged_by_the_rounding_of_their_forces() -> None:
+    near = [{"at": [[2.0, 2.0]], "resists": "both"}, {"at": [[2.001, 2.0]], "resists": "both", "settlement": 0.02}]
+    right = answer([*MODELS["wall and prop"], *near], loads=[{"pressure": 1e-6}])
+    judged = right.judged()
+    assert judged.passed and judged.limited and np.abs(right.reaction).max() > 1e9 * np.abs(right.load.nodal).max()
+    right.reaction[largest(right.reaction)] *= 1 + 1e-12
+    assert not right.judged().passed
+
+
 def test_loads_that_cancel_leave_none() -> None:
     """A plate afloat: what rounding leaves of its weight and of the water's pressure must not carry it away."""
     right = answer(MODELS["bearings"], [{"pressure": 0.3}, {"pressure": -0.1}, {"pressure": -0.2}])

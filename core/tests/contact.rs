@@ -277,3 +277,15 @@ fn a_contact_set_to_begin_with_leaves_no_pivots() {
     assert!(cold.pivots > 0 && warm.pivots == 0 && warm.iterations > 3);
     assert_eq!(cold.closed, warm.closed);
 }
+
+#[test]
+fn without_a_load_the_active_set_stays_at_rest() {
+    let at = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.0, 0.0)];
+    for gap in [0.0, 0.01] {
+        let problem = on_points(&at, &[gap; 5], true, true);
+        let nothing = vec![0.0; problem.plate.dof_count()];
+        let found = problem.solve(&nothing, &nothing, None, None, &mut |_| true).unwrap();
+        assert_eq!(found.outcome, Outcome::Solved, "gap {gap}");
+        assert_eq!((found.displacement.hi, found.reaction), (nothing, vec![0.0; 5]), "gap {gap}");
+    }
+}

@@ -17,7 +17,7 @@ from signorini.problem import spring_arrays
 
 TOLERANCE = 1e-8
 _ROUNDINGS = 4.0
-"""Units of rounding, of the internal forces that cancel at a node, below which no imbalance can be seen."""
+"""Units of rounding, of the internal and contact forces that cancel at a node, below which no imbalance can be seen."""
 _NIL = 1e-6
 """Deflections below this part of F a²/D are rounding of the elimination."""
 _UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
@@ -48,8 +48,9 @@ class Certificate:
     balance : float
         Largest of the three global resultants out of balance over the sum of the load's magnitudes.
     equilibrium_limit, balance_limit : float
-        What double precision can show of the two for this plate: thin plates' internal forces are so much larger than
-        their loads that their rounding counts. A figure over the tolerance is judged by its limit; 0 where none is.
+        What double precision can show of the two for this plate: internal forces of thin plates, and forces by which
+        supports push against each other, are so much larger than the loads that their rounding counts. A figure over
+        the tolerance is judged by its limit; 0 where none is.
     """
 
     penetration: float
@@ -139,7 +140,10 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
         }
     if _largest(figures["equilibrium"], figures["balance"]) <= TOLERANCE:
         return Certificate(**figures)
-    rounding = _ROUNDINGS * float(np.finfo(float).eps) * found.plate.internal_magnitude(held.dofs, hi, lo)
+    # Supports that nearly repeat each other push against each other, and their forces are carried as doubles.
+    pushes = np.where(held.dofs, 0.0, abs(found.contact_rows).T @ np.abs(reaction))
+    internal = found.plate.internal_magnitude(held.dofs, hi, lo) + _by_force(pushes, across)
+    rounding = _ROUNDINGS * float(np.finfo(float).eps) * internal
     # Roundings of the dofs add up as in a random walk.
     resultant = rounding * np.sqrt(found.dof_count)
     limits = float(_ratio(rounding, scale)), float(_ratio(resultant, _largest(total, rest)))

@@ -91,8 +91,7 @@ impl ContactProblem {
             q.iter_mut().zip(part).for_each(|(total, value)| *total += factor * value);
         }
         let drive = sum.drive(shared.form, &shared.distance);
-        let still = vec![0.0; sum.moved.len()];
-        let posed = self.base.condensed.balanced(PosedLcp { q, ..shared.lcp.clone() }, &drive, &still);
+        let posed = self.base.condensed.balanced(PosedLcp { q, ..shared.lcp.clone() }, &drive);
         (sum, posed)
     }
 

@@ -57,7 +57,8 @@ pub struct Drive {
     pub displacement: Vec<f64>,
     /// r condensed onto the contact points; zero where the flexibility serves.
     pub force: Vec<f64>,
-    /// Work of r in each free rigid motion, and the sum of the load's magnitudes that its rounding is relative to.
+    /// Work of the whole load in each free rigid motion, in which the plate's own forces do none, and the sum of the
+    /// magnitudes it is made of.
     pub work: Vec<f64>,
     pub work_size: Vec<f64>,
     /// What is left of each gap.
@@ -162,7 +163,7 @@ impl Condensed {
 
     /// The LCP past `reaction`s already acting.
     pub fn lcp(&self, form: Form, drive: &Drive, reaction: &[f64]) -> PosedLcp {
-        self.balanced(self.posed(form, drive, reaction), drive, reaction)
+        self.balanced(self.posed(form, drive, reaction), drive)
     }
 
     /// The LCP as elimination gives it: M does not depend on the drive, and q is linear in it.

@@ -196,14 +196,10 @@ impl ContactProblem {
             let carried = &self.base.condensed.regularization;
             reaction = (0..rows.len()).map(|i| carried[i] * moved[i] - push(i)).collect();
         }
-        let motions = &self.constraints.free_motions;
+        let motions = self.constraints.free_motions.len();
         let (work, work_size) = match draft.action {
-            Action::Load(load) => motions
-                .iter()
-                .map(|motion| motion.iter().zip(load).map(|(u, f)| u * f))
-                .map(|terms| (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>()))
-                .unzip(),
-            _ => (vec![0.0; motions.len()], vec![0.0; motions.len()]),
+            Action::Load(load) => self.works(load),
+            _ => (vec![0.0; motions], vec![0.0; motions]),
         };
         Response { displacement: draft.displacement, reaction, moved, work, work_size }
     }

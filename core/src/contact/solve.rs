@@ -45,7 +45,7 @@ const CORRECTIONS: usize = 8;
 const STATES: usize = 60;
 /// A correction that leaves more than this part of the imbalance before it ends the refinement.
 const PROGRESS: f64 = 0.25;
-/// An imbalance this small, relative to the largest nodal force, is rounding.
+/// An imbalance this small, relative to the largest nodal force, or a gap to the largest deflection, is rounding.
 pub(super) const ROUNDING: f64 = 1e-15;
 /// Reactions and gaps of the wrong sign, relative to the largest of their kind or of the load, that are rounding.
 pub(super) const SIGN: f64 = 1e-11;
@@ -56,7 +56,8 @@ pub(super) struct Step {
     pub(super) imbalance: Vec<f64>,
     pub(super) remaining: Vec<f64>,
     pub(super) worst: f64,
-    /// Sum of the load's magnitudes in each free rigid motion.
+    /// Work of the load in each free rigid motion, and the sum of the magnitudes it is made of.
+    pub(super) work: Vec<f64>,
     pub(super) work_size: Vec<f64>,
 }
 
@@ -236,7 +237,7 @@ impl ContactProblem {
         any
     }
 
-    /// Corrects with one contact state for as long as the imbalance shrinks.
+    /// Corrects with one contact state for as long as the imbalance, or what is left of closed gaps, shrinks.
     pub(super) fn refine(
         &self,
         load: &[f64],
@@ -255,18 +256,30 @@ impl ContactProblem {
             let before = solution.clone();
             self.correct(&self.base, state, now, solution)?;
             let next = self.step(load, solution);
-            if !first && !(next.worst < step.worst) {
+            let (left_before, left) = (self.left_open(&step, solution), self.left_open(&next, solution));
+            let closer = left < PROGRESS * left_before;
+            if !(first || next.worst < step.worst || closer) {
                 *solution = before;
                 return Ok(step);
             }
-            let ended = !first && next.worst > PROGRESS * step.worst;
+            let ended = !first && next.worst > PROGRESS * step.worst && !closer;
             first = false;
             step = next;
-            if ended || step.worst <= ROUNDING * self.largest_force(load, solution) {
+            if ended || (left == 0.0 && step.worst <= ROUNDING * self.largest_force(load, solution)) {
                 break;
             }
         }
         Ok(step)
+    }
+
+    /// What is left of closed gaps, over the largest deflection or travel; 0 where that is rounding.
+    fn left_open(&self, step: &Step, solution: &ContactSolution) -> f64 {
+        let largest = |size: f64, value: &f64| size.max(value.abs());
+        let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, largest);
+        let length = self.constraints.distance.iter().fold(deflection, largest);
+        let closed = step.remaining.iter().zip(&solution.closed).filter(|(_, closed)| **closed);
+        let left = closed.map(|(left, _)| left).fold(0.0, largest);
+        if left <= ROUNDING * length { 0.0 } else { left / length }
     }
 
     /// One correction: the state's increments of reaction, the gaps they leave, and the motion that goes with them.
@@ -328,10 +341,18 @@ impl ContactProblem {
     pub(super) fn step_of(&self, mut imbalance: Vec<f64>, load: &[f64], solution: &ContactSolution) -> Step {
         self.release_held(&mut imbalance);
         let worst = imbalance.iter().fold(0.0, |worst: f64, value| worst.max(value.abs()));
-        let size = |motion: &Vec<f64>| motion.iter().zip(load).map(|(u, f)| (u * f).abs()).sum();
-        let work_size = self.constraints.free_motions.iter().map(size).collect();
+        let (work, work_size) = self.works(load);
         let remaining = self.remaining(&solution.displacement, &solution.reaction);
-        Step { imbalance, remaining, worst, work_size }
+        Step { imbalance, remaining, worst, work, work_size }
+    }
+
+    /// Work of a load in each free rigid motion, and the sum of the magnitudes it is made of.
+    pub(super) fn works(&self, load: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let of = |motion: &Vec<f64>| {
+            let terms = motion.iter().zip(load).map(|(u, f)| u * f);
+            (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>())
+        };
+        self.constraints.free_motions.iter().map(of).unzip()
     }
 
     /// Zeroes a nodal vector at the dofs held.
@@ -356,9 +377,7 @@ impl ContactProblem {
         } else {
             Vec::new()
         };
-        let along = |motion: &Vec<f64>| motion.iter().zip(&step.imbalance).map(|(u, f)| u * f).sum();
-        let work = self.constraints.free_motions.iter().map(along).collect();
-        let (work_size, remaining) = (step.work_size.clone(), step.remaining.clone());
+        let (work, work_size, remaining) = (step.work.clone(), step.work_size.clone(), step.remaining.clone());
         Ok(Motion { forward, drive: Drive { displacement, force, work, work_size, remaining } })
     }
 

@@ -29,7 +29,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Direction {
-    fn zeros(size: usize, reactions: usize) -> Self {
+    pub(super) fn zeros(size: usize, reactions: usize) -> Self {
         Self { nodal: vec![0.0; size], force: vec![0.0; size], reaction: vec![0.0; reactions], free: false }
     }
 
@@ -56,7 +56,7 @@ impl Direction {
 }
 
 impl Descent<'_> {
-    /// The direction whose residual is `tolerance` of the imbalance; the present set is factored if that takes long.
+    /// The direction whose residual is `tolerance` of the imbalance, or rounding; the present set is factored if that takes long.
     pub(super) fn direction(&mut self, closed: &[bool], tolerance: f64) -> Result<Direction, FactorError> {
         if let Some(found) = self.conjugate_gradients(closed, tolerance, PATIENCE)? {
             return Ok(found);
@@ -109,7 +109,7 @@ impl Descent<'_> {
         }
         let size = along.nodal.len();
         let mut residual = self.step.imbalance.clone();
-        let enough = tolerance * dot(&residual, &residual).sqrt();
+        let enough = f64::max(tolerance * dot(&residual, &residual).sqrt(), self.rounding);
         let mut total = Direction::zeros(size, along.reaction.len());
         let mut ahead = Direction::zeros(size, along.reaction.len());
         let mut product = f64::INFINITY;
@@ -183,6 +183,7 @@ impl Descent<'_> {
             imbalance: residual.to_vec(),
             remaining: vec![0.0; problem.constraints.rows.len()],
             worst: 0.0,
+            work: vec![0.0; problem.constraints.free_motions.len()],
             work_size: vec![0.0; problem.constraints.free_motions.len()],
         };
         let with = self.factored();

@@ -45,6 +45,7 @@ impl ContactProblem {
             stretch: vec![0.0; given.len()],
             multiplier,
             step: Step::default(),
+            rounding: 0.0,
             imposed: Some(given.clone()),
         };
         let outcome = descent.settle(&given)?;

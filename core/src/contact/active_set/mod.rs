@@ -20,6 +20,7 @@ use super::problem::{ContactProblem, Factored};
 use super::solve::{ContactSolution, Outcome, Step};
 use crate::cholesky::FactorError;
 use crate::plate::Plate;
+use crate::residual::internal_magnitude;
 use direction::Direction;
 
 /// One Newton step, to whoever watches.
@@ -102,6 +103,8 @@ struct Descent<'a> {
     step: Step,
     /// Points that are closed whatever their stretch, and all others open, where the set is not to be found.
     imposed: Option<Vec<bool>>,
+    /// Rounding of the internal forces, below which an imbalance says nothing.
+    rounding: f64,
 }
 
 impl ContactProblem {
@@ -158,6 +161,7 @@ impl ContactProblem {
             multiplier,
             step: Step::default(),
             imposed: None,
+            rounding: 0.0,
         };
         let outcome = descent.run(start.is_some(), watch)?;
         Ok(match outcome {
@@ -199,6 +203,8 @@ impl Descent<'_> {
         let mut stalled = 0;
         let mut since_settled = 0;
         let mut before = f64::INFINITY;
+        // Without a load nothing may push in the end, so forces count from those of the settlements at the start.
+        let least = if self.load.iter().all(|&f| f == 0.0) { self.largest_push() } else { 0.0 };
         for step in 1..=NEWTON {
             let same = step > 1 && closed == last;
             if since_settled == PATIENT && self.limit == STIFFEST && started {
@@ -213,12 +219,15 @@ impl Descent<'_> {
                 (false, true) => LOOSE,
                 (false, false) => FIRM,
             };
-            let direction = self.direction(&closed, tolerance)?;
+            let direction = match self.step.worst <= self.rounding {
+                true => Direction::zeros(self.load.len(), self.solution.reaction.len()),
+                false => self.direction(&closed, tolerance)?,
+            };
             self.advance(&direction, &closed);
             last = closed;
             closed = self.stretch.iter().map(|&s| s > 0.0).collect();
             let unchanged = closed == last;
-            let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push());
+            let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push()).max(least);
             let settling = unchanged || self.step.worst <= 1e3 * SETTLED * force;
             since_settled += 1;
             if settling {
@@ -226,8 +235,8 @@ impl Descent<'_> {
                 self.refine()?;
                 // Multipliers follow an equilibrium, not what comes before it.
                 let balanced = self.step.worst <= BALANCED * force;
-                let renewed = if balanced { self.renew_multipliers() / force } else { f64::INFINITY };
-                if self.limit < STIFFEST && renewed < STEADY {
+                let renewed = if balanced { self.renew_multipliers() } else { f64::INFINITY };
+                if self.limit < STIFFEST && renewed <= STEADY * force {
                     self.limit = f64::min(STIFFER * self.limit, STIFFEST);
                     self.springs = self.problem.active.softened(self.limit);
                     self.balance();
@@ -244,7 +253,7 @@ impl Descent<'_> {
                 return Ok(Outcome::Interrupted);
             }
             if settling && self.limit == STIFFEST {
-                if worst <= SETTLED * force {
+                if worst <= f64::max(SETTLED * force, self.rounding) {
                     return Ok(Outcome::Solved);
                 }
                 stalled = if unchanged && worst > SLOW * before { stalled + 1 } else { 0 };
@@ -299,6 +308,8 @@ impl Descent<'_> {
             self.problem.correct(with, &self.state, motion, &mut self.solution)?;
             self.balance();
         }
+        let (plate, held) = (&self.problem.plate, &self.problem.held);
+        self.rounding = f64::EPSILON * internal_magnitude(plate, held, &self.solution.displacement);
         Ok(())
     }
 

@@ -21,7 +21,7 @@ const LEFT: f64 = 1e-6;
 impl Condensed {
     /// The LCP with the free motions imposed: M_JJ ← QM_JJQ with Q = I − N_J(N_JᵀN_J)⁻¹N_Jᵀ, and M_OJ, q_J moved by the
     /// least that satisfies their equations.
-    pub(in crate::contact) fn balanced(&self, mut lcp: PosedLcp, drive: &Drive, reaction: &[f64]) -> PosedLcp {
+    pub(in crate::contact) fn balanced(&self, mut lcp: PosedLcp, drive: &Drive) -> PosedLcp {
         let free = self.moves.ncols();
         let order = lcp.q.len();
         let inside = lcp.gap_is_z.iter().filter(|&&gap| gap).count();
@@ -55,7 +55,6 @@ impl Condensed {
 
         let mut missing = drive.work.clone();
         for (k, missing) in missing.iter_mut().enumerate() {
-            *missing += lcp.point.iter().map(|&i| self.moves[(i, k)] * reaction[i]).sum::<f64>();
             *missing -= (0..inside).map(|r| n[(r, k)] * lcp.q[r]).sum::<f64>();
         }
         // S itself keeps its soft modes, and q what goes with them, better than a projection does.
