@@ -52,7 +52,7 @@ def test_inside_a_segment_the_path_is_the_direct_solution(drawing, dense, method
             continue
         assert answer.status == "solved"
         # A deflection far below those that the load makes elsewhere is rounding.
-            assert apart(result.deflection, (answer.hi + answer.lo)[::3], 1e-6) < 1e-9
+        assert apart(result.deflection, (answer.hi + answer.lo)[::3], 1e-6) < 1e-9
         on = found.problem.core.solve_on(load.nodal, found.problem.discretisation.held.values, segment.closed)
         # Points that all but repeat each other tell their reactions apart less well.
         assert apart(on.reaction, answer.reaction, force) < 1e-8
