@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from signorini import InputError, NoEquilibriumError, NotCertifiedError, path
@@ -36,6 +36,7 @@ def apart(a, b, least):
 
 
 @pytest.mark.parametrize("method", ["auto", "active_set"])
+@settings(suppress_health_check=[HealthCheck.filter_too_much])
 @given(data=st.data())
 def test_inside_a_segment_the_path_is_the_direct_solution(drawing, dense, method, data):
     found = traced(data, drawing, method)
@@ -60,7 +61,7 @@ def test_inside_a_segment_the_path_is_the_direct_solution(drawing, dense, method
         assert apart(np.array(list(result.reactions.values())), between, force) < 1e-8
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, suppress_health_check=[HealthCheck.filter_too_much])
 @given(data=st.data())
 def test_events_are_where_bisection_of_direct_solutions_finds_them(drawing, dense, data):
     found = traced(data, drawing, "auto", kinds=("at", "at", "edge"))

@@ -153,8 +153,7 @@ impl ContactProblem {
                 solution.gap[i] = if solution.closed[i] { 0.0 } else { step.remaining[i] };
             }
             if settled || self.signs_hold(load, travel, &solution) {
-                solution.outcome = Outcome::Solved;
-                return Ok(solution);
+                return Ok(solution.solved());
             }
             motion = self.motion(with, &step, form)?;
         }
@@ -414,6 +413,13 @@ impl Motion {
 }
 
 impl ContactSolution {
+    /// Solved, unless numbers beyond the arithmetic have made some of it NaN or infinite.
+    pub(super) fn solved(self) -> Self {
+        let d = &self.displacement;
+        let finite = d.hi.iter().chain(&self.reaction).chain(&self.gap).all(|value| value.is_finite());
+        if finite { Self { outcome: Outcome::Solved, ..self } } else { self.failed(Outcome::Unsolved) }
+    }
+
     /// Every number NaN, and why.
     pub(super) fn failed(mut self, outcome: Outcome) -> Self {
         let d = &mut self.displacement;

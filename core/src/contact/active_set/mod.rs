@@ -165,7 +165,7 @@ impl ContactProblem {
         };
         let outcome = descent.run(start.is_some(), watch)?;
         Ok(match outcome {
-            Outcome::Solved => ContactSolution { outcome, ..descent.in_order() },
+            Outcome::Solved => descent.in_order().solved(),
             _ => descent.in_order().failed(outcome),
         })
     }
