@@ -6,6 +6,7 @@ mod contact;
 mod interpolation;
 mod lcp;
 mod plate;
+mod solution;
 
 use pyo3::prelude::*;
 
@@ -17,8 +18,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<lcp::LcpSolution>()?;
     module.add_class::<plate::Plate>()?;
     module.add_class::<contact::ContactProblem>()?;
-    module.add_class::<contact::ContactSolution>()?;
-    module.add_class::<contact::Reference>()?;
+    module.add_class::<solution::ContactSolution>()?;
+    module.add_class::<solution::Reference>()?;
     module.add_class::<combinations::Response>()?;
     module.add_class::<combinations::CombinedCases>()?;
     module.add_function(wrap_pyfunction!(combinations::rest_response, module)?)?;

@@ -9,7 +9,7 @@ mod program;
 
 use super::active_set::{Progress, Start};
 use super::problem::{Constraints, ContactProblem};
-use super::solve::{ContactSolution, Outcome};
+use super::solution::{ContactSolution, Outcome};
 use crate::assembly::Numbering;
 use crate::cholesky::FactorError;
 use crate::plate::Plate;

@@ -1,8 +1,8 @@
 //! Plates on one-sided supports: min ½uᵀKu − fᵀu subject to Gu ≤ g.
 //!
 //! `condense` turns this into a linear complementarity problem and back; `problem` holds the factor that every load
-//! case shares; `solve` goes from a load to displacements, reactions and gaps, `path` along a load that grows; `responses`
-//! and `combine` do so for many combinations of a few load cases at once.
+//! case shares; `solve` goes from a load to displacements, reactions and gaps, corrected by `refinement`, `path` along a load that
+//! grows; `responses` and `combine` do so for many combinations of a few load cases at once.
 
 pub mod active_set;
 pub mod combine;
@@ -10,7 +10,9 @@ pub mod condense;
 pub mod interior_point;
 pub mod path;
 pub mod problem;
+pub mod refinement;
 pub mod responses;
+pub mod solution;
 pub mod solve;
 
 pub use active_set::{Progress, Reference};
@@ -19,4 +21,4 @@ pub use condense::{Condensed, Form};
 pub use path::{PathEnd, PathLoad, Stop};
 pub use problem::{Constraints, ContactProblem};
 pub use responses::Response;
-pub use solve::{ContactSolution, Outcome};
+pub use solution::{ContactSolution, Outcome};

@@ -8,7 +8,8 @@ mod stepping;
 
 use super::condense::{Drive, Form};
 use super::problem::{ContactProblem, Factored};
-use super::solve::{ContactSolution, Outcome, Step};
+use super::refinement::Step;
+use super::solution::{ContactSolution, Outcome};
 use crate::cholesky::FactorError;
 use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
 use crate::residual::Displacement;
@@ -276,7 +277,7 @@ impl ContactProblem {
     }
 
     fn drive(&self, step: &Step, form: Form) -> Result<Drive, FactorError> {
-        Ok(self.motion(&self.base, step, form)?.into_drive())
+        Ok(self.motion(&self.base, step, form)?.drive)
     }
 
     /// A load by itself: no gaps, nothing held elsewhere than at zero.

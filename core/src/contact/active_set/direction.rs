@@ -5,7 +5,7 @@
 
 use super::Descent;
 use crate::cholesky::FactorError;
-use crate::contact::solve::Step;
+use crate::contact::refinement::Step;
 use crate::residual::twice_the_energy;
 
 /// A displacement, the force that the factored matrix has for it, and what it adds to two-sided points' reactions.

@@ -4,7 +4,8 @@ use super::direction::Direction;
 use super::{BALANCED, Descent, NEWTON, ROUNDING, SETTLED, SLOW, STALLS, STIFFEST, TIGHT};
 use crate::cholesky::FactorError;
 use crate::contact::problem::{ContactProblem, Factored};
-use crate::contact::solve::{ContactSolution, Outcome, Step};
+use crate::contact::refinement::Step;
+use crate::contact::solution::{ContactSolution, Outcome};
 
 impl ContactProblem {
     /// As [`ContactProblem::solve_on`], beginning with an answer if there is one; `own` is the factor that an earlier

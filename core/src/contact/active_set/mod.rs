@@ -17,7 +17,8 @@ pub use points::{ActivePoints, Softened};
 
 use super::condense::ContactState;
 use super::problem::{ContactProblem, Factored};
-use super::solve::{ContactSolution, Outcome, Step};
+use super::refinement::Step;
+use super::solution::{ContactSolution, Outcome};
 use crate::cholesky::FactorError;
 use crate::plate::Plate;
 use crate::residual::internal_magnitude;

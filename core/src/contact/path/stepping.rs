@@ -4,7 +4,7 @@ use super::{Line, MOST_EVENTS, PathEnd, PathLoad, SIGN, Stop};
 use crate::cholesky::FactorError;
 use crate::contact::active_set::Start;
 use crate::contact::problem::{ContactProblem, Factored};
-use crate::contact::solve::{ContactSolution, Outcome};
+use crate::contact::solution::{ContactSolution, Outcome};
 
 /// Events nearer than this part of a step are one.
 const SAME: f64 = 1e-9;

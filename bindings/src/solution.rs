@@ -1,0 +1,80 @@
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use signorini_core::contact::{self, Outcome};
+use std::sync::Arc;
+
+/// One load's solution with its contact set factored; see `ContactProblem.reference`.
+#[pyclass(frozen, module = "signorini._core")]
+pub struct Reference {
+    pub inner: contact::Reference,
+    pub of: Arc<contact::ContactProblem>,
+}
+
+/// Displacements (3n,) as two doubles, reactions, gaps and states (m,) of one load.
+#[pyclass(frozen, module = "signorini._core")]
+pub struct ContactSolution {
+    pub inner: contact::ContactSolution,
+}
+
+#[pymethods]
+impl ContactSolution {
+    /// "solved", "no_equilibrium" or "unsolved".
+    #[getter]
+    fn status(&self) -> &'static str {
+        match self.inner.outcome {
+            Outcome::Solved => "solved",
+            Outcome::NoEquilibrium => "no_equilibrium",
+            Outcome::Unsolved | Outcome::Interrupted => "unsolved",
+        }
+    }
+
+    #[getter]
+    fn hi<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.displacement.hi)
+    }
+
+    #[getter]
+    fn lo<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.displacement.lo)
+    }
+
+    #[getter]
+    fn reaction<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.reaction)
+    }
+
+    #[getter]
+    fn gap<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.gap)
+    }
+
+    #[getter]
+    fn closed<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        PyArray1::from_slice(py, &self.inner.closed)
+    }
+
+    #[getter]
+    fn pivots(&self) -> usize {
+        self.inner.pivots
+    }
+
+    #[getter]
+    fn iterations(&self) -> usize {
+        self.inner.iterations
+    }
+
+    #[getter]
+    fn gradients(&self) -> usize {
+        self.inner.gradients
+    }
+
+    #[getter]
+    fn factorizations(&self) -> usize {
+        self.inner.factorizations
+    }
+
+    #[getter]
+    fn corrections(&self) -> usize {
+        self.inner.corrections
+    }
+}

@@ -1,0 +1,179 @@
+//! Corrections of a solution in one contact state, by the double-double residual and the factor at hand.
+
+use super::condense::{ContactState, Drive, Form};
+use super::problem::{ContactProblem, Factored};
+use super::solution::ContactSolution;
+use super::solve::ROUNDING;
+use crate::cholesky::FactorError;
+
+/// At most this many corrections with one contact state.
+const CORRECTIONS: usize = 8;
+/// A correction that leaves more than this part of the imbalance before it ends the refinement.
+const PROGRESS: f64 = 0.25;
+
+/// What is out of balance and what is left of the gaps.
+#[derive(Default)]
+pub(super) struct Step {
+    pub(super) imbalance: Vec<f64>,
+    pub(super) remaining: Vec<f64>,
+    pub(super) worst: f64,
+    /// Work of the load in each free rigid motion, and the sum of the magnitudes it is made of.
+    pub(super) work: Vec<f64>,
+    pub(super) work_size: Vec<f64>,
+}
+
+/// An imbalance after forward substitution, and what it does at the contact points.
+pub(super) struct Motion {
+    forward: Vec<f64>,
+    pub(super) drive: Drive,
+}
+
+impl ContactProblem {
+    /// Corrects with one contact state for as long as the imbalance, or what is left of closed gaps, shrinks.
+    pub(super) fn refine(
+        &self,
+        load: &[f64],
+        state: &ContactState,
+        mut step: Step,
+        motion: Motion,
+        solution: &mut ContactSolution,
+    ) -> Result<Step, FactorError> {
+        let mut motion = Some(motion);
+        let mut first = true;
+        for _ in 0..CORRECTIONS {
+            let now = match motion.take() {
+                Some(motion) => motion,
+                None => self.motion(&self.base, &step, self.base.condensed.better_form())?,
+            };
+            let before = solution.clone();
+            self.correct(&self.base, state, now, solution)?;
+            let next = self.step(load, solution);
+            let (left_before, left) = (self.left_open(&step, solution), self.left_open(&next, solution));
+            let closer = left < PROGRESS * left_before;
+            if !(first || next.worst < step.worst || closer) {
+                *solution = before;
+                return Ok(step);
+            }
+            let ended = !first && next.worst > PROGRESS * step.worst && !closer;
+            first = false;
+            step = next;
+            if ended || (left == 0.0 && step.worst <= ROUNDING * self.largest_force(load, solution)) {
+                break;
+            }
+        }
+        Ok(step)
+    }
+
+    /// What is left of closed gaps, over the largest deflection or travel; 0 where that is rounding.
+    fn left_open(&self, step: &Step, solution: &ContactSolution) -> f64 {
+        let largest = |size: f64, value: &f64| size.max(value.abs());
+        let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, largest);
+        let length = self.constraints.distance.iter().fold(deflection, largest);
+        let closed = step.remaining.iter().zip(&solution.closed).filter(|(_, closed)| **closed);
+        let left = closed.map(|(left, _)| left).fold(0.0, largest);
+        if left <= ROUNDING * length { 0.0 } else { left / length }
+    }
+
+    /// One correction: the state's increments of reaction, the gaps they leave, and the motion that goes with them.
+    pub(super) fn correct(
+        &self,
+        with: &Factored,
+        state: &ContactState,
+        motion: Motion,
+        solution: &mut ContactSolution,
+    ) -> Result<(), FactorError> {
+        let (nodal, reaction) = self.respond(with, state, motion)?;
+        for (dof, value) in nodal.into_iter().enumerate() {
+            solution.displacement.add(dof, value);
+        }
+        for (total, increment) in solution.reaction.iter_mut().zip(&reaction) {
+            *total += increment;
+        }
+        solution.corrections += 1;
+        Ok(())
+    }
+
+    /// Motion of the plate and increments of the reactions in one contact state.
+    pub(super) fn respond(
+        &self,
+        with: &Factored,
+        state: &ContactState,
+        motion: Motion,
+    ) -> Result<(Vec<f64>, Vec<f64>), FactorError> {
+        let Motion { mut forward, drive } = motion;
+        let leading = forward.len() - self.numbering.trailing;
+        let mut pushed = None;
+        let mut reaction = Vec::new();
+        if !with.condensed.is_empty() {
+            let response = with.condensed.solve_state(state, &drive);
+            if with.condensed.better_form() == Form::Stiffness {
+                forward[leading..].copy_from_slice(&with.condensed.prescribing(&response.moved));
+            } else {
+                let carried = with.condensed.regularization.iter().zip(&response.moved).map(|(d, y)| d * y);
+                let push: Vec<f64> = carried.zip(&response.reaction).map(|(c, r)| c - r).collect();
+                let mut force = vec![0.0; self.plate.dof_count()];
+                self.spread(&push, &mut force);
+                pushed = Some(self.apply(with, &force)?);
+            }
+            reaction = response.reaction;
+        }
+        with.factor.backward(&mut forward)?;
+        let mut nodal = self.scatter(&forward);
+        for (value, push) in nodal.iter_mut().zip(pushed.unwrap_or_default()) {
+            *value += push;
+        }
+        Ok((nodal, reaction))
+    }
+
+    pub(super) fn step(&self, load: &[f64], solution: &ContactSolution) -> Step {
+        self.step_of(self.imbalance(load, &solution.displacement, &solution.reaction), load, solution)
+    }
+
+    /// The step from what is out of balance at every dof, those held included.
+    pub(super) fn step_of(&self, mut imbalance: Vec<f64>, load: &[f64], solution: &ContactSolution) -> Step {
+        self.release_held(&mut imbalance);
+        let worst = imbalance.iter().fold(0.0, |worst: f64, value| worst.max(value.abs()));
+        let (work, work_size) = self.works(load);
+        let remaining = self.remaining(&solution.displacement, &solution.reaction);
+        Step { imbalance, remaining, worst, work, work_size }
+    }
+
+    /// Work of a load in each free rigid motion, and the sum of the magnitudes it is made of.
+    pub(super) fn works(&self, load: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let of = |motion: &Vec<f64>| {
+            let terms = motion.iter().zip(load).map(|(u, f)| u * f);
+            (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>())
+        };
+        self.constraints.free_motions.iter().map(of).unzip()
+    }
+
+    /// Zeroes a nodal vector at the dofs held.
+    pub(super) fn release_held(&self, vector: &mut [f64]) {
+        for (value, &held) in vector.iter_mut().zip(&self.held) {
+            if held {
+                *value = 0.0;
+            }
+        }
+    }
+
+    pub(super) fn motion(&self, with: &Factored, step: &Step, form: Form) -> Result<Motion, FactorError> {
+        let mut forward = self.gather(&step.imbalance);
+        with.factor.forward(&mut forward)?;
+        let trailing = &forward[forward.len() - self.numbering.trailing..];
+        let force = with.condensed.condensed_force(trailing);
+        let needs_flexibility = form == Form::Dual || with.condensed.better_form() == Form::Dual;
+        let displacement = if needs_flexibility && !with.condensed.is_empty() {
+            let mut ordered = forward.clone();
+            with.factor.backward(&mut ordered)?;
+            self.at_points(&self.scatter(&ordered))
+        } else {
+            Vec::new()
+        };
+        let (work, work_size, remaining) = (step.work.clone(), step.work_size.clone(), step.remaining.clone());
+        Ok(Motion { forward, drive: Drive { displacement, force, work, work_size, remaining } })
+    }
+
+    pub(super) fn largest_force(&self, load: &[f64], solution: &ContactSolution) -> f64 {
+        load.iter().chain(&solution.reaction).fold(0.0, |a, b| a.max(b.abs()))
+    }
+}

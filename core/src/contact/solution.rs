@@ -1,0 +1,55 @@
+//! What a contact problem is answered with.
+
+use crate::residual::Displacement;
+
+/// How a contact problem ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    Solved,
+    /// Lemke's ray: no reactions balance the load.
+    NoEquilibrium,
+    /// The pivot limit was reached, or the contact state is beyond the arithmetic.
+    Unsolved,
+    /// Whoever watched wanted no more.
+    Interrupted,
+}
+
+/// Displacements, reactions and gaps; NaN unless solved.
+#[derive(Clone, Debug)]
+pub struct ContactSolution {
+    pub outcome: Outcome,
+    pub displacement: Displacement,
+    /// Force of every contact point, against its row.
+    pub reaction: Vec<f64>,
+    /// What is left of every gap; 0 where closed.
+    pub gap: Vec<f64>,
+    pub closed: Vec<bool>,
+    pub pivots: usize,
+    /// Newton steps of the active set.
+    pub iterations: usize,
+    /// Conjugate gradient steps in them.
+    pub gradients: usize,
+    /// Contact sets factored anew.
+    pub factorizations: usize,
+    /// Corrections made with the refined residual.
+    pub corrections: usize,
+}
+
+impl ContactSolution {
+    /// Solved, unless numbers beyond the arithmetic have made some of it NaN or infinite.
+    pub(super) fn solved(self) -> Self {
+        let d = &self.displacement;
+        let finite = d.hi.iter().chain(&self.reaction).chain(&self.gap).all(|value| value.is_finite());
+        if finite { Self { outcome: Outcome::Solved, ..self } } else { self.failed(Outcome::Unsolved) }
+    }
+
+    /// Every number NaN, and why.
+    pub(super) fn failed(mut self, outcome: Outcome) -> Self {
+        let d = &mut self.displacement;
+        for value in d.hi.iter_mut().chain(&mut d.lo).chain(&mut self.reaction).chain(&mut self.gap) {
+            *value = f64::NAN;
+        }
+        self.closed.fill(false);
+        Self { outcome, ..self }
+    }
+}
