@@ -27,8 +27,9 @@ Steps: TypeAlias = Callable[[int, int, float], object]
 
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 
-_YIELDING = (1e-12, 1e-9, 1e-6)
-"""Parts of the plate's own compliance that are tried where rounding decides between points nearly alike."""
+_YIELDING = (1e-6, 1e-9, 1e-12)
+"""Parts of the plate's own compliance that are tried, each from the contact set of the one before, where
+rounding decides between points nearly alike."""
 
 MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
@@ -85,6 +86,8 @@ class ContactProblem:
     method: Method
     reference: _core.Reference | None = None
     """A solved load that others begin with; see `near`."""
+    yields: bool = False
+    """Whether rounding is minded; see `yielding`."""
     _others: dict[Method, ContactProblem] = field(default_factory=dict, repr=False)
 
     @cached_property
@@ -165,7 +168,7 @@ class ContactProblem:
         found = self.discretisation
         rigidity = found.model.material.E * float(found.thickness.max()) ** 3 / 12
         least = np.where(found.contacts.slope, 1.0, found.mesh.size**2) * part / rigidity
-        return _factored(found, self.freedom, "lemke", least)
+        return replace(_factored(found, self.freedom, "lemke", least), yields=True)
 
     def near(self, load: Floats) -> ContactProblem:
         """Pose the same problem for loads not unlike a nodal one (3n,), with whose contact set an active set begins.
@@ -200,17 +203,20 @@ class ContactProblem:
             yield from ((problem, form) for form in _FORMS)
             yield from ((self.yielding(part), "auto") for part in _YIELDING)
 
-    def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> _core.ContactSolution:
+    def solve(
+        self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None, closed: Bools | None = None
+    ) -> _core.ContactSolution:
         """Displacements, reactions and gaps of one load.
 
-        ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set.
+        ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set;
+        ``closed`` (m,) is a contact set for an LCP to begin with.
         """
         held = self.discretisation.held.values
         if self.method == "interior_point":
             return self.core.solve_by_interior_point(load.nodal, held, progress=progress)
         if self.reference is not None:
             return self.core.solve_near(self.reference, load.nodal, held, progress=progress)
-        return self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress)
+        return self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress, closed=closed)
 
     @property
     def seconds(self) -> Mapping[str, float]:
