@@ -22,6 +22,8 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini.inputfile import with_line
 
 _MOST_REASONS = 20
+_OPTIONS = {"start": "--from", "add": "--add", "until": "--until"}
+"""Arguments of `signorini.path` by their names on the command line."""
 _WIDTH_OF_FILES = 160
 """Where the output is no terminal, tables keep their width up to this, so that programs find a row on a line."""
 
@@ -201,7 +203,9 @@ def _messages(file: Path | None = None) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        _end(f"Error: {error if file is None else with_line(error, file)}", error.exit_code)
+        place = _OPTIONS.get(error.place)
+        text = f"{place}: {error.message}" if place else error if file is None else with_line(error, file)
+        _end(f"Error: {text}", error.exit_code)
     except NoEquilibriumError as error:
         _end(f"No equilibrium.\n{error}", error.exit_code)
     except SignoriniError as error:
