@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import Annotated
@@ -104,7 +104,7 @@ def solve(
         try:
             with files.room_for(directory) as room, transient_line() as show:
                 table = room / TABLE if model.tabulated else None
-                with interrupts.at_once() if table is None else nullcontext():
+                with interrupts.at_once(room):
                     results = signorini.solve(model, progress=show, table=table)
                 show("writing the results")
                 files.write(results, directory, table)
@@ -169,7 +169,7 @@ def path(
 
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
-        with files.room_for(directory), transient_line() as show, interrupts.at_once():
+        with files.room_for(directory) as room, transient_line() as show, interrupts.at_once(room):
             found = signorini.path(model, start, add, until, progress=show)
         files.write_path(found, directory)
         print_path(_stdout(), found)
