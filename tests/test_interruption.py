@@ -230,6 +230,28 @@ def test_a_mesh_that_cannot_fit_is_refused_before_it_is_made(slab: Path, monkeyp
     assert "2.0 GB are free, enough for about 77,000. Take larger elements." in done.stderr
 
 
+def test_a_limit_on_the_address_space_is_a_message(slab: Path) -> None:
+    limit = "import resource\nresource.setrlimit(resource.RLIMIT_AS, (10**9, 10**9))"
+    slab.write_text(SLAB.format(title="small", along=4))
+    running = started(slab, limit)
+    _, errors = running.communicate(timeout=60)
+    assert running.returncode == 2
+    said = "mesh: A mesh of 16 elements takes about 0.1 GB of memory; 0.0 GB are free, not enough for the least."
+    assert errors.splitlines()[-1] == f"Error: slab.toml:5: {said}"
+
+
+def test_contact_points_that_cannot_fit_are_refused(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rigid = SLAB.format(title="rigid", along=40).replace("at = [[1, 1], [3, 1], [3, 3], [1, 3]]", 'area = "all"')
+    slab.write_text(f'solver.method = "lemke"\n{rigid}')
+    monkeypatch.setattr("signorini.memory.available", lambda: 2e8)
+    done = CliRunner().invoke(app, ["solve", str(slab)])
+    assert done.exit_code == 2
+    assert "slab.toml:7: support: The problem of 1,600 contact points that need condensing takes about 0.5 GB" in (
+        done.stderr
+    )
+    assert 'enough for about 960. Leave solver.method at "auto", which condenses fewer.' in done.stderr
+
+
 def test_threads_are_bounded_those_of_numpy_too(slab: Path) -> None:
     probe = "import atexit, os\natexit.register(lambda: print('threads', len(os.listdir('/proc/self/task'))))"
     counts = {}

@@ -12,6 +12,9 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+_LONGEST_NAME = 50
+"""File systems allow 255 bytes."""
+
 
 @contextmanager
 def room_beside(directory: str | os.PathLike[str], name: str) -> Iterator[Path]:
@@ -25,7 +28,7 @@ def room_beside(directory: str | os.PathLike[str], name: str) -> Iterator[Path]:
     directory : path-like
         An existing directory.
     name : str
-        What the room is for; it is named ``.name-`` and eight random digits.
+        What the room is for; it is named ``.name-``, cut short when long, and eight random digits.
 
     Yields
     ------
@@ -48,6 +51,7 @@ def room_beside(directory: str | os.PathLike[str], name: str) -> Iterator[Path]:
     (2, True)
     0
     """
+    name = name[:_LONGEST_NAME]
     room, lock = _locked(Path(directory), name)
     try:
         yield room
@@ -194,7 +198,7 @@ def replacing_together(directory: str | os.PathLike[str], former: Iterable[str] 
                 parent.rmdir()
         raise
     # An earlier run may have been killed before the directory was there.
-    _remove_left(target.parent, target.name)
+    _remove_left(target.parent, target.name[:_LONGEST_NAME])
 
 
 def _exchange(source: Path, target: Path, former: set[str], seal: str) -> None:

@@ -109,7 +109,7 @@ def solve(
                 show("writing the results")
                 files.write(results, directory, table)
         except SignoriniError:
-            if (directory / files.JSON).exists():
+            if os.path.exists(directory / files.JSON):
                 _stderr().print(f"Nothing is written; {directory} holds the results of an earlier run.")
             raise
         tables.print_results(_stdout(), results)

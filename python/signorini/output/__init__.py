@@ -118,9 +118,9 @@ def room_for(directory: str | os.PathLike[str]) -> Iterator[Path]:
         If the directory, or where it does not exist yet the nearest that does, cannot be written to.
     """
     target = Path(directory).absolute()
-    nearest = next(place for place in (target, *target.parents) if place.exists())
     with ExitStack() as context:
         try:
+            nearest = next(place for place in (target, *target.parents) if place.exists())
             room = context.enter_context(room_beside(nearest, target.name))
         except OSError as error:
             raise _cannot_write(Path(directory), error) from None
