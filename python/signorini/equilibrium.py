@@ -121,12 +121,17 @@ def _describe(motion: Floats, found: Discretisation) -> str:
     through = found.middle - w / turning * normal
     along = np.array([-normal[1], normal[0]])
     along *= 1.0 if (along > 1e-9).any() and along[np.abs(along) > 1e-9][0] > 0 else -1.0
-    return f"turning about the line through {_point(through)} along {_point(along)}"
+    return f"turning about the line through {_point(through, found)} along {_point(along)}"
 
 
-def _point(at: Floats) -> str:
-    x, y = (round(float(value), 6) + 0.0 for value in at)
-    return f"[{x:g}, {y:g}]"
+def _point(at: Floats, found: Discretisation | None = None) -> str:
+    """A point of a plate, or a direction, without the digits that are rounding."""
+    size = found.mesh.size if found else 1.0
+    return f"[{_clean(at[0], size)}, {_clean(at[1], size)}]"
+
+
+def _clean(length: float, size: float) -> str:
+    return f"{round(float(length) / size, 9) * size + 0.0:.6g}"
 
 
 def restraining_points(freedom: RigidFreedom) -> Ints:
@@ -229,7 +234,7 @@ def _holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, best: 
         least = _least_holding(found, freedom, nodal, node, way)
         if least is not None:
             unit = f" {found.model.units.force}" if found.model.units.force else ""
-            return f" An extra {least:.6g}{unit} {way} at {_point(node)} would just hold it."
+            return f" An extra {least:.6g}{unit} {way} at {_point(node, found)} would just hold it."
     return ""
 
 
@@ -281,19 +286,23 @@ def _explain_tipping(
     # Weight holds it best where the motion lifts the plate most.
     lift = -(found.mesh.points @ normal + offset)
     farthest = int(lift.argmax())
-    axis = f"the line {_line(normal, offset)}"
+    axis = f"the line {_line(normal, offset, size)}"
     text = f"The plate tips about {axis}{names}, short by a moment of {moment:.6g}{moment_unit}."
     if lift[farthest] <= 1e-9 * size:
         return text
     return text + _holding(found, freedom, nodal, found.mesh.points[farthest], "down")
 
 
-def _line(normal: Floats, offset: float) -> str:
-    """Equation of a line; of one parallel to an axis, its coordinate."""
-    for i, name in enumerate("xy"):
-        if abs(normal[1 - i]) < 1e-9:
-            return f"{name} = {0.0 - offset / normal[i]:.6g}"
-    return f"{normal[0]:+.6g} x {normal[1]:+.6g} y {offset:+.6g} = 0"
+def _line(normal: Floats, offset: float, size: float) -> str:
+    """Equation of the line normal · x + offset = 0, the larger of its coefficients one."""
+    leading = int(abs(normal[1]) > abs(normal[0]) * (1 + 1e-9))
+    a, b = (round(float(part / normal[leading]), 9) for part in normal)
+    equals = _clean(-offset / normal[leading], size)
+    if a == 0.0 or b == 0.0:
+        return f"{'xy'[leading]} = {equals}"
+    first = "x" if a == 1.0 else f"{a:.6g} x"
+    second = "y" if abs(b) == 1.0 else f"{abs(b):.6g} y"
+    return f"{first} {'+' if b > 0 else '-'} {second} = {equals}"
 
 
 def _hinges(found: Discretisation, freedom: RigidFreedom, closed: Bools) -> str:
@@ -301,5 +310,5 @@ def _hinges(found: Discretisation, freedom: RigidFreedom, closed: Bools) -> str:
     if not len(contacts):
         return ""
     owners = [found.model.support[i].name for i in np.unique(contacts.support)]
-    spots = ", ".join(_point(at) for at in contacts.positions[:4]) + (", ..." if len(contacts) > 4 else "")
+    spots = ", ".join(_point(at, found) for at in contacts.positions[:4]) + (", ..." if len(contacts) > 4 else "")
     return f" through {spots} of {', '.join(owners)}"
