@@ -226,8 +226,8 @@ def _mean_load(found: Discretisation) -> Floats:
     for combination in combinations:
         for case, factor in (combination.factors or {}).items():
             factors.setdefault(case, []).append(factor / len(combinations))
-    mean = Combination(name="mean", factors={case: math.fsum(sorted(all_)) for case, all_ in factors.items()})
-    return found.load(mean).nodal
+    mean = {case: math.fsum(sorted(all_)) for case, all_ in factors.items()}
+    return found.load(Combination.model_construct(name="mean", factors=mean)).nodal
 
 
 def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combination]:
