@@ -40,6 +40,9 @@ TOO_LONG = 60
 _SELDOM = 50
 """One input in so many draws its pictures; they take most of the time and do not depend on what was found."""
 
+_TOLD = 5000
+"""Inputs after which it is told how far it has come."""
+
 _PICTURES = ("deflection_picture", "pressure_picture", "check_picture", "load_path_picture")
 _LEAVES = {"solve": ("slab-results", (0, 3)), "check": ("slab-check.png", (0, 3)), "path": ("slab-path", (0, 4))}
 """What each command may leave beside the input, with which exit codes."""
@@ -168,7 +171,7 @@ def _work(seeds: multiprocessing.SimpleQueue, found: multiprocessing.SimpleQueue
 def fuzz(first: int, count: int, processes: int) -> int:
     """Run so many seeds; print failures as they come and a summary; return the number of failures."""
     seeds, found = multiprocessing.SimpleQueue(), multiprocessing.SimpleQueue()
-    workers = [multiprocessing.Process(target=_work, args=(seeds, found)) for _ in range(processes)]
+    workers = [multiprocessing.Process(target=_work, args=(seeds, found), daemon=True) for _ in range(processes)]
     for worker in workers:
         worker.start()
     for seed in range(first, first + min(count, processes)):
@@ -196,6 +199,8 @@ def fuzz(first: int, count: int, processes: int) -> int:
         if wrong:
             failures += 1
             print(f"seed {seed}: {'; '.join(wrong)}", flush=True)
+        if outcomes.total() % _TOLD == 0 and outcomes.total() < count:
+            print(f"{outcomes.total()} inputs: {dict(sorted(outcomes.items()))}, {failures} failures", flush=True)
     for _ in workers:
         seeds.put(None)
     print(f"{count} inputs from seed {first}: {dict(sorted(outcomes.items()))}, {failures} failures")
