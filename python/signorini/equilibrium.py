@@ -15,6 +15,7 @@ import numpy as np
 from signorini.discretise import ContactPoints, Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError
+from signorini.tipping import clean, line_in_words, steepest
 
 _RANK = 1e-9
 """Rigid motions of unit size that move a support by less than this part of the plate's size do not move it."""
@@ -127,11 +128,7 @@ def _describe(motion: Floats, found: Discretisation) -> str:
 def _point(at: Floats, found: Discretisation | None = None) -> str:
     """A point of a plate, or a direction, without the digits that are rounding."""
     size = found.mesh.size if found else 1.0
-    return f"[{_clean(at[0], size)}, {_clean(at[1], size)}]"
-
-
-def _clean(length: float, size: float) -> str:
-    return f"{round(float(length) / size, 9) * size + 0.0:.6g}"
+    return f"[{clean(at[0], size)}, {clean(at[1], size)}]"
 
 
 def restraining_points(freedom: RigidFreedom) -> Ints:
@@ -201,7 +198,7 @@ def tipping_axis(found: Discretisation, freedom: RigidFreedom, nodal: Floats) ->
 
 
 def _tipping(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats | None:
-    """The motion (d,) that every support allows on which the load does most work, if there is one."""
+    """The motion (d,) that every support allows on which the load does most work for its turning, if there is one."""
     from scipy.optimize import linprog
 
     total = load_size(found, nodal)
@@ -211,7 +208,8 @@ def _tipping(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Flo
     best = linprog(-work / total, A_ub=one_sided, b_ub=np.zeros(len(one_sided)), bounds=(-1, 1), method="highs")
     if best.x is None or work @ best.x <= _WORK * total:
         return None
-    return np.asarray(best.x)
+    most = steepest(freedom.motions, one_sided, work / total)
+    return np.asarray(best.x if most is None else most)
 
 
 def _lifting(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> str:
@@ -286,23 +284,11 @@ def _explain_tipping(
     # Weight holds it best where the motion lifts the plate most.
     lift = -(found.mesh.points @ normal + offset)
     farthest = int(lift.argmax())
-    axis = f"the line {_line(normal, offset, size)}"
+    axis = f"the line {line_in_words(normal, offset, size)}"
     text = f"The plate tips about {axis}{names}, short by a moment of {moment:.6g}{moment_unit}."
     if lift[farthest] <= 1e-9 * size:
         return text
     return text + _holding(found, freedom, nodal, found.mesh.points[farthest], "down")
-
-
-def _line(normal: Floats, offset: float, size: float) -> str:
-    """Equation of the line normal · x + offset = 0, the larger of its coefficients one."""
-    leading = int(abs(normal[1]) > abs(normal[0]) * (1 + 1e-9))
-    a, b = (round(float(part / normal[leading]), 9) for part in normal)
-    equals = _clean(-offset / normal[leading], size)
-    if a == 0.0 or b == 0.0:
-        return f"{'xy'[leading]} = {equals}"
-    first = "x" if a == 1.0 else f"{a:.6g} x"
-    second = "y" if abs(b) == 1.0 else f"{abs(b):.6g} y"
-    return f"{first} {'+' if b > 0 else '-'} {second} = {equals}"
 
 
 def _hinges(found: Discretisation, freedom: RigidFreedom, closed: Bools) -> str:
