@@ -14,6 +14,7 @@ from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import RigidFreedom, restraining_points, rigid_freedom
 from signorini.errors import InputError, SignoriniError
+from signorini.memory import require_memory_for_points
 from signorini.model import Model
 
 if TYPE_CHECKING:
@@ -246,13 +247,16 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     return _factored(found, freedom, _method(found))
 
 
-def _require_condensable(points: int) -> None:
+def _require_condensable(points: int, of_all: bool, asked: str) -> None:
+    advice = "Take a coarser mesh, or give long lines and areas a stiffness."
+    if of_all and asked == "lemke":
+        advice = 'Leave solver.method at "auto", which condenses fewer.'
     if points > MOST_POINTS:
         raise InputError(
-            f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. "
-            "Take a coarser mesh, or give long lines and areas a stiffness.",
+            f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. {advice}",
             place="support",
         )
+    require_memory_for_points(points, advice, "support")
 
 
 def _factored(
@@ -262,7 +266,8 @@ def _factored(
     # What the interior point method finds is made exact by one of the others.
     many = len(contacts) > MOST_POINTS
     by_active_set = method == "active_set" or (method == "interior_point" and many)
-    _require_condensable(int((contacts.two_sided | (not by_active_set)).sum()))
+    condensed = int((contacts.two_sided | (not by_active_set)).sum())
+    _require_condensable(condensed, not by_active_set, found.model.solver.method)
     # The points of the active set are springs to the condensed ones, and hold what they hold.
     motions = freedom.motions[:, :0] if by_active_set or yielding is not None else freedom.motions
     free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T

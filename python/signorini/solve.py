@@ -225,8 +225,8 @@ def _mean_load(found: Discretisation) -> Floats:
     for combination in combinations:
         for case, factor in (combination.factors or {}).items():
             factors.setdefault(case, []).append(factor / len(combinations))
-    mean = Combination(name="mean", factors={case: math.fsum(sorted(all_)) for case, all_ in factors.items()})
-    return found.load(mean).nodal
+    mean = {case: math.fsum(sorted(all_)) for case, all_ in factors.items()}
+    return found.load(Combination.model_construct(name="mean", factors=mean)).nodal
 
 
 def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combination]:
@@ -265,10 +265,11 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
         )
         return unsolved_result(found, combination.name, reason), spent
     if tried.certificate is None:
+        others = "" if found.model.solver.method == "auto" else ' Leave solver.method at "auto", which tries them all.'
         raise NotCertifiedError(
             f'Combination "{combination.name}" has no answer that could be certified: rounding decides which of its '
             "supports are in contact. Take a finer mesh or fewer supports that nearly repeat each other, or give the "
-            "rigid ones a stiffness."
+            f"rigid ones a stiffness.{others}"
         )
     if not tried.certificate.passed:
         raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {tried.certificate}.')
