@@ -73,8 +73,20 @@ def test_with_too_many_points_for_lemke_the_interior_point_method_follows(
     assert np.abs(result.deflection - by_active_set.deflection).max() < 1e-9 * np.abs(result.deflection).max()
 
 
-@pytest.mark.parametrize("method", ["lemke", "active_set", "interior_point"])
-def test_a_method_asked_for_by_name_is_not_replaced(unsettled: set[str], method: str) -> None:
+@pytest.mark.parametrize(
+    ("method", "next_one"), [("lemke", "active_set"), ("active_set", "lemke"), ("interior_point", "active_set")]
+)
+def test_a_method_asked_for_by_name_is_the_first_and_the_result_says_if_another_took_over(
+    unsettled: set[str], method: str, next_one: str
+) -> None:
+    model = slab(method, divisions=4)
+    assert (signorini.solve(model)["all"].unsettled, signorini.solve(model)["all"].method) == ((), method)
     unsettled.add(method)
+    result = signorini.solve(model)["all"]
+    assert (result.unsettled, result.method) == ((method,), next_one)
+
+
+def test_what_no_method_settles_is_refused(unsettled: set[str]) -> None:
+    unsettled |= {"lemke", "active_set", "interior_point"}
     with pytest.raises(NotCertifiedError, match='"all" is refused'):
-        signorini.solve(slab(method))
+        signorini.solve(slab(divisions=4))

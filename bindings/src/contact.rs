@@ -75,7 +75,7 @@ fn watched(
 #[pymethods]
 impl ContactProblem {
     #[new]
-    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, by_active_set=false))]
+    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, by_active_set=false, yielding=None))]
     fn new(
         py: Python<'_>,
         plate: &Plate,
@@ -84,6 +84,7 @@ impl ContactProblem {
         constraint_arrays: ConstraintArrays<'_>,
         free_motions: Option<PyReadonlyArray2<'_, f64>>,
         by_active_set: bool,
+        yielding: Option<PyReadonlyArray1<'_, f64>>,
     ) -> PyResult<Self> {
         let count = plate.inner.elements().len();
         let held = flags("held", &held, plate.inner.dof_count())?;
@@ -97,6 +98,7 @@ impl ContactProblem {
             compliance: sized("compliance", compliance, m)?,
             two_sided: flags("two_sided", two_sided, m)?,
             regularization: sized("regularization", regularization, m)?,
+            yielding: yielding.map(|least| sized("yielding", &least, m)).transpose()?,
             free_motions: free_motions.map_or(Vec::new(), |motions| rows_of(&motions)),
         };
         if constraints.free_motions.iter().any(|motion| motion.len() != held.len()) {
@@ -105,9 +107,12 @@ impl ContactProblem {
         let not_negative = |v: &[f64]| v.iter().all(|x| *x >= 0.0 && x.is_finite());
         if !not_negative(&constraints.compliance)
             || !not_negative(&constraints.regularization)
+            || !constraints.yielding.iter().all(|least| not_negative(least))
             || constraints.distance.iter().any(|d| !d.is_finite())
         {
-            return Err(invalid("compliance and regularization must be finite and not negative, distances finite"));
+            return Err(invalid(
+                "compliance, regularization and yielding must be finite and not negative, distances finite",
+            ));
         }
         let shared = plate.inner.clone();
         let inner = py

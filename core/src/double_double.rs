@@ -48,6 +48,11 @@ impl DoubleDouble {
         let (p, e) = two_product(self.hi, factor);
         Self::new(p, e + self.lo * factor)
     }
+
+    /// `self · factor`, for a factor in two parts.
+    pub fn times_sum(self, factor: Self) -> Self {
+        self.times(factor.hi) + self.times(factor.lo)
+    }
 }
 
 impl From<f64> for DoubleDouble {

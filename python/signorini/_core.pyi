@@ -91,6 +91,7 @@ class ContactProblem:
         constraint_arrays: _Constraints,
         free_motions: _Floats | None = None,
         by_active_set: bool = False,
+        yielding: _Floats | None = None,
     ) -> ContactProblem: ...
     def solve(
         self,

@@ -27,6 +27,8 @@ _BLOCK = 1 << 12
 """Rows in extended precision at a time."""
 
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
+LIMITED = ("tension", "equilibrium", "balance")
+"""Figures that the rounding of the plate's own forces may limit."""
 
 
 @dataclass(frozen=True)
@@ -47,8 +49,8 @@ class Certificate:
         Largest nodal force out of balance over the largest nodal load (couples over the element size).
     balance : float
         Largest of the three global resultants out of balance over the sum of the load's magnitudes.
-    equilibrium_limit, balance_limit : float
-        What double precision can show of the two for this plate: internal forces of thin plates, and forces by which
+    tension_limit, equilibrium_limit, balance_limit : float
+        What double precision can show of the three for this plate: internal forces of thin plates, and forces by which
         supports push against each other, are so much larger than the loads that their rounding counts. A figure over
         the tolerance is judged by its limit; 0 where none is.
     """
@@ -58,24 +60,24 @@ class Certificate:
     complementarity: float
     equilibrium: float
     balance: float
+    tension_limit: float = 0.0
     equilibrium_limit: float = 0.0
     balance_limit: float = 0.0
 
     @property
     def limited(self) -> bool:
         """Whether arithmetic limits a figure that passed."""
-        return self.passed and max(self.equilibrium, self.balance) > TOLERANCE
+        return self.passed and max(self.tension, self.equilibrium, self.balance) > TOLERANCE
 
     @property
     def passed(self) -> bool:
         """Whether every figure is within tolerance."""
-        limits = {"equilibrium": self.equilibrium_limit, "balance": self.balance_limit}
-        return all(getattr(self, name) <= max(TOLERANCE, limits.get(name, TOLERANCE)) for name in FIGURES)
+        return all(getattr(self, name) <= max(TOLERANCE, getattr(self, f"{name}_limit", 0.0)) for name in FIGURES)
 
     def __str__(self) -> str:
         """Say it in a line."""
         figures = ", ".join(f"{name} {getattr(self, name):.1e}" for name in FIGURES)
-        limits = f"equilibrium to {self.equilibrium_limit:.0e}, balance to {self.balance_limit:.0e}"
+        limits = ", ".join(f"{name} to {getattr(self, f'{name}_limit'):.0e}" for name in LIMITED)
         note = f"; arithmetic limits {limits}" if self.limited else ""
         return f"{'passed' if self.passed else 'failed'}: {figures}{note}"
 
@@ -138,7 +140,7 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
             "equilibrium": _ratio(_by_force(at_free, across), scale),
             "balance": _ratio(out_of_balance, _largest(total, rest)),
         }
-    if _largest(figures["equilibrium"], figures["balance"]) <= TOLERANCE:
+    if _largest(*(figures[name] for name in LIMITED)) <= TOLERANCE:
         return Certificate(**figures)
     # Supports that nearly repeat each other push against each other, and their forces are carried as doubles.
     pushes = np.where(held.dofs, 0.0, abs(found.contact_rows).T @ np.abs(reaction))
@@ -146,8 +148,13 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
     rounding = _ROUNDINGS * float(np.finfo(float).eps) * internal
     # Roundings of the dofs add up as in a random walk.
     resultant = rounding * np.sqrt(found.dof_count)
-    limits = float(_ratio(rounding, scale)), float(_ratio(resultant, _largest(total, rest)))
-    return Certificate(**figures, equilibrium_limit=limits[0], balance_limit=limits[1])
+    return Certificate(
+        **figures,
+        # A reaction that balances nothing but rounding may have either sign.
+        tension_limit=_ratio(resultant, pressing),
+        equilibrium_limit=_ratio(rounding, scale),
+        balance_limit=_ratio(resultant, _largest(total, rest)),
+    )
 
 
 def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
@@ -196,4 +203,4 @@ def _largest(*values: Floats | float) -> float:
 
 
 def _ratio(error: float, size: float) -> float:
-    return 0.0 if error == 0.0 else error / size if size > 0.0 else float("inf")
+    return 0.0 if error == 0.0 else float(error / size) if size > 0.0 else float("inf")

@@ -129,15 +129,19 @@ def _point(at: Floats) -> str:
     return f"[{x:g}, {y:g}]"
 
 
-def restraining_points(freedom: RigidFreedom) -> Ints:
-    """Contact points, as few as there are free motions, that hold them when closed; far apart where they can be."""
+def restraining_points(freedom: RigidFreedom, stiffness: Floats) -> Ints:
+    """Contact points, as few as there are free motions, that hold them when closed; stiff and far apart if possible.
+
+    ``stiffness`` (m,) is that of each point's support, or as much of it as counts.
+    """
     from scipy.linalg import qr
 
     if not freedom.count:
         return np.zeros(0, dtype=np.int64)
     # Each pick is the longest column that is left, and lengths, being convex, are greatest at corners of the hull.
-    _, _, order = qr(freedom.moves[freedom.deciding].T, mode="economic", pivoting=True)
-    return freedom.deciding[order[: freedom.count]]
+    columns = freedom.moves.T * np.sqrt(stiffness / stiffness.max())
+    _, _, order = qr(columns, mode="economic", pivoting=True)
+    return np.asarray(order[: freedom.count], dtype=np.int64)
 
 
 def load_size(found: Discretisation, nodal: Floats) -> float:

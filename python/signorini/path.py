@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from signorini import _core
-from signorini.certificate import FIGURES, Certificate, certify
+from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools, Ints
 from signorini.equilibrium import no_equilibrium
@@ -233,7 +233,7 @@ def _trace(
     found = problem.discretisation
     stops: list[PathStop] = []
     first: list[Bools] = []
-    worst = dict.fromkeys((*FIGURES, "equilibrium_limit", "balance_limit"), 0.0)
+    worst = {figure.name: 0.0 for figure in fields(Certificate)}
 
     def visit(t: float, points: Ints, answer: _core.ContactSolution) -> None:
         load = loads[0] + t * loads[1]

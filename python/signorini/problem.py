@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
@@ -24,6 +24,11 @@ Method = Literal["lemke", "active_set", "interior_point"]
 
 Steps: TypeAlias = Callable[[int, int, float], object]
 """Called with a step's number, the contact points it changed and its relative imbalance; what it raises ends it."""
+
+_FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
+
+_YIELDING = (1e-12, 1e-9, 1e-6)
+"""Parts of the plate's own compliance that are tried where rounding decides between points nearly alike."""
 
 MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
@@ -150,6 +155,18 @@ class ContactProblem:
             self._others[method] = _factored(self.discretisation, self.freedom, method)
         return self._others[method]
 
+    def yielding(self, part: float) -> ContactProblem:
+        """Condense every point, each increment of reaction yielding by a part of the plate's own compliance.
+
+        Points that nearly repeat each other then share what rounding would decide, and a plate on the brink stays where
+        it is (proximal method of multipliers; Rockafellar 1976). Corrections by a Krylov method take back what has
+        yielded, so that the answer is of the problem itself.
+        """
+        found = self.discretisation
+        rigidity = found.model.material.E * float(found.thickness.max()) ** 3 / 12
+        least = np.where(found.contacts.slope, 1.0, found.mesh.size**2) * part / rigidity
+        return _factored(found, self.freedom, "lemke", least)
+
     def near(self, load: Floats) -> ContactProblem:
         """Pose the same problem for loads not unlike a nodal one (3n,), with whose contact set an active set begins.
 
@@ -162,13 +179,26 @@ class ContactProblem:
 
     @property
     def fallbacks(self) -> tuple[Method, ...]:
-        """Methods that take over, in turn, where this one does not settle; none where the method is prescribed."""
-        if self.discretisation.model.solver.method != "auto" or self.discretisation.contacts.two_sided.all():
+        """Methods that take over, in turn, where this one does not settle; a prescribed one is only the first."""
+        if self.discretisation.contacts.two_sided.all():
             return ()
+        others: tuple[Method, ...] = ("active_set", "lemke", "interior_point")
         can_be_condensed = len(self.gaps) <= MOST_POINTS
-        if self.method == "lemke":
-            return "active_set", "interior_point"
-        return ("lemke", "interior_point") if can_be_condensed else ("interior_point",)
+        return tuple(other for other in others if other != self.method and (other != "lemke" or can_be_condensed))
+
+    def attempts(self) -> Iterator[tuple[ContactProblem, Form]]:
+        """Every way to an answer, in the order in which they are tried until one is certified."""
+        start = self
+        if self.reference is not None:
+            yield self, "auto"
+            start = replace(self, reference=None)
+        for method in (self.method, *self.fallbacks):
+            problem = start if method == self.method else start.by(method)
+            if method != "lemke":
+                yield problem, "auto"
+                continue
+            yield from ((problem, form) for form in _FORMS)
+            yield from ((self.yielding(part), "auto") for part in _YIELDING)
 
     def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> _core.ContactSolution:
         """Displacements, reactions and gaps of one load.
@@ -219,14 +249,16 @@ def _require_condensable(points: int) -> None:
         )
 
 
-def _factored(found: Discretisation, freedom: RigidFreedom, method: Method) -> ContactProblem:
+def _factored(
+    found: Discretisation, freedom: RigidFreedom, method: Method, yielding: Floats | None = None
+) -> ContactProblem:
     contacts = found.contacts
     # What the interior point method finds is made exact by one of the others.
     many = len(contacts) > MOST_POINTS
     by_active_set = method == "active_set" or (method == "interior_point" and many)
     _require_condensable(int((contacts.two_sided | (not by_active_set)).sum()))
     # The points of the active set are springs to the condensed ones, and hold what they hold.
-    motions = freedom.motions[:, :0] if by_active_set else freedom.motions
+    motions = freedom.motions[:, :0] if by_active_set or yielding is not None else freedom.motions
     free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T
     rows = contacts.rows
     try:
@@ -244,6 +276,7 @@ def _factored(found: Discretisation, freedom: RigidFreedom, method: Method) -> C
             ),
             free_motions,
             by_active_set,
+            yielding,
         )
     except RuntimeError as error:
         if found.model.plate.element == "q8r":
@@ -278,7 +311,7 @@ def _regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
         rigidity = _CARRIED * material.E * thickness**3 / 12
         needed = np.zeros(len(contacts))
         needed[contacts.two_sided] = rigidity
-        needed[restraining_points(freedom)] = rigidity
+        needed[restraining_points(freedom, np.minimum(stiffness, rigidity / found.mesh.size**2))] = rigidity
         needed[~contacts.slope] /= found.mesh.size**2
         carried = np.maximum(carried, np.minimum(needed, stiffness))
     return np.asarray(carried)

@@ -6,7 +6,7 @@ import math
 import os
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from signorini import _core
 from signorini.certificate import Certificate, certify
@@ -15,12 +15,11 @@ from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
-from signorini.problem import ContactProblem, Form, Method, Steps, contact_problem
+from signorini.problem import ContactProblem, Method, Steps, contact_problem
 from signorini.progress import Progress, Watcher
 from signorini.result import Result, unsolved_result
 from signorini.stability import supports_contradict, why_none
 
-_FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 _REASONS = 5
 """Combinations without equilibrium that a message names where none has one."""
 
@@ -32,7 +31,7 @@ class _Attempt:
     methods: list[Method]
     answer: _core.ContactSolution
     certificate: Certificate | None
-    infeasible: bool
+    contradiction: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,7 +257,7 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
     tried = _answer(problem, load, steps)
     spent = time.perf_counter() - begun
-    if tried.infeasible and supports_contradict(found):
+    if tried.contradiction:
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
         reason = (
             "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and "
@@ -281,27 +280,24 @@ def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Attempt:
 
     A basis that rounding makes singular in one form is regular in another. If no answer is certified the first stands.
     """
+    found = problem.discretisation
     first: _Attempt | None = None
     methods: list[Method] = []
-    infeasible = False
-    for attempt, form in _attempts(problem):
+    consistent = False
+    for attempt, form in problem.attempts():
         methods += [] if attempt.method in methods else [attempt.method]
         answer = attempt.solve(load, form, steps)
-        solved = answer.status == "solved"
-        certificate = certify(problem.discretisation, load, answer.hi, answer.lo, answer.reaction) if solved else None
-        infeasible |= answer.status == "no_equilibrium"
-        tried = _Attempt(list(methods), answer, certificate, False)
+        certificate = None
+        if answer.status == "solved":
+            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
+        elif answer.status == "no_equilibrium" and not consistent:
+            if supports_contradict(found):
+                return _Attempt(list(methods), answer, None, contradiction=True)
+            consistent = True
+        tried = _Attempt(list(methods), answer, certificate)
         if certificate is not None and certificate.passed:
             return tried
         first = first or tried
     assert first is not None, "there are attempts"
-    return _Attempt(methods, first.answer, first.certificate, infeasible)
-
-
-def _attempts(problem: ContactProblem) -> Iterator[tuple[ContactProblem, Form]]:
-    if problem.reference is not None:
-        yield problem, "auto"
-        problem = replace(problem, reference=None)
-    yield from ((problem, form) for form in (_FORMS if problem.method == "lemke" else _FORMS[:1]))
-    for method in problem.fallbacks:
-        yield from ((problem.by(method), form) for form in (_FORMS if method == "lemke" else _FORMS[:1]))
+    contradiction = not consistent and supports_contradict(found)
+    return _Attempt(methods, first.answer, first.certificate, contradiction)

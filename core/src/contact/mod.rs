@@ -7,6 +7,7 @@
 pub mod active_set;
 pub mod combine;
 pub mod condense;
+mod floating;
 pub mod interior_point;
 pub mod path;
 pub mod problem;
@@ -14,6 +15,7 @@ pub mod refinement;
 pub mod responses;
 pub mod solution;
 pub mod solve;
+mod yielding;
 
 pub use active_set::{Progress, Reference};
 pub use combine::{Combined, CombinedCases, Verdict};

@@ -38,6 +38,9 @@ impl ContactProblem {
         motion: Motion,
         solution: &mut ContactSolution,
     ) -> Result<Step, FactorError> {
+        if self.constraints.yields() {
+            return self.refine_yielding(load, state, motion, solution);
+        }
         let mut motion = Some(motion);
         let mut first = true;
         for _ in 0..CORRECTIONS {
@@ -64,14 +67,14 @@ impl ContactProblem {
         Ok(step)
     }
 
-    /// What is left of closed gaps, over the largest deflection or travel; 0 where that is rounding.
+    /// What is left of closed gaps; 0 where that is rounding of the largest deflection or travel.
     fn left_open(&self, step: &Step, solution: &ContactSolution) -> f64 {
         let largest = |size: f64, value: &f64| size.max(value.abs());
         let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, largest);
         let length = self.constraints.distance.iter().fold(deflection, largest);
         let closed = step.remaining.iter().zip(&solution.closed).filter(|(_, closed)| **closed);
         let left = closed.map(|(left, _)| left).fold(0.0, largest);
-        if left <= ROUNDING * length { 0.0 } else { left / length }
+        if left <= ROUNDING * length { 0.0 } else { left }
     }
 
     /// One correction: the state's increments of reaction, the gaps they leave, and the motion that goes with them.

@@ -185,9 +185,14 @@ impl ContactProblem {
         any
     }
 
+    /// Size of the first element.
+    pub(super) fn across(&self) -> f64 {
+        self.plate.geometry(0).at.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()))
+    }
+
     /// Largest nodal load; a couple counts by the force that it is at the size of the first element.
     fn largest_load(&self, load: &[f64]) -> f64 {
-        let across = self.plate.geometry(0).at.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let across = self.across();
         let size = |(dof, f): (usize, &f64)| if dof % 3 == 0 { f.abs() } else { f.abs() / across };
         load.iter().enumerate().map(size).fold(0.0, f64::max)
     }
