@@ -1,7 +1,7 @@
-//! Substitution with a factor: one right-hand side, which subtrees share, against several, which faer solves.
+//! Substitution with a factor: one right-hand side against several side by side.
 
 use signorini_core::assembly::{Numbering, assemble};
-use signorini_core::cholesky::Analysis;
+use signorini_core::cholesky::{Analysis, Factor};
 use signorini_core::element::{Kind, Material};
 use signorini_core::plate::Plate;
 use signorini_core::residual::{Rows, Springs};
@@ -28,24 +28,59 @@ fn strip(columns: usize, rows: usize) -> (Plate, Springs) {
     (plate, Springs { rows, stiffness: vec![1.0; count], base: vec![0.0; count] })
 }
 
-#[test]
-fn subtrees_side_by_side_solve_what_one_after_the_other_do() {
-    // A small factor, which is not shared out, and one that is.
-    for (columns, rows, entries) in [(3, 2, 0), (40, 20, 400_000)] {
+/// A small factor, whose subtrees are not shared out, and one whose are.
+fn factors() -> [Factor; 2] {
+    [(3, 2, 0), (40, 20, 400_000)].map(|(columns, rows, entries)| {
         let (plate, springs) = strip(columns, rows);
         let free = vec![false; plate.dof_count()];
         let numbering = Numbering::new(&plate, &free, &free);
         let matrix = assemble(&plate, &springs, &[], &numbering);
         let factor = Analysis::new(&matrix).unwrap().factorize(&matrix).unwrap();
         assert!(factor.entries() > entries);
-        let right: Vec<f64> = (0..factor.len()).map(|i| ((37 * i) % 101) as f64 - 50.0).collect();
-        let (mut one, mut two) = (right.clone(), right.repeat(2));
-        factor.forward(&mut one).unwrap();
-        factor.forward(&mut two).unwrap();
-        assert_close(&one, &two[..one.len()]);
-        factor.backward(&mut one).unwrap();
-        factor.backward(&mut two).unwrap();
-        assert_close(&one, &two[one.len()..]);
+        factor
+    })
+}
+
+fn right(factor: &Factor, seed: usize) -> Vec<f64> {
+    (0..factor.len()).map(|i| ((37 * (i + seed)) % 101) as f64 - 50.0).collect()
+}
+
+#[test]
+fn right_hand_sides_side_by_side_are_solved_like_one_alone() {
+    for factor in factors() {
+        for count in [2, 8, 19] {
+            let mut all: Vec<f64> = (0..count).flat_map(|seed| right(&factor, seed)).collect();
+            factor.forward(&mut all).unwrap();
+            for (seed, found) in all.chunks(factor.len()).enumerate() {
+                let mut one = right(&factor, seed);
+                factor.forward(&mut one).unwrap();
+                assert_close(&one, found);
+            }
+            factor.backward(&mut all).unwrap();
+            for (seed, found) in all.chunks(factor.len()).enumerate() {
+                let mut one = right(&factor, seed);
+                factor.forward(&mut one).unwrap();
+                factor.backward(&mut one).unwrap();
+                assert_close(&one, found);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_right_hand_side_has_the_same_bits_whatever_stands_beside_it() {
+    for factor in factors() {
+        let solved = |seeds: &[usize]| {
+            let mut all: Vec<f64> = seeds.iter().flat_map(|&seed| right(&factor, seed)).collect();
+            factor.forward(&mut all).unwrap();
+            factor.backward(&mut all).unwrap();
+            all
+        };
+        let (few, many) = (solved(&[5, 3]), solved(&[1, 2, 3, 4, 5, 6, 7, 8, 9, 3]));
+        let at = |all: &[f64], place: usize| all[place * factor.len()..(place + 1) * factor.len()].to_vec();
+        assert_eq!(at(&few, 0), at(&many, 4));
+        assert_eq!(at(&few, 1), at(&many, 2));
+        assert_eq!(at(&few, 1), at(&many, 9));
     }
 }
 

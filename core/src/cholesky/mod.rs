@@ -1,14 +1,16 @@
 //! Sparse Cholesky factorization by `faer`, its solves, and its trailing block.
 
+mod entry;
 mod substitution;
 
 use crate::assembly::LowerTriangle;
+use entry::{Entry, LANES, Lanes};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::{LltError as PivotError, LltParams, LltRegularization};
 use faer::sparse::linalg::SymbolicSupernodalParams;
 use faer::sparse::linalg::cholesky::{simplicial, supernodal};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, Mat, MatMut, Par, Spec};
+use faer::{Mat, Par, Spec};
 use std::sync::Arc;
 use substitution::Schedule;
 
@@ -167,28 +169,40 @@ impl Factor {
     }
 
     /// Overwrites `rhs`, one vector or several one after the other, with L⁻¹ times each.
+    ///
+    /// Of several each has the bits that it has beside any others.
     pub fn forward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
-        let count = rhs.len() / self.len().max(1);
-        if count <= 1 {
-            self.schedule.forward(&self.values, rhs);
-            return Ok(());
+        if rhs.len() != self.len() {
+            return self.side_by_side(rhs, |lanes| self.schedule.forward(&self.values, lanes));
         }
-        let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(count, PAR))?;
-        let rhs = MatMut::from_column_major_slice_mut(rhs, self.len(), count);
-        self.view().l_solve_with_conj(Conj::No, rhs, PAR, MemStack::new(&mut memory));
+        self.schedule.forward(&self.values, rhs);
         Ok(())
     }
 
     /// Overwrites `rhs`, one vector or several one after the other, with L⁻ᵀ times each.
     pub fn backward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
-        let count = rhs.len() / self.len().max(1);
-        if count <= 1 {
-            self.schedule.backward(&self.values, rhs);
-            return Ok(());
+        if rhs.len() != self.len() {
+            return self.side_by_side(rhs, |lanes| self.schedule.backward(&self.values, lanes));
         }
-        let mut memory = buffer(self.symbolic.solve_in_place_scratch::<f64>(count, PAR))?;
-        let rhs = MatMut::from_column_major_slice_mut(rhs, self.len(), count);
-        self.view().l_transpose_solve_with_conj(Conj::No, rhs, PAR, MemStack::new(&mut memory));
+        self.schedule.backward(&self.values, rhs);
+        Ok(())
+    }
+
+    fn side_by_side(&self, rhs: &mut [f64], solve: impl Fn(&mut [Lanes])) -> Result<(), FactorError> {
+        let size = self.len().max(1);
+        let mut lanes = Vec::new();
+        lanes.try_reserve_exact(size).map_err(|_| FactorError::OutOfMemory)?;
+        for vectors in rhs.chunks_mut(LANES * size) {
+            lanes.clear();
+            lanes.resize(size, Lanes::ZERO);
+            for (lane, vector) in vectors.chunks_exact(size).enumerate() {
+                lanes.iter_mut().zip(vector).for_each(|(row, value)| row.0[lane] = *value);
+            }
+            solve(&mut lanes);
+            for (lane, vector) in vectors.chunks_exact_mut(size).enumerate() {
+                lanes.iter().zip(vector).for_each(|(row, value)| *value = row.0[lane]);
+            }
+        }
         Ok(())
     }
 

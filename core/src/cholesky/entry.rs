@@ -1,0 +1,271 @@
+//! What substitution works on: one number a row, or those of several right-hand sides side by side.
+
+use pulp::{Arch, Simd, WithSimd};
+
+/// Right-hand sides that stand side by side.
+pub(super) const LANES: usize = 8;
+
+/// A row of the right-hand sides.
+pub(super) trait Entry: Copy + Send + Sync {
+    const ZERO: Self;
+
+    fn add(&mut self, other: Self);
+
+    /// vector ← (L₁⁻¹v₁, −L₂L₁⁻¹v₁) for the columns (L₁, L₂) of a supernode, whose v₂ is zero.
+    fn eliminate(columns: &[f64], count: usize, vector: &mut [Self]);
+
+    /// v₁ ← L₁⁻ᵀ(v₁ − L₂ᵀv₂) for the columns (L₁, L₂) of a supernode.
+    fn substitute(columns: &[f64], count: usize, vector: &mut [Self]);
+}
+
+impl Entry for f64 {
+    const ZERO: Self = 0.0;
+
+    fn add(&mut self, other: Self) {
+        *self += other;
+    }
+
+    fn eliminate(columns: &[f64], count: usize, vector: &mut [Self]) {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || eliminate(columns, count, vector),
+        );
+    }
+
+    fn substitute(columns: &[f64], count: usize, vector: &mut [Self]) {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || substitute(columns, count, vector),
+        );
+    }
+}
+
+/// Every lane is computed as if it were alone, so that its bits do not depend on what stands beside it.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Lanes(pub(super) [f64; LANES]);
+
+impl Entry for Lanes {
+    const ZERO: Self = Self([0.0; LANES]);
+
+    fn add(&mut self, other: Self) {
+        self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a += b);
+    }
+
+    fn eliminate(columns: &[f64], count: usize, vector: &mut [Self]) {
+        Arch::new().dispatch(Eliminate { columns, count, vector });
+    }
+
+    fn substitute(columns: &[f64], count: usize, vector: &mut [Self]) {
+        Arch::new().dispatch(Substitute { columns, count, vector });
+    }
+}
+
+struct Eliminate<'a> {
+    columns: &'a [f64],
+    count: usize,
+    vector: &'a mut [Lanes],
+}
+
+impl WithSimd for Eliminate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        match LANES / S::F64_LANES {
+            1 => self.run::<S, 1>(simd),
+            2 => self.run::<S, 2>(simd),
+            4 => self.run::<S, 4>(simd),
+            _ => self.run::<S, LANES>(simd),
+        }
+    }
+}
+
+impl Eliminate<'_> {
+    /// With N registers a row.
+    #[inline(always)]
+    fn run<S: Simd, const N: usize>(self, simd: S) {
+        let Self { columns, count, vector } = self;
+        let height = vector.len();
+        for first in (0..count).step_by(TOGETHER) {
+            let some = TOGETHER.min(count - first);
+            let mut solved = [Lanes::ZERO; TOGETHER];
+            for k in 0..some {
+                let l = &columns[(first + k) * height..(first + k + 1) * height];
+                for lane in 0..LANES {
+                    solved[k].0[lane] = vector[first + k].0[lane] / l[first + k];
+                }
+                vector[first + k] = solved[k];
+                for i in k + 1..some {
+                    for lane in 0..LANES {
+                        vector[first + i].0[lane] -= l[first + i] * solved[k].0[lane];
+                    }
+                }
+            }
+            let below = first + some;
+            let x: [[S::f64s; N]; TOGETHER] = std::array::from_fn(|k| negative::<S, N>(simd, &solved[k]));
+            if some == TOGETHER {
+                let l: [&[f64]; TOGETHER] =
+                    std::array::from_fn(|k| &columns[(first + k) * height + below..(first + k + 1) * height]);
+                let factors = l[0].iter().zip(l[1]).zip(l[2]).zip(l[3]);
+                for (row, (((a, b), c), d)) in vector[below..].iter_mut().zip(factors) {
+                    let row = S::as_mut_simd_f64s(&mut row.0).0;
+                    let l = [a, b, c, d].map(|l| simd.splat_f64s(*l));
+                    for n in 0..N {
+                        for k in 0..TOGETHER {
+                            row[n] = simd.mul_add_e_f64s(l[k], x[k][n], row[n]);
+                        }
+                    }
+                }
+            } else {
+                for k in 0..some {
+                    let l = &columns[(first + k) * height + below..(first + k + 1) * height];
+                    for (row, l) in vector[below..].iter_mut().zip(l) {
+                        let row = S::as_mut_simd_f64s(&mut row.0).0;
+                        for n in 0..N {
+                            row[n] = simd.mul_add_e_f64s(simd.splat_f64s(*l), x[k][n], row[n]);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn negative<S: Simd, const N: usize>(simd: S, value: &Lanes) -> [S::f64s; N] {
+    let registers = S::as_simd_f64s(&value.0).0;
+    std::array::from_fn(|n| simd.neg_f64s(registers[n]))
+}
+
+struct Substitute<'a> {
+    columns: &'a [f64],
+    count: usize,
+    vector: &'a mut [Lanes],
+}
+
+impl WithSimd for Substitute<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        match LANES / S::F64_LANES {
+            1 => self.run::<S, 1>(simd),
+            2 => self.run::<S, 2>(simd),
+            4 => self.run::<S, 4>(simd),
+            _ => self.run::<S, LANES>(simd),
+        }
+    }
+}
+
+impl Substitute<'_> {
+    /// With N registers a row.
+    #[inline(always)]
+    fn run<S: Simd, const N: usize>(self, simd: S) {
+        let Self { columns, count, vector } = self;
+        let height = vector.len();
+        for first in (0..count).step_by(TOGETHER).rev() {
+            let some = TOGETHER.min(count - first);
+            let below = first + some;
+            let mut sums = [[simd.splat_f64s(0.0); N]; TOGETHER];
+            // The last group repeats its last column.
+            let l: [&[f64]; TOGETHER] = std::array::from_fn(|k| {
+                let column = first + k.min(some - 1);
+                &columns[column * height + below..(column + 1) * height]
+            });
+            let factors = l[0].iter().zip(l[1]).zip(l[2]).zip(l[3]);
+            for (row, (((a, b), c), d)) in vector[below..].iter().zip(factors) {
+                let row = S::as_simd_f64s(&row.0).0;
+                let l = [a, b, c, d].map(|l| simd.splat_f64s(*l));
+                for n in 0..N {
+                    for k in 0..TOGETHER {
+                        sums[k][n] = simd.mul_add_e_f64s(l[k], row[n], sums[k][n]);
+                    }
+                }
+            }
+            for k in (0..some).rev() {
+                let l = &columns[(first + k) * height..(first + k + 1) * height];
+                let mut known = Lanes::ZERO;
+                S::as_mut_simd_f64s(&mut known.0).0.copy_from_slice(&sums[k]);
+                for i in k + 1..some {
+                    for lane in 0..LANES {
+                        known.0[lane] += l[first + i] * vector[first + i].0[lane];
+                    }
+                }
+                for lane in 0..LANES {
+                    let value = &mut vector[first + k].0[lane];
+                    *value = (*value - known.0[lane]) / l[first + k];
+                }
+            }
+        }
+    }
+}
+
+/// Columns taken together, so that the vector is read and written once for all of them.
+const TOGETHER: usize = 4;
+
+/// vector ← (L₁⁻¹v₁, v₂ − L₂L₁⁻¹v₁) for the columns (L₁, L₂) of a supernode.
+#[inline(always)]
+fn eliminate(columns: &[f64], count: usize, vector: &mut [f64]) {
+    let height = vector.len();
+    let mut j = 0;
+    while j + TOGETHER <= count {
+        let l: [&[f64]; TOGETHER] = std::array::from_fn(|k| &columns[(j + k) * height..(j + k + 1) * height]);
+        for k in 0..TOGETHER {
+            let solved = vector[j + k] / l[k][j + k];
+            vector[j + k] = solved;
+            for i in k + 1..TOGETHER {
+                vector[j + i] -= l[k][j + i] * solved;
+            }
+        }
+        let [a, b, c, d] = [vector[j], vector[j + 1], vector[j + 2], vector[j + 3]];
+        let tails = l[0][j + 4..].iter().zip(&l[1][j + 4..]).zip(&l[2][j + 4..]).zip(&l[3][j + 4..]);
+        for (v, (((p, q), r), s)) in vector[j + 4..].iter_mut().zip(tails) {
+            *v -= (a * p + b * q) + (c * r + d * s);
+        }
+        j += TOGETHER;
+    }
+    for j in j..count {
+        let l = &columns[j * height..(j + 1) * height];
+        let solved = vector[j] / l[j];
+        vector[j] = solved;
+        for (v, p) in vector[j + 1..].iter_mut().zip(&l[j + 1..]) {
+            *v -= solved * p;
+        }
+    }
+}
+
+/// v₁ ← L₁⁻ᵀ(v₁ − L₂ᵀv₂) for the columns (L₁, L₂) of a supernode.
+#[inline(always)]
+fn substitute(columns: &[f64], count: usize, vector: &mut [f64]) {
+    let height = vector.len();
+    let whole = count - count % TOGETHER;
+    for j in (whole..count).rev() {
+        let l = &columns[j * height..(j + 1) * height];
+        vector[j] = (vector[j] - product(&l[j + 1..], &vector[j + 1..])) / l[j];
+    }
+    for j in (0..whole).step_by(TOGETHER).rev() {
+        let tail = &vector[j + TOGETHER..];
+        let l: [&[f64]; TOGETHER] = std::array::from_fn(|k| &columns[(j + k) * height..(j + k + 1) * height]);
+        let sums: [f64; TOGETHER] = std::array::from_fn(|k| product(&l[k][j + TOGETHER..], tail));
+        for k in (0..TOGETHER).rev() {
+            let known: f64 = (k + 1..TOGETHER).map(|i| l[k][j + i] * vector[j + i]).sum();
+            vector[j + k] = (vector[j + k] - sums[k] - known) / l[k][j + k];
+        }
+    }
+}
+
+/// Sums side by side, so that none waits for the one before.
+#[inline(always)]
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    const LANES: usize = 16;
+    let mut lanes = [0.0; LANES];
+    let (whole_a, whole_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest: f64 = whole_a.remainder().iter().zip(whole_b.remainder()).map(|(x, y)| x * y).sum();
+    for (x, y) in whole_a.zip(whole_b) {
+        for k in 0..LANES {
+            lanes[k] += x[k] * y[k];
+        }
+    }
+    lanes.iter().sum::<f64>() + rest
+}
