@@ -203,6 +203,9 @@ class ContactProblem:
                 continue
             yield from ((problem, form) for form in _FORMS)
             yield from ((self.yielding(part), "auto") for part in _YIELDING)
+        if "lemke" in self.fallbacks or (self.method == "lemke" and self.fallbacks):
+            # What another method has left imprecise.
+            yield from ((self.yielding(part), "auto") for part in _YIELDING[1:])
 
     def solve(
         self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None, closed: Bools | None = None
