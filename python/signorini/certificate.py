@@ -130,7 +130,7 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
         scale = _largest(_by_force(load.nodal, across) or _largest(_by_force(at_holds, across), force), rest)
         pressing = _largest(scale, force)
         both = np.minimum(np.abs(force) / (pressing or 1.0), np.abs(gap) / lengths)
-        out_of_balance, total = _balance(found, load.nodal, hi + lo, at_holds, reaction)
+        out_of_balance, total = _balance(found, load.nodal, hi, lo, at_holds, reaction)
         figures = {
             "penetration": _largest(
                 open_by / lengths, _ratio(_largest(slip[:, 0]), length), _ratio(_largest(slip[:, 1:]), slope)
@@ -158,23 +158,30 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
 
 
 def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
-    """Gaps (m,) in extended precision, a block of rows at a time: of all of them a copy would outweigh the plate."""
-    contacts, displacement = found.contacts, hi.astype(np.longdouble) + lo
-    gap = contacts.compliance * reaction
-    for first in range(0, len(gap), _BLOCK):
+    contacts = found.contacts
+    return contacts.compliance * reaction - _beyond(found.contact_rows, hi, lo, contacts.distance)
+
+
+def _beyond(rows: csr_array, hi: Floats, lo: Floats, start: Floats) -> Floats:
+    """Rows (m, 3n) of the displacements less ``start`` (m,), in extended precision.
+
+    A block of rows at a time: of all of them a copy would outweigh the plate.
+    """
+    displacement, beyond = hi.astype(np.longdouble) + lo, np.empty(len(start))
+    for first in range(0, len(start), _BLOCK):
         block = slice(first, first + _BLOCK)
-        rows = found.contact_rows[block]
-        extended = csr_array((rows.data.astype(np.longdouble), rows.indices, rows.indptr), shape=rows.shape)
-        gap[block] += contacts.distance[block] - extended @ displacement
-    return gap
+        part = rows[block]
+        extended = csr_array((part.data.astype(np.longdouble), part.indices, part.indptr), shape=part.shape)
+        beyond[block] = extended @ displacement - start[block]
+    return beyond
 
 
 def _balance(
-    found: Discretisation, nodal: Floats, displacement: Floats, at_holds: Floats, reaction: Floats
+    found: Discretisation, nodal: Floats, hi: Floats, lo: Floats, at_holds: Floats, reaction: Floats
 ) -> tuple[float, float]:
     """Largest resultant out of balance, from the supports' forces alone, and the size it is part of."""
     springs, size = found.springs, found.mesh.size
-    pull = springs.stiffness * (found.spring_rows @ displacement - springs.base)
+    pull = springs.stiffness * _beyond(found.spring_rows, hi, lo, springs.base)
     against = at_holds + found.spring_rows.T @ pull + found.contact_rows.T @ reaction
     motions = found.rigid_motions / np.array([1.0, size, size])
     reach = np.abs(motions).max(axis=1)
