@@ -219,6 +219,7 @@ def test_the_check_picture_shows_resultants_and_the_lines_the_plate_tips_about()
     assert [*calm.get_xydata()[0], *wind.get_xydata()[0]] == [0.5, 0.5, 1.8, 0.5]
     assert (axis.get_xdata() == 0.75).all() and np.ptp(axis.get_ydata()) > 1.0
     assert axes.get_xlim()[1] > 1.8
+    assert [(name.get_text(), name.xy) for name in axes.texts] == [("calm", (0.5, 0.5)), ("wind", (1.8, 0.5))]
 
 
 def test_sections_are_drawn_with_deflection_down_and_share_axes() -> None:

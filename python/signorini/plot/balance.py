@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from signorini.plot.marks import Entry
+from signorini.plot.plan import literal
 
 _GOOD, _BAD = "#1b6e53", "#b3261e"
 _FARTHEST = 1.0
@@ -44,7 +45,7 @@ class BalanceMark:
 
 
 def draw_balance(mark: BalanceMark, axes: Axes) -> list[Entry]:
-    """Draw a resultant as a cross in a square, and a tipping axis dash-dotted; widen the axes to the cross."""
+    """Draw a resultant as a named cross in a square, a tipping axis dash-dotted; widen the axes to the cross."""
     entries: list[Entry] = []
     colour = _BAD if mark.unbalanced else _GOOD
     low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
@@ -58,6 +59,8 @@ def draw_balance(mark: BalanceMark, axes: Axes) -> list[Entry]:
         words = f"{mark.name}: {way}{ending}"
         if (np.abs(at - np.clip(at, low, high)) <= _FARTHEST * size).all():
             axes.plot(*at, zorder=8, **look)
+            beside: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 8, "zorder": 8}
+            axes.annotate(literal(mark.name), mark.at, (7, 5), **beside)
             margin = 0.04 * size
             axes.set_xlim(min(low[0], at[0] - margin), max(high[0], at[0] + margin))
             axes.set_ylim(min(low[1], at[1] - margin), max(high[1], at[1] + margin))
