@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +16,9 @@ from signorini.plot.plan import literal
 _GOOD, _BAD = "#1b6e53", "#b3261e"
 _FARTHEST = 1.0
 """How far off the plate, in its sizes, a resultant is still drawn."""
+
+_MOST_NAMED = 8
+"""Combinations that have names in the picture; of more these are some that cannot be balanced, if there are any."""
 
 Point = tuple[float, float]
 
@@ -42,6 +46,24 @@ class BalanceMark:
     upward: bool = False
     unbalanced: bool = False
     axis: tuple[Point, Point] | None = None
+
+
+def draw_balances(marks: Iterable[BalanceMark], axes: Axes) -> list[Entry]:
+    """Draw what becomes of every combination, of many only a few by name."""
+    marks = list(marks)
+    named = marks if len(marks) <= _MOST_NAMED else [mark for mark in marks if mark.unbalanced][:_MOST_NAMED]
+    entries = [entry for mark in named for entry in draw_balance(mark, axes)]
+    for colour, unbalanced in ((_GOOD, False), (_BAD, True)):
+        others = [mark for mark in marks if mark.unbalanced == unbalanced and mark not in named]
+        if others:
+            at = np.array([mark.at for mark in others if mark.at is not None]).reshape(-1, 2)
+            look: dict[str, Any] = {"marker": "s", "linestyle": "none", "color": colour, "markersize": 3.0}
+            axes.plot(*at.T, zorder=7.5, scalex=False, scaley=False, **look)
+            more = " more" if named else ""
+            ending = ", not balanced" if unbalanced else ""
+            words = f"resultants of {len(others)}{more} combinations{ending}"
+            entries.append((words, (Line2D([], [], **look),)))
+    return entries
 
 
 def draw_balance(mark: BalanceMark, axes: Axes) -> list[Entry]:

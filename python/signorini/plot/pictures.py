@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.files import replacing
-from signorini.plot.balance import BalanceMark, draw_balance
+from signorini.plot.balance import BalanceMark, draw_balances
 from signorini.plot.field import contour
 from signorini.plot.marks import Entry, LoadMark, SupportMark, draw_legend, draw_load, draw_supports
 from signorini.plot.plan import INK, checked_mesh, draw_outlines, draw_sheet, literal, plan_axes
@@ -124,9 +124,7 @@ def check_picture(
     draw_sheet(axes, vertices, cut)
     draw_outlines(axes, vertices, cut, inner=0.3)
     entries = draw_supports(supports, axes) + [draw_load(mark, axes) for mark in loads]
-    for mark in balance:
-        entries += draw_balance(mark, axes)
-    return _finished(axes, entries, length)
+    return _finished(axes, entries + draw_balances(balance, axes), length)
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
