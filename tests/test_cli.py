@@ -78,6 +78,13 @@ def slab(tmp_path: Path) -> Path:
     return path
 
 
+def test_names_with_dollars_are_drawn_as_they_are(slab: Path) -> None:
+    named = slab.read_text().replace("Slab", "$x_{$").replace('"pads"', '"$p_{$"').replace('"m"', '"$m_{$"')
+    slab.write_text(named.replace('"calm"', '"$c_{$"'))
+    for command in (["solve"], ["check"], ["path", "--add", "G"]):
+        assert run(command[0], slab, *command[1:]).exit_code == 0, command
+
+
 def test_solve_writes_beside_the_input_and_prints_a_table(slab: Path) -> None:
     done = run("solve", slab)
     assert (done.exit_code, done.stderr) == (0, "")

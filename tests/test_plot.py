@@ -219,6 +219,17 @@ def test_the_check_picture_shows_resultants_and_the_lines_the_plate_tips_about()
     assert [*calm.get_xydata()[0], *wind.get_xydata()[0]] == [0.5, 0.5, 1.8, 0.5]
     assert (axis.get_xdata() == 0.75).all() and np.ptp(axis.get_ydata()) > 1.0
     assert axes.get_xlim()[1] > 1.8
+    assert [(name.get_text(), name.xy) for name in axes.texts] == [("calm", (0.5, 0.5)), ("wind", (1.8, 0.5))]
+
+
+def test_of_many_resultants_only_some_that_are_not_balanced_have_names() -> None:
+    marks = [BalanceMark(f"c{i}", (0.01 * i, 0.5), unbalanced=i % 10 == 0) for i in range(200)]
+    axes = check_picture(POINTS, ELEMENTS, balance=marks).axes[0]
+    assert [name.get_text() for name in axes.texts] == [f"c{10 * i}" for i in range(8)]
+    assert [entry.get_text() for entry in axes.get_legend().get_texts()][8:] == [
+        "resultants of 180 more combinations",
+        "resultants of 12 more combinations, not balanced",
+    ]
 
 
 def test_sections_are_drawn_with_deflection_down_and_share_axes() -> None:

@@ -299,6 +299,15 @@ def test_roots_are_found_single_or_double(wanted):
     assert np.abs(np.subtract.outer(wanted, found)).min(axis=1).max() < 1e-5
 
 
+@pytest.mark.parametrize("far", [0.0, 1000.3])
+def test_a_circle_that_only_touches_mesh_lines_has_no_pieces_of_rounding(far):
+    mesh = rectangle((far, far), (10.0, 6.0), (20, 12))
+    along = curve_quadrature(mesh, Ring((7.0 + far, 3.0 + far), 1.5))
+    assert along.total == pytest.approx(3.0 * math.pi, rel=1e-12)
+    assert len(along.weights) == 3 * 20
+    assert along.weights.min() > 1e-3 * along.total
+
+
 def test_a_circle_through_hundreds_of_elements_is_quick():
     mesh = rectangle((0.0, 0.0), (10.0, 10.0), (60, 60))
     begin = time.perf_counter()

@@ -179,9 +179,10 @@ def _of(
     brink: bool = False,
     limit: tuple[str, float] | None = None,
 ) -> Resultant:
-    force, mx, my = (float(part) for part in resultant)
+    least = _NO_FORCE * total * np.array([1.0, found.mesh.size, found.mesh.size])
+    force, mx, my = (float(part) for part in np.where(np.abs(resultant) > least, resultant, 0.0))
     at = None
-    if abs(force) > _NO_FORCE * total:
+    if force:
         x, y = ((found.middle + np.array([mx, my]) / force) / found.mesh.size).round(12) * found.mesh.size + 0.0
         at = (float(x), float(y))
     if not message:

@@ -49,7 +49,7 @@ class Sizes:
     error : float
         Largest nodal force out of balance; couples count by the force they are at an element's size apart.
     slip : float
-        Largest violation of a held deflection.
+        Largest violation of a held deflection; slopes count times the plate's size.
     balance, resultant : (3,) arrays
         The resultants that supports do not balance, and those of the load.
     deflection, load : arrays
@@ -85,8 +85,9 @@ class Sizes:
         unit = _units(found)
         free = np.abs(np.where(held.dofs, 0.0, imbalance).reshape(-1, 3)) / unit
         values = held.values if at_rest else np.zeros_like(held.values)
-        slip = np.abs(np.where(held.dofs, hi + lo - values, 0.0))[::3]
-        motions = found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])
+        lengths = np.array([1.0, found.mesh.size, found.mesh.size])
+        slip = np.abs(np.where(held.dofs, hi + lo - values, 0.0)).reshape(-1, 3) * lengths
+        motions = found.rigid_motions / lengths
         return cls(
             moved.astype(np.float64),
             reaction,
@@ -145,7 +146,7 @@ class Proof:
 
     def figures(self, coefficients: Floats, reaction: Floats) -> Floats:
         """Bounds (k, 5) of the certificates' figures of sums with coefficients (k, b) and reactions (k, m)."""
-        contacts = self.found.contacts
+        contacts, size = self.found.contacts, self.found.mesh.size
         carried = _core.superpose(coefficients, self.reaction) - reaction
         errors = _core.superpose(np.abs(coefficients), self.error)
         gap = contacts.distance - _core.superpose(coefficients, self.moved) + contacts.compliance * reaction
@@ -154,18 +155,20 @@ class Proof:
         load = np.abs(_core.superpose(coefficients, self.load)).max(axis=1, initial=0.0)
         deflection = np.abs(_core.superpose(coefficients, self.deflection)).max(axis=1, initial=0.0)
 
-        largest = np.abs(reaction).max(axis=1, initial=0.0)
-        given = max(np.abs(contacts.distance).max(initial=0.0), np.abs(self.found.held.values).max(initial=0.0))
-        length = np.maximum(deflection, given)
+        force = np.where(contacts.slope, reaction / size, reaction)
+        largest = np.abs(force).max(axis=1, initial=0.0)
+        length = np.maximum(deflection, np.abs(self.found.held.values[::3]).max(initial=0.0))
+        lengths = np.where(contacts.slope, length[:, None] / size, length[:, None])
         scale = np.where(load > 0, load, largest)
         pressing = np.maximum(scale, largest)
-        one_sided = np.where(contacts.two_sided, 0.0, reaction)
-        deep = np.where(contacts.two_sided, np.abs(gap), -gap).max(axis=1, initial=0.0)
+        one_sided = np.where(contacts.two_sided, 0.0, force)
+        open_by = np.maximum(np.where(contacts.two_sided, np.abs(gap), -gap), 0.0)
+        both = np.minimum(_ratio(np.abs(one_sided), pressing[:, None]), _ratio(np.abs(gap), lengths))
         balanced = np.abs(balance).max(axis=1, initial=0.0)
         figures = {
-            "penetration": _ratio(np.maximum(deep, errors[:, 1]), length),
+            "penetration": np.maximum(_ratio(open_by, lengths).max(axis=1, initial=0.0), _ratio(errors[:, 1], length)),
             "tension": _ratio((-one_sided).max(axis=1, initial=0.0), pressing),
-            "complementarity": _ratio(np.abs(one_sided * gap).max(axis=1, initial=0.0), pressing * length),
+            "complementarity": both.max(axis=1, initial=0.0),
             "equilibrium": _ratio(errors[:, 0] + _core.superpose(np.abs(carried), self.grip)[:, 0], scale),
             "balance": _ratio(balanced, np.maximum(resultant, largest)),
         }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,10 +11,14 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from signorini.plot.marks import Entry
+from signorini.plot.plan import literal
 
 _GOOD, _BAD = "#1b6e53", "#b3261e"
 _FARTHEST = 1.0
 """How far off the plate, in its sizes, a resultant is still drawn."""
+
+_MOST_NAMED = 8
+"""Combinations that have names in the picture; of more these are some that cannot be balanced, if there are any."""
 
 Point = tuple[float, float]
 
@@ -43,8 +48,26 @@ class BalanceMark:
     axis: tuple[Point, Point] | None = None
 
 
+def draw_balances(marks: Iterable[BalanceMark], axes: Axes) -> list[Entry]:
+    """Draw what becomes of every combination, of many only a few by name."""
+    marks = list(marks)
+    named = marks if len(marks) <= _MOST_NAMED else [mark for mark in marks if mark.unbalanced][:_MOST_NAMED]
+    entries = [entry for mark in named for entry in draw_balance(mark, axes)]
+    for colour, unbalanced in ((_GOOD, False), (_BAD, True)):
+        others = [mark for mark in marks if mark.unbalanced == unbalanced and mark not in named]
+        if others:
+            at = np.array([mark.at for mark in others if mark.at is not None]).reshape(-1, 2)
+            look: dict[str, Any] = {"marker": "s", "linestyle": "none", "color": colour, "markersize": 3.0}
+            axes.plot(*at.T, zorder=7.5, scalex=False, scaley=False, **look)
+            more = " more" if named else ""
+            ending = ", not balanced" if unbalanced else ""
+            words = f"resultants of {len(others)}{more} combinations{ending}"
+            entries.append((words, (Line2D([], [], **look),)))
+    return entries
+
+
 def draw_balance(mark: BalanceMark, axes: Axes) -> list[Entry]:
-    """Draw a resultant as a cross in a square, and a tipping axis dash-dotted; widen the axes to the cross."""
+    """Draw a resultant as a named cross in a square, a tipping axis dash-dotted; widen the axes to the cross."""
     entries: list[Entry] = []
     colour = _BAD if mark.unbalanced else _GOOD
     low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
@@ -58,6 +81,8 @@ def draw_balance(mark: BalanceMark, axes: Axes) -> list[Entry]:
         words = f"{mark.name}: {way}{ending}"
         if (np.abs(at - np.clip(at, low, high)) <= _FARTHEST * size).all():
             axes.plot(*at, zorder=8, **look)
+            beside: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 8, "zorder": 8}
+            axes.annotate(literal(mark.name), mark.at, (7, 5), **beside)
             margin = 0.04 * size
             axes.set_xlim(min(low[0], at[0] - margin), max(high[0], at[0] + margin))
             axes.set_ylim(min(low[1], at[1] - margin), max(high[1], at[1] + margin))

@@ -15,7 +15,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.errors import InputError
-from signorini.plot.plan import INK, checked_mesh, draw_outlines, plan_axes
+from signorini.plot.plan import INK, checked_mesh, draw_outlines, literal, plan_axes
 from signorini.tessellation import tessellate
 
 _NOISE = 1e-9
@@ -78,7 +78,7 @@ def contour(
         raise InputError(f"{np.count_nonzero(~np.isfinite(field))} of {len(field)} values of the field are not finite.")
     axes = plan_axes(nodes, title) if ax is None else ax
     if ax is not None and title:
-        axes.set_title(title)
+        axes.set_title(literal(title))
     cut = tessellate(cells)
     x, y = cut.interpolate(nodes).T
     fine = cut.interpolate(field)
@@ -149,7 +149,7 @@ def add_colour_bar(axes: Axes, colours: ScalarMappable, label: str) -> None:
     figure = axes.get_figure(root=True)
     if figure is not None:
         bar = figure.colorbar(colours, ax=axes, shrink=0.92, aspect=28, pad=0.025)
-        bar.set_label(label, fontsize=9)
+        bar.set_label(literal(label), fontsize=9)
         bar.outline.set_visible(False)
         bar.formatter.set_powerlimits((-3, 4))  # type: ignore[attr-defined]
         bar.ax.tick_params(length=2.5, labelsize=8.5)

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.errors import InputError
-from signorini.plot.plan import INK
+from signorini.plot.plan import INK, literal
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -73,11 +73,12 @@ def load_path_picture(
             raise InputError(f"{name!r} has the shape {values.shape}; for these t it must be ({expected},).")
     figure = Figure(figsize=(7.4, 3.9 + 0.34 * max(len(parts), 1)), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3.1, 0.34 * max(len(parts), 1) + 0.2])
-    figure.suptitle(title, fontsize=11, color=INK)
+    figure.suptitle(literal(title), fontsize=11, color=INK)
     _draw_curves(above, stops, curves)
     _draw_states(figure, below, stops, parts)
-    above.set_ylabel(f"deflection{f' [{length}]' if length else ''}, positive down", fontsize=9, color=INK)
-    below.set_xlabel(factor, fontsize=9, color=INK)
+    unit = literal(f" [{length}]" if length else "")
+    above.set_ylabel(f"deflection{unit}, positive down", fontsize=9, color=INK)
+    below.set_xlabel(literal(factor), fontsize=9, color=INK)
     if limit is not None:
         for axes in (above, below):
             axes.axvline(limit, color="#b3261e", linewidth=1.4)
@@ -99,7 +100,7 @@ def _draw_curves(axes: Axes, stops: Floats, curves: Mapping[str, Floats]) -> Non
     few = len(stops) <= 40
     for i, (name, values) in enumerate(list(curves.items())[:_MOST_CURVES]):
         colour = _CURVES[i % len(_CURVES)]
-        line = Line2D(stops, values, color=colour, linewidth=1.5, label=name)
+        line = Line2D(stops, values, color=colour, linewidth=1.5, label=literal(name))
         if few:
             line.set_marker("o")
             line.set_markersize(3.2)
@@ -118,7 +119,7 @@ def _draw_states(figure: Figure, axes: Axes, stops: Floats, parts: Mapping[str, 
         widths = np.diff(stops)
         axes.barh(row, widths, left=stops[:-1], height=0.62, color=_shades(part), edgecolor=INK, linewidth=0.0)
         axes.barh(row, stops[-1] - stops[0], left=stops[0], height=0.62, fill=False, edgecolor=INK, linewidth=0.6)
-    axes.set_yticks(range(len(parts)), list(parts), fontsize=8.5)
+    axes.set_yticks(range(len(parts)), [literal(name) for name in parts], fontsize=8.5)
     axes.invert_yaxis()
     axes.spines[["top", "right", "left"]].set_visible(False)
     axes.tick_params(axis="y", length=0)

@@ -17,7 +17,7 @@ from matplotlib.patheffects import Normal, TickedStroke, withStroke
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from signorini.plot.plan import INK
+from signorini.plot.plan import INK, literal
 
 _LOAD = "#b3261e"
 _EDGE = "#d95f02"
@@ -182,7 +182,7 @@ def draw_legend(axes: Axes, entries: Sequence[Entry]) -> None:
     below = axes.transAxes + ScaledTranslation(0, -0.45, figure.dpi_scale_trans)
     axes.legend(
         handles=[samples for _, samples in entries],
-        labels=[words for words, _ in entries],
+        labels=[literal(words) for words, _ in entries],
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0.5)},
         loc="upper center",
         bbox_to_anchor=(0.5, 0.0),

@@ -12,10 +12,10 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.files import replacing
-from signorini.plot.balance import BalanceMark, draw_balance
+from signorini.plot.balance import BalanceMark, draw_balances
 from signorini.plot.field import contour
 from signorini.plot.marks import Entry, LoadMark, SupportMark, draw_legend, draw_load, draw_supports
-from signorini.plot.plan import INK, checked_mesh, draw_outlines, draw_sheet, plan_axes
+from signorini.plot.plan import INK, checked_mesh, draw_outlines, draw_sheet, literal, plan_axes
 from signorini.plot.pressure import PressureLayer, pressure
 from signorini.tessellation import tessellate
 
@@ -124,9 +124,7 @@ def check_picture(
     draw_sheet(axes, vertices, cut)
     draw_outlines(axes, vertices, cut, inner=0.3)
     entries = draw_supports(supports, axes) + [draw_load(mark, axes) for mark in loads]
-    for mark in balance:
-        entries += draw_balance(mark, axes)
-    return _finished(axes, entries, length)
+    return _finished(axes, entries + draw_balances(balance, axes), length)
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
@@ -162,7 +160,7 @@ def _name_place(axes: Axes, name: str, value: float, at: NDArray[np.float64], ce
 
 def _finished(axes: Axes, entries: list[Entry], length: str) -> Figure:
     """Name the axes, add the legend and make room for it."""
-    unit = f" [{length}]" if length else ""
+    unit = literal(f" [{length}]" if length else "")
     axes.set_xlabel(f"x{unit}", fontsize=9)
     axes.set_ylabel(f"y{unit}", fontsize=9)
     draw_legend(axes, entries)

@@ -26,12 +26,17 @@ def checked_mesh(points: ArrayLike, elements: ArrayLike) -> tuple[NDArray[np.flo
     return nodes, cells
 
 
+def literal(text: str) -> str:
+    """Let matplotlib show a text as it is: a dollar is no mathematics."""
+    return text.replace("$", r"\$")
+
+
 def plan_axes(nodes: NDArray[np.float64], title: str) -> Axes:
     """Make a figure whose shape suits the plate's."""
     width, height = np.maximum(np.ptp(nodes, axis=0), 1e-30)
     figure = Figure(figsize=(7.4, float(np.clip(5.6 * height / width, 1.8, 8.5)) + 1.3), layout="constrained")
     axes = figure.add_subplot()
-    axes.set_title(title, fontsize=11, color=INK)
+    axes.set_title(literal(title), fontsize=11, color=INK)
     return axes
 
 

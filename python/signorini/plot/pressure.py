@@ -16,7 +16,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.plot.field import add_colour_bar, colour_scale
-from signorini.plot.plan import INK, checked_mesh, draw_outlines, draw_sheet, plan_axes
+from signorini.plot.plan import INK, checked_mesh, draw_outlines, draw_sheet, literal, plan_axes
 from signorini.tessellation import Tessellation, tessellate
 
 _ON_OUTLINE = 1e-9
@@ -101,7 +101,7 @@ def pressure(
     nodes, cells = checked_mesh(points, elements)
     axes = plan_axes(nodes, title) if ax is None else ax
     if ax is not None and title:
-        axes.set_title(title)
+        axes.set_title(literal(title))
     whole = tessellate(cells)
     vertices = whole.interpolate(nodes)
     draw_sheet(axes, vertices, whole)

@@ -16,6 +16,8 @@ from signorini.regions.outlines import Outline
 Floats = npt.NDArray[np.float64]
 
 _SAME = 1e-13
+_TOUCHED = 1e-6
+"""Part of an arc that counts as one point: where a side only touches a circle, rounding finds it to half the digits."""
 
 
 class Arc(ABC):
@@ -36,10 +38,10 @@ class Arc(ABC):
 
     def breaks(self, sides: Floats) -> Floats:
         """Divide the arc where sides (k, 3, 2) meet it: increasing arc lengths from 0 to its length."""
-        s = self.crossings(sides)
-        s = np.sort(s[(s > _SAME * self.length) & (s < (1.0 - _SAME) * self.length)])
+        s, least = self.crossings(sides), _TOUCHED * self.length
+        s = np.sort(s[(s > least) & (s < self.length - least)])
         s = np.concatenate([[0.0], s, [self.length]])
-        return np.asarray(s[np.append(np.diff(s) > _SAME * self.length, True)])
+        return np.asarray(s[np.append(np.diff(s) > least, True)])
 
 
 @dataclass(frozen=True, eq=False)
