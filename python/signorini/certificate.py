@@ -6,13 +6,14 @@ three global balances from them. It reads no factor, no condensed matrix, and no
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.discretise.rows import Floats
+from signorini.discretise.rows import Bools, Floats
 from signorini.problem import spring_arrays
 
 TOLERANCE = 1e-8
@@ -80,8 +81,14 @@ class Certificate:
         return f"{'passed' if self.passed else 'failed'}: {figures}{note}"
 
 
-def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, reaction: Floats) -> Certificate:
+def certify(
+    found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, reaction: Floats, closed: Sequence[Bools] = ()
+) -> Certificate:
     """Judge displacements ``hi + lo`` (3n,) and the contact points' reactions (m,) under a load.
+
+    ``closed`` are contact sets (m,) on which they claim to be solutions: what open points of one react with and how far
+    its closed ones are open counts as complementarity too. An answer at both ends of a stretch that stands on one set
+    proves all between them, which is linear.
 
     Examples
     --------
@@ -127,7 +134,8 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
             rest = max(rest, _UNSEEN * shear * _largest(length, contacts.distance))
         scale = _largest(_by_force(load.nodal, across) or _largest(_by_force(at_holds, across), force), rest)
         pressing = _largest(scale, force)
-        both = np.minimum(np.abs(force) / (pressing or 1.0), np.abs(gap) / lengths)
+        reacting, away = np.abs(force) / (pressing or 1.0), np.abs(gap) / lengths
+        both = np.max([np.minimum(reacting, away), *(np.where(those, away, reacting) for those in closed)], axis=0)
         out_of_balance, total = _balance(found, load.nodal, hi + lo, at_holds, reaction)
         figures = {
             "penetration": _largest(

@@ -46,6 +46,11 @@ class Segment:
     end: PathStop
     closed: Bools
 
+    @property
+    def jumps(self) -> bool:
+        """Whether all of it is at one t: the plate, having lost its hold, moves until other points hold it."""
+        return self.begin.t == self.end.t
+
 
 @dataclass(frozen=True, eq=False)
 class Path:
@@ -232,18 +237,18 @@ def _trace(
     """Follow the path by one method, as far as its answers are certified; None if not even the first is."""
     found = problem.discretisation
     stops: list[PathStop] = []
-    first: list[Bools] = []
+    sets: list[Bools] = []
     worst = dict.fromkeys((*FIGURES, "equilibrium_limit", "balance_limit"), 0.0)
 
     def visit(t: float, points: Ints, answer: _core.ContactSolution) -> None:
         load = loads[0] + t * loads[1]
-        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
+        # What stands on one set at both ends of a segment is proven between them.
+        sets.append(answer.closed)
+        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, sets[-2:])
         if not certificate.passed:
             raise NotCertifiedError
         for name in worst:
             worst[name] = max(worst[name], getattr(certificate, name))
-        if not first:
-            first.append(answer.closed)
         stops.append(path_stop(found, t, load, points, answer))
         watcher(Progress(f"t = {t:.6g}, event {len(stops)}"))
 
@@ -262,4 +267,4 @@ def _trace(
         ending = "no_equilibrium"
     elif ended == "reached":
         ending = "until"
-    return Path(*names, problem, tuple(stops), ending, limit, Certificate(**worst), loads, first[0])
+    return Path(*names, problem, tuple(stops), ending, limit, Certificate(**worst), loads, sets[0])

@@ -1,6 +1,8 @@
 //! From event to event on the sparse K.
 
-use super::{Line, MOST_EVENTS, PathEnd, PathLoad, SIGN, Stop};
+use super::line::Line;
+use super::trail::Trail;
+use super::{MOST_EVENTS, PathEnd, PathLoad, SIGN};
 use crate::cholesky::FactorError;
 use crate::contact::active_set::Start;
 use crate::contact::problem::{ContactProblem, Factored};
@@ -21,42 +23,26 @@ impl ContactProblem {
         &self,
         load: &PathLoad,
         first: ContactSolution,
-        visit: &mut dyn FnMut(Stop) -> bool,
+        trail: &mut Trail,
     ) -> Result<PathEnd, FactorError> {
         let mut own = None;
         let (mut t, mut closed, mut here) = (0.0, first.closed.clone(), first);
-        let mut switched: Vec<usize> = Vec::new();
-        for event in 0..=MOST_EVENTS {
-            let line = self.leaving(load, t, &closed, &here, &mut own)?;
-            let set = line.as_ref().map_or(&closed, |line| &line.ends[0].closed);
-            if event > 0 {
-                switched = (0..set.len()).filter(|&i| set[i] != here.closed[i]).collect();
-            }
-            let set = set.clone();
-            if event == 0
-                && let Some(line) = &line
-            {
-                // A plate that touches nothing may rest anywhere; what counts is where the path leaves from.
-                here = line.at(t);
-            }
-            here.closed = set;
-            if !visit(Stop { t, switched: &switched, solution: &here }) {
+        for _ in 0..=MOST_EVENTS {
+            let Some(line) = self.leaving(load, t, &closed, &here, &mut own)? else {
+                return Ok(trail.stuck(t, &here));
+            };
+            if !trail.leave(t, &line) {
                 return Ok(PathEnd::Interrupted);
             }
-            let Some(line) = line else {
-                return Ok(PathEnd::Unsolved);
-            };
             let (to, points) = self.next_event(&line, t);
             if to >= load.end {
-                let ends = load.end.is_finite();
-                let last = if ends { load.end } else { line.at[1] };
-                let on = visit(Stop { t: last, switched: &[], solution: &line.at(last) });
-                return Ok(match (on, ends) {
-                    (false, _) => PathEnd::Interrupted,
-                    (true, true) => PathEnd::Reached,
-                    (true, false) => PathEnd::Unbounded,
-                });
+                let (last, end) = match load.end.is_finite() {
+                    true => (load.end, PathEnd::Reached),
+                    false => (line.at[1], PathEnd::Unbounded),
+                };
+                return Ok(trail.end(last, &line.at(last), end));
             }
+            trail.arrive(&line, to);
             here = line.at(to);
             closed.clone_from(&here.closed);
             points.into_iter().for_each(|i| closed[i] = !closed[i]);

@@ -1,0 +1,102 @@
+//! From basis to basis of the condensed points' LCP.
+
+use super::trail::{Trail, differing};
+use super::{PathEnd, PathLoad};
+use crate::cholesky::FactorError;
+use crate::contact::condense::{Drive, Form};
+use crate::contact::problem::ContactProblem;
+use crate::contact::solve::{ContactSolution, Step};
+use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
+
+/// Travel, over the largest deflection or gap, within which events are one.
+const SAME: f64 = 1e-11;
+
+/// The bases of the LCP along a path, and the contact set of each.
+type Pivoted = (ParametricPath, Vec<Vec<bool>>);
+
+impl ContactProblem {
+    /// As [`ContactProblem::path`], from the solution at t = 0 on.
+    pub(super) fn pivot_along(
+        &self,
+        load: &PathLoad,
+        first: ContactSolution,
+        trail: &mut Trail,
+    ) -> Result<PathEnd, FactorError> {
+        let Some((found, sets)) = self.pivoted(load, &first.closed)? else {
+            return Ok(trail.end(0.0, &first, PathEnd::Unsolved));
+        };
+        let mut t = 0.0;
+        for (k, segment) in found.segments.iter().enumerate() {
+            let far = if segment.to.is_finite() { segment.to } else { segment.from + load.span(segment.from) };
+            let line = self.line(load, &sets[k], [segment.from, far], None, &mut None)?;
+            let next = sets.get(k + 1);
+            let to = line.as_ref().map_or(far, |line| {
+                let leaving = next.map_or(Vec::new(), |next| differing(next, &sets[k]));
+                line.root(&leaving).unwrap_or(far).max(t)
+            });
+            if next.is_some() && line.as_ref().is_some_and(|line| line.travel(t, to) <= SAME * line.length) {
+                continue;
+            }
+            let Some(line) = line.filter(|line| self.signs_hold_on(line)) else {
+                return Ok(trail.stuck(t, &first));
+            };
+            if !trail.leave(t, &line) {
+                return Ok(PathEnd::Interrupted);
+            }
+            t = to;
+            if t >= load.end || next.is_none() {
+                let endless = segment.to.is_infinite();
+                t = if endless && load.end.is_finite() { load.end } else { t.min(load.end) };
+                let end = match found.end {
+                    _ if endless && load.end.is_infinite() => PathEnd::Unbounded,
+                    _ if t >= load.end => PathEnd::Reached,
+                    ParametricEnd::Infeasible => PathEnd::NoEquilibrium,
+                    _ => PathEnd::Unsolved,
+                };
+                return Ok(trail.end(t, &line.at(t), end));
+            }
+            trail.arrive(&line, t);
+        }
+        // Equilibrium ends where it begins.
+        let infeasible = found.end == ParametricEnd::Infeasible;
+        Ok(trail.end(t, &first, if infeasible { PathEnd::NoEquilibrium } else { PathEnd::Unsolved }))
+    }
+
+    /// The bases of the LCP along the path, and the contact set of each; in the other form where one stops.
+    fn pivoted(&self, load: &PathLoad, closed: &[bool]) -> Result<Option<Pivoted>, FactorError> {
+        let mut best = None;
+        let better = self.base.condensed.better_form();
+        for form in [better, if better == Form::Dual { Form::Stiffness } else { Form::Dual }] {
+            let rest = self.at_rest(load.start.len(), load.held_value);
+            let posed =
+                self.base.condensed.lcp(form, &self.drive(&self.step(load.start, &rest), form)?, &rest.reaction);
+            let still = vec![0.0; load.add.len()];
+            let rate = self.without_travel(load.add, &still);
+            let along = self.base.condensed.lcp(form, &self.drive(&rate, form)?, &rest.reaction).q;
+            let basis = self.base.condensed.basis(&posed, closed);
+            let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| parametric(&lcp, &along, &basis, load.end));
+            let Ok(found) = solved else { continue };
+            let set = |basis: &Vec<bool>| self.base.condensed.closed_points(&posed, basis);
+            let sets = found.segments.iter().map(|segment| set(&segment.basis)).collect();
+            let stopped = found.end == ParametricEnd::Stopped;
+            best = Some((found, sets));
+            if !stopped {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    fn drive(&self, step: &Step, form: Form) -> Result<Drive, FactorError> {
+        Ok(self.motion(&self.base, step, form)?.into_drive())
+    }
+
+    /// A load by itself: no gaps, nothing held elsewhere than at zero.
+    fn without_travel(&self, load: &[f64], still: &[f64]) -> Step {
+        let rest = self.at_rest(load.len(), still);
+        let mut imbalance = load.to_vec();
+        self.release_held(&mut imbalance);
+        let step = self.step_of(imbalance, load, &rest);
+        Step { remaining: vec![0.0; rest.reaction.len()], ..step }
+    }
+}
