@@ -12,7 +12,7 @@ import numpy as np
 from signorini import _core
 from signorini.certificate import FIGURES, Certificate, certify
 from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.discretise.rows import Bools, Ints
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import no_equilibrium
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
 from signorini.model import Model
@@ -132,11 +132,18 @@ class Path:
         found = self.problem.discretisation
         closed = self.segments[index].closed if self.segments else self._first
         answer = self.problem.core.solve_on(load.nodal, found.held.values, closed)
-        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
+        beside = _beside(self._loads, t)
+        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=beside)
         if not certificate.passed:
             # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
             answer = self.problem.solve(load)
-            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
+            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=beside)
+        if not certificate.passed:
+            answers: list[_core.ContactSolution] = []
+            nodal = self._loads[0].nodal, self._loads[1].nodal
+            self.problem.core.path(*nodal, found.held.values, t, lambda t, points, answer: answers.append(answer))
+            answer = answers[-1]
+            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=beside)
         name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
         if not certificate.passed:
             raise NotCertifiedError(f'"{name}" is refused, its certificate {certificate}.')
@@ -226,6 +233,13 @@ def _load(found: Discretisation, name: str | None, argument: str) -> CaseLoad:
     raise InputError(unknown("load case or combination", name, names), place=argument)
 
 
+def _beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> Floats:
+    """What the load at t is the sum of, where its parts do not cancel, and is at a t at which both count."""
+    start, add = np.abs(loads[0].nodal), np.abs(loads[1].nodal)
+    span = start.max() / add.max() if start.any() and add.any() else 1.0
+    return np.asarray(start + max(t, span) * add)
+
+
 def _trace(
     problem: ContactProblem,
     names: tuple[str | None, str],
@@ -244,7 +258,7 @@ def _trace(
         load = loads[0] + t * loads[1]
         # What stands on one set at both ends of a segment is proven between them.
         sets.append(answer.closed)
-        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, sets[-2:])
+        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, sets[-2:], _beside(loads, t))
         if not certificate.passed:
             raise NotCertifiedError
         for name in worst:

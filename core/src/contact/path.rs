@@ -85,14 +85,10 @@ impl ContactProblem {
             Outcome::NoEquilibrium => return Ok(PathEnd::NoEquilibrium),
             _ => return Ok(PathEnd::Unsolved),
         }
-        let mut trail = Trail::new(visit);
+        let mut trail = Trail::new(first, visit);
         if load.end <= 0.0 {
-            return Ok(trail.end(0.0, &first, PathEnd::Reached));
+            return Ok(trail.stuck(0.0, PathEnd::Reached));
         }
-        if self.active.is_empty() {
-            self.pivot_along(load, first, &mut trail)
-        } else {
-            self.step_along(load, first, &mut trail)
-        }
+        if self.active.is_empty() { self.pivot_along(load, &mut trail) } else { self.step_along(load, &mut trail) }
     }
 }

@@ -8,7 +8,7 @@ use crate::contact::solve::{ContactSolution, Outcome, Step};
 
 impl ContactProblem {
     /// As [`ContactProblem::solve_on`], beginning with an answer if there is one; `own` is the factor that an earlier
-    /// call came to, and becomes that of this one.
+    /// call came to, and becomes that of this one. Forces far below `least` are rounding.
     pub(in crate::contact) fn solve_active_on(
         &self,
         load: &[f64],
@@ -16,6 +16,7 @@ impl ContactProblem {
         closed: &[bool],
         start: Option<&ContactSolution>,
         own: &mut Option<Factored>,
+        least: f64,
     ) -> Result<ContactSolution, FactorError> {
         let mut solution = self.at_rest(load.len(), held_value);
         let given: Vec<bool> = self.order.active.iter().map(|&i| closed[i]).collect();
@@ -48,7 +49,7 @@ impl ContactProblem {
             rounding: 0.0,
             imposed: Some(given.clone()),
         };
-        let outcome = descent.settle(&given)?;
+        let outcome = descent.settle(&given, least)?;
         let factored = descent.own.take();
         let found = descent.in_order();
         if factored.is_some() {
@@ -60,11 +61,11 @@ impl ContactProblem {
 
 impl Descent<'_> {
     /// Steps on the given set until what is out of balance is rounding.
-    fn settle(&mut self, closed: &[bool]) -> Result<Outcome, FactorError> {
+    fn settle(&mut self, closed: &[bool], least: f64) -> Result<Outcome, FactorError> {
         self.refine()?;
         let (mut before, mut stalled) = (f64::INFINITY, 0);
         for _ in 0..NEWTON {
-            let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push());
+            let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push()).max(least);
             let balanced = self.step.worst <= BALANCED * force;
             if balanced {
                 self.renew_multipliers();

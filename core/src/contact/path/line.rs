@@ -65,7 +65,7 @@ impl Line {
 impl ContactProblem {
     /// Displacements, reactions and gaps under one load on a contact set that is given, signs as they come.
     pub fn solve_on(&self, load: &[f64], held_value: &[f64], closed: &[bool]) -> Result<ContactSolution, FactorError> {
-        self.on(load, held_value, closed, None, &mut None)
+        self.on(load, held_value, closed, None, &mut None, 0.0)
     }
 
     fn on(
@@ -75,9 +75,10 @@ impl ContactProblem {
         closed: &[bool],
         start: Option<&ContactSolution>,
         own: &mut Option<Factored>,
+        least: f64,
     ) -> Result<ContactSolution, FactorError> {
         if !self.active.is_empty() {
-            return self.solve_active_on(load, held_value, closed, start, own);
+            return self.solve_active_on(load, held_value, closed, start, own, least);
         }
         let mut solution = self.at_rest(load.len(), held_value);
         let Some(state) = self.base.condensed.state(closed.to_vec()) else {
@@ -102,18 +103,20 @@ impl ContactProblem {
         start: Option<&ContactSolution>,
         own: &mut Option<Factored>,
     ) -> Result<Option<Line>, FactorError> {
-        let from = self.on(&load.at(at[0]), load.held_value, closed, start, own)?;
+        let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let loads = at.map(|t| load.at(t));
+        let least = f64::max(largest(&loads[0]), largest(&loads[1]));
+        let from = self.on(&loads[0], load.held_value, closed, start, own, least)?;
         if from.outcome != Outcome::Solved {
             return Ok(None);
         }
-        let to = self.on(&load.at(at[1]), load.held_value, closed, Some(&from), own)?;
+        let to = self.on(&loads[1], load.held_value, closed, Some(&from), own, least)?;
         if to.outcome != Outcome::Solved {
             return Ok(None);
         }
-        let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         // Couples have another unit: the load counts only where no point reacts.
         let force = match largest(&from.reaction).max(largest(&to.reaction)) {
-            0.0 => largest(&load.at(at[1])),
+            0.0 => largest(&loads[1]),
             force => force,
         };
         let deflection =
@@ -122,10 +125,13 @@ impl ContactProblem {
         Ok(Some(Line { at, ends: [from, to], force, length }))
     }
 
-    pub(super) fn signs_hold_on(&self, line: &Line) -> bool {
-        let one_sided = |i: &usize| !self.constraints.two_sided[*i];
-        (0..self.constraints.two_sided.len())
-            .filter(one_sided)
-            .all(|i| line.value(0, i) > -SIGN && line.value(1, i) > -SIGN)
+    /// Whether no reaction pulls and no gap is negative between two t.
+    pub(super) fn signs_hold_on(&self, line: &Line, from: f64, to: f64) -> bool {
+        let parts = [line.part(from), line.part(to)];
+        let holds = |i: usize| {
+            let (begin, end) = (line.value(0, i), line.value(1, i));
+            parts.iter().all(|part| begin + part * (end - begin) > -SIGN)
+        };
+        (0..self.constraints.two_sided.len()).all(|i| self.constraints.two_sided[i] || holds(i))
     }
 }

@@ -5,7 +5,7 @@ use super::{PathEnd, PathLoad};
 use crate::cholesky::FactorError;
 use crate::contact::condense::{Drive, Form};
 use crate::contact::problem::ContactProblem;
-use crate::contact::solve::{ContactSolution, Step};
+use crate::contact::solve::Step;
 use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
 
 /// Travel, over the largest deflection or gap, within which events are one.
@@ -16,14 +16,9 @@ type Pivoted = (ParametricPath, Vec<Vec<bool>>);
 
 impl ContactProblem {
     /// As [`ContactProblem::path`], from the solution at t = 0 on.
-    pub(super) fn pivot_along(
-        &self,
-        load: &PathLoad,
-        first: ContactSolution,
-        trail: &mut Trail,
-    ) -> Result<PathEnd, FactorError> {
-        let Some((found, sets)) = self.pivoted(load, &first.closed)? else {
-            return Ok(trail.end(0.0, &first, PathEnd::Unsolved));
+    pub(super) fn pivot_along(&self, load: &PathLoad, trail: &mut Trail) -> Result<PathEnd, FactorError> {
+        let Some((found, sets)) = self.pivoted(load, &trail.here().closed)? else {
+            return Ok(trail.stuck(0.0, PathEnd::Unsolved));
         };
         let mut t = 0.0;
         for (k, segment) in found.segments.iter().enumerate() {
@@ -37,8 +32,8 @@ impl ContactProblem {
             if next.is_some() && line.as_ref().is_some_and(|line| line.travel(t, to) <= SAME * line.length) {
                 continue;
             }
-            let Some(line) = line.filter(|line| self.signs_hold_on(line)) else {
-                return Ok(trail.stuck(t, &first));
+            let Some(line) = line.filter(|line| self.signs_hold_on(line, t, to.min(load.end))) else {
+                return Ok(trail.stuck(t, PathEnd::Unsolved));
             };
             if !trail.leave(t, &line) {
                 return Ok(PathEnd::Interrupted);
@@ -59,7 +54,7 @@ impl ContactProblem {
         }
         // Equilibrium ends where it begins.
         let infeasible = found.end == ParametricEnd::Infeasible;
-        Ok(trail.end(t, &first, if infeasible { PathEnd::NoEquilibrium } else { PathEnd::Unsolved }))
+        Ok(trail.stuck(t, if infeasible { PathEnd::NoEquilibrium } else { PathEnd::Unsolved }))
     }
 
     /// The bases of the LCP along the path, and the contact set of each; in the other form where one stops.

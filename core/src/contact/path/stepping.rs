@@ -19,22 +19,28 @@ const BEYOND: [f64; 3] = [1e-3, 1e-5, 1e-7];
 
 impl ContactProblem {
     /// As [`ContactProblem::path`], from the solution at t = 0 on.
-    pub(super) fn step_along(
-        &self,
-        load: &PathLoad,
-        first: ContactSolution,
-        trail: &mut Trail,
-    ) -> Result<PathEnd, FactorError> {
+    pub(super) fn step_along(&self, load: &PathLoad, trail: &mut Trail) -> Result<PathEnd, FactorError> {
         let mut own = None;
-        let (mut t, mut closed, mut here) = (0.0, first.closed.clone(), first);
+        let mut t = 0.0;
+        let mut closed = trail.here().closed.clone();
         for _ in 0..=MOST_EVENTS {
-            let Some(line) = self.leaving(load, t, &closed, &here, &mut own)? else {
-                return Ok(trail.stuck(t, &here));
+            let Some(line) = self.leaving(load, t, &closed, trail.here(), &mut own)? else {
+                return Ok(trail.stuck(t, PathEnd::Unsolved));
             };
             if !trail.leave(t, &line) {
                 return Ok(PathEnd::Interrupted);
             }
-            let (to, points) = self.next_event(&line, t);
+            let (mut to, mut points) = self.next_event(&line, t);
+            let reach = to.min(load.end);
+            let mut line = line;
+            if reach > line.at[1] && reach.is_finite() {
+                // Beyond its far end a line is less exact than up to it.
+                let set = line.ends[0].closed.clone();
+                if let Some(longer) = self.line(load, &set, [t, reach], Some(&line.ends[1]), &mut own)? {
+                    line = longer;
+                    (to, points) = self.next_event(&line, t);
+                }
+            }
             if to >= load.end {
                 let (last, end) = match load.end.is_finite() {
                     true => (load.end, PathEnd::Reached),
@@ -43,8 +49,7 @@ impl ContactProblem {
                 return Ok(trail.end(last, &line.at(last), end));
             }
             trail.arrive(&line, to);
-            here = line.at(to);
-            closed.clone_from(&here.closed);
+            closed.clone_from(&trail.here().closed);
             points.into_iter().for_each(|i| closed[i] = !closed[i]);
             t = to;
         }

@@ -7,7 +7,7 @@ use crate::contact::solve::ContactSolution;
 /// Reactions and gaps, over the largest of their kind, with which a point that switches jumps instead.
 const JUMP: f64 = 1e-9;
 
-/// Where the last line has come to.
+/// Where the last line has come to, and its sizes.
 struct Arrival {
     solution: ContactSolution,
     force: f64,
@@ -17,31 +17,43 @@ struct Arrival {
 /// Shows every stop to whoever watches.
 pub(super) struct Trail<'a> {
     visit: &'a mut dyn FnMut(Stop) -> bool,
-    arrived: Option<Arrival>,
+    arrived: Arrival,
+    begun: bool,
 }
 
 impl<'a> Trail<'a> {
-    pub fn new(visit: &'a mut dyn FnMut(Stop) -> bool) -> Self {
-        Self { visit, arrived: None }
+    /// Begins with the solution at t = 0.
+    pub fn new(first: ContactSolution, visit: &'a mut dyn FnMut(Stop) -> bool) -> Self {
+        Self { visit, arrived: Arrival { solution: first, force: 0.0, length: 0.0 }, begun: false }
+    }
+
+    /// What holds where the last line has come to.
+    pub fn here(&self) -> &ContactSolution {
+        &self.arrived.solution
     }
 
     /// Comes to the end of a line.
     pub fn arrive(&mut self, line: &Line, t: f64) {
-        self.arrived = Some(Arrival { solution: line.at(t), force: line.force, length: line.length });
+        self.arrived = Arrival { solution: line.at(t), force: line.force, length: line.length };
     }
 
     /// Shows where a line leaves from: the beginning, an event, or both ends of a jump; whether to go on.
     pub fn leave(&mut self, t: f64, line: &Line) -> bool {
+        let here = &self.arrived.solution;
         let begin = line.at(t);
-        let Some(arrival) = self.arrived.take() else {
+        let between = self.arrived.jump_to(&begin, line);
+        if !self.begun {
+            self.begun = true;
+            // A plate that touches nothing may rest anywhere; what counts is where the path leaves from.
+            let begin =
+                if between.is_some() { begin } else { ContactSolution { closed: begin.closed, ..here.clone() } };
             return (self.visit)(Stop { t, switched: &[], solution: &begin });
+        }
+        let Some(between) = between else {
+            return (self.visit)(Stop { t, switched: &differing(&here.closed, &begin.closed), solution: &begin });
         };
-        let before = arrival.solution.closed.clone();
-        let Some(between) = arrival.jump_to(&begin, line) else {
-            return (self.visit)(Stop { t, switched: &differing(&before, &begin.closed), solution: &begin });
-        };
-        let start = ContactSolution { closed: between.clone(), ..arrival.solution };
-        (self.visit)(Stop { t, switched: &differing(&before, &between), solution: &start })
+        let start = ContactSolution { closed: between.clone(), ..here.clone() };
+        (self.visit)(Stop { t, switched: &differing(&here.closed, &between), solution: &start })
             && (self.visit)(Stop { t, switched: &differing(&between, &begin.closed), solution: &begin })
     }
 
@@ -50,10 +62,10 @@ impl<'a> Trail<'a> {
         if (self.visit)(Stop { t, switched: &[], solution }) { end } else { PathEnd::Interrupted }
     }
 
-    /// Where no line leaves: what it came with, or the beginning, is the end.
-    pub fn stuck(&mut self, t: f64, first: &ContactSolution) -> PathEnd {
-        let arrived = self.arrived.take().map(|arrival| arrival.solution);
-        self.end(t, arrived.as_ref().unwrap_or(first), PathEnd::Unsolved)
+    /// Where no line leaves, what it came with is the end.
+    pub fn stuck(&mut self, t: f64, end: PathEnd) -> PathEnd {
+        let solution = &self.arrived.solution;
+        if (self.visit)(Stop { t, switched: &[], solution }) { end } else { PathEnd::Interrupted }
     }
 }
 
