@@ -51,16 +51,20 @@ def drawn(seed):
     rng = Random(seed)
     tables = random_models.model(rng)
     loads = tables["load"]
-    while len(loads) < 2:
+    if len(loads) == 1:
         loads.append(dict(loads[0]))
     for i, load in enumerate(loads):
         load["case"] = "Q" if i == len(loads) - 1 else "G"
-    if loads[-1] == loads[0] or rng.random() < 0.4:
+    if unlike(loads[-1]) == unlike(loads[0]) or rng.random() < 0.4:
         shift(rng, tables)
     tables["combination"] = [{"name": "less", "factors": {"Q": -1.0}}, {"name": "both", "factors": {"G": 1.0, "Q": 1.0}}]
     tables["solver"] = {"method": rng.choice(["auto", "auto", "lemke", "active_set"])}
     start = rng.choice(["G", "G", "G", None, "both"])
     return tables, start, rng.choice(["Q", "Q", "less", "both"]), rng.choice([None, None, 3.0])
+
+
+def unlike(load):
+    return {key: value for key, value in load.items() if key != "case"}
 
 
 def shift(rng, tables):
@@ -89,7 +93,9 @@ def judged(seed):
     try:
         found = path(model, start, add, until)
     except InputError as error:
-        return Counter({"mechanism": 1}), [] if "motion" in str(error) else [str(error)]
+        floats, moves = "rest anywhere" in str(error), "motion" in str(error)
+        kind = "floats" if floats else "mechanism" if moves else "refused path"
+        return Counter({kind: 1}), [] if floats or moves else [str(error)]
     except NotCertifiedError as error:
         return Counter({"not certified": 1}), [f"not certified: {error}"] if alone(model, start) else []
     except NoEquilibriumError as error:
@@ -106,7 +112,7 @@ def alone(model, start):
     tables = model.model_dump(exclude_unset=True) | {"combination": [{"name": "start", "factors": factors}]}
     try:
         return bool(solve(validate(tables)))
-    except NotCertifiedError:
+    except (NotCertifiedError, NoEquilibriumError):
         return False
 
 
@@ -203,7 +209,8 @@ def solved_on(found, t, closed):
 
 def _one(seed):
     try:
-        return seed, *judged(seed)
+        outcomes, wrong = judged(seed)
+        return seed, outcomes, [f"{drawn(seed)[0]['solver']['method']}: {message}" for message in wrong]
     except Exception as error:  # What a random path raises is what is looked for.
         return seed, Counter({"fault": 1}), [f"{type(error).__name__}: {error}"]
 

@@ -20,7 +20,7 @@ from signorini.path_stop import PathStop, path_stop
 from signorini.problem import ContactProblem, contact_problem
 from signorini.progress import Progress, Watcher
 from signorini.result import Result
-from signorini.stability import largest_factor
+from signorini.stability import floats, largest_factor
 
 Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
@@ -208,6 +208,12 @@ def path(
     message = no_equilibrium(found, problem.freedom, loads[0].nodal)
     if message:
         raise NoEquilibriumError(f"{start or 'without load'}: {message}")
+    if floats(found, problem.freedom, loads[0].nodal, loads[1].nodal):
+        raise InputError(
+            f"Nothing presses the plate on its supports: neither {start or 'the start, which is no load,'} nor {add} has "
+            "a resultant, so it may rest anywhere. Add its weight.",
+            place="add",
+        )
     limit = largest_factor(found, problem.freedom, loads[0].nodal, loads[1].nodal)
     traced = _trace(problem, (start, add), loads, until, limit, watcher)
     for method in problem.fallbacks:

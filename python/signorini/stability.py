@@ -94,6 +94,12 @@ def on_the_brink(found: Discretisation, freedom: RigidFreedom, nodal: Floats) ->
     return most.x is not None and bool(most.x[0] <= _BRINK)
 
 
+def floats(found: Discretisation, freedom: RigidFreedom, *loads: Floats) -> bool:
+    """Whether no nodal load (3n,) of these, be it none, does work in a motion that one-sided supports alone hold."""
+    sizes = [(np.abs(work_of(found, freedom, nodal)).max(initial=0.0), load_size(found, nodal)) for nodal in loads]
+    return freedom.count > 0 and all(work <= _BRINK * size for work, size in sizes)
+
+
 def supports_contradict(found: Discretisation) -> bool:
     """Whether no deflection of the plate agrees with all rigid supports: a linear program in it, for the least overlap.
 
