@@ -64,12 +64,18 @@ impl PathLoad<'_> {
         self.start.iter().zip(self.add).map(|(a, b)| a + t * b).collect()
     }
 
+    /// Largest part of the load where the two that it is made of do not cancel, and both count.
+    fn size(&self, t: f64) -> f64 {
+        let largest = |f: &[f64]| f.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        largest(self.start) + self.span(t) * largest(self.add)
+    }
+
     /// A step of t that changes the load about as much as there is of it.
     fn span(&self, t: f64) -> f64 {
         let size = |f: &[f64]| f.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        match (size(self.start) / size(self.add)).max(t) {
-            span if span > 0.0 && span.is_finite() => span,
-            _ => 1.0,
+        match size(self.start) / size(self.add) {
+            span if span > 0.0 && span.is_finite() => span.max(t),
+            _ => t.max(1.0),
         }
     }
 }
@@ -89,6 +95,6 @@ impl ContactProblem {
         if load.end <= 0.0 {
             return Ok(trail.stuck(0.0, PathEnd::Reached));
         }
-        if self.active.is_empty() { self.pivot_along(load, &mut trail) } else { self.step_along(load, &mut trail) }
+        if self.active.is_empty() { self.pivot_along(load, &mut trail) } else { self.step_along(load, 0.0, &mut trail) }
     }
 }

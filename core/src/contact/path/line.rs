@@ -8,6 +8,8 @@ use crate::residual::Displacement;
 
 /// How far, over a segment's length, its refined end may be from where pivoting saw it.
 const MOVED: f64 = 1e-3;
+/// Part of the loads that a load is the sum of which, as a scale, turns [`SIGN`] into their rounding.
+const UNSEEN: f64 = 1e-7;
 
 /// The plate on one contact set at two loads of the path, between and beyond which it is linear.
 pub(super) struct Line {
@@ -117,7 +119,7 @@ impl ContactProblem {
         // Couples have another unit: the load counts only where no point reacts.
         let force = match largest(&from.reaction).max(largest(&to.reaction)) {
             0.0 => largest(&loads[1]),
-            force => force,
+            force => force.max(UNSEEN * load.size(at[0])),
         };
         let deflection =
             |of: &ContactSolution| of.displacement.hi.iter().step_by(3).fold(0.0, |m: f64, w| m.max(w.abs()));
@@ -132,6 +134,13 @@ impl ContactProblem {
             let (begin, end) = (line.value(0, i), line.value(1, i));
             parts.iter().all(|part| begin + part * (end - begin) > -SIGN)
         };
-        (0..self.constraints.two_sided.len()).all(|i| self.constraints.two_sided[i] || holds(i))
+        self.one_sided().all(holds)
+    }
+
+    /// Contact points that may open, in the caller's order.
+    pub(super) fn one_sided(&self) -> impl Iterator<Item = usize> + '_ {
+        let condensed = self.order.condensed.iter().zip(&self.constraints.two_sided);
+        let of_lcp = condensed.filter(|(_, two_sided)| !**two_sided).map(|(&i, _)| i);
+        of_lcp.chain(self.order.active.iter().copied())
     }
 }

@@ -9,20 +9,23 @@ use crate::contact::solve::Step;
 use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
 
 /// Travel, over the largest deflection or gap, within which events are one.
-const SAME: f64 = 1e-11;
+const SAME: f64 = 1e-10;
 
 /// The bases of the LCP along a path, and the contact set of each.
 type Pivoted = (ParametricPath, Vec<Vec<bool>>);
 
 impl ContactProblem {
-    /// As [`ContactProblem::path`], from the solution at t = 0 on.
+    /// As [`ContactProblem::path`], from the solution at t = 0 on. Where rounding stops the pivots it goes on in steps.
     pub(super) fn pivot_along(&self, load: &PathLoad, trail: &mut Trail) -> Result<PathEnd, FactorError> {
         let Some((found, sets)) = self.pivoted(load, &trail.here().closed)? else {
-            return Ok(trail.stuck(0.0, PathEnd::Unsolved));
+            return self.step_along(load, 0.0, trail);
         };
         let mut t = 0.0;
         for (k, segment) in found.segments.iter().enumerate() {
-            let far = if segment.to.is_finite() { segment.to } else { segment.from + load.span(segment.from) };
+            let far = match segment.to.min(load.end.max(segment.from)) {
+                far if far.is_finite() => far,
+                _ => segment.from + load.span(segment.from),
+            };
             let line = self.line(load, &sets[k], [segment.from, far], None, &mut None)?;
             let next = sets.get(k + 1);
             let to = line.as_ref().map_or(far, |line| {
@@ -33,28 +36,27 @@ impl ContactProblem {
                 continue;
             }
             let Some(line) = line.filter(|line| self.signs_hold_on(line, t, to.min(load.end))) else {
-                return Ok(trail.stuck(t, PathEnd::Unsolved));
+                return self.step_along(load, t, trail);
             };
             if !trail.leave(t, &line) {
                 return Ok(PathEnd::Interrupted);
             }
             t = to;
-            if t >= load.end || next.is_none() {
-                let endless = segment.to.is_infinite();
-                t = if endless && load.end.is_finite() { load.end } else { t.min(load.end) };
-                let end = match found.end {
-                    _ if endless && load.end.is_infinite() => PathEnd::Unbounded,
-                    _ if t >= load.end => PathEnd::Reached,
-                    ParametricEnd::Infeasible => PathEnd::NoEquilibrium,
-                    _ => PathEnd::Unsolved,
+            if segment.to.is_infinite() {
+                let (last, end) = match load.end.is_finite() {
+                    true => (load.end, PathEnd::Reached),
+                    false => (t, PathEnd::Unbounded),
                 };
-                return Ok(trail.end(t, &line.at(t), end));
+                return Ok(trail.end(last, &line.at(last), end));
+            }
+            if t >= load.end {
+                return Ok(trail.end(load.end, &line.at(load.end), PathEnd::Reached));
             }
             trail.arrive(&line, t);
         }
-        // Equilibrium ends where it begins.
-        let infeasible = found.end == ParametricEnd::Infeasible;
-        Ok(trail.stuck(t, if infeasible { PathEnd::NoEquilibrium } else { PathEnd::Unsolved }))
+        let end = self.step_along(load, t, trail)?;
+        let infeasible = found.end == ParametricEnd::Infeasible && end == PathEnd::Unsolved;
+        Ok(if infeasible { PathEnd::NoEquilibrium } else { end })
     }
 
     /// The bases of the LCP along the path, and the contact set of each; in the other form where one stops.

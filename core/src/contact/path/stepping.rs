@@ -18,10 +18,9 @@ const ROUNDS: usize = 20;
 const BEYOND: [f64; 3] = [1e-3, 1e-5, 1e-7];
 
 impl ContactProblem {
-    /// As [`ContactProblem::path`], from the solution at t = 0 on.
-    pub(super) fn step_along(&self, load: &PathLoad, trail: &mut Trail) -> Result<PathEnd, FactorError> {
+    /// As [`ContactProblem::path`], from some t on.
+    pub(super) fn step_along(&self, load: &PathLoad, mut t: f64, trail: &mut Trail) -> Result<PathEnd, FactorError> {
         let mut own = None;
-        let mut t = 0.0;
         let mut closed = trail.here().closed.clone();
         for _ in 0..=MOST_EVENTS {
             let Some(line) = self.leaving(load, t, &closed, trail.here(), &mut own)? else {
@@ -100,7 +99,7 @@ impl ContactProblem {
     /// Points at zero where the line begins that leave it the wrong way; `None` if some are beyond zero there.
     fn wrong(&self, line: &Line) -> Option<Vec<usize>> {
         let mut points = Vec::new();
-        for &i in &self.order.active {
+        for i in self.one_sided() {
             let (now, later) = (line.value(0, i), line.value(1, i));
             if now < -SIGN {
                 return None;
@@ -116,11 +115,9 @@ impl ContactProblem {
     /// The next t at which reactions or gaps fall to zero, infinite if none ever does, and whose do.
     fn next_event(&self, line: &Line, from: f64) -> (f64, Vec<usize>) {
         let span = line.at[1] - line.at[0];
-        let falls = |&i: &usize| (i, line.value(0, i), line.value(0, i) - line.value(1, i));
+        let falls = |i: usize| (i, line.value(0, i), line.value(0, i) - line.value(1, i));
         let roots: Vec<(f64, usize)> = self
-            .order
-            .active
-            .iter()
+            .one_sided()
             .map(falls)
             .filter(|&(_, _, fall)| fall > STILL)
             .map(|(i, now, fall)| (from + span * (now / fall).max(0.0), i))
