@@ -57,7 +57,10 @@ def drawn(seed):
         load["case"] = "Q" if i == len(loads) - 1 else "G"
     if unlike(loads[-1]) == unlike(loads[0]) or rng.random() < 0.4:
         shift(rng, tables)
-    tables["combination"] = [{"name": "less", "factors": {"Q": -1.0}}, {"name": "both", "factors": {"G": 1.0, "Q": 1.0}}]
+    tables["combination"] = [
+        {"name": "less", "factors": {"Q": -1.0}},
+        {"name": "both", "factors": {"G": 1.0, "Q": 1.0}},
+    ]
     tables["solver"] = {"method": rng.choice(["auto", "auto", "lemke", "active_set"])}
     start = rng.choice(["G", "G", "G", None, "both"])
     return tables, start, rng.choice(["Q", "Q", "less", "both"]), rng.choice([None, None, 3.0])
@@ -135,7 +138,11 @@ def faults(found, until):
     if found.ending == "no_equilibrium":
         if balanced(plate, start + found.end * (1 + _FAR) * add) is True and found.end > 0:
             yield f"ends at {found.end}, but reactions balance more"
-    elif until is None and found.ending == "no_more_events" and balanced(plate, start + 1e3 * (found.end or 1) * add) is False:
+    elif (
+        until is None
+        and found.ending == "no_more_events"
+        and balanced(plate, start + 1e3 * (found.end or 1) * add) is False
+    ):
         yield "goes on, but nothing balances a large t"
     segments = found.segments
     picked = segments[:: max(1, len(segments) // _MOST_SEGMENTS)]
@@ -196,7 +203,11 @@ def idle(found):
                 return
             points = after.begin.points
             force, length = np.abs(on.reaction).max(initial=0.0) or 1.0, np.abs(on.hi[::3]).max() or 1.0
-            seen = max(seen, np.abs(on.reaction[points]).max(initial=0.0) / force, np.abs(on.gap[points]).max(initial=0.0) / length)
+            seen = max(
+                seen,
+                np.abs(on.reaction[points]).max(initial=0.0) / force,
+                np.abs(on.gap[points]).max(initial=0.0) / length,
+            )
         if seen < 1e-13:
             yield f"event at {after.begin.t:.9g} is none: {seen:.1e}"
 

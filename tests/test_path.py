@@ -106,15 +106,29 @@ def test_a_path_without_events_has_one_segment() -> None:
     assert found.at(10 * segment.end.t).deflection == pytest.approx(10 * found.at(segment.end.t).deflection, rel=1e-9)
 
 
-def test_points_that_meet_the_soil_at_once_are_no_events_one_by_one() -> None:
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_points_that_meet_the_soil_at_once_are_no_events_one_by_one(method) -> None:
     model = Model(
         material={"E": 30e9, "nu": 0.2},
         plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.1},
         mesh={"divisions": [2, 2]},
         support=[{"area": "all", "resists": "down", "stiffness": 1e6, "gap": 1e-3}],
         load=[{"pressure": 1e3}],
+        solver={"method": method},
     )
     found = signorini.path(model, None, "load", until=1)
     assert [stop.t for stop in found.stops] == [0, 1]
     assert found.stops[0].closed == found.stops[0].counts
     assert found.at(1).deflection == pytest.approx(2e-3, rel=1e-9)
+
+
+def test_what_nothing_presses_on_its_supports_is_refused() -> None:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.1},
+        mesh={"divisions": [2, 2]},
+        support=[{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
+        load=[{"case": "sun", "curvature": [1e-3, 0, 0]}],
+    )
+    with pytest.raises(signorini.InputError, match="Nothing presses the plate on its supports: .* Add its weight"):
+        signorini.path(model, None, "sun")

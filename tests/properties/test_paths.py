@@ -32,7 +32,9 @@ def direct(found, t):
 
 def on_set(found, t, segment):
     """The answer on one contact set, signs as they come."""
-    return found.problem.core.solve_on(load_at(found, t).nodal, found.problem.discretisation.held.values, segment.closed)
+    return found.problem.core.solve_on(
+        load_at(found, t).nodal, found.problem.discretisation.held.values, segment.closed
+    )
 
 
 def apart(a, b, least):
