@@ -28,14 +28,14 @@ from random import Random
 
 import numpy as np
 
-sys.path[:0] = [str(Path(__file__).parents[1] / "tests" / "fuzz"), str(Path(__file__).parent)]
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
+sys.path.insert(0, str(Path(__file__).parent))
 import random_models
 from random_plates import reactions_exist
 
 from signorini import InputError, NoEquilibriumError, NotCertifiedError, path, solve, validate
 from signorini.certificate import certify
 from signorini.discretise import discretise
-from signorini.problem import MOST_POINTS
 
 _FAR = 1e-4
 """Of the limit, how far from it equilibrium must exist, or not."""
@@ -122,12 +122,12 @@ def alone(model, start):
 def faults(found, until):
     start, add = found._loads
     plate = found.problem.discretisation
-    stops, times = found.stops, [stop.t for stop in found.stops]
+    times = [stop.t for stop in found.stops]
     if found.ending == "stopped":
         yield f"stopped at {found.end:.9g}, limit {found.limit:.9g}"
     if not found.certificate.passed:
         yield f"certificate {found.certificate}"
-    if any(a > b for a, b in zip(times[:-1], times[1:], strict=True)) or any(
+    if any(a > b for a, b in itertools.pairwise(times)) or any(
         a == c for a, c in zip(times[:-2], times[2:], strict=True)
     ):
         yield f"t does not grow: {times}"
@@ -191,7 +191,7 @@ def pinned(found, answer):
 
 def idle(found):
     """Events at which nothing happens: all points that switch neither press nor part before or after."""
-    pairs = list(zip(found.segments[:-1], found.segments[1:], strict=True))
+    pairs = list(itertools.pairwise(found.segments))
     for before, after in pairs[:: max(1, len(pairs) // _MOST_SEGMENTS)]:
         if before.jumps or after.jumps:
             continue

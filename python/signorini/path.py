@@ -3,151 +3,26 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
 from signorini import _core
 from signorini.certificate import FIGURES, Certificate, certify
 from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Ints
 from signorini.equilibrium import no_equilibrium
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
 from signorini.model import Model
+from signorini.path_result import Ending, Path, beside
 from signorini.path_stop import PathStop, path_stop
 from signorini.problem import ContactProblem, contact_problem
 from signorini.progress import Progress, Watcher
-from signorini.result import Result
-from signorini.stability import floats, largest_factor
-
-Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
+from signorini.stability import CONTRADICTION, floats, largest_factor, supports_contradict
 
 _NAMED = 20
 """Combinations that a message names."""
 _AT_LIMIT = 1e-6
 """Distance from the limit of equilibrium, over the limit, that is none: the last contact sets barely hold the plate."""
-
-
-@dataclass(frozen=True, eq=False)
-class Segment:
-    """A stretch of the path on which no point opens or closes, so that everything is linear in t.
-
-    Parameters
-    ----------
-    begin, end : PathStop
-        What holds at its two ends.
-    closed : (m,) array
-        Contact points that are closed on it.
-    """
-
-    begin: PathStop
-    end: PathStop
-    closed: Bools
-
-    @property
-    def jumps(self) -> bool:
-        """Whether all of it is at one t: the plate, having lost its hold, moves until other points hold it."""
-        return self.begin.t == self.end.t
-
-
-@dataclass(frozen=True, eq=False)
-class Path:
-    """The answer of a plate to start + t add, for every t from 0 to where the path ends.
-
-    Parameters
-    ----------
-    start : str or None
-        The load at t = 0; None is no load.
-    add : str
-        The load that grows. Both are names of cases or combinations.
-    problem : ContactProblem
-    stops : tuple of PathStop
-        At t = 0, at every event, and at the end.
-    ending : str
-        Why it ends: "until", the t asked for; "no_more_events", however large t; "no_equilibrium", from there on;
-        "stopped", where arithmetic no longer tells the contact set.
-    limit : float
-        The largest t for which reactions balance the load; infinite if there is none.
-    certificate : Certificate
-        The worst of every figure over all stops.
-    """
-
-    start: str | None
-    add: str
-    problem: ContactProblem
-    stops: tuple[PathStop, ...]
-    ending: Ending
-    limit: float
-    certificate: Certificate
-    _loads: tuple[CaseLoad, CaseLoad]
-    _first: Bools
-
-    @property
-    def model(self) -> Model:
-        """The model."""
-        return self.problem.discretisation.model
-
-    @property
-    def name(self) -> str:
-        """Its load in words."""
-        return f"t {self.add}" if self.start is None else f"{self.start} + t {self.add}"
-
-    @property
-    def end(self) -> float:
-        """The t of the last stop; the last segment goes on for ever if there are no more events."""
-        return self.stops[-1].t
-
-    @property
-    def events(self) -> tuple[PathStop, ...]:
-        """Stops at which points open or close."""
-        return tuple(stop for stop in self.stops if stop.switched)
-
-    @cached_property
-    def segments(self) -> tuple[Segment, ...]:
-        """Stretches between neighbouring stops."""
-        closed, found = self._first, []
-        for begin, end in zip(self.stops[:-1], self.stops[1:], strict=True):
-            closed = closed.copy()
-            closed[begin.points] ^= True
-            found.append(Segment(begin, end, closed))
-        return tuple(found)
-
-    def at(self, t: float) -> Result:
-        """Every result at some t: one linear solve on the contact set that holds there, with its certificate.
-
-        Raises
-        ------
-        InputError
-            If t is not on the path.
-        NotCertifiedError
-            If the answer fails its certificate.
-        """
-        open_ended = self.ending == "no_more_events"
-        if not (0 <= t <= self.end or (open_ended and self.end < t < np.inf)):
-            raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{self.end:.12g}'}.")
-        index = int(np.searchsorted([stop.t for stop in self.stops[1:-1]], t, side="left"))
-        load = self._loads[0] + t * self._loads[1]
-        found = self.problem.discretisation
-        closed = self.segments[index].closed if self.segments else self._first
-        answer = self.problem.core.solve_on(load.nodal, found.held.values, closed)
-        beside = _beside(self._loads, t)
-        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=beside)
-        if not certificate.passed:
-            # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
-            answer = self.problem.solve(load)
-            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=beside)
-        if not certificate.passed:
-            answers: list[_core.ContactSolution] = []
-            nodal = self._loads[0].nodal, self._loads[1].nodal
-            self.problem.core.path(*nodal, found.held.values, t, lambda t, points, answer: answers.append(answer))
-            answer = answers[-1]
-            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=beside)
-        name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
-        if not certificate.passed:
-            raise NotCertifiedError(f'"{name}" is refused, its certificate {certificate}.')
-        return Result.of(found, name, (self.problem.method,), load, answer, certificate)
 
 
 def path(
@@ -202,7 +77,9 @@ def path(
     found = discretise(model)
     loads = _load(found, start, "start"), _load(found, add, "add")
     if until is not None and not 0 < until < np.inf:
-        raise InputError(f"until is {until:g}; it must be a finite number greater than 0.")
+        raise InputError(f"found {until:g}; it must be a finite number greater than 0.", place="until")
+    if not loads[1].nodal.any():
+        raise InputError(f'the load "{add}" is zero; it must be one that grows. Name another.', place="add")
     watcher(Progress(stage="factor"))
     problem = contact_problem(found)
     message = no_equilibrium(found, problem.freedom, loads[0].nodal)
@@ -210,8 +87,8 @@ def path(
         raise NoEquilibriumError(f"{start or 'without load'}: {message}")
     if floats(found, problem.freedom, loads[0].nodal, loads[1].nodal):
         raise InputError(
-            f"Nothing presses the plate on its supports: neither {start or 'the start, which is no load,'} nor {add} has "
-            "a resultant, so it may rest anywhere. Add its weight.",
+            f"nothing presses the plate on its supports: neither {start or 'the start, which is no load,'} nor {add} "
+            "has a resultant, so it may rest anywhere. Add its weight.",
             place="add",
         )
     limit = largest_factor(found, problem.freedom, loads[0].nodal, loads[1].nodal)
@@ -220,8 +97,14 @@ def path(
         if method != "interior_point" and (traced is None or traced.ending == "stopped"):
             other = _trace(problem.by(method), (start, add), loads, until, limit, watcher)
             traced = other if traced is None or (other is not None and other.end > traced.end) else traced
+    if traced is None and supports_contradict(found):
+        raise NoEquilibriumError(CONTRADICTION)
     if traced is None:
-        raise NotCertifiedError("The contact problem at t = 0 has no answer that could be certified.")
+        raise NotCertifiedError(
+            "The contact problem at t = 0 has no answer that could be certified: rounding decides which supports are "
+            "in contact. Take a finer mesh or fewer supports that nearly repeat each other, or give the rigid ones a "
+            "stiffness."
+        )
     return traced
 
 
@@ -237,13 +120,6 @@ def _load(found: Discretisation, name: str | None, argument: str) -> CaseLoad:
             return found.load(combination)
     names = [*found.cases, *(combination.name for combination in itertools.islice(combinations, _NAMED))]
     raise InputError(unknown("load case or combination", name, names), place=argument)
-
-
-def _beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> Floats:
-    """What the load at t is the sum of, where its parts do not cancel, and is at a t at which both count."""
-    start, add = np.abs(loads[0].nodal), np.abs(loads[1].nodal)
-    span = start.max() / add.max() if start.any() and add.any() else 1.0
-    return np.asarray(start + max(t, span) * add)
 
 
 def _trace(
@@ -264,7 +140,7 @@ def _trace(
         load = loads[0] + t * loads[1]
         # What stands on one set at both ends of a segment is proven between them.
         sets.append(answer.closed)
-        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, sets[-2:], _beside(loads, t))
+        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, sets[-2:], beside(loads, t))
         if not certificate.passed:
             raise NotCertifiedError
         for name in worst:

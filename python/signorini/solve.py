@@ -18,7 +18,7 @@ from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, Form, Method, Steps, contact_problem
 from signorini.progress import Progress, Watcher
 from signorini.result import Result, unsolved_result
-from signorini.stability import supports_contradict, why_none
+from signorini.stability import CONTRADICTION, supports_contradict, why_none
 
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 _REASONS = 5
@@ -260,11 +260,7 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
     spent = time.perf_counter() - begun
     if tried.infeasible and supports_contradict(found):
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
-        reason = (
-            "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and "
-            "settlements. Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
-        )
-        return unsolved_result(found, combination.name, reason), spent
+        return unsolved_result(found, combination.name, CONTRADICTION), spent
     if tried.certificate is None:
         raise NotCertifiedError(
             f'Combination "{combination.name}" has no answer that could be certified: rounding decides which of its '

@@ -17,6 +17,11 @@ _OVERLAP = 1e-7
 """Part of the largest travel by which rigid supports must overlap to contradict each other."""
 _BRINK = 1e-9
 """Part of the load that must be to spare at every support for the plate not to be on the brink."""
+CONTRADICTION = (
+    "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and settlements. "
+    "Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
+)
+"""What there is to say where `supports_contradict`."""
 
 
 def why_none(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> str:

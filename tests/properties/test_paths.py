@@ -1,5 +1,7 @@
 """Load paths of random plates: within every segment the direct solution, and events where bisection finds them."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
@@ -99,7 +101,7 @@ def test_events_are_where_bisection_of_direct_solutions_finds_them(drawing, dens
     twin = dense.of(found.problem, load_at(found, 0.0).nodal)
     assume(found.events and not twin.redundant)
     stretches = [segment for segment in found.segments if not segment.jumps]
-    for before, after in list(zip(stretches[:-1], stretches[1:], strict=True))[:4]:
+    for before, after in itertools.islice(itertools.pairwise(stretches), 4):
         event, points = before.end, np.flatnonzero(before.closed != after.closed)
         low, high = 0.5 * (before.begin.t + event.t), 0.5 * (event.t + after.end.t)
         if not all(twin.pins(direct(found, t).reaction) for t in (low, high)):

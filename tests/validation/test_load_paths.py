@@ -11,9 +11,10 @@ GAUSS = (1 - 0.6**0.5) / 2
 
 
 def test_a_heavy_strip_on_soil_lifts_off_at_its_closed_form_load() -> None:
-    """A long beam under a force P sinks by Pβ/2k e^{−βx}(cos βx + sin βx) (Hetényi 1946), least at βx = π; its weight q by q/k.
+    """A long beam under a force P sinks by Pβ/2k e^{−βx}(cos βx + sin βx) (Hetényi 1946), least at βx = π.
 
-    The first point to open is the quadrature point nearest to π/β, so the beam is thin (h/ℓ = 0.016) and asked there.
+    Its weight q presses it in by q/k. The first point to open is the quadrature point nearest to π/β, so the beam is
+    thin (h/ℓ = 0.016) and asked there.
     """
     height, young, bed, weight = 0.05, 1e13, 1e6, 1e3
     length = (young * height**3 / 12 / bed) ** 0.25
@@ -165,7 +166,7 @@ def test_a_table_on_four_legs_loses_two_at_once_as_it_tips() -> None:
 
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_a_see_saw_tilts_to_its_other_stop_under_one_load(method) -> None:
-    """Weights on both sides of a hinge balance at t = 1; it then turns by itself, without a force, until the gap is closed."""
+    """Weights on both sides of a hinge balance at t = 1; the plate then turns by itself until the gap is closed."""
     model = signorini.Model(
         material={"E": 30e9, "nu": 0.2},
         plate={"shape": "rectangle", "size": [4, 1], "thickness": 0.2},

@@ -25,6 +25,9 @@ _MOST_REASONS = 20
 _WIDTH_OF_FILES = 160
 """Where the output is no terminal, tables keep their width up to this, so that programs find a row on a line."""
 
+_OPTIONS = {"start": "--from", "add": "--add", "until": "--until"}
+"""What the arguments of `signorini.path` are called on the command line."""
+
 app = typer.Typer(
     name="signorini",
     help="Plates on supports that can let go: finite elements for Reissner-Mindlin plates, one-sided supports solved "
@@ -160,7 +163,10 @@ def path(
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Directory of the files. [default: FILE-path]")
     ] = None,
 ) -> None:
-    """Follow one load as another grows: every t at which supports open or close; write path.json and path.png."""
+    """Follow one load as another grows: every t at which supports open or close, and where equilibrium ends.
+
+    Write path.json, path.csv and path.png; print the events.
+    """
     with _messages(file):
         from signorini import output as files
         from signorini.cli.events import print_path
@@ -168,7 +174,11 @@ def path(
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
         with files.room_for(directory), transient_line() as show, interrupts.at_once():
-            found = signorini.path(model, start, add, until, progress=show)
+            try:
+                found = signorini.path(model, start, add, until, progress=show)
+            except InputError as error:
+                option = _OPTIONS.get(error.place or "")
+                raise InputError(error.message, option) if option else error from None
         files.write_path(found, directory)
         print_path(_stdout(), found)
         _stdout().print(f"Written to {directory}{os.sep}")
