@@ -1,5 +1,6 @@
 //! A stretch of the path: the plate on one contact set, linear in t.
 
+use super::trail::differing;
 use super::{PathLoad, SIGN};
 use crate::cholesky::FactorError;
 use crate::contact::problem::{ContactProblem, Factored};
@@ -8,6 +9,8 @@ use crate::residual::Displacement;
 
 /// How far, over a segment's length, its refined end may be from where pivoting saw it.
 const MOVED: f64 = 1e-3;
+/// Reactions and gaps, over the largest of their kind, that are none.
+const NOTHING: f64 = 1e-14;
 /// Part of the loads that a load is the sum of which, as a scale, turns [`SIGN`] into their rounding.
 const UNSEEN: f64 = 1e-7;
 
@@ -64,6 +67,29 @@ impl Line {
     }
 }
 
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+/// The largest deflection or gap.
+fn largest_length(of: &ContactSolution) -> f64 {
+    of.displacement.hi.iter().step_by(3).fold(largest(&of.gap), |most, w| most.max(w.abs()))
+}
+
+/// The solution with another contact set, if it stands on that too: points that differ neither press nor part.
+pub(super) fn standing_on(solution: &ContactSolution, set: &[bool]) -> Option<ContactSolution> {
+    let (force, length) = (NOTHING * largest(&solution.reaction), NOTHING * largest_length(solution));
+    let idle = |&i: &usize| solution.reaction[i].abs() <= force && solution.gap[i].abs() <= length;
+    let differing = differing(&solution.closed, set);
+    differing.iter().all(idle).then(|| {
+        let mut same = ContactSolution { closed: set.to_vec(), ..solution.clone() };
+        for i in differing {
+            (same.reaction[i], same.gap[i]) = (0.0, 0.0);
+        }
+        same
+    })
+}
+
 impl ContactProblem {
     /// Displacements, reactions and gaps under one load on a contact set that is given, signs as they come.
     pub fn solve_on(&self, load: &[f64], held_value: &[f64], closed: &[bool]) -> Result<ContactSolution, FactorError> {
@@ -105,13 +131,26 @@ impl ContactProblem {
         start: Option<&ContactSolution>,
         own: &mut Option<Factored>,
     ) -> Result<Option<Line>, FactorError> {
-        let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let loads = at.map(|t| load.at(t));
         let least = f64::max(largest(&loads[0]), largest(&loads[1]));
         let from = self.on(&loads[0], load.held_value, closed, start, own, least)?;
         if from.outcome != Outcome::Solved {
             return Ok(None);
         }
+        self.line_from(load, from, at, own)
+    }
+
+    /// The line on the contact set of a solution, which holds at the first of two t.
+    pub(super) fn line_from(
+        &self,
+        load: &PathLoad,
+        from: ContactSolution,
+        at: [f64; 2],
+        own: &mut Option<Factored>,
+    ) -> Result<Option<Line>, FactorError> {
+        let loads = at.map(|t| load.at(t));
+        let least = f64::max(largest(&loads[0]), largest(&loads[1]));
+        let closed = &from.closed;
         let to = self.on(&loads[1], load.held_value, closed, Some(&from), own, least)?;
         if to.outcome != Outcome::Solved {
             return Ok(None);
@@ -121,9 +160,7 @@ impl ContactProblem {
             0.0 => largest(&loads[1]),
             force => force.max(UNSEEN * load.size(at[0])),
         };
-        let deflection =
-            |of: &ContactSolution| of.displacement.hi.iter().step_by(3).fold(0.0, |m: f64, w| m.max(w.abs()));
-        let length = [&from, &to].map(|end| largest(&end.gap).max(deflection(end))).into_iter().fold(0.0, f64::max);
+        let length = f64::max(largest_length(&from), largest_length(&to));
         Ok(Some(Line { at, ends: [from, to], force, length }))
     }
 

@@ -1,6 +1,6 @@
 //! From event to event on the sparse K.
 
-use super::line::Line;
+use super::line::{Line, standing_on};
 use super::trail::Trail;
 use super::{MOST_EVENTS, PathEnd, PathLoad, SIGN};
 use crate::cholesky::FactorError;
@@ -34,8 +34,7 @@ impl ContactProblem {
             let mut line = line;
             if reach > line.at[1] && reach.is_finite() {
                 // Beyond its far end a line is less exact than up to it.
-                let set = line.ends[0].closed.clone();
-                if let Some(longer) = self.line(load, &set, [t, reach], Some(&line.ends[1]), &mut own)? {
+                if let Some(longer) = self.line_from(load, line.ends[0].clone(), [t, reach], &mut own)? {
                     line = longer;
                     (to, points) = self.next_event(&line, t);
                 }
@@ -67,7 +66,12 @@ impl ContactProblem {
         let span = load.span(t);
         let mut set = closed.to_vec();
         for _ in 0..ROUNDS {
-            let Some(line) = self.line(load, &set, [t, t + span], Some(here), own)? else {
+            let at = [t, t + span];
+            let line = match standing_on(here, &set) {
+                Some(from) => self.line_from(load, from, at, own)?,
+                None => self.line(load, &set, at, Some(here), own)?,
+            };
+            let Some(line) = line else {
                 break;
             };
             match self.wrong(&line) {
