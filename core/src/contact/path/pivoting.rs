@@ -1,5 +1,6 @@
 //! From basis to basis of the condensed points' LCP.
 
+use super::line::standing_on;
 use super::trail::{Trail, differing};
 use super::{PathEnd, PathLoad};
 use crate::cholesky::FactorError;
@@ -26,7 +27,10 @@ impl ContactProblem {
                 far if far.is_finite() => far,
                 _ => segment.from + load.span(segment.from),
             };
-            let line = self.line(load, &sets[k], [segment.from, far], None, &mut None)?;
+            let line = match standing_on(trail.here(), &sets[k]) {
+                Some(from) if far > t => self.line_from(load, from, [t, far], &mut None)?,
+                _ => self.line(load, &sets[k], [segment.from, far], None, &mut None)?,
+            };
             let next = sets.get(k + 1);
             let to = line.as_ref().map_or(far, |line| {
                 let leaving = next.map_or(Vec::new(), |next| differing(next, &sets[k]));
