@@ -139,6 +139,15 @@ def test_points_that_meet_the_soil_at_once_are_no_events_one_by_one(method) -> N
     assert found.at(1).deflection == pytest.approx(2e-3, rel=1e-9)
 
 
+def test_the_example_in_the_documentation_is_what_the_command_prints(tmp_path: Path) -> None:
+    root = Path(__file__).parents[1]
+    shown = run(
+        "path", root / "examples" / "slab_on_points.toml", "--from", "slab", "--add", "machine", "-o", tmp_path / "out"
+    )
+    table = (root / "docs" / "paths.md").read_text("utf-8").split("```")[3].strip()
+    assert table.startswith("t ") and all(line in shown.output for line in table.splitlines())
+
+
 def test_what_nothing_presses_on_its_supports_is_refused() -> None:
     model = Model(
         material={"E": 30e9, "nu": 0.2},
