@@ -80,7 +80,7 @@ impl Arrival {
         let presses = |i: usize| largest(here.reaction[i], begin.reaction[i], force);
         let parts = |i: usize| largest(here.gap[i], begin.gap[i], length);
         let jumps = |&i: &usize| presses(i).max(parts(i)) > JUMP;
-        differing(&here.closed, &begin.closed).iter().any(|i| jumps(i)).then(|| {
+        differing(&here.closed, &begin.closed).iter().any(jumps).then(|| {
             let stays = |i: usize| here.closed[i] == begin.closed[i];
             (0..here.closed.len()).map(|i| if stays(i) { here.closed[i] } else { presses(i) > parts(i) }).collect()
         })
