@@ -1,5 +1,6 @@
 """Load paths as a user meets them: the command, its files, its refusals, and Path in Python."""
 
+import csv
 import json
 from pathlib import Path
 
@@ -22,7 +23,7 @@ support = [
   { name = "prop", at = [2, 2], resists = "down", gap = 1e-3 },
 ]
 load = [{ case = "G", pressure = 5 }, { case = "Q", force = 10, at = [3.5, 2.5] }]
-combination = [{ name = "service", factors = { G = 1, Q = 1 } }]
+combination = [{ name = "service", factors = { G = 1, Q = 1 } }, { name = "nothing", factors = { Q = 0 } }]
 probe = [{ at = [[2, 2], [3.5, 3.5]] }]
 """
 
@@ -43,7 +44,7 @@ def test_the_command_prints_the_events_and_writes_them(slab: Path) -> None:
     assert result.exit_code == 0, result.output
     assert "pads opens at [1, 3]" in result.output and "Equilibrium ends at t = 16" in result.output
     directory = slab.with_name("slab-path")
-    assert sorted(file.name for file in directory.iterdir()) == ["path.json", "path.png"]
+    assert sorted(file.name for file in directory.iterdir()) == ["path.csv", "path.json", "path.png"]
     found = json.loads((directory / "path.json").read_text())
     assert (found["from"], found["add"], found["ending"]) == ("G", "Q", "no_equilibrium")
     assert found["end"] == pytest.approx(found["limit"], rel=1e-6) and found["certificate"]["passed"]
@@ -54,6 +55,11 @@ def test_the_command_prints_the_events_and_writes_them(slab: Path) -> None:
         total = sum(support["reaction"] for support in stop["supports"])
         assert total == pytest.approx(80 + 10 * stop["t"], rel=1e-9)
         assert len(stop["probes"]) == 2
+    with (directory / "path.csv").open(encoding="utf-8", newline="") as text:
+        rows = list(csv.DictReader(text))
+    assert [float(row["t"]) for row in rows] == [stop["t"] for stop in found["stops"]]
+    assert rows[1]["event"] == "pads opens at [1, 3]" and (rows[1]["closed:pads"], rows[1]["open:pads"]) == ("3", "1")
+    assert float(rows[-1]["probe[2]:deflection"]) == found["stops"][-1]["probes"][1]["deflection"]
 
 
 def test_stops_show_what_a_direct_solution_shows(slab: Path) -> None:
@@ -85,6 +91,13 @@ def test_until_ends_the_path_and_at_keeps_to_it(slab: Path) -> None:
         (["--add", "Q", "--until", "nan"], 2, "Error: --until: found nan; it must be a finite number greater than 0."),
         (["--from", "Q", "--add", "G"], 3, "Q: The plate tips about the line"),
         (["--from", "G"], 2, "Missing option '--add'"),
+        (["--from", "H", "--add", "Q"], 2, "Error: --from: Unknown load case or combination 'H'."),
+        (["--from", "G", "--add", "nothing"], 2, '--add: the load "nothing" is zero'),
+        (
+            ["--from", "G", "--add", "Q", "--until", "-2"],
+            2,
+            "--until: found -2; it must be a finite number greater than 0.",
+        ),
     ],
 )
 def test_what_cannot_be_followed_is_named(slab: Path, arguments: list[str], code: int, message: str) -> None:
@@ -108,15 +121,61 @@ def test_a_path_without_events_has_one_segment() -> None:
     assert found.at(10 * segment.end.t).deflection == pytest.approx(10 * found.at(segment.end.t).deflection, rel=1e-9)
 
 
-def test_points_that_meet_the_soil_at_once_are_no_events_one_by_one() -> None:
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_points_that_meet_the_soil_at_once_are_no_events_one_by_one(method) -> None:
     model = Model(
         material={"E": 30e9, "nu": 0.2},
         plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.1},
         mesh={"divisions": [2, 2]},
         support=[{"area": "all", "resists": "down", "stiffness": 1e6, "gap": 1e-3}],
         load=[{"pressure": 1e3}],
+        solver={"method": method},
     )
     found = signorini.path(model, None, "load", until=1)
     assert [stop.t for stop in found.stops] == [0, 1]
     assert found.stops[0].closed == found.stops[0].counts
     assert found.at(1).deflection == pytest.approx(2e-3, rel=1e-9)
+
+
+def test_the_example_in_the_documentation_is_what_the_command_prints(tmp_path: Path) -> None:
+    root = Path(__file__).parents[1]
+    shown = run(
+        "path", root / "examples" / "slab_on_points.toml", "--from", "slab", "--add", "machine", "-o", tmp_path / "out"
+    )
+    table = (root / "docs" / "paths.md").read_text("utf-8").split("```")[3].strip()
+    assert table.startswith("t ") and all(line in shown.output for line in table.splitlines())
+
+
+def test_what_nothing_presses_on_its_supports_is_refused() -> None:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.1},
+        mesh={"divisions": [2, 2]},
+        support=[{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
+        load=[{"case": "sun", "curvature": [1e-3, 0, 0]}],
+    )
+    with pytest.raises(signorini.InputError, match=r"nothing presses the plate .* Add its weight"):
+        signorini.path(model, None, "sun")
+
+
+def test_a_jump_is_said_in_the_table_and_the_notebook(tmp_path: Path) -> None:
+    file = tmp_path / "seesaw.toml"
+    file.write_text(
+        """
+material = { E = 30e6, nu = 0.2 }
+plate = { shape = "rectangle", size = [4, 1], thickness = 0.2 }
+mesh = { divisions = [4, 1] }
+support = [
+  { name = "hinge", line = [[2, 0], [2, 1]], resists = "both" },
+  { name = "left", at = [0, 0.5], resists = "down" },
+  { name = "right", at = [4, 0.5], resists = "down", gap = 0.01 },
+]
+load = [{ case = "G", force = 1, at = [0, 0.5] }, { case = "Q", force = 1, at = [4, 0.5] }]
+"""
+    )
+    shown = run("path", file, "--from", "G", "--add", "Q", "--until", 2)
+    assert shown.exit_code == 0, shown.output
+    words = "left opens at [0, 0.5]; the plate moves on its own until another support holds it"
+    assert words in shown.output
+    found = signorini.path(signorini.load(file), "G", "Q", until=2)
+    assert words in found._repr_html_() and found._repr_html_().count("<tr>") == 1 + len(found.stops)

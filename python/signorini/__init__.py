@@ -19,7 +19,8 @@ from signorini._core import __version__
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini.inputfile import load, schema
 from signorini.model import Model, validate
-from signorini.path import Path, path
+from signorini.path import path
+from signorini.path_result import Path
 from signorini.probe_result import ProbeResult
 from signorini.problem import ContactProblem, contact_problem
 from signorini.progress import Progress

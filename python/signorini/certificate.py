@@ -6,13 +6,14 @@ three global balances from them. It reads no factor, no condensed matrix, and no
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.discretise.rows import Floats
+from signorini.discretise.rows import Bools, Floats
 from signorini.problem import spring_arrays
 
 TOLERANCE = 1e-8
@@ -82,8 +83,21 @@ class Certificate:
         return f"{'passed' if self.passed else 'failed'}: {figures}{note}"
 
 
-def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, reaction: Floats) -> Certificate:
+def certify(
+    found: Discretisation,
+    load: CaseLoad,
+    hi: Floats,
+    lo: Floats,
+    reaction: Floats,
+    closed: Sequence[Bools] = (),
+    beside: Floats | None = None,
+) -> Certificate:
     """Judge displacements ``hi + lo`` (3n,) and the contact points' reactions (m,) under a load.
+
+    ``closed`` are contact sets (m,) on which they claim to be solutions: what open points of one react with and how far
+    its closed ones are open counts as complementarity too. An answer at both ends of a stretch that stands on one set
+    proves all between them, which is linear. ``beside`` is a nodal load (3n,) of the size that the load is a difference
+    of, or a small part of: its rounding is none of the answer's fault.
 
     Examples
     --------
@@ -105,6 +119,7 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
     False
     """
     contacts, held, size = found.contacts, found.held, found.mesh.size
+    beside = np.zeros(3) if beside is None else beside
     with np.errstate(invalid="ignore"):
         imbalance = found.plate.residual(spring_arrays(found), load.nodal, hi, lo)
         imbalance = imbalance - found.contact_rows.T @ reaction
@@ -116,20 +131,27 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
         slip = np.where(held.dofs, hi + lo - held.values, 0.0).reshape(-1, 3)
         # Travel counts by its rounding, and at its own point: a stop far away must not excuse what happens at others.
         travel, idle = _UNSEEN * np.abs(contacts.distance), not load.nodal.any()
-        length = _largest(hi[::3], _NIL * _loaded_deflection(found, load), travel if idle else 0.0)
+        length = _largest(
+            hi[::3],
+            _NIL * _loaded_deflection(found, load.nodal),
+            _UNSEEN * _loaded_deflection(found, beside),
+            travel if idle else 0.0,
+        )
         slope = _largest(hi.reshape(-1, 3)[:, 1:], length / size)
         lengths = np.where(contacts.slope, slope, np.maximum(travel, length)) + (length == 0.0)
         open_by = np.maximum(np.where(contacts.two_sided, np.abs(gap), -gap), 0.0)
 
         across = float(np.sqrt(found.mesh.element_area.mean()))
         # Forces count from what bending to the deflection takes; under no load, from what shearing to the travel does.
-        rest = _UNSEEN * _rigidity(found, found.thickness.max()) * length / size**2
+        bending = _rigidity(found, found.thickness.max()) * length / size**2
+        rest = _UNSEEN * _largest(bending, _by_force(beside, across))
         if idle:
             shear = found.model.material.E * found.thickness.max()
             rest = max(rest, _UNSEEN * shear * _largest(length, contacts.distance))
         scale = _largest(_by_force(load.nodal, across) or _largest(_by_force(at_holds, across), force), rest)
         pressing = _largest(scale, force)
-        both = np.minimum(np.abs(force) / (pressing or 1.0), np.abs(gap) / lengths)
+        reacting, away = np.abs(force) / (pressing or 1.0), np.abs(gap) / lengths
+        both = np.max([np.minimum(reacting, away), *(np.where(those, away, reacting) for those in closed)], axis=0)
         out_of_balance, total = _balance(found, load.nodal, hi, lo, at_holds, reaction)
         figures = {
             "penetration": _largest(
@@ -188,9 +210,9 @@ def _balance(
     return _largest(motions.T @ (nodal - against)), _largest(np.abs(nodal) @ reach, np.abs(against) @ reach)
 
 
-def _loaded_deflection(found: Discretisation, load: CaseLoad) -> float:
+def _loaded_deflection(found: Discretisation, nodal: Floats) -> float:
     """Deflection by which a load scales on the plate."""
-    forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0)
+    forces, *couples = np.abs(nodal.reshape(-1, 3)).sum(axis=0)
     size = found.mesh.size
     return float(forces + sum(couples) / size) * size**2 / _rigidity(found, found.thickness.min())
 

@@ -1,4 +1,4 @@
-"""What a notebook shows of supports."""
+"""What a notebook shows of supports, and of a load path."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import html
 from collections.abc import Sequence
 
 from signorini.kinds import symbol
-from signorini.model import Support
+from signorini.model import Support, Units
 from signorini.support_result import SupportResult
 
 _NUMBER = 'style="text-align: right"'
@@ -31,5 +31,28 @@ def supports_table(supports: Sequence[Support], found: Sequence[SupportResult], 
         f"<td {_WORDS}>{html.escape(s.kind)}</td><td {_NUMBER}>{s.reaction:.6g}</td>"
         f"<td {_NUMBER}>{s.closed_count}</td><td {_NUMBER}>{s.open_count}</td></tr>"
         for support, s in zip(supports, found, strict=True)
+    )
+    return f"<table>{head}{rows}</table>"
+
+
+def path_table(supports: Sequence[str], stops: Sequence[tuple[float, str, float, list[float]]], units: Units) -> str:
+    """Write the stops of a load path in HTML: t, what happens, the largest deflection, the supports' reactions.
+
+    Examples
+    --------
+    >>> from signorini.model import Units
+    >>> closes = 0.5, "prop closes at [2, 2]", 0.001, [0.0]
+    >>> path_table(["prop"], [closes], Units(length="m", force="kN")).count("<tr>")
+    2
+    """
+    length, force = (f" [{html.escape(unit)}]" if unit else "" for unit in (units.length, units.force))
+    titles = [f"largest deflection{length}", *(f"{html.escape(name)}{force}" for name in supports)]
+    head = f"<tr><th {_NUMBER}>t</th><th {_WORDS}>event</th>"
+    head += "".join(f"<th {_NUMBER}>{title}</th>" for title in titles) + "</tr>"
+    rows = "".join(
+        f"<tr><td {_NUMBER}>{t:.9g}</td><td {_WORDS}>{html.escape(event)}</td>"
+        + "".join(f"<td {_NUMBER}>{value:.6g}</td>" for value in (largest, *reactions))
+        + "</tr>"
+        for t, event, largest, reactions in stops
     )
     return f"<table>{head}{rows}</table>"

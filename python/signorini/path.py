@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, fields
-from functools import cached_property
-from typing import Literal
+from dataclasses import fields
 
 import numpy as np
 
@@ -16,126 +14,16 @@ from signorini.discretise.rows import Bools, Ints
 from signorini.equilibrium import no_equilibrium
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
 from signorini.model import Model
+from signorini.path_result import Ending, Path, beside
 from signorini.path_stop import PathStop, path_stop
 from signorini.problem import ContactProblem, contact_problem
 from signorini.progress import Progress, Watcher
-from signorini.result import Result
-from signorini.stability import largest_factor
-
-Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
+from signorini.stability import CONTRADICTION, floats, largest_factor, supports_contradict
 
 _NAMED = 20
 """Combinations that a message names."""
 _AT_LIMIT = 1e-6
 """Distance from the limit of equilibrium, over the limit, that is none: the last contact sets barely hold the plate."""
-
-
-@dataclass(frozen=True, eq=False)
-class Segment:
-    """A stretch of the path on which no point opens or closes, so that everything is linear in t.
-
-    Parameters
-    ----------
-    begin, end : PathStop
-        What holds at its two ends.
-    closed : (m,) array
-        Contact points that are closed on it.
-    """
-
-    begin: PathStop
-    end: PathStop
-    closed: Bools
-
-
-@dataclass(frozen=True, eq=False)
-class Path:
-    """The answer of a plate to start + t add, for every t from 0 to where the path ends.
-
-    Parameters
-    ----------
-    start : str or None
-        The load at t = 0; None is no load.
-    add : str
-        The load that grows. Both are names of cases or combinations.
-    problem : ContactProblem
-    stops : tuple of PathStop
-        At t = 0, at every event, and at the end.
-    ending : str
-        Why it ends: "until", the t asked for; "no_more_events", however large t; "no_equilibrium", from there on;
-        "stopped", where arithmetic no longer tells the contact set.
-    limit : float
-        The largest t for which reactions balance the load; infinite if there is none.
-    certificate : Certificate
-        The worst of every figure over all stops.
-    """
-
-    start: str | None
-    add: str
-    problem: ContactProblem
-    stops: tuple[PathStop, ...]
-    ending: Ending
-    limit: float
-    certificate: Certificate
-    _loads: tuple[CaseLoad, CaseLoad]
-    _first: Bools
-
-    @property
-    def model(self) -> Model:
-        """The model."""
-        return self.problem.discretisation.model
-
-    @property
-    def name(self) -> str:
-        """Its load in words."""
-        return f"t {self.add}" if self.start is None else f"{self.start} + t {self.add}"
-
-    @property
-    def end(self) -> float:
-        """The t of the last stop; the last segment goes on for ever if there are no more events."""
-        return self.stops[-1].t
-
-    @property
-    def events(self) -> tuple[PathStop, ...]:
-        """Stops at which points open or close."""
-        return tuple(stop for stop in self.stops if stop.switched)
-
-    @cached_property
-    def segments(self) -> tuple[Segment, ...]:
-        """Stretches between neighbouring stops."""
-        closed, found = self._first, []
-        for begin, end in zip(self.stops[:-1], self.stops[1:], strict=True):
-            closed = closed.copy()
-            closed[begin.points] ^= True
-            found.append(Segment(begin, end, closed))
-        return tuple(found)
-
-    def at(self, t: float) -> Result:
-        """Every result at some t: one linear solve on the contact set that holds there, with its certificate.
-
-        Raises
-        ------
-        InputError
-            If t is not on the path.
-        NotCertifiedError
-            If the answer fails its certificate.
-        """
-        open_ended = self.ending == "no_more_events"
-        if not (0 <= t <= self.end or (open_ended and self.end < t < np.inf)):
-            raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{self.end:.12g}'}.")
-        index = int(np.searchsorted([stop.t for stop in self.stops[1:-1]], t, side="left"))
-        load = self._loads[0] + t * self._loads[1]
-        found = self.problem.discretisation
-        closed = self.segments[index].closed if self.segments else self._first
-        answer = self.problem.core.solve_on(load.nodal, found.held.values, closed)
-        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
-        if not certificate.passed:
-            # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
-            answer = self.problem.solve(load)
-            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
-        name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
-        if not certificate.passed:
-            raise NotCertifiedError(f'"{name}" is refused, its certificate {certificate}.')
-        return Result.of(found, name, (self.problem.method,), load, answer, certificate)
 
 
 def path(
@@ -191,19 +79,33 @@ def path(
     loads = _load(found, start, "start"), _load(found, add, "add")
     if until is not None and not 0 < until < np.inf:
         raise InputError(f"found {until:g}; it must be a finite number greater than 0.", place="until")
+    if not loads[1].nodal.any():
+        raise InputError(f'the load "{add}" is zero; it must be one that grows. Name another.', place="add")
     watcher(Progress(stage="factor"))
     problem = contact_problem(found)
     message = no_equilibrium(found, problem.freedom, loads[0].nodal)
     if message:
         raise NoEquilibriumError(f"{start or 'without load'}: {message}")
+    if floats(found, problem.freedom, loads[0].nodal, loads[1].nodal):
+        raise InputError(
+            f"nothing presses the plate on its supports: neither {start or 'the start, which is no load,'} nor {add} "
+            "has a resultant, so it may rest anywhere. Add its weight.",
+            place="add",
+        )
     limit = largest_factor(found, problem.freedom, loads[0].nodal, loads[1].nodal)
     traced = _trace(problem, (start, add), loads, until, limit, watcher)
     for method in problem.fallbacks:
         if method != "interior_point" and (traced is None or traced.ending == "stopped"):
             other = _trace(problem.by(method), (start, add), loads, until, limit, watcher)
             traced = other if traced is None or (other is not None and other.end > traced.end) else traced
+    if traced is None and supports_contradict(found):
+        raise NoEquilibriumError(CONTRADICTION)
     if traced is None:
-        raise NotCertifiedError("The contact problem at t = 0 has no answer that could be certified.")
+        raise NotCertifiedError(
+            "The contact problem at t = 0 has no answer that could be certified: rounding decides which supports are "
+            "in contact. Take a finer mesh or fewer supports that nearly repeat each other, or give the rigid ones a "
+            "stiffness."
+        )
     return traced
 
 
@@ -232,18 +134,18 @@ def _trace(
     """Follow the path by one method, as far as its answers are certified; None if not even the first is."""
     found = problem.discretisation
     stops: list[PathStop] = []
-    first: list[Bools] = []
+    sets: list[Bools] = []
     worst = {figure.name: 0.0 for figure in fields(Certificate)}
 
     def visit(t: float, points: Ints, answer: _core.ContactSolution) -> None:
         load = loads[0] + t * loads[1]
-        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
+        # What stands on one set at both ends of a segment is proven between them.
+        sets.append(answer.closed)
+        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, sets[-2:], beside(loads, t))
         if not certificate.passed:
             raise NotCertifiedError
         for name in worst:
             worst[name] = max(worst[name], getattr(certificate, name))
-        if not first:
-            first.append(answer.closed)
         stops.append(path_stop(found, t, load, points, answer))
         watcher(Progress(f"t = {t:.6g}, event {len(stops)}"))
 
@@ -262,4 +164,4 @@ def _trace(
         ending = "no_equilibrium"
     elif ended == "reached":
         ending = "until"
-    return Path(*names, problem, tuple(stops), ending, limit, Certificate(**worst), loads, first[0])
+    return Path(*names, problem, tuple(stops), ending, limit, Certificate(**worst), loads, sets[0])

@@ -13,6 +13,9 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.problem import spring_arrays
 from signorini.support_result import support_result
 
+_MOST_POINTS = 3
+"""Points of one support named at an event."""
+
 
 @dataclass(frozen=True)
 class Switch:
@@ -68,6 +71,17 @@ class PathStop:
     smallest: float
     largest_at: tuple[float, float]
     smallest_at: tuple[float, float]
+
+    @property
+    def event(self) -> str:
+        """What opens and closes here, in words; empty at the beginning and at the end."""
+        said = []
+        for name, change in dict.fromkeys((switch.support, switch.change) for switch in self.switched):
+            places = [switch.at for switch in self.switched if (switch.support, switch.change) == (name, change)]
+            some = " ".join(f"[{x:.6g}, {y:.6g}]" for x, y in places[:_MOST_POINTS])
+            more = f" and {len(places) - _MOST_POINTS} more" if len(places) > _MOST_POINTS else ""
+            said.append(f"{name} {change} at {some}{more}")
+        return "; ".join(said)
 
 
 def switches(found: Discretisation, points: Ints, answer: _core.ContactSolution) -> tuple[Switch, ...]:

@@ -18,7 +18,7 @@ from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, Method, Steps, contact_problem
 from signorini.progress import Progress, Watcher
 from signorini.result import Result, unsolved_result
-from signorini.stability import supports_contradict, why_none
+from signorini.stability import CONTRADICTION, supports_contradict, why_none
 
 _REASONS = 5
 """Combinations without equilibrium that a message names where none has one."""
@@ -259,11 +259,7 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
     spent = time.perf_counter() - begun
     if tried.contradiction:
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
-        reason = (
-            "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and "
-            "settlements. Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
-        )
-        return unsolved_result(found, combination.name, reason), spent
+        return unsolved_result(found, combination.name, CONTRADICTION), spent
     if tried.certificate is None:
         others = "" if found.model.solver.method == "auto" else ' Leave solver.method at "auto", which tries them all.'
         raise NotCertifiedError(

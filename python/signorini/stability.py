@@ -17,6 +17,11 @@ _OVERLAP = 1e-7
 """Part of the largest travel by which rigid supports must overlap to contradict each other."""
 _BRINK = 1e-9
 """Part of the load that must be to spare at every support for the plate not to be on the brink."""
+CONTRADICTION = (
+    "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and settlements. "
+    "Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
+)
+"""What there is to say where `supports_contradict`."""
 
 
 def why_none(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> str:
@@ -92,6 +97,12 @@ def on_the_brink(found: Discretisation, freedom: RigidFreedom, nodal: Floats) ->
         method="highs",
     )
     return most.x is not None and bool(most.x[0] <= _BRINK)
+
+
+def floats(found: Discretisation, freedom: RigidFreedom, *loads: Floats) -> bool:
+    """Whether no nodal load (3n,) of these, be it none, does work in a motion that one-sided supports alone hold."""
+    sizes = [(np.abs(work_of(found, freedom, nodal)).max(initial=0.0), load_size(found, nodal)) for nodal in loads]
+    return freedom.count > 0 and all(work <= _BRINK * size for work, size in sizes)
 
 
 def supports_contradict(found: Discretisation) -> bool:

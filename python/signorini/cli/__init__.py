@@ -27,6 +27,9 @@ _OPTIONS = {"start": "--from", "add": "--add", "until": "--until"}
 _WIDTH_OF_FILES = 160
 """Where the output is no terminal, tables keep their width up to this, so that programs find a row on a line."""
 
+_OPTIONS = {"start": "--from", "add": "--add", "until": "--until"}
+"""What the arguments of `signorini.path` are called on the command line."""
+
 app = typer.Typer(
     name="signorini",
     help="Plates on supports that can let go: finite elements for Reissner-Mindlin plates, one-sided supports solved "
@@ -162,7 +165,10 @@ def path(
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Directory of the files. [default: FILE-path]")
     ] = None,
 ) -> None:
-    """Follow one load as another grows: every t at which supports open or close; write path.json and path.png."""
+    """Follow one load as another grows: every t at which supports open or close, and where equilibrium ends.
+
+    Write path.json, path.csv and path.png; print the events.
+    """
     with _messages(file):
         from signorini import output as files
         from signorini.cli.events import print_path

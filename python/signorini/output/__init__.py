@@ -11,7 +11,7 @@ from pathlib import Path
 
 from signorini.errors import InputError
 from signorini.files import replacing_together, room_beside
-from signorini.output.loadpath import PATH_JSON, PATH_PICTURE, path_json, write_path
+from signorini.output.loadpath import PATH_CSV, PATH_JSON, PATH_PICTURE, path_csv, path_json, write_path
 from signorini.output.names import CSV, JSON, PRESSURE, has_areas, slugs, unique_slugs
 from signorini.output.tables import reactions_csv, results_json
 from signorini.result import pressure_layers, support_marks
@@ -21,8 +21,10 @@ from signorini.tabulated import ENVELOPE, TABLE, write_envelope
 __all__ = [
     "CSV",
     "JSON",
+    "PATH_CSV",
     "PATH_JSON",
     "PATH_PICTURE",
+    "path_csv",
     "path_json",
     "reactions_csv",
     "results_json",

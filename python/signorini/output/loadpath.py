@@ -1,7 +1,10 @@
-"""A load path as files: path.json and path.png."""
+"""A load path as files: path.json, path.csv and path.png."""
 
 from __future__ import annotations
 
+import csv
+import io
+import itertools
 import json
 import os
 from dataclasses import asdict
@@ -12,10 +15,10 @@ import numpy as np
 
 from signorini.errors import InputError
 from signorini.files import replacing_together
-from signorini.path import Path
+from signorini.path_result import Path
 from signorini.path_stop import PathStop
 
-PATH_JSON, PATH_PICTURE = "path.json", "path.png"
+PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 SCHEMA = 1
 
 
@@ -76,8 +79,26 @@ def _stop(path: Path, stop: PathStop) -> dict[str, Any]:
     }
 
 
+def path_csv(path: Path) -> str:
+    """Give the stops of a load path as comma-separated values: a row a stop, columns for every support and probe."""
+    text = io.StringIO()
+    names = [support.name for support in path.model.support]
+    positions = path.problem.discretisation.probe_positions.tolist()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(
+        ["t", "event", "deflection_max", "deflection_min"]
+        + [f"{what}:{name}" for name in names for what in ("reaction", "closed", "open")]
+        + [f"probe[{i}]:deflection" for i in range(1, len(positions) + 1)]
+    )
+    for index, stop in enumerate(path.stops):
+        supports = zip(stop.reactions.tolist(), stop.closed.tolist(), (stop.counts - stop.closed).tolist(), strict=True)
+        row = [stop.t, path.words(index), stop.largest, stop.smallest, *itertools.chain.from_iterable(supports)]
+        table.writerow([*row, *stop.deflections.tolist()])
+    return text.getvalue()
+
+
 def write_path(path: Path, directory: str | os.PathLike[str]) -> None:
-    """Write ``path.json`` and ``path.png``, both or none; other files in the directory stay.
+    """Write ``path.json``, ``path.csv`` and ``path.png``, all or none; other files in the directory stay.
 
     Raises
     ------
@@ -85,30 +106,14 @@ def write_path(path: Path, directory: str | os.PathLike[str]) -> None:
         If the directory cannot be made or written to.
     """
     # Only this function needs matplotlib.
-    from signorini.plot import load_path_picture, save
+    from signorini.plot import save
 
-    model, target = path.model, FilePath(directory)
-    t = np.array([stop.t for stop in path.stops])
-    positions = path.problem.discretisation.probe_positions.tolist()
-    at_probes = np.array([stop.deflections for stop in path.stops])
-    curves = {f"at [{x:.6g}, {y:.6g}]": at_probes[:, i] for i, (x, y) in enumerate(positions)}
-    if not curves:
-        curves = {"largest": np.array([stop.largest for stop in path.stops])}
-    parts = np.array([stop.closed / np.maximum(stop.counts, 1) for stop in path.stops[:-1]]).reshape(
-        -1, len(model.support)
-    )
-    figure = load_path_picture(
-        t,
-        curves,
-        {support.name: parts[:, i] for i, support in enumerate(model.support)},
-        limit=path.end if path.ending == "no_equilibrium" else None,
-        title=", ".join(part for part in (model.title, path.name) if part),
-        factor=f"t, the factor of {path.add}",
-        length=model.units.length,
-    )
+    target = FilePath(directory)
+    figure = path.plot()
     try:
-        with replacing_together(target, [PATH_JSON, PATH_PICTURE], seal=PATH_JSON) as beside:
+        with replacing_together(target, [PATH_JSON, PATH_CSV, PATH_PICTURE], seal=PATH_JSON) as beside:
             save(figure, beside / PATH_PICTURE)
+            (beside / PATH_CSV).write_text(path_csv(path), "utf-8")
             text = json.dumps(path_json(path), indent=1, ensure_ascii=False, allow_nan=False)
             (beside / PATH_JSON).write_text(text + "\n", "utf-8")
     except OSError as error:

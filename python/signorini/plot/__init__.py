@@ -4,6 +4,7 @@ Takes arrays and returns matplotlib axes or figures that no global state knows o
 """
 
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from signorini.plot.balance import BalanceMark
 from signorini.plot.field import contour, line
@@ -15,6 +16,7 @@ from signorini.plot.pressure import PressureLayer, pressure
 __all__ = [
     "Axes",
     "BalanceMark",
+    "Figure",
     "LoadMark",
     "PressureLayer",
     "SupportMark",

@@ -7,9 +7,12 @@ use crate::contact::problem::{ContactProblem, Factored};
 use crate::contact::refinement::Step;
 use crate::contact::solution::{ContactSolution, Outcome};
 
+/// What rounding may leave of an imbalance, over the largest force, without a second thought.
+const STALLED: f64 = 1e-11;
+
 impl ContactProblem {
     /// As [`ContactProblem::solve_on`], beginning with an answer if there is one; `own` is the factor that an earlier
-    /// call came to, and becomes that of this one.
+    /// call came to, and becomes that of this one. Forces far below `least` are rounding.
     pub(in crate::contact) fn solve_active_on(
         &self,
         load: &[f64],
@@ -17,9 +20,34 @@ impl ContactProblem {
         closed: &[bool],
         start: Option<&ContactSolution>,
         own: &mut Option<Factored>,
+        least: f64,
     ) -> Result<ContactSolution, FactorError> {
-        let mut solution = self.at_rest(load.len(), held_value);
         let given: Vec<bool> = self.order.active.iter().map(|&i| closed[i]).collect();
+        let begun = start.is_some() || own.is_some();
+        let (found, left) = self.settled_on(load, held_value, &given, start, own, least)?;
+        if begun && left > STALLED {
+            // Where stiff springs make the later factor less exact than the first one.
+            let mut anew = None;
+            let (again, less) = self.settled_on(load, held_value, &given, None, &mut anew, least)?;
+            if less < left {
+                *own = anew;
+                return Ok(again);
+            }
+        }
+        Ok(found)
+    }
+
+    /// The answer, and its imbalance over the largest force; infinite where there is none.
+    fn settled_on(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        given: &[bool],
+        start: Option<&ContactSolution>,
+        own: &mut Option<Factored>,
+        least: f64,
+    ) -> Result<(ContactSolution, f64), FactorError> {
+        let mut solution = self.at_rest(load.len(), held_value);
         let mut multiplier = vec![0.0; given.len()];
         if let Some(start) = start {
             solution.displacement = start.displacement.clone();
@@ -32,7 +60,7 @@ impl ContactProblem {
         }
         let with = own.as_ref().unwrap_or(&self.base);
         let Some(state) = with.condensed.state(self.constraints.two_sided.clone()) else {
-            return Ok(self.without_solution(held_value, Outcome::Unsolved));
+            return Ok((self.without_solution(held_value, Outcome::Unsolved), f64::INFINITY));
         };
         let mut descent = Descent {
             problem: self,
@@ -47,48 +75,50 @@ impl ContactProblem {
             multiplier,
             step: Step::default(),
             rounding: 0.0,
-            imposed: Some(given.clone()),
+            imposed: Some(given.to_vec()),
         };
-        let outcome = descent.settle(&given)?;
+        let (outcome, left) = descent.settle(given, least)?;
         let factored = descent.own.take();
         let found = descent.in_order();
         if factored.is_some() {
             *own = factored;
         }
-        Ok(if outcome == Outcome::Solved { ContactSolution { outcome, ..found } } else { found.failed(outcome) })
+        let solved = outcome == Outcome::Solved;
+        Ok(if solved { (ContactSolution { outcome, ..found }, left) } else { (found.failed(outcome), f64::INFINITY) })
     }
 }
 
 impl Descent<'_> {
-    /// Steps on the given set until what is out of balance is rounding.
-    fn settle(&mut self, closed: &[bool]) -> Result<Outcome, FactorError> {
+    /// Steps on the given set until what is out of balance is rounding; also what that is, over the largest force.
+    fn settle(&mut self, closed: &[bool], least: f64) -> Result<(Outcome, f64), FactorError> {
         self.refine()?;
         let (mut before, mut stalled) = (f64::INFINITY, 0);
         for _ in 0..NEWTON {
-            let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push());
+            let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push()).max(least);
             let balanced = self.step.worst <= BALANCED * force;
             if balanced {
                 self.renew_multipliers();
             }
             let worst = self.step.worst;
+            let unsolved = (Outcome::Unsolved, f64::INFINITY);
             if !worst.is_finite() {
-                return Ok(Outcome::Unsolved);
+                return Ok(unsolved);
             }
             if balanced && worst <= SETTLED * force {
-                return Ok(Outcome::Solved);
+                return Ok((Outcome::Solved, worst / force));
             }
             stalled = if worst > SLOW * before { stalled + 1 } else { 0 };
             if stalled == STALLS {
-                return Ok(if worst <= ROUNDING * force { Outcome::Solved } else { Outcome::Unsolved });
+                return Ok(if worst <= ROUNDING * force { (Outcome::Solved, worst / force) } else { unsolved });
             }
             before = worst;
             let direction: Direction = self.direction(closed, TIGHT)?;
             if direction.free {
-                return Ok(Outcome::Unsolved);
+                return Ok(unsolved);
             }
             self.advance(&direction, closed);
             self.refine()?;
         }
-        Ok(Outcome::Unsolved)
+        Ok((Outcome::Unsolved, f64::INFINITY))
     }
 }

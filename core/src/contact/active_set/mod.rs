@@ -309,6 +309,10 @@ impl Descent<'_> {
             self.problem.correct(with, &self.state, motion, &mut self.solution)?;
             self.balance();
         }
+        if self.imposed.is_some() && self.rounding > 0.0 {
+            // One load on one set: the internal forces stay.
+            return Ok(());
+        }
         let (plate, held) = (&self.problem.plate, &self.problem.held);
         self.rounding = f64::EPSILON * internal_magnitude(plate, held, &self.solution.displacement);
         Ok(())

@@ -17,7 +17,7 @@ impl Descent<'_> {
 
     pub(super) fn largest_push(&self) -> f64 {
         let k = &self.springs.stiffness;
-        self.stretch.iter().zip(k).fold(0.0, |most, (s, k)| most.max(s * k))
+        (0..k.len()).fold(0.0, |most: f64, i| most.max(k[i] * self.pushing(i)))
     }
 
     /// Multipliers become the present forces; the largest change of one.

@@ -1,6 +1,8 @@
 //! From event to event on the sparse K.
 
-use super::{Line, MOST_EVENTS, PathEnd, PathLoad, SIGN, Stop};
+use super::line::{Line, standing_on};
+use super::trail::Trail;
+use super::{MOST_EVENTS, PathEnd, PathLoad, SIGN};
 use crate::cholesky::FactorError;
 use crate::contact::active_set::Start;
 use crate::contact::problem::{ContactProblem, Factored};
@@ -16,49 +18,36 @@ const ROUNDS: usize = 20;
 const BEYOND: [f64; 3] = [1e-3, 1e-5, 1e-7];
 
 impl ContactProblem {
-    /// As [`ContactProblem::path`], from the solution at t = 0 on.
-    pub(super) fn step_along(
-        &self,
-        load: &PathLoad,
-        first: ContactSolution,
-        visit: &mut dyn FnMut(Stop) -> bool,
-    ) -> Result<PathEnd, FactorError> {
+    /// As [`ContactProblem::path`], from some t on.
+    pub(super) fn step_along(&self, load: &PathLoad, mut t: f64, trail: &mut Trail) -> Result<PathEnd, FactorError> {
         let mut own = None;
-        let (mut t, mut closed, mut here) = (0.0, first.closed.clone(), first);
-        let mut switched: Vec<usize> = Vec::new();
-        for event in 0..=MOST_EVENTS {
-            let line = self.leaving(load, t, &closed, &here, &mut own)?;
-            let set = line.as_ref().map_or(&closed, |line| &line.ends[0].closed);
-            if event > 0 {
-                switched = (0..set.len()).filter(|&i| set[i] != here.closed[i]).collect();
-            }
-            let set = set.clone();
-            if event == 0
-                && let Some(line) = &line
-            {
-                // A plate that touches nothing may rest anywhere; what counts is where the path leaves from.
-                here = line.at(t);
-            }
-            here.closed = set;
-            if !visit(Stop { t, switched: &switched, solution: &here }) {
+        let mut closed = trail.here().closed.clone();
+        for _ in 0..=MOST_EVENTS {
+            let Some(line) = self.leaving(load, t, &closed, trail.here(), &mut own)? else {
+                return Ok(trail.stuck(t, PathEnd::Unsolved));
+            };
+            if !trail.leave(t, &line) {
                 return Ok(PathEnd::Interrupted);
             }
-            let Some(line) = line else {
-                return Ok(PathEnd::Unsolved);
-            };
-            let (to, points) = self.next_event(&line, t);
-            if to >= load.end {
-                let ends = load.end.is_finite();
-                let last = if ends { load.end } else { line.at[1] };
-                let on = visit(Stop { t: last, switched: &[], solution: &line.at(last) });
-                return Ok(match (on, ends) {
-                    (false, _) => PathEnd::Interrupted,
-                    (true, true) => PathEnd::Reached,
-                    (true, false) => PathEnd::Unbounded,
-                });
+            let (mut to, mut points) = self.next_event(&line, t);
+            let reach = to.min(load.end);
+            let mut line = line;
+            if reach > line.at[1] && reach.is_finite() {
+                // Beyond its far end a line is less exact than up to it.
+                if let Some(longer) = self.line_from(load, line.ends[0].clone(), [t, reach], &mut own)? {
+                    line = longer;
+                    (to, points) = self.next_event(&line, t);
+                }
             }
-            here = line.at(to);
-            closed.clone_from(&here.closed);
+            if to >= load.end {
+                let (last, end) = match load.end.is_finite() {
+                    true => (load.end, PathEnd::Reached),
+                    false => (line.at[1], PathEnd::Unbounded),
+                };
+                return Ok(trail.end(last, &line.at(last), end));
+            }
+            trail.arrive(&line, to);
+            closed.clone_from(&trail.here().closed);
             points.into_iter().for_each(|i| closed[i] = !closed[i]);
             t = to;
         }
@@ -77,7 +66,12 @@ impl ContactProblem {
         let span = load.span(t);
         let mut set = closed.to_vec();
         for _ in 0..ROUNDS {
-            let Some(line) = self.line(load, &set, [t, t + span], Some(here), own)? else {
+            let at = [t, t + span];
+            let line = match standing_on(here, &set) {
+                Some(from) => self.line_from(load, from, at, own)?,
+                None => self.line(load, &set, at, Some(here), own)?,
+            };
+            let Some(line) = line else {
                 break;
             };
             match self.wrong(&line) {
@@ -109,7 +103,7 @@ impl ContactProblem {
     /// Points at zero where the line begins that leave it the wrong way; `None` if some are beyond zero there.
     fn wrong(&self, line: &Line) -> Option<Vec<usize>> {
         let mut points = Vec::new();
-        for &i in &self.order.active {
+        for i in self.one_sided() {
             let (now, later) = (line.value(0, i), line.value(1, i));
             if now < -SIGN {
                 return None;
@@ -125,11 +119,9 @@ impl ContactProblem {
     /// The next t at which reactions or gaps fall to zero, infinite if none ever does, and whose do.
     fn next_event(&self, line: &Line, from: f64) -> (f64, Vec<usize>) {
         let span = line.at[1] - line.at[0];
-        let falls = |&i: &usize| (i, line.value(0, i), line.value(0, i) - line.value(1, i));
+        let falls = |i: usize| (i, line.value(0, i), line.value(0, i) - line.value(1, i));
         let roots: Vec<(f64, usize)> = self
-            .order
-            .active
-            .iter()
+            .one_sided()
             .map(falls)
             .filter(|&(_, _, fall)| fall > STILL)
             .map(|(i, now, fall)| (from + span * (now / fall).max(0.0), i))

@@ -1,0 +1,183 @@
+//! A stretch of the path: the plate on one contact set, linear in t.
+
+use super::trail::differing;
+use super::{PathLoad, SIGN};
+use crate::cholesky::FactorError;
+use crate::contact::problem::{ContactProblem, Factored};
+use crate::contact::solution::{ContactSolution, Outcome};
+use crate::residual::Displacement;
+
+/// How far, over a segment's length, its refined end may be from where pivoting saw it.
+const MOVED: f64 = 1e-3;
+/// Reactions and gaps, over the largest of their kind, that are none.
+const NOTHING: f64 = 1e-14;
+/// Part of the loads that a load is the sum of which, as a scale, turns [`SIGN`] into their rounding.
+const UNSEEN: f64 = 1e-7;
+
+/// The plate on one contact set at two loads of the path, between and beyond which it is linear.
+pub(super) struct Line {
+    pub at: [f64; 2],
+    pub ends: [ContactSolution; 2],
+    /// Sizes of reactions and of gaps.
+    pub force: f64,
+    pub length: f64,
+}
+
+impl Line {
+    /// What counts for a point: its reaction where closed, else its gap, at an end and over the largest of its kind.
+    pub fn value(&self, end: usize, i: usize) -> f64 {
+        let solution = &self.ends[end];
+        let (value, size) =
+            if solution.closed[i] { (solution.reaction[i], self.force) } else { (solution.gap[i], self.length) };
+        if size > 0.0 { value / size } else { 0.0 }
+    }
+
+    /// Largest change of the deflection between two t.
+    pub fn travel(&self, from: f64, to: f64) -> f64 {
+        let [a, b] = &self.ends;
+        let change = |i: usize| (b.displacement.at(i) - a.displacement.at(i)).value().abs();
+        let whole = (0..a.displacement.hi.len()).step_by(3).map(change).fold(0.0, f64::max);
+        whole * (to - from) / (self.at[1] - self.at[0])
+    }
+
+    fn part(&self, t: f64) -> f64 {
+        (t - self.at[0]) / (self.at[1] - self.at[0])
+    }
+
+    pub fn at(&self, t: f64) -> ContactSolution {
+        let part = self.part(t);
+        let [a, b] = &self.ends;
+        let between = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + part * (b - a)).collect();
+        let mut displacement = Displacement::zeros(a.displacement.hi.len());
+        for i in 0..displacement.hi.len() {
+            let (from, to) = (a.displacement.at(i), b.displacement.at(i));
+            let sum = from + (to - from).times(part);
+            (displacement.hi[i], displacement.lo[i]) = (sum.hi, sum.lo);
+        }
+        let (reaction, gap) = (between(&a.reaction, &b.reaction), between(&a.gap, &b.gap));
+        ContactSolution { displacement, reaction, gap, ..a.clone() }
+    }
+
+    /// Where the points that switch at the end of a segment reach zero; `None` if none does near its end.
+    pub fn root(&self, switched: &[usize]) -> Option<f64> {
+        let fall = |i: usize| self.value(0, i) - self.value(1, i);
+        let near = switched.iter().copied().filter(|&i| self.value(1, i).abs() < MOVED * fall(i));
+        let first = near.max_by(|&a, &b| fall(a).total_cmp(&fall(b)))?;
+        Some(self.at[1] + self.value(1, first) / fall(first) * (self.at[1] - self.at[0]))
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+/// The largest deflection or gap.
+fn largest_length(of: &ContactSolution) -> f64 {
+    of.displacement.hi.iter().step_by(3).fold(largest(&of.gap), |most, w| most.max(w.abs()))
+}
+
+/// The solution with another contact set, if it stands on that too: points that differ neither press nor part.
+pub(super) fn standing_on(solution: &ContactSolution, set: &[bool]) -> Option<ContactSolution> {
+    let (force, length) = (NOTHING * largest(&solution.reaction), NOTHING * largest_length(solution));
+    let idle = |&i: &usize| solution.reaction[i].abs() <= force && solution.gap[i].abs() <= length;
+    let differing = differing(&solution.closed, set);
+    differing.iter().all(idle).then(|| {
+        let mut same = ContactSolution { closed: set.to_vec(), ..solution.clone() };
+        for i in differing {
+            (same.reaction[i], same.gap[i]) = (0.0, 0.0);
+        }
+        same
+    })
+}
+
+impl ContactProblem {
+    /// Displacements, reactions and gaps under one load on a contact set that is given, signs as they come.
+    pub fn solve_on(&self, load: &[f64], held_value: &[f64], closed: &[bool]) -> Result<ContactSolution, FactorError> {
+        self.on(load, held_value, closed, None, &mut None, 0.0)
+    }
+
+    fn on(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        closed: &[bool],
+        start: Option<&ContactSolution>,
+        own: &mut Option<Factored>,
+        least: f64,
+    ) -> Result<ContactSolution, FactorError> {
+        if !self.active.is_empty() {
+            return self.solve_active_on(load, held_value, closed, start, own, least);
+        }
+        let mut solution = self.at_rest(load.len(), held_value);
+        let Some(state) = self.base.condensed.state(closed.to_vec()) else {
+            return Ok(solution.failed(Outcome::Unsolved));
+        };
+        let step = self.step(load, &solution);
+        let motion = self.motion(&self.base, &step, self.base.condensed.better_form())?;
+        let step = self.refine(load, &state, step, motion, &mut solution)?;
+        for i in 0..closed.len() {
+            solution.gap[i] = if closed[i] { 0.0 } else { step.remaining[i] };
+        }
+        let outcome = if step.worst.is_finite() { Outcome::Solved } else { Outcome::Unsolved };
+        Ok(ContactSolution { outcome, closed: closed.to_vec(), ..solution })
+    }
+
+    /// `None` where the set leaves the plate free.
+    pub(super) fn line(
+        &self,
+        load: &PathLoad,
+        closed: &[bool],
+        at: [f64; 2],
+        start: Option<&ContactSolution>,
+        own: &mut Option<Factored>,
+    ) -> Result<Option<Line>, FactorError> {
+        let loads = at.map(|t| load.at(t));
+        let least = f64::max(largest(&loads[0]), largest(&loads[1]));
+        let from = self.on(&loads[0], load.held_value, closed, start, own, least)?;
+        if from.outcome != Outcome::Solved {
+            return Ok(None);
+        }
+        self.line_from(load, from, at, own)
+    }
+
+    /// The line on the contact set of a solution, which holds at the first of two t.
+    pub(super) fn line_from(
+        &self,
+        load: &PathLoad,
+        from: ContactSolution,
+        at: [f64; 2],
+        own: &mut Option<Factored>,
+    ) -> Result<Option<Line>, FactorError> {
+        let loads = at.map(|t| load.at(t));
+        let least = f64::max(largest(&loads[0]), largest(&loads[1]));
+        let closed = &from.closed;
+        let to = self.on(&loads[1], load.held_value, closed, Some(&from), own, least)?;
+        if to.outcome != Outcome::Solved {
+            return Ok(None);
+        }
+        // Couples have another unit: the load counts only where no point reacts.
+        let force = match largest(&from.reaction).max(largest(&to.reaction)) {
+            0.0 => largest(&loads[1]),
+            force => force.max(UNSEEN * load.size(at[0])),
+        };
+        let length = f64::max(largest_length(&from), largest_length(&to));
+        Ok(Some(Line { at, ends: [from, to], force, length }))
+    }
+
+    /// Whether no reaction pulls and no gap is negative between two t.
+    pub(super) fn signs_hold_on(&self, line: &Line, from: f64, to: f64) -> bool {
+        let parts = [line.part(from), line.part(to)];
+        let holds = |i: usize| {
+            let (begin, end) = (line.value(0, i), line.value(1, i));
+            parts.iter().all(|part| begin + part * (end - begin) > -SIGN)
+        };
+        self.one_sided().all(holds)
+    }
+
+    /// Contact points that may open, in the caller's order.
+    pub(super) fn one_sided(&self) -> impl Iterator<Item = usize> + '_ {
+        let condensed = self.order.condensed.iter().zip(&self.constraints.two_sided);
+        let of_lcp = condensed.filter(|(_, two_sided)| !**two_sided).map(|(&i, _)| i);
+        of_lcp.chain(self.order.active.iter().copied())
+    }
+}

@@ -1,0 +1,103 @@
+//! From basis to basis of the condensed points' LCP.
+
+use super::line::standing_on;
+use super::trail::{Trail, differing};
+use super::{PathEnd, PathLoad};
+use crate::cholesky::FactorError;
+use crate::contact::condense::{Drive, Form};
+use crate::contact::problem::ContactProblem;
+use crate::contact::refinement::Step;
+use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
+
+/// Travel, over the largest deflection or gap, within which events are one.
+const SAME: f64 = 1e-10;
+
+/// The bases of the LCP along a path, and the contact set of each.
+type Pivoted = (ParametricPath, Vec<Vec<bool>>);
+
+impl ContactProblem {
+    /// As [`ContactProblem::path`], from the solution at t = 0 on. Where rounding stops the pivots it goes on in steps.
+    pub(super) fn pivot_along(&self, load: &PathLoad, trail: &mut Trail) -> Result<PathEnd, FactorError> {
+        let Some((found, sets)) = self.pivoted(load, &trail.here().closed)? else {
+            return self.step_along(load, 0.0, trail);
+        };
+        let mut t = 0.0;
+        for (k, segment) in found.segments.iter().enumerate() {
+            let far = match segment.to.min(load.end.max(segment.from)) {
+                far if far.is_finite() => far,
+                _ => segment.from + load.span(segment.from),
+            };
+            let line = match standing_on(trail.here(), &sets[k]) {
+                Some(from) if far > t => self.line_from(load, from, [t, far], &mut None)?,
+                _ => self.line(load, &sets[k], [segment.from, far], None, &mut None)?,
+            };
+            let next = sets.get(k + 1);
+            let to = line.as_ref().map_or(far, |line| {
+                let leaving = next.map_or(Vec::new(), |next| differing(next, &sets[k]));
+                line.root(&leaving).unwrap_or(far).max(t)
+            });
+            if next.is_some() && line.as_ref().is_some_and(|line| line.travel(t, to) <= SAME * line.length) {
+                continue;
+            }
+            let Some(line) = line.filter(|line| self.signs_hold_on(line, t, to.min(load.end))) else {
+                return self.step_along(load, t, trail);
+            };
+            if !trail.leave(t, &line) {
+                return Ok(PathEnd::Interrupted);
+            }
+            t = to;
+            if segment.to.is_infinite() {
+                let (last, end) = match load.end.is_finite() {
+                    true => (load.end, PathEnd::Reached),
+                    false => (t, PathEnd::Unbounded),
+                };
+                return Ok(trail.end(last, &line.at(last), end));
+            }
+            if t >= load.end {
+                return Ok(trail.end(load.end, &line.at(load.end), PathEnd::Reached));
+            }
+            trail.arrive(&line, t);
+        }
+        let end = self.step_along(load, t, trail)?;
+        let infeasible = found.end == ParametricEnd::Infeasible && end == PathEnd::Unsolved;
+        Ok(if infeasible { PathEnd::NoEquilibrium } else { end })
+    }
+
+    /// The bases of the LCP along the path, and the contact set of each; in the other form where one stops.
+    fn pivoted(&self, load: &PathLoad, closed: &[bool]) -> Result<Option<Pivoted>, FactorError> {
+        let mut best = None;
+        let better = self.base.condensed.better_form();
+        for form in [better, if better == Form::Dual { Form::Stiffness } else { Form::Dual }] {
+            let rest = self.at_rest(load.start.len(), load.held_value);
+            let posed =
+                self.base.condensed.lcp(form, &self.drive(&self.step(load.start, &rest), form)?, &rest.reaction);
+            let still = vec![0.0; load.add.len()];
+            let rate = self.without_travel(load.add, &still);
+            let along = self.base.condensed.lcp(form, &self.drive(&rate, form)?, &rest.reaction).q;
+            let basis = self.base.condensed.basis(&posed, closed);
+            let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| parametric(&lcp, &along, &basis, load.end));
+            let Ok(found) = solved else { continue };
+            let set = |basis: &Vec<bool>| self.base.condensed.closed_points(&posed, basis);
+            let sets = found.segments.iter().map(|segment| set(&segment.basis)).collect();
+            let stopped = found.end == ParametricEnd::Stopped;
+            best = Some((found, sets));
+            if !stopped {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    fn drive(&self, step: &Step, form: Form) -> Result<Drive, FactorError> {
+        Ok(self.motion(&self.base, step, form)?.drive)
+    }
+
+    /// A load by itself: no gaps, nothing held elsewhere than at zero.
+    fn without_travel(&self, load: &[f64], still: &[f64]) -> Step {
+        let rest = self.at_rest(load.len(), still);
+        let mut imbalance = load.to_vec();
+        self.release_held(&mut imbalance);
+        let step = self.step_of(imbalance, load, &rest);
+        Step { remaining: vec![0.0; rest.reaction.len()], ..step }
+    }
+}

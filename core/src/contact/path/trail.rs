@@ -1,0 +1,93 @@
+//! The stops of a path, as they are shown.
+
+use super::line::Line;
+use super::{PathEnd, Stop};
+use crate::contact::solution::ContactSolution;
+
+/// Reactions and gaps, over the largest of their kind, with which a point that switches jumps instead.
+const JUMP: f64 = 1e-9;
+
+/// Where the last line has come to, and its sizes.
+struct Arrival {
+    solution: ContactSolution,
+    force: f64,
+    length: f64,
+}
+
+/// Shows every stop to whoever watches.
+pub(super) struct Trail<'a> {
+    visit: &'a mut dyn FnMut(Stop) -> bool,
+    arrived: Arrival,
+    begun: bool,
+}
+
+impl<'a> Trail<'a> {
+    /// Begins with the solution at t = 0.
+    pub fn new(first: ContactSolution, visit: &'a mut dyn FnMut(Stop) -> bool) -> Self {
+        Self { visit, arrived: Arrival { solution: first, force: 0.0, length: 0.0 }, begun: false }
+    }
+
+    /// What holds where the last line has come to.
+    pub fn here(&self) -> &ContactSolution {
+        &self.arrived.solution
+    }
+
+    /// Comes to the end of a line.
+    pub fn arrive(&mut self, line: &Line, t: f64) {
+        self.arrived = Arrival { solution: line.at(t), force: line.force, length: line.length };
+    }
+
+    /// Shows where a line leaves from: the beginning, an event, or both ends of a jump; whether to go on.
+    pub fn leave(&mut self, t: f64, line: &Line) -> bool {
+        let here = &self.arrived.solution;
+        let begin = line.at(t);
+        let between = self.arrived.jump_to(&begin, line);
+        if !self.begun {
+            self.begun = true;
+            // A plate that touches nothing may rest anywhere; what counts is where the path leaves from.
+            let begin =
+                if between.is_some() { begin } else { ContactSolution { closed: begin.closed, ..here.clone() } };
+            return (self.visit)(Stop { t, switched: &[], solution: &begin });
+        }
+        let Some(between) = between else {
+            return (self.visit)(Stop { t, switched: &differing(&here.closed, &begin.closed), solution: &begin });
+        };
+        let start = ContactSolution { closed: between.clone(), ..here.clone() };
+        (self.visit)(Stop { t, switched: &differing(&here.closed, &between), solution: &start })
+            && (self.visit)(Stop { t, switched: &differing(&between, &begin.closed), solution: &begin })
+    }
+
+    /// The last stop.
+    pub fn end(&mut self, t: f64, solution: &ContactSolution, end: PathEnd) -> PathEnd {
+        if (self.visit)(Stop { t, switched: &[], solution }) { end } else { PathEnd::Interrupted }
+    }
+
+    /// Where no line leaves, what it came with is the end.
+    pub fn stuck(&mut self, t: f64, end: PathEnd) -> PathEnd {
+        let solution = &self.arrived.solution;
+        if (self.visit)(Stop { t, switched: &[], solution }) { end } else { PathEnd::Interrupted }
+    }
+}
+
+impl Arrival {
+    /// The contact set on the way to where a line begins; `None` if it begins here.
+    ///
+    /// Points that stay apart, or without a force, are open or closed all the way.
+    fn jump_to(&self, begin: &ContactSolution, line: &Line) -> Option<Vec<bool>> {
+        let (force, length) = (self.force.max(line.force), self.length.max(line.length));
+        let largest = |a: f64, b: f64, size: f64| if size > 0.0 { a.abs().max(b.abs()) / size } else { 0.0 };
+        let here = &self.solution;
+        let presses = |i: usize| largest(here.reaction[i], begin.reaction[i], force);
+        let parts = |i: usize| largest(here.gap[i], begin.gap[i], length);
+        let jumps = |&i: &usize| presses(i).max(parts(i)) > JUMP;
+        differing(&here.closed, &begin.closed).iter().any(jumps).then(|| {
+            let stays = |i: usize| here.closed[i] == begin.closed[i];
+            (0..here.closed.len()).map(|i| if stays(i) { here.closed[i] } else { presses(i) > parts(i) }).collect()
+        })
+    }
+}
+
+/// Points whose states differ.
+pub(super) fn differing(one: &[bool], other: &[bool]) -> Vec<usize> {
+    (0..one.len()).filter(|&i| one[i] != other[i]).collect()
+}

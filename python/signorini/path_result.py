@@ -1,0 +1,192 @@
+"""What a load path says: its stops, the segments between them, and every result at any t."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from signorini import _core
+from signorini.certificate import Certificate, certify
+from signorini.discretise import CaseLoad
+from signorini.discretise.rows import Bools, Floats
+from signorini.errors import InputError, NotCertifiedError
+from signorini.model import Model
+from signorini.notebook import path_table
+from signorini.path_stop import PathStop
+from signorini.problem import ContactProblem
+from signorini.result import Result
+
+if TYPE_CHECKING:
+    from signorini.plot import Figure
+
+Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A stretch of the path on which no point opens or closes, so that everything is linear in t.
+
+    Parameters
+    ----------
+    begin, end : PathStop
+        What holds at its two ends.
+    closed : (m,) array
+        Contact points that are closed on it.
+    """
+
+    begin: PathStop
+    end: PathStop
+    closed: Bools
+
+    @property
+    def jumps(self) -> bool:
+        """Whether all of it is at one t: the plate, having lost its hold, moves until other points hold it."""
+        return self.begin.t == self.end.t
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """The answer of a plate to start + t add, for every t from 0 to where the path ends.
+
+    Parameters
+    ----------
+    start : str or None
+        The load at t = 0; None is no load.
+    add : str
+        The load that grows. Both are names of cases or combinations.
+    problem : ContactProblem
+    stops : tuple of PathStop
+        At t = 0, at every event, and at the end.
+    ending : str
+        Why it ends: "until", the t asked for; "no_more_events", however large t; "no_equilibrium", from there on;
+        "stopped", where arithmetic no longer tells the contact set.
+    limit : float
+        The largest t for which reactions balance the load; infinite if there is none.
+    certificate : Certificate
+        The worst of every figure over all stops.
+    """
+
+    start: str | None
+    add: str
+    problem: ContactProblem
+    stops: tuple[PathStop, ...]
+    ending: Ending
+    limit: float
+    certificate: Certificate
+    _loads: tuple[CaseLoad, CaseLoad]
+    _first: Bools
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+        return self.problem.discretisation.model
+
+    @property
+    def name(self) -> str:
+        """Its load in words."""
+        return f"t {self.add}" if self.start is None else f"{self.start} + t {self.add}"
+
+    @property
+    def end(self) -> float:
+        """The t of the last stop; the last segment goes on for ever if there are no more events."""
+        return self.stops[-1].t
+
+    @property
+    def events(self) -> tuple[PathStop, ...]:
+        """Stops at which points open or close."""
+        return tuple(stop for stop in self.stops if stop.switched)
+
+    @cached_property
+    def segments(self) -> tuple[Segment, ...]:
+        """Stretches between neighbouring stops."""
+        closed, found = self._first, []
+        for begin, end in zip(self.stops[:-1], self.stops[1:], strict=True):
+            closed = closed.copy()
+            closed[begin.points] ^= True
+            found.append(Segment(begin, end, closed))
+        return tuple(found)
+
+    def words(self, index: int) -> str:
+        """Say what happens at a stop."""
+        stop = self.stops[index]
+        event = stop.event or ("begin" if index == 0 else "end")
+        jumps = index < len(self.segments) and self.segments[index].jumps
+        return f"{event}; the plate moves on its own until another support holds it" if jumps else event
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (stop.t, self.words(index), stop.largest, stop.reactions.tolist()) for index, stop in enumerate(self.stops)
+        ]
+        return path_table([support.name for support in self.model.support], rows, self.model.units)
+
+    def plot(self) -> Figure:
+        """Draw deflections over t, of the probes or else the largest, and below it what part of each support is closed.
+
+        Returns
+        -------
+        Figure
+            Of matplotlib.
+        """
+        from signorini.plot import load_path_picture
+
+        positions = self.problem.discretisation.probe_positions.tolist()
+        at_probes = np.array([stop.deflections for stop in self.stops])
+        curves = {f"at [{x:.6g}, {y:.6g}]": at_probes[:, i] for i, (x, y) in enumerate(positions)}
+        supports = self.model.support
+        parts = np.array([stop.closed / np.maximum(stop.counts, 1) for stop in self.stops[:-1]])
+        return load_path_picture(
+            [stop.t for stop in self.stops],
+            curves or {"largest": np.array([stop.largest for stop in self.stops])},
+            dict(zip((support.name for support in supports), parts.reshape(-1, len(supports)).T, strict=True)),
+            limit=self.end if self.ending == "no_equilibrium" else None,
+            title=", ".join(part for part in (self.model.title, self.name) if part),
+            factor=f"t, the factor of {self.add}",
+            length=self.model.units.length,
+        )
+
+    def at(self, t: float) -> Result:
+        """Every result at some t: one linear solve on the contact set that holds there, with its certificate.
+
+        At the t of a jump it is what holds before it.
+
+        Raises
+        ------
+        InputError
+            If t is not on the path.
+        NotCertifiedError
+            If the answer fails its certificate.
+        """
+        open_ended = self.ending == "no_more_events"
+        if not (0 <= t <= self.end or (open_ended and self.end < t < np.inf)):
+            raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{self.end:.12g}'}.")
+        index = int(np.searchsorted([stop.t for stop in self.stops[1:-1]], t, side="left"))
+        load = self._loads[0] + t * self._loads[1]
+        found = self.problem.discretisation
+        closed = self.segments[index].closed if self.segments else self._first
+        answer = self.problem.core.solve_on(load.nodal, found.held.values, closed)
+        made_of = beside(self._loads, t)
+        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
+        if not certificate.passed:
+            # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
+            answer = self.problem.solve(load)
+            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
+        if not certificate.passed:
+            answers: list[_core.ContactSolution] = []
+            nodal = self._loads[0].nodal, self._loads[1].nodal
+            self.problem.core.path(*nodal, found.held.values, t, lambda t, points, answer: answers.append(answer))
+            answer = answers[-1]
+            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
+        name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
+        if not certificate.passed:
+            raise NotCertifiedError(f'"{name}" is refused, its certificate {certificate}.')
+        return Result.of(found, name, (self.problem.method,), load, answer, certificate)
+
+
+def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> Floats:
+    """Nodal load (3n,) of the size of what the load at t is the sum of, at a t at which both parts count."""
+    start, add = np.abs(loads[0].nodal), np.abs(loads[1].nodal)
+    span = start.max() / add.max() if start.any() and add.any() else 1.0
+    return np.asarray(start + max(t, span) * add)
