@@ -7,18 +7,20 @@ import os
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from signorini import _core
 from signorini.certificate import Certificate, certify
 from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Floats
+from signorini.equilibrium import rigid_freedom
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, Form, Method, Steps, contact_problem
 from signorini.progress import Progress, Watcher
 from signorini.result import Result, unsolved_result
-from signorini.stability import supports_contradict, why_none
+from signorini.stability import nearest_limit, supports_contradict, why_none
 
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 _REASONS = 5
@@ -65,6 +67,18 @@ class Results(Mapping[str, Result]):
     def __len__(self) -> int:
         """Count the combinations."""
         return len(self.by_name)
+
+    @cached_property
+    def limits(self) -> Mapping[str, tuple[str, float] | None]:
+        """How far each combination is from the end of equilibrium: a case, and the factor on its own that leads there.
+
+        None where no case has one (see `signorini.stability.nearest_limit`); not asked of combinations in a table.
+        """
+        if self.combined is not None:
+            return dict.fromkeys(self.by_name)
+        found = self.discretisation
+        freedom = rigid_freedom(found)
+        return {c.name: nearest_limit(found, freedom, c) for c in found.model.effective_combinations}
 
     @property
     def unbalanced(self) -> Mapping[str, str]:
