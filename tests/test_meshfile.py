@@ -1,5 +1,7 @@
 """Mesh files: what is read from each format, and what is refused."""
 
+import time
+
 import meshio
 import numpy as np
 import pytest
@@ -181,6 +183,14 @@ APART[8:] += 10.0 * np.array([1.0, 0.0, 0.0])
         (PLATE.points, [("line3", lines(PLATE.boundary))], "has no elements"),
         (TILTED, [("quad8", PLATE.elements)], "not plane: z varies by 0.4"),
         (APART[:, :2], [("quad8", np.arange(64).reshape(8, 8))], "in 2 pieces that share no side"),
+        (
+            PLATE.points[:-1],
+            [("quad8", PLATE.elements)],
+            "An element of the mesh file refers to node 36 .*has 36 nodes",
+        ),
+        (1e100 * PLATE.points, [("quad8", PLATE.elements)], r"lie within 4e\+100, .* at most 1e\+60"),
+        (1e-61 * PLATE.points, [("quad8", PLATE.elements)], "must be at least 1e-60"),
+        (1e8 + PLATE.points, [("quad8", PLATE.elements)], "lies 1e.08 from the origin, .* Move it to the origin"),
     ],
 )
 def test_a_file_that_is_no_plate_is_refused_with_its_name(tmp_path, points, cells, message):
@@ -234,6 +244,29 @@ def test_a_file_that_cannot_be_read_is_refused_quietly(tmp_path, capsys, name, c
         read(path)
     assert caught.value.place == str(path)
     assert capsys.readouterr() == ("", "")
+
+
+def test_a_parser_that_reads_for_ever_is_left(tmp_path, monkeypatch):
+    path = write(tmp_path / "plate.vtu", meshio.Mesh(in_space(PLATE.points), [("quad8", PLATE.elements)]))
+    monkeypatch.setattr("signorini.mesh.meshfile._SECONDS", 0.1)
+    monkeypatch.setattr("meshio.read", lambda path: time.sleep(5))
+    with pytest.raises(InputError, match="it is read without end"):
+        read(path)
+
+
+@pytest.mark.parametrize(
+    ("error", "says"),
+    [(KeyError("x"), "it refers to 'x', which it has not"), (ValueError("x" * 500), "x" * 200 + "...")],
+)
+def test_a_damaged_file_is_refused_in_few_words(tmp_path, monkeypatch, error, says):
+    def fails(path):
+        raise error
+
+    path = write(tmp_path / "plate.vtu", meshio.Mesh(in_space(PLATE.points), [("quad8", PLATE.elements)]))
+    monkeypatch.setattr("meshio.read", fails)
+    with pytest.raises(InputError) as caught:
+        read(path)
+    assert f"cannot be read as a mesh ({says}). Check" in str(caught.value)
 
 
 def test_a_missing_file_and_a_directory_are_refused(tmp_path):

@@ -67,6 +67,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         "combinations": [
             {
                 **dict.fromkeys(["name", "status", "message", "method", "unsettled", "iterations"]),
+                "limit": dict.fromkeys(["case", "factor"]),
                 "certificate": dict.fromkeys(
                     [
                         "penetration",
@@ -90,6 +91,21 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
     }
     assert found["schema"] == 1
     assert found["model"] == {"nodes": 65, "elements": 16, "dofs": 195, "contact_points": 5}
+
+
+def test_the_limit_of_equilibrium_is_that_of_statics() -> None:
+    # 5 on 16 at 2 and 20 Q at 4, beside the legs' line at 3.
+    loads = [{"case": "G", "pressure": 5}, {"case": "Q", "force": 20, "at": [4, 2]}]
+    factors = {"stands": {"G": 1, "Q": 1}, "tips": {"G": 1, "Q": 5}, "alone": {"G": 1}}
+    wanted = [{"name": name, "factors": of} for name, of in factors.items()]
+    results = signorini.solve(model(support=[model().support[0]], load=loads, combination=wanted))
+    limits = {c["name"]: c["limit"] for c in results_json(results)["combinations"]}
+    assert limits["stands"] in (
+        {"case": "Q", "factor": pytest.approx(4)},
+        {"case": "G", "factor": pytest.approx(0.25)},
+    )
+    assert limits["tips"] in ({"case": "Q", "factor": pytest.approx(0.8)}, {"case": "G", "factor": pytest.approx(1.25)})
+    assert limits["alone"] is None
 
 
 def test_results_json_says_what_the_result_says(results: signorini.Results) -> None:

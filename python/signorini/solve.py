@@ -7,18 +7,20 @@ import os
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from signorini import _core
 from signorini.certificate import Certificate, certify
 from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools, Floats
+from signorini.equilibrium import rigid_freedom
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, Method, Steps, contact_problem
 from signorini.progress import Progress, Watcher
 from signorini.result import Result, unsolved_result
-from signorini.stability import CONTRADICTION, supports_contradict, why_none
+from signorini.stability import CONTRADICTION, nearest_limit, supports_contradict, why_none
 
 _REASONS = 5
 """Combinations without equilibrium that a message names where none has one."""
@@ -64,6 +66,18 @@ class Results(Mapping[str, Result]):
     def __len__(self) -> int:
         """Count the combinations."""
         return len(self.by_name)
+
+    @cached_property
+    def limits(self) -> Mapping[str, tuple[str, float] | None]:
+        """How far each combination is from the end of equilibrium: a case, and the factor on its own that leads there.
+
+        None where no case has one (see `signorini.stability.nearest_limit`); not asked of combinations in a table.
+        """
+        if self.combined is not None:
+            return dict.fromkeys(self.by_name)
+        found = self.discretisation
+        freedom = rigid_freedom(found)
+        return {c.name: nearest_limit(found, freedom, c) for c in found.model.effective_combinations}
 
     @property
     def unbalanced(self) -> Mapping[str, str]:

@@ -20,6 +20,7 @@ import tempfile
 import time
 import warnings
 from collections import Counter
+from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from random import Random
@@ -51,6 +52,11 @@ _CASES = ["load", "G", "Q", "all", "C0"]
 
 _PLACE = re.compile(rf"Error: (\S*{re.escape(NAME)}(:\d+)?: |--\w+: |({'|'.join(signorini.Model.model_fields)})\b)")
 
+_IN_MESH = re.compile(r"Error: \S*plate\.(msh|inp|vtu|vtk|ply): ")
+
+Draw = Callable[[int], tuple[str, str, list[str]]]
+"""From a seed to an outcome, a message and faults."""
+
 
 class Hang(BaseException):
     """An input took too long."""
@@ -60,7 +66,7 @@ def ended(
     content: bytes, command: str, directory: Path, pictures: bool, more: tuple[str, ...] = ()
 ) -> tuple[int, str, list[str]]:
     """Run a command on an input file: its exit code, standard error, and everything wrong with how it ended."""
-    file = directory / NAME
+    file, before = directory / NAME, {path.name for path in directory.iterdir()}
     file.write_bytes(content)
     drawn = {name: getattr(signorini.plot, name) for name in (*_PICTURES, "save")}
     if not pictures:
@@ -73,7 +79,7 @@ def ended(
         for name, function in drawn.items():
             setattr(signorini.plot, name, function)
     wrong = list(_faults(code, errors, exception))
-    left = {path.name for path in directory.iterdir()} - {NAME}
+    left = {path.name for path in directory.iterdir()} - before - {NAME}
     leaves, codes = _LEAVES[command]
     if code in codes and leaves in left:
         wrong += _faults_of_results(directory / leaves, code) if command == "solve" else []
@@ -111,7 +117,7 @@ def _faults(code: int, errors: str, exception: BaseException | None):
         yield f"exit code {code}: {errors.strip()}"
     elif code == 0 and errors:
         yield f"says with success: {errors.strip()}"
-    elif code == 2 and not _PLACE.match(errors):
+    elif code == 2 and not _PLACE.match(errors) and not _IN_MESH.match(errors):
         yield f"no place in: {errors.strip()}"
     elif code == 3 and not errors.startswith("No equilibrium.\n"):
         yield f"does not say that there is no equilibrium: {errors.strip()}"
@@ -143,6 +149,8 @@ def one(seed: int) -> tuple[str, str, list[str]]:
     rng = Random(seed)
     content = mutations.text(rng)
     command = rng.choice(["solve", "solve", "solve", "solve", "check", "path"])
+    if command == "path" and b'"divisions"' not in content:
+        command = "solve"  # On a mesh as fine as the default a path over soil has thousands of events.
     more = ("--add", rng.choice(_CASES), *rng.choice([(), ("--from", rng.choice(_CASES)), ("--until", "2")]))
     with tempfile.TemporaryDirectory() as directory:
         drawn = rng.randrange(_SELDOM) == 0
@@ -154,24 +162,24 @@ def _late(number: int, frame: FrameType | None) -> None:
     raise Hang(f"longer than {TOO_LONG} s")
 
 
-def _work(seeds: multiprocessing.SimpleQueue, found: multiprocessing.SimpleQueue) -> None:
+def _work(draw: Draw, seeds: multiprocessing.SimpleQueue, found: multiprocessing.SimpleQueue) -> None:
     signal.signal(signal.SIGALRM, _late)
     while (seed := seeds.get()) is not None:
         found.put((seed, "begun", 0.0, []))
         begun = time.perf_counter()
         signal.alarm(TOO_LONG)
         try:
-            outcome, _, wrong = one(seed)
+            outcome, _, wrong = draw(seed)
         except BaseException as error:  # What ends a run is what the fuzzer looks for.
             outcome, wrong = "fault", [f"{type(error).__name__}: {error}"]
         signal.alarm(0)
         found.put((seed, outcome, time.perf_counter() - begun, wrong))
 
 
-def fuzz(first: int, count: int, processes: int) -> int:
+def fuzz(first: int, count: int, processes: int, draw: Draw = one) -> int:
     """Run so many seeds; print failures as they come and a summary; return the number of failures."""
     seeds, found = multiprocessing.SimpleQueue(), multiprocessing.SimpleQueue()
-    workers = [multiprocessing.Process(target=_work, args=(seeds, found), daemon=True) for _ in range(processes)]
+    workers = [multiprocessing.Process(target=_work, args=(draw, seeds, found), daemon=True) for _ in range(processes)]
     for worker in workers:
         worker.start()
     for seed in range(first, first + min(count, processes)):
@@ -208,13 +216,18 @@ def fuzz(first: int, count: int, processes: int) -> int:
     return failures
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(says: str | None) -> argparse.Namespace:
+    """What the command line of a fuzzer says."""
+    parser = argparse.ArgumentParser(description=says, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=100_000)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--processes", type=int, default=os.cpu_count())
     parser.add_argument("--show", type=int)
-    given = parser.parse_args()
+    return parser.parse_args()
+
+
+def main() -> None:
+    given = arguments(__doc__)
     if given.show is not None:
         sys.stdout.buffer.write(mutations.text(Random(given.show)))
         print(*one(given.show), sep="\n")

@@ -6,6 +6,7 @@ import tempfile
 from pathlib import Path
 
 import inputs
+import meshes
 import pytest
 
 CORPUS = Path(__file__).parent / "corpus"
@@ -20,6 +21,11 @@ def test_fuzzed_inputs_end_with_an_exit_code_and_one_message() -> None:
             faults[seed] = wrong
     assert faults == {}
     assert codes >= {"exit 0", "exit 2", "exit 3"}
+
+
+def test_fuzzed_mesh_files_do_too() -> None:
+    faults = {seed: found for seed in range(300) if (found := meshes.one(seed)[2])}
+    assert faults == {}
 
 
 @pytest.mark.parametrize("command", ["solve", "check"])

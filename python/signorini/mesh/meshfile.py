@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import io
+import re
+import threading
 import warnings
 from collections import Counter
 from pathlib import Path
@@ -16,6 +18,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from signorini.errors import InputError
+from signorini.expression import LARGEST
 from signorini.mesh import Mesh
 from signorini.mesh.checks import loops, on_boundary
 from signorini.mesh.isoparametric import SIDES
@@ -26,6 +29,11 @@ Ints = npt.NDArray[np.int64]
 
 OUTLINE = "boundary"
 _SAME = 1e-9
+_FARTHEST = 1e6
+"""Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
+_SECONDS, _SECONDS_PER_MB = 10.0, 10.0
+"""Time for reading; a hundred times what it takes. Counts in a damaged file make a parser read on past its end."""
+_LONGEST_REASON = 200
 _REVERSED = [0, 3, 2, 1, 7, 6, 5, 4]
 _QUADRILATERALS = ("quad8", "quad9")
 _KNOWN = ("vertex", "line", "line3", *_QUADRILATERALS)
@@ -71,19 +79,34 @@ def read(path: str | Path) -> Mesh:
 
 
 def _load(path: Path) -> meshio.Mesh:
-    """Read with meshio, which prints, exits, and raises what its parsers happen to raise."""
+    """Read with meshio, which prints, exits, raises what its parsers happen to raise, and may read for ever."""
     said = io.StringIO()
-    try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return meshio.read(path)
-    except (Exception, SystemExit) as error:
-        reason = " ".join((said.getvalue() if isinstance(error, SystemExit) else str(error)).split())
-        raise InputError(
-            f"This file cannot be read as a mesh ({reason or type(error).__name__}). Check that its extension fits its "
-            "format and that it is complete.",
-            place=str(path),
-        ) from error
+    found: list[meshio.Mesh | BaseException] = []
+
+    def read_it() -> None:
+        try:
+            found.append(meshio.read(path))
+        except BaseException as error:
+            found.append(error)
+
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        reader = threading.Thread(target=read_it, daemon=True)
+        reader.start()
+        reader.join(_SECONDS + _SECONDS_PER_MB * path.stat().st_size / 1e6)
+    if found and isinstance(found[0], meshio.Mesh):
+        return found[0]
+    error = found[0] if found else TimeoutError("it is read without end")
+    reason = " ".join((said.getvalue() if isinstance(error, SystemExit) else str(error)).split())
+    reason = re.sub(r"\b(Warning|Error): ", "", reason)
+    if isinstance(error, LookupError):
+        reason = f"it refers to {reason}, which it has not"
+    reason = reason if len(reason) <= _LONGEST_REASON else f"{reason[:_LONGEST_REASON]}..."
+    raise InputError(
+        f"This file cannot be read as a mesh ({reason or type(error).__name__}). Check that its extension fits its "
+        "format and that it is complete.",
+        place=str(path),
+    )
 
 
 def _mesh(data: meshio.Mesh) -> Mesh:
@@ -120,7 +143,18 @@ def _elements(data: meshio.Mesh) -> Ints:
     found = [np.asarray(block.data, dtype=np.int64)[:, :8] for block in data.cells if block.type in _QUADRILATERALS]
     if not sum(map(len, found)):
         raise InputError("The mesh file has no elements; the plate needs 8- or 9-node quadrilaterals.")
-    return np.vstack(found)
+    elements = np.vstack(found)
+    _require_nodes(data, elements, "An element")
+    return elements
+
+
+def _require_nodes(data: meshio.Mesh, nodes: Ints, owner: str) -> None:
+    wrong = (nodes < 0) | (nodes >= len(data.points))
+    if wrong.any():
+        raise InputError(
+            f"{owner} of the mesh file refers to node {int(nodes[wrong][0])} (counted from 0); it has "
+            f"{len(data.points)} nodes."
+        )
 
 
 def _plane(points: Floats, elements: Ints) -> Floats:
@@ -137,7 +171,17 @@ def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
     used = np.unique(elements)
     if not np.isfinite(points[used]).all():
         raise InputError("The mesh file has a coordinate that is not finite.")
-    size = float(np.ptp(points[used], axis=0).max())
+    size, farthest = float(np.ptp(points[used], axis=0).max()), float(np.abs(points[used]).max())
+    if size < 1 / LARGEST or farthest > LARGEST:
+        raise InputError(
+            f"The nodes lie within {size:g}, up to {farthest:g} from the origin; a plate's size must be at least "
+            f"{1 / LARGEST:g}, its coordinates at most {LARGEST:g}."
+        )
+    if farthest > _FARTHEST * size:
+        raise InputError(
+            f"The plate is {size:g} large and lies {farthest:g} from the origin, over {_FARTHEST:g} times as far. Move "
+            "it to the origin."
+        )
     i, j = cKDTree(points[used]).query_pairs(_SAME * size, output_type="ndarray").T
     graph = coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(len(used), len(used)))
     group = connected_components(graph, directed=False)[1]
@@ -154,6 +198,7 @@ def _edges_of_lines(data: meshio.Mesh, number: Ints, sides: Ints, outer: Bools) 
     middles, first = np.unique(sides[:, 1], return_index=True)
     edges: dict[str, Ints] = {}
     for name, kind, lines in _named_lines(data):
+        _require_nodes(data, lines, f"Group {name!r}")
         if kind == "line":
             raise InputError(
                 f"Group {name!r} of the mesh file consists of 2-node lines; second-order elements have 3-node lines."
@@ -192,7 +237,9 @@ def _edges_of_nodes(data: meshio.Mesh, number: Ints, outline: Ints) -> dict[str,
     edges = {}
     for name, members in data.point_sets.items():
         inside = np.zeros(int(number.max()) + 1, dtype=bool)
-        nodes = number[np.asarray(members, dtype=np.int64)]
+        members = np.asarray(members, dtype=np.int64)
+        _require_nodes(data, members, f"Group {name!r}")
+        nodes = number[members]
         inside[nodes[nodes >= 0]] = True
         triples = outline[inside[outline].all(axis=1)]
         if len(triples):

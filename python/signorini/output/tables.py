@@ -62,7 +62,7 @@ def results_json(results: Results) -> dict[str, Any]:
             "dofs": found.dof_count,
             "contact_points": int((~found.contacts.two_sided).sum()),
         },
-        "combinations": [_combination(result) for result in results.values()],
+        "combinations": [_combination(result, results.limits[name]) for name, result in results.items()],
         **tabulated,
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
         "files": file_names(results),
@@ -90,12 +90,13 @@ def reactions_csv(results: Results) -> str:
     return text.getvalue()
 
 
-def _combination(result: Result) -> dict[str, Any]:
+def _combination(result: Result, limit: tuple[str, float] | None) -> dict[str, Any]:
     solved = result.status == "solved"
     return {
         "name": result.name,
         "status": result.status,
         "message": result.message,
+        "limit": None if limit is None else {"case": limit[0], "factor": limit[1]},
         "method": result.method,
         "unsettled": list(result.unsettled),
         "iterations": result.iterations,
