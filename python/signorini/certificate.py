@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
@@ -22,9 +21,6 @@ _NIL = 1e-6
 """Deflections below this part of F a²/D are rounding of the elimination."""
 _UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
 """Part of a size which, as a scale, turns the tolerance into that size's rounding."""
-
-_BLOCK = 1 << 12
-"""Rows in extended precision at a time."""
 
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 LIMITED = ("tension", "equilibrium", "balance")
@@ -158,15 +154,11 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
 
 
 def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
-    """Gaps (m,) in extended precision, a block of rows at a time: of all of them a copy would outweigh the plate."""
-    contacts, displacement = found.contacts, hi.astype(np.longdouble) + lo
-    gap = contacts.compliance * reaction
-    for first in range(0, len(gap), _BLOCK):
-        block = slice(first, first + _BLOCK)
-        rows = found.contact_rows[block]
-        extended = csr_array((rows.data.astype(np.longdouble), rows.indices, rows.indptr), shape=rows.shape)
-        gap[block] += contacts.distance[block] - extended @ displacement
-    return gap
+    """Gaps (m,), summed in extended precision."""
+    contacts = found.contacts
+    rows = contacts.rows
+    opening = found.plate.openings(rows.elements, rows.coefficients, contacts.distance, hi, lo)
+    return opening + contacts.compliance * reaction
 
 
 def _balance(
@@ -178,7 +170,10 @@ def _balance(
     against = at_holds + found.spring_rows.T @ pull + found.contact_rows.T @ reaction
     motions = found.rigid_motions / np.array([1.0, size, size])
     reach = np.abs(motions).max(axis=1)
-    return _largest(motions.T @ (nodal - against)), _largest(np.abs(nodal) @ reach, np.abs(against) @ reach)
+    # Threads of a linear algebra library would cost more than these sums.
+    resultant = np.einsum("ij,i->j", motions, nodal - against)
+    sizes = (float((np.abs(force) * reach).sum()) for force in (nodal, against))
+    return _largest(resultant), _largest(*sizes)
 
 
 def _loaded_deflection(found: Discretisation, load: CaseLoad) -> float:
