@@ -187,7 +187,7 @@ impl Descent<'_> {
     /// The motion under a residual by the factor, two-sided points held, and the force it has for that.
     async fn precondition(&self, residual: &[f64]) -> Result<Direction, FactorError> {
         let problem = self.problem;
-        if let (Some(desk), None, true) = (self.desk, &self.own, problem.constraints.rows.is_empty()) {
+        if let (Some(desk), None) = (self.desk, &self.own) {
             let solved = desk.solve(problem.gather(residual)).await;
             return Ok(Direction {
                 nodal: problem.scatter(&solved),

@@ -110,7 +110,7 @@ struct Descent<'a> {
     /// The factor that it was given, and the one in its place, if any.
     given: &'a Factored,
     own: Option<Factored>,
-    /// Where the factor that it was given is asked, if others ask it too.
+    /// Where the factor that it was given is asked, if others ask it too; there are no two-sided points then.
     desk: Option<&'a Desk>,
     /// Two-sided points, held.
     state: ContactState,

@@ -117,7 +117,12 @@ impl ContactProblem {
         start: Option<&'a Start<'a>>,
         desk: &'a Desk,
     ) -> Seat<'a> {
-        let descent = async move { self.descend(load, held_value, start, Some(desk), &mut |_| true).await };
+        let referred = start.is_some();
+        // Without a load the plate is at rest, exactly so only if it begins there.
+        let start = start.filter(|_| load.iter().any(|&force| force != 0.0));
+        let shared = self.constraints.rows.is_empty() && start.is_some() == referred;
+        let desk = shared.then_some(desk);
+        let descent = async move { self.descend(load, held_value, start, desk, &mut |_| true).await };
         Seat { load: number, descent: Box::pin(descent), solved: None }
     }
 }
