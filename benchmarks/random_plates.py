@@ -108,6 +108,8 @@ def deflection_exists(found):
 def judged(seed):
     """Outcome of one model, and what is wrong with it."""
     tables = random_models.model(Random(seed))
+    # Rows of a table keep no message each.
+    tables["output"] = {"combinations": "each"}
     try:
         model = validate(tables)
         found = discretise(model)
@@ -121,7 +123,9 @@ def judged(seed):
     except NotCertifiedError as error:
         return Counter({"not certified": 1}), [str(error)]
     except NoEquilibriumError as error:
-        messages = dict(line.split(": ", 1) for line in str(error).splitlines())
+        names = [combination.name for combination in model.effective_combinations]
+        lines = str(error).splitlines()
+        messages = {name: line.removeprefix(f"{name}: ") for name, line in zip(names, lines, strict=True)}
     outcomes, wrong = Counter(), []
     for combination in model.effective_combinations:
         message = messages[combination.name]

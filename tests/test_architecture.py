@@ -20,7 +20,7 @@ LAYERS = (
     {"expression"},
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
-    {"equilibrium", "stability", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
+    {"tipping", "equilibrium", "stability", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
     {
         "supportpoints",
         "support_result",

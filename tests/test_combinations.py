@@ -337,3 +337,10 @@ def test_combinations_are_made_when_asked_for():
 def test_results_json_of_a_table_is_valid_json(solved):
     results, _ = solved
     assert json.loads(json.dumps(results_json(results), allow_nan=False))["table"]["combinations"] == 36
+
+
+def test_a_table_of_combinations_without_load_is_solved() -> None:
+    rows = [{"generate": "table", "columns": ["G"], "rows": {"before": [0.0], "after": [0.0]}}]
+    results = signorini.solve(Model(**tables(combination=rows, output={"combinations": "table", "fields": "all"})))
+    for name in ("before", "after"):
+        assert list(results[name].reactions.values()) == pytest.approx([0.0, 0.0], abs=1e-12)

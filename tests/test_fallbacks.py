@@ -29,10 +29,10 @@ def unsettled(monkeypatch: pytest.MonkeyPatch) -> set[str]:
     names: set[str] = set()
     solve = ContactProblem.solve
 
-    def spoiled(self: ContactProblem, load, form="auto", progress=None):
+    def spoiled(self: ContactProblem, load, form="auto", progress=None, closed=None):
         other = self.discretisation.cases["load"]
         wrong = type(other)(1.01 * load.nodal, load.curvature, load.couples)
-        return solve(self, wrong if self.method in names else load, form, progress)
+        return solve(self, wrong if self.method in names else load, form, progress, closed)
 
     monkeypatch.setattr(ContactProblem, "solve", spoiled)
     return names

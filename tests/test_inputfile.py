@@ -374,7 +374,19 @@ def test_bad_input_gives_one_message_with_its_place(written, text, says):
         ),
         (
             "shape = 'annulus'\ninner = 2\nouter = 1\nthickness = 1",
-            "plate.outer: found 1; it must be greater than inner",
+            "plate.outer: found 1; it must exceed inner",
+        ),
+        (
+            "shape = 'annulus'\ninner = 1\nouter = 1.000000001\nthickness = 1",
+            "plate.outer: found 1.000000001; it must exceed inner, which is 1.",
+        ),
+        (
+            "shape = 'annulus'\ninner = 1\nouter = 2\nthickness = 1\nsector = 1e-9",
+            "plate.sector: found 1e-09; so thin a slice is no plate.",
+        ),
+        (
+            "shape = 'annulus'\ninner = 1\nouter = 2\nthickness = 1\nsector = 359.9999999",
+            "plate.sector: found 359.9999999; its sides all but meet. Take 360",
         ),
         (
             "shape = 'annulus'\ninner = 1\nouter = 2\nthickness = 1\nsector = 361",

@@ -257,11 +257,12 @@ def _full_disk(*_: object) -> Path:
 
 def test_a_directory_that_cannot_be_is_refused_beforehand(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    for place in (tmp_path / "file", tmp_path / "file" / "out", Path("/proc/signorini")):
+    for place in (tmp_path / "file", tmp_path / "file" / "out", Path("/proc/signorini"), tmp_path / ("a" * 300)):
         with pytest.raises(InputError, match="the results cannot be written there"), room_for(place):
             pass
-    with room_for(tmp_path / "new" / "out"):
-        pass
+    for place in (tmp_path / "new" / "out", tmp_path / ("a" * 250)):
+        with room_for(place):
+            pass
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 

@@ -73,14 +73,16 @@ def test_until_ends_the_path_and_at_keeps_to_it(slab: Path) -> None:
     assert (found.ending, found.end) == ("until", 2.0)
     with pytest.raises(signorini.InputError, match="the path goes from 0 to 2"):
         found.at(2.5)
-    with pytest.raises(signorini.InputError, match="until is -1"):
+    with pytest.raises(signorini.InputError, match="until: found -1; it must be a finite number greater than 0"):
         signorini.path(found.model, "G", "Q", until=-1)
 
 
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["--from", "G", "--add", "W"], 2, "Unknown load case or combination 'W'. This model has: G, Q, service."),
+        (["--from", "G", "--add", "W"], 2, "Error: --add: Unknown load case or combination 'W'. This model has: G,"),
+        (["--from", "X", "--add", "Q"], 2, "Error: --from: Unknown load case or combination 'X'."),
+        (["--add", "Q", "--until", "nan"], 2, "Error: --until: found nan; it must be a finite number greater than 0."),
         (["--from", "Q", "--add", "G"], 3, "Q: The plate tips about the line"),
         (["--from", "G"], 2, "Missing option '--add'"),
     ],

@@ -88,8 +88,67 @@ def test_the_axis_is_the_line_of_the_supports_it_turns_on() -> None:
     assert resultant([{"pressure": -1.0}]).axis is None and resultant([{"pressure": 1.0}]).axis is None
 
 
+@pytest.mark.parametrize(
+    ("pads", "load", "line"),
+    [
+        ([[3, 1], [3, 3], [1, 2]], [4, 2], "x = 3"),
+        ([[3, 1], [3, 3], [1, 1]], [4, 3], "x = 3"),
+        ([[1, 3], [3, 3], [2, 1]], [2, 4], "y = 3"),
+        ([[1, 3], [3, 1], [1, 1]], [4, 4], "x + y = 4"),
+        ([[1, 1], [3, 3], [3, 1]], [0, 4], "x - y = 0"),
+        ([[0, 1], [4, 3], [4, 0]], [1, 3], "-0.5 x + y = 1"),
+        ([[1, 0], [3, 4], [4, 0]], [1, 3], "x - 0.5 y = 1"),
+        ([[0, 0], [0.3, 4], [0.1, 4 / 3], [4, 0]], [0, 4], "x - 0.075 y = 0"),
+    ],
+)
+@pytest.mark.parametrize("unit", [1e-5, 1.0, 1e3])
+def test_the_line_is_written_without_rounding_in_any_unit(pads, load, line, unit) -> None:
+    scaled = Model(
+        material={"E": 30e6, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4 * unit, 4 * unit], "thickness": 0.2 * unit},
+        mesh={"divisions": [4, 4]},
+        support=[{"at": (unit * np.array(pads)).tolist(), "resists": "down"}],
+        load=[{"force": 1.0, "at": (unit * np.array(load)).tolist()}],
+    )
+    left, right = line.split(" = ")
+    (found,) = checked(scaled).resultants
+    assert f"tips about the line {left} = {float(right) * unit:.6g} through [" in found.message
+    assert "e-17" not in found.message and "e-16" not in found.message
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_moment_that_is_short_is_the_least_couple_that_restores_equilibrium(seed) -> None:
+    rng = np.random.default_rng(seed)
+    found = None
+    while found is None or "tips" not in found.message:
+        supports = [{"at": rng.uniform(1, 3, (rng.integers(3, 7), 2)).tolist(), "resists": "down"}]
+        if seed % 2:
+            supports.append({"at": rng.uniform(0, 4, (2, 2)).tolist(), "resists": "up"})
+        couple = {"moment": rng.normal(0, 3, 2).tolist(), "at": [2, 2]}
+        loads = [{"force": 1.0, "at": rng.uniform(0, 4, 2).tolist()}, couple]
+        found = resultant(loads, None, supports)
+    said = float(found.message.split("short by a moment of ")[1].split(" ")[0].rstrip("."))
+    begin, end = np.array(found.axis)
+    normal = np.array([begin[1] - end[1], end[0] - begin[0]]) / np.hypot(*(end - begin))
+    moment = float(found.couple @ normal - found.force * (begin - [2, 2]) @ normal)
+    assert abs(moment) == pytest.approx(said, rel=1e-5)
+
+    def stands(couple) -> bool:
+        return resultant([*loads, {"moment": list(couple), "at": [2, 2]}], None, supports).message == ""
+
+    assert stands(-moment * normal)
+    turns = np.linspace(0, 2 * np.pi, 16)
+    assert not any(stands((1 - 1e-5) * moment * np.array([np.cos(turn), np.sin(turn)])) for turn in turns)
+    assert not stands(-(1 - 1e-5) * moment * normal)
+
+
+def test_a_couple_alone_turns_the_plate_about_its_supports() -> None:
+    found = resultant([{"moment": [1.0, 0.0], "at": [2, 2]}], None, [{"at": SQUARE[:3], "resists": "down"}])
+    assert "tips about the line x = 3 through [3, 1], [3, 3] of support 1, short by a moment of 1." in found.message
+
+
 def test_a_hinged_plate_tips_about_its_hinge() -> None:
     hinge = [{"edge": "left", "fix": "simple"}, {"at": [3, 2], "resists": "down"}]
     found = resultant([{"pressure": -1.0}], None, hinge)
-    assert "tips about the line x = 0" in found.message
+    assert "tips about the line x = 0, short" in found.message
     assert np.array(found.axis)[:, 0] == pytest.approx([0.0, 0.0], abs=1e-12)

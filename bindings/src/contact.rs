@@ -124,8 +124,9 @@ impl ContactProblem {
     /// Solves one load; `form` is "dual", "stiffness", or None for the better conditioned of them.
     ///
     /// `progress(step, changing, residual)` is called after every step of the active set: points that opened or closed,
-    /// and the imbalance over the largest nodal force. What it raises ends the solve.
-    #[pyo3(signature = (load, held_value, form=None, max_pivots=None, progress=None))]
+    /// and the imbalance over the largest nodal force. What it raises ends the solve. `closed` (m,) is a contact set to
+    /// begin with.
+    #[pyo3(signature = (load, held_value, form=None, max_pivots=None, progress=None, closed=None))]
     fn solve(
         &self,
         py: Python<'_>,
@@ -134,12 +135,18 @@ impl ContactProblem {
         form: Option<&str>,
         max_pivots: Option<usize>,
         progress: Option<Py<PyAny>>,
+        closed: Option<PyReadonlyArray1<'_, bool>>,
     ) -> PyResult<ContactSolution> {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
         let form = form.map(form_of).transpose()?;
-        watched(py, progress, |watch| self.inner.solve(&load, &held_value, form, max_pivots, watch))
+        let points = self.inner.order.condensed.len() + self.inner.order.active.len();
+        let closed = closed.map(|closed| flags("closed", &closed, points)).transpose()?;
+        watched(py, progress, |watch| match &closed {
+            Some(closed) => self.inner.solve_from_set(&load, &held_value, closed, watch),
+            None => self.inner.solve(&load, &held_value, form, max_pivots, watch),
+        })
     }
 
     /// Solves one load beginning with the solution of another; `progress` as for `solve`.

@@ -1,7 +1,7 @@
 //! What the fuzzers do with their bytes; core/tests/fuzz_corpus.rs does the same with the corpus.
 use signorini_core::contact::{Constraints, ContactProblem, Form, Outcome};
 use signorini_core::element::{Kind, Material};
-use signorini_core::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from};
+use signorini_core::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from, parametric};
 use signorini_core::plate::Plate;
 use signorini_core::residual::{Rows, Springs};
 use std::sync::Arc;
@@ -41,7 +41,8 @@ impl Bytes<'_> {
     }
 }
 
-/// A linear complementarity problem of up to seven pairs, with lengths that may not fit, solved from both starts.
+/// A linear complementarity problem of up to seven pairs, with lengths that may not fit, solved from both starts and
+/// followed along a direction of its q.
 pub fn linear_complementarity(data: &[u8]) {
     let mut bytes = Bytes(data.iter());
     let order = bytes.below(8);
@@ -56,6 +57,13 @@ pub fn linear_complementarity(data: &[u8]) {
         if answer.status == LcpStatus::Solved {
             assert!(answer.z.iter().chain(&answer.w).all(|v| *v >= 0.0 && v.is_finite()), "{answer:?}");
             assert!(answer.z.iter().zip(&answer.w).all(|(z, w)| *z == 0.0 || *w == 0.0), "{answer:?}");
+            let (direction, end) = (bytes.numbers(order + more), bytes.number());
+            let Ok(path) = parametric(&problem, &direction, &answer.basis, end) else { continue };
+            let mut reached = 0.0;
+            for segment in &path.segments {
+                assert!(segment.from == reached && segment.to > segment.from, "{path:?}");
+                reached = segment.to;
+            }
         }
     }
 }

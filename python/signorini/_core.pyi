@@ -111,6 +111,7 @@ class ContactProblem:
         form: _Form = None,
         max_pivots: int | None = None,
         progress: Callable[[int, int, float], object] | None = None,
+        closed: _Bools | None = None,
     ) -> ContactSolution: ...
     def solve_near(
         self,

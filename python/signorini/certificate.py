@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.discretise.rows import Floats
+from signorini.discretise.rows import Floats, Rows
 from signorini.problem import spring_arrays
 
 TOLERANCE = 1e-8
@@ -126,7 +126,7 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
         scale = _largest(_by_force(load.nodal, across) or _largest(_by_force(at_holds, across), force), rest)
         pressing = _largest(scale, force)
         both = np.minimum(np.abs(force) / (pressing or 1.0), np.abs(gap) / lengths)
-        out_of_balance, total = _balance(found, load.nodal, hi + lo, at_holds, reaction)
+        out_of_balance, total = _balance(found, load.nodal, hi, lo, at_holds, reaction)
         figures = {
             "penetration": _largest(
                 open_by / lengths, _ratio(_largest(slip[:, 0]), length), _ratio(_largest(slip[:, 1:]), slope)
@@ -154,19 +154,21 @@ def certify(found: Discretisation, load: CaseLoad, hi: Floats, lo: Floats, react
 
 
 def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
-    """Gaps (m,), summed in extended precision."""
     contacts = found.contacts
-    rows = contacts.rows
-    opening = found.plate.openings(rows.elements, rows.coefficients, contacts.distance, hi, lo)
-    return opening + contacts.compliance * reaction
+    return contacts.compliance * reaction - _beyond(found, contacts.rows, hi, lo, contacts.distance)
+
+
+def _beyond(found: Discretisation, rows: Rows, hi: Floats, lo: Floats, start: Floats) -> Floats:
+    """Rows (m, 24) of the displacements less ``start`` (m,), in extended precision."""
+    return -found.plate.openings(rows.elements, rows.coefficients, start, hi, lo)
 
 
 def _balance(
-    found: Discretisation, nodal: Floats, displacement: Floats, at_holds: Floats, reaction: Floats
+    found: Discretisation, nodal: Floats, hi: Floats, lo: Floats, at_holds: Floats, reaction: Floats
 ) -> tuple[float, float]:
     """Largest resultant out of balance, from the supports' forces alone, and the size it is part of."""
     springs, size = found.springs, found.mesh.size
-    pull = springs.stiffness * (found.spring_rows @ displacement - springs.base)
+    pull = springs.stiffness * _beyond(found, springs.rows, hi, lo, springs.base)
     against = at_holds + found.spring_rows.T @ pull + found.contact_rows.T @ reaction
     motions = found.rigid_motions / np.array([1.0, size, size])
     reach = np.abs(motions).max(axis=1)

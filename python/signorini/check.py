@@ -94,6 +94,8 @@ class Check:
         )
         try:
             save(figure, path)
+        except FileNotFoundError:
+            raise InputError(f"there is no directory {Path(path).parent} to write the picture to.", str(path)) from None
         except OSError as error:
             raise InputError(f"the picture cannot be written: {error.strerror or error}.", str(path)) from None
 

@@ -15,6 +15,7 @@ import numpy as np
 from signorini.discretise import ContactPoints, Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError
+from signorini.tipping import clean, line_in_words, steepest
 
 _RANK = 1e-9
 """Rigid motions of unit size that move a support by less than this part of the plate's size do not move it."""
@@ -124,12 +125,13 @@ def _describe(motion: Floats, found: Discretisation) -> str:
     through = found.middle - w / turning * normal
     along = np.array([-normal[1], normal[0]])
     along *= 1.0 if (along > 1e-9).any() and along[np.abs(along) > 1e-9][0] > 0 else -1.0
-    return f"turning about the line through {_point(through)} along {_point(along)}"
+    return f"turning about the line through {_point(through, found)} along {_point(along)}"
 
 
-def _point(at: Floats) -> str:
-    x, y = (round(float(value), 6) + 0.0 for value in at)
-    return f"[{x:g}, {y:g}]"
+def _point(at: Floats, found: Discretisation | None = None) -> str:
+    """A point of a plate, or a direction, without the digits that are rounding."""
+    size = found.mesh.size if found else 1.0
+    return f"[{clean(at[0], size)}, {clean(at[1], size)}]"
 
 
 def restraining_points(freedom: RigidFreedom, stiffness: Floats) -> Ints:
@@ -205,7 +207,7 @@ def tipping_axis(found: Discretisation, freedom: RigidFreedom, nodal: Floats) ->
 
 
 def _tipping(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats | None:
-    """The motion (d,) that every support allows on which the load does most work, if there is one."""
+    """The motion (d,) that every support allows on which the load does most work for its turning, if there is one."""
     from scipy.optimize import linprog
 
     total = load_size(found, nodal)
@@ -215,7 +217,8 @@ def _tipping(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Flo
     best = linprog(-work / total, A_ub=one_sided, b_ub=np.zeros(len(one_sided)), bounds=(-1, 1), method="highs")
     if best.x is None or work @ best.x <= _WORK * total:
         return None
-    return np.asarray(best.x)
+    most = steepest(freedom.motions, one_sided, work / total)
+    return np.asarray(best.x if most is None else most)
 
 
 def _lifting(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> str:
@@ -238,7 +241,7 @@ def _holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, best: 
         least = _least_holding(found, freedom, nodal, node, way)
         if least is not None:
             unit = f" {found.model.units.force}" if found.model.units.force else ""
-            return f" An extra {least:.6g}{unit} {way} at {_point(node)} would just hold it."
+            return f" An extra {least:.6g}{unit} {way} at {_point(node, found)} would just hold it."
     return ""
 
 
@@ -290,19 +293,11 @@ def _explain_tipping(
     # Weight holds it best where the motion lifts the plate most.
     lift = -(found.mesh.points @ normal + offset)
     farthest = int(lift.argmax())
-    axis = f"the line {_line(normal, offset)}"
+    axis = f"the line {line_in_words(normal, offset, size)}"
     text = f"The plate tips about {axis}{names}, short by a moment of {moment:.6g}{moment_unit}."
     if lift[farthest] <= 1e-9 * size:
         return text
     return text + _holding(found, freedom, nodal, found.mesh.points[farthest], "down")
-
-
-def _line(normal: Floats, offset: float) -> str:
-    """Equation of a line; of one parallel to an axis, its coordinate."""
-    for i, name in enumerate("xy"):
-        if abs(normal[1 - i]) < 1e-9:
-            return f"{name} = {0.0 - offset / normal[i]:.6g}"
-    return f"{normal[0]:+.6g} x {normal[1]:+.6g} y {offset:+.6g} = 0"
 
 
 def _hinges(found: Discretisation, freedom: RigidFreedom, closed: Bools) -> str:
@@ -310,5 +305,5 @@ def _hinges(found: Discretisation, freedom: RigidFreedom, closed: Bools) -> str:
     if not len(contacts):
         return ""
     owners = [found.model.support[i].name for i in np.unique(contacts.support)]
-    spots = ", ".join(_point(at) for at in contacts.positions[:4]) + (", ..." if len(contacts) > 4 else "")
+    spots = ", ".join(_point(at, found) for at in contacts.positions[:4]) + (", ..." if len(contacts) > 4 else "")
     return f" through {spots} of {', '.join(owners)}"

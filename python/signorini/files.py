@@ -4,11 +4,105 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import secrets
 import shutil
+import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+
+_LONGEST_NAME = 50
+"""File systems allow 255 bytes."""
+
+
+@contextmanager
+def room_beside(directory: str | os.PathLike[str], name: str) -> Iterator[Path]:
+    """Give an empty hidden directory in another for as long as the context lasts.
+
+    It is locked meanwhile. If the context ends well, directories of the same purpose that killed processes left go with
+    it: those whose lock is free.
+
+    Parameters
+    ----------
+    directory : path-like
+        An existing directory.
+    name : str
+        What the room is for; it is named ``.name-``, cut short when long, and eight random digits.
+
+    Yields
+    ------
+    Path
+
+    Raises
+    ------
+    OSError
+        The directory does not exist or cannot be written to.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     left = pathlib.Path(place, ".results-0a1b2c3d")
+    ...     left.mkdir()
+    ...     with room_beside(place, "results") as room:
+    ...         len(os.listdir(place)), room.is_dir()
+    ...     len(os.listdir(place))
+    (2, True)
+    0
+    """
+    name = name[:_LONGEST_NAME]
+    room, lock = _locked(Path(directory), name)
+    try:
+        yield room
+        _remove_left(Path(directory), name)
+    finally:
+        shutil.rmtree(room, ignore_errors=True)
+        if lock is not None:
+            os.close(lock)
+
+
+def _locked(directory: Path, name: str) -> tuple[Path, int | None]:
+    """Make a room and lock it. One that another process takes for left, before it is locked, is made anew."""
+    while True:
+        room = directory / f".{name}-{secrets.token_hex(4)}"
+        room.mkdir()
+        try:
+            lock = _lock(room)
+        except (BlockingIOError, FileNotFoundError):
+            continue
+        except OSError:
+            return room, None  # The file system knows no locks: then nobody takes it for left either.
+        if room.exists():
+            return room, lock
+        if lock is not None:
+            os.close(lock)
+
+
+def _lock(room: Path) -> int | None:
+    if sys.platform == "win32":
+        return None
+    import fcntl
+
+    lock = os.open(room, os.O_RDONLY)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BaseException:
+        os.close(lock)
+        raise
+    return lock
+
+
+def _remove_left(directory: Path, name: str) -> None:
+    """Remove the rooms that killed processes left in a directory; a room in use cannot be locked."""
+    left = re.compile(rf"\.{re.escape(name)}-[0-9a-f]{{8}}")
+    with suppress(OSError):
+        for entry in [entry.name for entry in os.scandir(directory) if left.fullmatch(entry.name)]:
+            with suppress(OSError):
+                lock = _lock(directory / entry)
+                if lock is not None:
+                    shutil.rmtree(directory / entry, ignore_errors=True)
+                    os.close(lock)
 
 
 @contextmanager
@@ -26,7 +120,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     Yields
     ------
     Path
-        A new name in the same directory, with the same suffix.
+        The same name in a new directory beside it.
 
     Raises
     ------
@@ -44,12 +138,9 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     ['reactions.csv']
     """
     target = Path(path)
-    beside = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{target.suffix}")
-    try:
-        yield beside
-        beside.replace(target)
-    finally:
-        beside.unlink(missing_ok=True)
+    with room_beside(target.parent, target.name) as room:
+        yield room / target.name
+        (room / target.name).replace(target)
 
 
 @contextmanager
@@ -92,21 +183,22 @@ def replacing_together(directory: str | os.PathLike[str], former: Iterable[str] 
     if target.exists() and not target.is_dir():
         raise NotADirectoryError(errno.ENOTDIR, "it is a file, not a directory", str(target))
     made = [parent for parent in target.parents if not parent.exists()]
-    beside = (target if target.is_dir() else target.parent) / f".{target.name}-{secrets.token_hex(4)}"
+    place = target if target.is_dir() else target.parent
     try:
-        beside.mkdir(parents=True)
-        yield beside
-        if target.is_dir():
-            _exchange(beside, target, set(former), seal)
-        else:
-            beside.rename(target)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with room_beside(place, target.name) as room:
+            yield room
+            if target.is_dir():
+                _exchange(room, target, set(former), seal)
+            else:
+                room.rename(target)
     except BaseException:
-        shutil.rmtree(beside, ignore_errors=True)
         with suppress(OSError):
             for parent in made:
                 parent.rmdir()
         raise
-    shutil.rmtree(beside, ignore_errors=True)
+    # An earlier run may have been killed before the directory was there.
+    _remove_left(target.parent, target.name[:_LONGEST_NAME])
 
 
 def _exchange(source: Path, target: Path, former: set[str], seal: str) -> None:

@@ -190,7 +190,7 @@ def path(
     found = discretise(model)
     loads = _load(found, start, "start"), _load(found, add, "add")
     if until is not None and not 0 < until < np.inf:
-        raise InputError(f"until is {until:g}; it must be a finite number greater than 0.")
+        raise InputError(f"found {until:g}; it must be a finite number greater than 0.", place="until")
     watcher(Progress(stage="factor"))
     problem = contact_problem(found)
     message = no_equilibrium(found, problem.freedom, loads[0].nodal)

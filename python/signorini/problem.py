@@ -14,6 +14,7 @@ from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import RigidFreedom, restraining_points, rigid_freedom
 from signorini.errors import InputError, SignoriniError
+from signorini.memory import require_memory_for_points
 from signorini.model import Model
 
 if TYPE_CHECKING:
@@ -27,8 +28,9 @@ Steps: TypeAlias = Callable[[int, int, float], object]
 
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 
-_YIELDING = (1e-12, 1e-9, 1e-6)
-"""Parts of the plate's own compliance that are tried where rounding decides between points nearly alike."""
+_YIELDING = (1e-6, 1e-9, 1e-12)
+"""Parts of the plate's own compliance that are tried, each from the contact set of the one before, where
+rounding decides between points nearly alike."""
 
 MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
@@ -85,6 +87,8 @@ class ContactProblem:
     method: Method
     reference: _core.Reference | None = None
     """A solved load that others begin with; see `near`."""
+    yields: bool = False
+    """Whether rounding is minded; see `yielding`."""
     _others: dict[Method, ContactProblem] = field(default_factory=dict, repr=False)
 
     @cached_property
@@ -165,7 +169,7 @@ class ContactProblem:
         found = self.discretisation
         rigidity = found.model.material.E * float(found.thickness.max()) ** 3 / 12
         least = np.where(found.contacts.slope, 1.0, found.mesh.size**2) * part / rigidity
-        return _factored(found, self.freedom, "lemke", least)
+        return replace(_factored(found, self.freedom, "lemke", least), yields=True)
 
     def near(self, load: Floats) -> ContactProblem:
         """Pose the same problem for loads not unlike a nodal one (3n,), with whose contact set an active set begins.
@@ -199,18 +203,24 @@ class ContactProblem:
                 continue
             yield from ((problem, form) for form in _FORMS)
             yield from ((self.yielding(part), "auto") for part in _YIELDING)
+        if "lemke" in self.fallbacks or (self.method == "lemke" and self.fallbacks):
+            # What another method has left imprecise.
+            yield from ((self.yielding(part), "auto") for part in _YIELDING[1:])
 
-    def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> _core.ContactSolution:
+    def solve(
+        self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None, closed: Bools | None = None
+    ) -> _core.ContactSolution:
         """Displacements, reactions and gaps of one load.
 
-        ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set.
+        ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set;
+        ``closed`` (m,) is a contact set for an LCP to begin with.
         """
         held = self.discretisation.held.values
         if self.method == "interior_point":
             return self.core.solve_by_interior_point(load.nodal, held, progress=progress)
         if self.reference is not None:
             return self.core.solve_near(self.reference, load.nodal, held, progress=progress)
-        return self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress)
+        return self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress, closed=closed)
 
     @property
     def seconds(self) -> Mapping[str, float]:
@@ -240,13 +250,16 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     return _factored(found, freedom, _method(found))
 
 
-def _require_condensable(points: int) -> None:
+def _require_condensable(points: int, of_all: bool, asked: str) -> None:
+    advice = "Take a coarser mesh, or give long lines and areas a stiffness."
+    if of_all and asked == "lemke":
+        advice = 'Leave solver.method at "auto", which condenses fewer.'
     if points > MOST_POINTS:
         raise InputError(
-            f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. "
-            "Take a coarser mesh, or give long lines and areas a stiffness.",
+            f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. {advice}",
             place="support",
         )
+    require_memory_for_points(points, advice, "support")
 
 
 def _factored(
@@ -256,7 +269,8 @@ def _factored(
     # What the interior point method finds is made exact by one of the others.
     many = len(contacts) > MOST_POINTS
     by_active_set = method == "active_set" or (method == "interior_point" and many)
-    _require_condensable(int((contacts.two_sided | (not by_active_set)).sum()))
+    condensed = int((contacts.two_sided | (not by_active_set)).sum())
+    _require_condensable(condensed, not by_active_set, found.model.solver.method)
     # The points of the active set are springs to the condensed ones, and hold what they hold.
     motions = freedom.motions[:, :0] if by_active_set or yielding is not None else freedom.motions
     free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T

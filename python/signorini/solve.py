@@ -11,6 +11,7 @@ from signorini import _core
 from signorini.certificate import Certificate, certify
 from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
+from signorini.discretise.rows import Bools
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, Method, Steps, contact_problem
@@ -256,10 +257,11 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
         )
         return unsolved_result(found, combination.name, reason), spent
     if tried.certificate is None:
+        others = "" if found.model.solver.method == "auto" else ' Leave solver.method at "auto", which tries them all.'
         raise NotCertifiedError(
             f'Combination "{combination.name}" has no answer that could be certified: rounding decides which of its '
             "supports are in contact. Take a finer mesh or fewer supports that nearly repeat each other, or give the "
-            "rigid ones a stiffness."
+            f"rigid ones a stiffness.{others}"
         )
     if not tried.certificate.passed:
         raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {tried.certificate}.')
@@ -273,22 +275,26 @@ def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Attempt:
     """
     found = problem.discretisation
     first: _Attempt | None = None
+    near: Bools | None = None
     methods: list[Method] = []
     consistent = False
     for attempt, form in problem.attempts():
         methods += [] if attempt.method in methods else [attempt.method]
-        answer = attempt.solve(load, form, steps)
-        certificate = None
-        if answer.status == "solved":
-            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
-        elif answer.status == "no_equilibrium" and not consistent:
-            if supports_contradict(found):
-                return _Attempt(list(methods), answer, None, contradiction=True)
-            consistent = True
-        tried = _Attempt(list(methods), answer, certificate)
-        if certificate is not None and certificate.passed:
-            return tried
-        first = first or tried
+        for closed in [near, None] if attempt.yields and near is not None else [None]:
+            answer = attempt.solve(load, form, steps, closed)
+            certificate = None
+            if answer.status == "solved":
+                certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
+            elif answer.status == "no_equilibrium" and not consistent:
+                if supports_contradict(found):
+                    return _Attempt(list(methods), answer, None, contradiction=True)
+                consistent = True
+            tried = _Attempt(list(methods), answer, certificate)
+            if certificate is not None and certificate.passed:
+                return tried
+            if certificate is not None:
+                near = answer.closed
+            first = first if first and (first.certificate or not certificate) else tried
     assert first is not None, "there are attempts"
     contradiction = not consistent and supports_contradict(found)
     return _Attempt(methods, first.answer, first.certificate, contradiction)

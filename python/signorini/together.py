@@ -94,5 +94,5 @@ def mean_load(found: Discretisation) -> Floats:
     for combination in combinations:
         for case, factor in (combination.factors or {}).items():
             factors.setdefault(case, []).append(factor / len(combinations))
-    mean = Combination(name="mean", factors={case: math.fsum(sorted(all_)) for case, all_ in factors.items()})
-    return found.load(mean).nodal
+    mean = {case: math.fsum(sorted(all_)) for case, all_ in factors.items()}
+    return found.load(Combination.model_construct(name="mean", factors=mean)).nodal

@@ -9,6 +9,7 @@ Outcomes and failures are printed with their seeds; the exit code is 0 where the
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import multiprocessing
 import os
@@ -19,60 +20,91 @@ import tempfile
 import time
 import warnings
 from collections import Counter
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from random import Random
 from types import FrameType
 
 import mutations
-from typer.testing import CliRunner
+import typer.main
 
 import signorini
 import signorini.plot
 from signorini.cli import app
 
+COMMANDS = typer.main.get_command(app)
 NAME = "slab.toml"
 TOO_LONG = 60
 """Seconds after which an input hangs; the largest of these models takes under one."""
 
 _SELDOM = 50
-"""One picture in so many is drawn; they take most of the time and do not depend on what was found."""
+"""One input in so many draws its pictures; they take most of the time and do not depend on what was found."""
 
-_PLACE = re.compile(rf"Error: (\S*{re.escape(NAME)}(:\d+)?: |({'|'.join(signorini.Model.model_fields)})\b)")
+_TOLD = 5000
+"""Inputs after which it is told how far it has come."""
+
+_PICTURES = ("deflection_picture", "pressure_picture", "check_picture", "load_path_picture")
+_LEAVES = {"solve": ("slab-results", (0, 3)), "check": ("slab-check.png", (0, 3)), "path": ("slab-path", (0, 4))}
+"""What each command may leave beside the input, with which exit codes."""
+_CASES = ["load", "G", "Q", "all", "C0"]
+"""Load cases and combinations that the drawn models may have, to follow along a path."""
+
+_PLACE = re.compile(rf"Error: (\S*{re.escape(NAME)}(:\d+)?: |--\w+: |({'|'.join(signorini.Model.model_fields)})\b)")
 
 
 class Hang(BaseException):
     """An input took too long."""
 
 
-def ended(content: bytes, command: str, directory: Path, pictures: bool) -> tuple[int, str, list[str]]:
+def ended(
+    content: bytes, command: str, directory: Path, pictures: bool, more: tuple[str, ...] = ()
+) -> tuple[int, str, list[str]]:
     """Run a command on an input file: its exit code, standard error, and everything wrong with how it ended."""
     file = directory / NAME
     file.write_bytes(content)
-    drawn = signorini.plot.save
+    drawn = {name: getattr(signorini.plot, name) for name in (*_PICTURES, "save")}
     if not pictures:
+        for name in _PICTURES:
+            setattr(signorini.plot, name, lambda *given, **more: None)
         signorini.plot.save = lambda figure, path: Path(path).write_bytes(b"")
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("always")
-            done = CliRunner().invoke(app, [command, str(file)])
+        code, errors, exception = _run([command, str(file), *more])
     finally:
-        signorini.plot.save = drawn
-    wrong = list(_faults(done.exit_code, done.stderr, done.exception))
+        for name, function in drawn.items():
+            setattr(signorini.plot, name, function)
+    wrong = list(_faults(code, errors, exception))
     left = {path.name for path in directory.iterdir()} - {NAME}
-    if done.exit_code in (0, 3) and command == "solve" and "slab-results" in left:
-        wrong += _faults_of_results(directory / "slab-results", done.exit_code)
-        left -= {"slab-results"}
-    elif done.exit_code in (0, 3) and command == "check":
-        left -= {"slab-check.png"}
-    elif done.exit_code == 0:
+    leaves, codes = _LEAVES[command]
+    if code in codes and leaves in left:
+        wrong += _faults_of_results(directory / leaves, code) if command == "solve" else []
+        left -= {leaves}
+    elif code == 0:
         wrong.append("nothing is written")
     if left:
         wrong.append(f"left behind: {sorted(left)}")
-    return done.exit_code, done.stderr, wrong
+    return code, errors, wrong
+
+
+def _run(arguments: list[str]) -> tuple[int, str, BaseException | None]:
+    """Call the command line in this process: its exit code, standard error, and what it raised."""
+    out, errors = (io.TextIOWrapper(io.BytesIO(), "utf-8") for _ in range(2))
+    code, exception = 0, None
+    with warnings.catch_warnings(), redirect_stdout(out), redirect_stderr(errors):
+        warnings.simplefilter("always")
+        try:
+            COMMANDS.main(arguments, prog_name="signorini")
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else int(end.code is not None)
+        except Hang:
+            raise
+        except BaseException as error:  # Whatever reaches the user is a fault.
+            exception = error
+    errors.seek(0)
+    return code, errors.read(), exception
 
 
 def _faults(code: int, errors: str, exception: BaseException | None):
-    if exception is not None and not isinstance(exception, SystemExit):
+    if exception is not None:
         yield f"{type(exception).__name__}: {exception}"
         return
     if code not in (0, 2, 3, 4):
@@ -98,8 +130,9 @@ def _faults_of_results(directory: Path, code: int) -> list[str]:
     if sorted(found["files"]) != sorted(path.name for path in directory.iterdir()):
         wrong.append("other files than results.json says")
     states = [combination["status"] for combination in found["combinations"]]
-    if set(states) - {"solved", "no_equilibrium"} or (code == 0) != (set(states) == {"solved"}):
-        wrong.append(f"exit code {code} with {states}")
+    unbalanced = found["table"]["no_equilibrium"] if "table" in found else states.count("no_equilibrium")
+    if set(states) - {"solved", "no_equilibrium"} or (code == 0) != (unbalanced == 0):
+        wrong.append(f"exit code {code} with {unbalanced} without equilibrium of {states}")
     if not all(c["certificate"]["passed"] for c in found["combinations"] if c["status"] == "solved"):
         wrong.append("not certified")
     return wrong
@@ -109,9 +142,11 @@ def one(seed: int) -> tuple[str, str, list[str]]:
     """Draw and run one input: its outcome, its message, its faults."""
     rng = Random(seed)
     content = mutations.text(rng)
-    command = rng.choice(["solve", "solve", "solve", "check"])
+    command = rng.choice(["solve", "solve", "solve", "solve", "check", "path"])
+    more = ("--add", rng.choice(_CASES), *rng.choice([(), ("--from", rng.choice(_CASES)), ("--until", "2")]))
     with tempfile.TemporaryDirectory() as directory:
-        code, errors, wrong = ended(content, command, Path(directory), rng.randrange(_SELDOM) == 0)
+        drawn = rng.randrange(_SELDOM) == 0
+        code, errors, wrong = ended(content, command, Path(directory), drawn, more if command == "path" else ())
     return f"exit {code}", errors, wrong
 
 
@@ -136,7 +171,7 @@ def _work(seeds: multiprocessing.SimpleQueue, found: multiprocessing.SimpleQueue
 def fuzz(first: int, count: int, processes: int) -> int:
     """Run so many seeds; print failures as they come and a summary; return the number of failures."""
     seeds, found = multiprocessing.SimpleQueue(), multiprocessing.SimpleQueue()
-    workers = [multiprocessing.Process(target=_work, args=(seeds, found)) for _ in range(processes)]
+    workers = [multiprocessing.Process(target=_work, args=(seeds, found), daemon=True) for _ in range(processes)]
     for worker in workers:
         worker.start()
     for seed in range(first, first + min(count, processes)):
@@ -164,6 +199,8 @@ def fuzz(first: int, count: int, processes: int) -> int:
         if wrong:
             failures += 1
             print(f"seed {seed}: {'; '.join(wrong)}", flush=True)
+        if outcomes.total() % _TOLD == 0 and outcomes.total() < count:
+            print(f"{outcomes.total()} inputs: {dict(sorted(outcomes.items()))}, {failures} failures", flush=True)
     for _ in workers:
         seeds.put(None)
     print(f"{count} inputs from seed {first}: {dict(sorted(outcomes.items()))}, {failures} failures")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import datetime
 import json
 from random import Random
@@ -94,7 +95,7 @@ def _spot(rng: Random, tables: Tables) -> Spot:
 
 def _replace(rng: Random, tables: Tables) -> None:
     node, key = _spot(rng, tables)
-    node[key] = rng.choice(rng.choice([_NUMBERS, _NUMBERS, _TEXTS, _OTHERS]))
+    node[key] = copy.deepcopy(rng.choice(rng.choice([_NUMBERS, _NUMBERS, _TEXTS, _OTHERS])))
 
 
 def _drop(rng: Random, tables: Tables) -> None:

@@ -42,6 +42,8 @@ def model(rng: Random) -> Tables:
             {"name": f"C{i}", "factors": {case: rng.choice([1.0, 1.35, -1.0, 0.0]) for case in cases}}
             for i in range(rng.choice([1, 2, 3]))
         ]
+    if rng.random() < 0.15:
+        _generate(rng, tables, scale)
     if rng.random() < 0.2:
         tables["probe"] = [{"at": point(rng, plate)}]
     if rng.random() < 0.2:
@@ -207,3 +209,38 @@ def _load(rng: Random, plate: Tables, scale: _Scale) -> Tables:
             return case | {"self_weight": True}
         case _:
             return case | {"curvature": [c * 1e-3 / size for c in rng.choice([[1.0, 0.0, 0.0], [0.0, -2.0, 1.0]])]}
+
+
+def _generate(rng: Random, tables: Tables, scale: _Scale) -> None:
+    """Let one table stand for many combinations: rows, choices of cases, positions of a load that moves."""
+    cases = sorted({load.get("case", "load") for load in tables["load"]})
+    tables["combination"] = []
+    if rng.random() < 0.5:
+        line = [point(rng, tables["plate"]) for _ in range(rng.choice([2, 2, 3]))]
+        truck: Tables = {"case": "truck", "line": line, "step": scale.length * rng.choice([0.3, 0.07])}
+        truck["axles"] = rng.choice([[[0, scale.force]], [[0, scale.force], [0.1 * scale.length, 0.5 * scale.force]]])
+        if rng.random() < 0.3:
+            truck["gauge"] = 0.1 * scale.length
+        if rng.random() < 0.3:
+            truck["patch"] = [0.05 * scale.length, 0.02 * scale.length]
+        tables["moving"] = [truck]
+        factors = dict.fromkeys([*cases, "truck"], rng.choice([1.0, 1.35]))
+        tables["combination"].append({"name": "traffic", "generate": "positions", "factors": factors})
+    if rng.random() < 0.5:
+        patterns: Tables = {"name": "ULS", "generate": "patterns"}
+        patterns["variable"] = {cases[0]: rng.choice([1.5, [-1.0, 1.5]])}
+        if cases[1:]:
+            patterns["permanent"] = {case: [1.0, 1.35] for case in cases[1:]}
+        tables["combination"].append(patterns)
+    if rng.random() < 0.5 or not tables["combination"]:
+        rows = {f"row {i}": [rng.choice([1.0, -1.0, 0.0, 1.35]) for _ in cases] for i in range(rng.choice([1, 3, 20]))}
+        tables["combination"].append({"name": "wind", "generate": "table", "columns": cases, "rows": rows})
+    if rng.random() < 0.5:
+        tables["output"] = rng.choice(
+            [
+                {"combinations": "table"},
+                {"combinations": "each"},
+                {"combinations": "table", "fields": rng.choice(["all", "none", "governing", ["row 0"]])},
+                {"combinations": "table", "envelope": rng.choice([[], ["deflection"], ["mx", "qy"]])},
+            ]
+        )

@@ -5,8 +5,8 @@
 
 use super::problem::ContactProblem;
 use super::refinement::Step;
-use super::solution::ContactSolution;
 use crate::double_double::DoubleDouble;
+use crate::residual::Rows;
 
 /// A pivot below this part of the largest is rounding of the lever arms: nothing holds that motion.
 const HELD: f64 = 1e-22;
@@ -16,13 +16,16 @@ pub(super) struct Floating {
     pub(super) centre: [f64; 2],
     size: f64,
     nodal: [Vec<f64>; 3],
-    springs: Vec<[f64; 3]>,
     points: Vec<[f64; 3]>,
+    /// Compliance of the points that are closed.
+    compliance: Vec<Option<f64>>,
+    /// What holds the three motions.
+    matrix: [[DoubleDouble; 3]; 3],
 }
 
 impl Floating {
-    /// Nothing where a dof is held.
-    pub(super) fn of(problem: &ContactProblem) -> Option<Self> {
+    /// Nothing where a dof is held, or springs and closed points hold the plate as firmly as it holds together.
+    pub(super) fn of(problem: &ContactProblem, closed: &[bool]) -> Option<Self> {
         if problem.held.contains(&true) {
             return None;
         }
@@ -45,61 +48,59 @@ impl Floating {
             (0..count).flat_map(of_node).collect()
         };
         let nodal = [motion(0), motion(1), motion(2)];
-        let springs = (0..problem.springs.rows.len())
-            .map(|row| [0, 1, 2].map(|k| problem.springs.rows.dot(plate, row, &nodal[k])))
-            .collect();
-        let points = (0..problem.constraints.rows.len())
-            .map(|row| [0, 1, 2].map(|k| problem.constraints.rows.dot(plate, row, &nodal[k])))
-            .collect();
-        Some(Self { centre, size, nodal, springs, points })
+        let arms = |rows: &Rows, row: usize| [0, 1, 2].map(|k| rows.dot(plate, row, &nodal[k]));
+        let points: Vec<_> = (0..closed.len()).map(|row| arms(&problem.constraints.rows, row)).collect();
+        let acting = |(i, &c): (usize, &f64)| (closed[i] && c > 0.0).then_some(c);
+        let compliance: Vec<_> = problem.base.condensed.compliance.iter().enumerate().map(acting).collect();
+        let mut matrix = [[DoubleDouble::default(); 3]; 3];
+        let mut hold = |arm: [f64; 3], stiffness: f64| {
+            let scaled = arm.map(|a| stiffness.sqrt() * a);
+            for j in 0..3 {
+                for k in 0..3 {
+                    matrix[j][k].add_product(scaled[j], scaled[k]);
+                }
+            }
+        };
+        for (row, &stiffness) in problem.springs.stiffness.iter().enumerate() {
+            hold(arms(&problem.springs.rows, row), stiffness);
+        }
+        for (arm, c) in points.iter().zip(&compliance).filter_map(|(arm, c)| Some((arm, (*c)?))) {
+            hold(*arm, 1.0 / c);
+        }
+        let softest = eliminated(matrix, Default::default()).1;
+        let thickness = plate.geometry(0).thickness[0];
+        let firm = plate.material.young * thickness.powi(3) / 12.0 / (size * size);
+        (softest < firm).then_some(Self { centre, size, nodal, points, compliance, matrix })
     }
 
     /// The rigid motion (deflection and slopes at the centre) that balances a step's resultants by springs and closed
     /// points alone, and the increments of reaction that go with it.
-    pub(super) fn response(
-        &self,
-        problem: &ContactProblem,
-        step: &Step,
-        solution: &ContactSolution,
-    ) -> ([f64; 3], Vec<f64>) {
-        let compliance = &problem.base.condensed.compliance;
-        let mut matrix = [[DoubleDouble::default(); 3]; 3];
+    pub(super) fn response(&self, step: &Step) -> ([f64; 3], Vec<f64>) {
         let mut right = [0, 1, 2].map(|k| {
             let mut sum = DoubleDouble::default();
             self.nodal[k].iter().zip(&step.imbalance).for_each(|(u, f)| sum.add_product(*u, *f));
             sum
         });
-        let mut hold = |arm: &[f64; 3], stiffness: f64, remaining: f64| {
-            let root = stiffness.sqrt();
-            let scaled = arm.map(|a| root * a);
-            for j in 0..3 {
-                for k in 0..3 {
-                    matrix[j][k].add_product(scaled[j], scaled[k]);
-                }
-                right[j].add_product(scaled[j], root * remaining);
+        for (i, c) in self.compliance.iter().enumerate().filter_map(|(i, c)| Some((i, (*c)?))) {
+            let root = 1.0 / c.sqrt();
+            for k in 0..3 {
+                right[k].add_product(root * self.points[i][k], root * step.remaining[i]);
             }
-        };
-        for (arm, &stiffness) in self.springs.iter().zip(&problem.springs.stiffness) {
-            hold(arm, stiffness, 0.0);
         }
-        let acting = |i: usize| solution.closed[i] && compliance[i] > 0.0;
-        for i in (0..self.points.len()).filter(|&i| acting(i)) {
-            hold(&self.points[i], 1.0 / compliance[i], step.remaining[i]);
-        }
-        let [w, sx, sy] = solved(matrix, right);
-        let moved = |arm: &[f64; 3]| arm[0] * w + arm[1] * sx + arm[2] * sy;
-        let push = |i: usize| match acting(i) {
-            true => (moved(&self.points[i]) - step.remaining[i]) / compliance[i],
-            false => 0.0,
+        let ([w, sx, sy], _) = eliminated(self.matrix, right);
+        let push = |(i, c): (usize, &Option<f64>)| {
+            let arm = self.points[i];
+            c.map_or(0.0, |c| (arm[0] * w + arm[1] * sx + arm[2] * sy - step.remaining[i]) / c)
         };
-        ([w, sx / self.size, sy / self.size], (0..self.points.len()).map(push).collect())
+        ([w, sx / self.size, sy / self.size], self.compliance.iter().enumerate().map(push).collect())
     }
 }
 
-/// Elimination with complete pivoting; unknowns that nothing holds are zero.
-fn solved(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleDouble; 3]) -> [f64; 3] {
+/// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero.
+fn eliminated(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleDouble; 3]) -> ([f64; 3], f64) {
     let mut order = Vec::new();
     let mut largest = 0.0_f64;
+    let mut least = f64::INFINITY;
     while order.len() < 3 {
         let left = (0..3).filter(|i| !order.contains(i));
         let Some(pivot) = left.max_by(|&a, &b| matrix[a][a].hi.total_cmp(&matrix[b][b].hi)) else { break };
@@ -108,6 +109,7 @@ fn solved(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleDouble; 3]) -> [
             break;
         }
         order.push(pivot);
+        least = matrix[pivot][pivot].hi;
         for row in (0..3).filter(|i| !order.contains(i)) {
             let factor = quotient(matrix[row][pivot], matrix[pivot][pivot]);
             for column in 0..3 {
@@ -121,7 +123,7 @@ fn solved(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleDouble; 3]) -> [
         let known: f64 = (0..3).filter(|&k| k != row).map(|k| matrix[row][k].value() * unknown[k]).sum();
         unknown[row] = (right[row].value() - known) / matrix[row][row].value();
     }
-    unknown
+    (unknown, least)
 }
 
 fn quotient(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
@@ -148,7 +150,8 @@ mod tests {
         }
         // The force of a unit of the soft direction alone: its stretch must be 1 and that of the stiff one 0.
         let right = soft.map(|s| DoubleDouble::from(1e-6 * s));
-        let [a, b, c] = solved(matrix, right);
+        let ([a, b, c], least) = eliminated(matrix, right);
         assert!((b + 2.0 * c - 1.0).abs() < 1e-9 && (a + b + c).abs() < 1e-9, "{a} {b} {c}");
+        assert!(least < 1e-5);
     }
 }

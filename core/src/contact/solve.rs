@@ -51,6 +51,22 @@ impl ContactProblem {
         self.solve_beginning(load, held_value, None, None, Some(start), watch)
     }
 
+    /// As [`ContactProblem::solve`], beginning with a contact set; without points of an active set.
+    pub fn solve_from_set(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        closed: &[bool],
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<ContactSolution, FactorError> {
+        let start = Start { displacement: &[], reaction: &[], closed, factored: None, balanced: None };
+        if self.active.is_empty() {
+            self.solve_from(load, held_value, &start, watch)
+        } else {
+            self.solve(load, held_value, None, None, watch)
+        }
+    }
+
     /// As [`ContactProblem::solve`], beginning with the solution of another load.
     pub fn solve_near(
         &self,
@@ -82,7 +98,11 @@ impl ContactProblem {
         let mut motion = self.motion(with, &step, form)?;
         let travel = motion.drive.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         for _ in 0..STATES {
-            let (outcome, closed) = self.contact_state(&motion, &mut solution, form, max_pivots, first.take());
+            let (outcome, closed) = match first.take() {
+                // A set that was solved for before may be right where rounding would have the LCP choose another.
+                Some(set) if self.constraints.yields() => (Outcome::Solved, set.to_vec()),
+                set => self.contact_state(&motion, &mut solution, form, max_pivots, set),
+            };
             if outcome != Outcome::Solved {
                 return Ok(solution.failed(outcome));
             }

@@ -50,7 +50,7 @@ impl ContactProblem {
         let sizes = self.sizes(load, solution);
         let mut residual = self.residual(&step, &sizes, solution);
         let mut lengths = vec![norm(&residual)];
-        let floating = Floating::of(self);
+        let floating = Floating::of(self, &solution.closed);
         let centre = floating.as_ref().map_or([0.0; 2], |floating| floating.centre);
         let mut taken: Vec<Taken> = Vec::new();
         while taken.len() < DIRECTIONS && residual.iter().any(|r| r.abs() > ROUNDING) {
@@ -105,7 +105,7 @@ impl ContactProblem {
             let (nodal, reaction) = self.respond(&self.base, state, self.motion(&self.base, step, form)?)?;
             return Ok(Direction { rigid: [0.0; 3], nodal, reaction });
         };
-        let (rigid, reaction) = floating.response(self, step, solution);
+        let (rigid, reaction) = floating.response(step);
         let mut direction = Direction { rigid, nodal: vec![0.0; self.plate.dof_count()], reaction };
         let mut afloat = solution.clone();
         afloat.follow(self, floating.centre, &direction, 1.0);

@@ -82,7 +82,9 @@ fn solve(lcp: &Lcp, options: &LemkeOptions, warm: Option<&[bool]>) -> Result<Lcp
         let (mut z, mut w) = problem.basic_solution(&basis)?;
         scaling.unscale_z(&mut z);
         scaling.unscale_w(&mut w);
-        Some(LcpSolution { z, w, basis, status: LcpStatus::Solved, pivots, ray: None })
+        // Numbers near the largest of f64 overflow.
+        let finite = z.iter().chain(&w).all(|x| x.is_finite());
+        finite.then_some(LcpSolution { z, w, basis, status: LcpStatus::Solved, pivots, ray: None })
     };
 
     let slacks = vec![false; lcp.order()];

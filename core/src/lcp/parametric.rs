@@ -79,7 +79,8 @@ pub fn parametric(lcp: &Lcp, direction: &[f64], basis: &[bool], end: f64) -> Res
     }
     let scaling = Scaling::of(lcp);
     let (scaled, unit) = scaling.scale_along(lcp, direction);
-    match scaled.pivoted(basis) {
+    // A parameter whose unit is beyond f64 has no ends that could be told.
+    match scaled.pivoted(basis).filter(|_| unit.is_normal()) {
         Some(origin) => follow(origin, basis, unit, end, &mut path),
         None => path.end = ParametricEnd::Stopped,
     }

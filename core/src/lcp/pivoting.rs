@@ -66,7 +66,7 @@ impl CoveredLcp<'_> {
             }
             let slack = self.q[i] + product * self.units[i];
             let size = self.q[i].abs() + size * self.units[i] + (self.entry(i, i).abs() * work).sqrt();
-            if slack < -FEASIBILITY_TOLERANCE * size {
+            if slack < -FEASIBILITY_TOLERANCE * size || slack.is_nan() {
                 return None;
             }
             w[i] = slack.max(0.0);

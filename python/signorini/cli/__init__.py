@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import Annotated
@@ -22,6 +22,8 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini.inputfile import with_line
 
 _MOST_REASONS = 20
+_OPTIONS = {"start": "--from", "add": "--add", "until": "--until"}
+"""Arguments of `signorini.path` by their names on the command line."""
 _WIDTH_OF_FILES = 160
 """Where the output is no terminal, tables keep their width up to this, so that programs find a row on a line."""
 
@@ -102,12 +104,12 @@ def solve(
         try:
             with files.room_for(directory) as room, transient_line() as show:
                 table = room / TABLE if model.tabulated else None
-                with interrupts.at_once() if table is None else nullcontext():
+                with interrupts.at_once(room):
                     results = signorini.solve(model, progress=show, table=table)
                 show("writing the results")
                 files.write(results, directory, table)
         except SignoriniError:
-            if (directory / files.JSON).exists():
+            if os.path.exists(directory / files.JSON):
                 _stderr().print(f"Nothing is written; {directory} holds the results of an earlier run.")
             raise
         tables.print_results(_stdout(), results)
@@ -167,7 +169,7 @@ def path(
 
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
-        with files.room_for(directory), transient_line() as show, interrupts.at_once():
+        with files.room_for(directory) as room, transient_line() as show, interrupts.at_once(room):
             found = signorini.path(model, start, add, until, progress=show)
         files.write_path(found, directory)
         print_path(_stdout(), found)
@@ -201,7 +203,9 @@ def _messages(file: Path | None = None) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        _end(f"Error: {error if file is None else with_line(error, file)}", error.exit_code)
+        place = _OPTIONS.get(error.place)
+        text = f"{place}: {error.message}" if place else error if file is None else with_line(error, file)
+        _end(f"Error: {text}", error.exit_code)
     except NoEquilibriumError as error:
         _end(f"No equilibrium.\n{error}", error.exit_code)
     except SignoriniError as error:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 INTERRUPTED = 130
 TERMINATED = 143
@@ -18,8 +20,10 @@ _GRACE = 1.0
 
 
 @contextmanager
-def at_once() -> Iterator[None]:
-    """End the process on a signal within about a second, although native code is running. No file may be open.
+def at_once(room: Path) -> Iterator[None]:
+    """End the process on a signal within about a second, although native code is running.
+
+    No file may be open but in the room, a directory that is removed then.
 
     Python runs its signal handlers between its own instructions, so a factorization of a minute would delay them by as
     much. The interpreter writes every signal to a pipe at once; a thread reads it there, and ends the process if the
@@ -32,7 +36,7 @@ def at_once() -> Iterator[None]:
     os.set_blocking(write, False)
     former = signal.set_wakeup_fd(write, warn_on_full_buffer=False)
     left = threading.Event()
-    watcher = threading.Thread(target=_watch, args=(read, left), daemon=True)
+    watcher = threading.Thread(target=_watch, args=(read, left, room), daemon=True)
     watcher.start()
     try:
         yield
@@ -43,11 +47,12 @@ def at_once() -> Iterator[None]:
         watcher.join()
 
 
-def _watch(read: int, left: threading.Event) -> None:
+def _watch(read: int, left: threading.Event, room: Path) -> None:
     codes = {signal.SIGINT: INTERRUPTED, signal.SIGTERM: TERMINATED}
     while signals := os.read(read, 1):
         code = codes.get(signal.Signals(signals[0]))
         if code is not None and not left.wait(_GRACE):
+            shutil.rmtree(room, ignore_errors=True)
             sys.stderr.write(f"{SAID}\n")
             sys.stderr.flush()
             os._exit(code)

@@ -191,10 +191,15 @@ class AnnulusPlate(_OutlinedPlate):
         return max(chord, self.outer - self.inner)
 
     def _complaints(self) -> Iterator[Complaint]:
-        if not self.outer - self.inner > self.outer / _FARTHEST:
-            yield ("outer",), f"found {self.outer:g}; it must be greater than inner, which is {self.inner:g}."
+        least, opening = self.outer / _FARTHEST, 360 - self.sector
+        if not self.outer - self.inner > least:
+            yield ("outer",), f"found {describe(self.outer)}; it must exceed inner, which is {describe(self.inner)}."
         elif self.outer > _FARTHEST * self.inner:
             yield ("inner",), f"found {self.inner:g}; it must be at least {1 / _FARTHEST:g} times outer. Take a disc."
+        elif math.radians(self.sector) * self.inner < least:
+            yield ("sector",), f"found {describe(self.sector)}; so thin a slice is no plate."
+        elif opening and math.radians(opening) * self.inner < least:
+            yield ("sector",), f"found {describe(self.sector)}; its sides all but meet. Take 360 for a whole ring."
         yield from _too_far("center", self.center, self.outer)
 
 

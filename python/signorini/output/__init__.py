@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import os
 import re
-import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from signorini.errors import InputError
-from signorini.files import replacing_together
+from signorini.files import replacing_together, room_beside
 from signorini.output.loadpath import PATH_JSON, PATH_PICTURE, path_json, write_path
 from signorini.output.names import CSV, JSON, PRESSURE, has_areas, slugs, unique_slugs
 from signorini.output.tables import reactions_csv, results_json
@@ -105,7 +104,7 @@ def write(
 
 @contextmanager
 def room_for(directory: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a directory, for as long as the context lasts, on the file system where results will be written.
+    """Give a hidden directory, for as long as the context lasts, on the file system where results will be written.
 
     It is refused before the time to compute them is spent.
 
@@ -119,13 +118,13 @@ def room_for(directory: str | os.PathLike[str]) -> Iterator[Path]:
         If the directory, or where it does not exist yet the nearest that does, cannot be written to.
     """
     target = Path(directory).absolute()
-    nearest = next(place for place in (target, *target.parents) if place.exists())
-    try:
-        room = tempfile.TemporaryDirectory(prefix=".signorini-", dir=nearest)
-    except OSError as error:
-        raise _cannot_write(Path(directory), error) from None
-    with room as place:
-        yield Path(place)
+    with ExitStack() as context:
+        try:
+            nearest = next(place for place in (target, *target.parents) if place.exists())
+            room = context.enter_context(room_beside(nearest, target.name))
+        except OSError as error:
+            raise _cannot_write(Path(directory), error) from None
+        yield room
 
 
 def _cannot_write(target: Path, error: OSError) -> InputError:
