@@ -21,7 +21,7 @@ LAYERS = (
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
     {"tipping", "equilibrium", "stability", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
-    {"supportpoints", "support_result", "probe_result", "notebook", "result", "combine", "solve"}
+    {"supportpoints", "support_result", "probe_result", "notebook", "result", "combine", "together", "solve"}
     | {"path_stop", "path_result", "path"},
     {"tabulated", "output", "check"},
     {"__init__"},

@@ -290,19 +290,6 @@ def test_a_moving_load_has_columns_for_its_factor_and_its_place(tmp_path):
     assert (found["factor:truck"], found["position:truck"]) == ([2.0, 3.0, None], [0.0, 1.5, None])
 
 
-def test_many_elastic_points_go_to_the_active_set_one_by_one(tmp_path):
-    data = tables(
-        support=[{"name": "soil", "area": "all", "resists": "down", "stiffness": 2e3}],
-        solver={"method": "active_set"},
-        output={"combinations": "table", "fields": "none"},
-        combination=[{"generate": "table", "columns": ["G", "Q"], "rows": {"a": [1, 0], "b": [1, 1]}}],
-    )
-    results = signorini.solve(Model(**data), table=tmp_path / "t.parquet")
-    table = columns(tmp_path / "t.parquet")
-    assert table["method"] == ["active_set"] * 2 and results.combined.alone == 2
-    assert table["reaction:soil"] == pytest.approx([80, 140], rel=1e-9)
-
-
 SCRIPT = """
 import sys, numpy as np, signorini, pyarrow.parquet as pq
 sys.path.insert(0, sys.argv[1])

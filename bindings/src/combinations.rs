@@ -7,6 +7,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 use signorini_core::contact::{self, Verdict};
+use signorini_core::residual::Displacement;
 use signorini_core::stress::{Strained, smoothed_together};
 use signorini_core::superposition::{self, Envelope};
 
@@ -183,17 +184,28 @@ pub fn response_stresses<'py>(
     curvatures: PyReadonlyArray2<'_, f64>,
     couples: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    let (number, nodes) = (responses.len(), plate.inner.node_count());
-    let curvatures = rows_of::<3, f64>("curvatures", &curvatures)?;
+    stresses(py, plate, responses.iter().map(|r| &r.inner.displacement).collect(), &curvatures, &couples)
+}
+
+/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of several displacements.
+pub fn stresses<'py>(
+    py: Python<'py>,
+    plate: &Plate,
+    displacements: Vec<&Displacement>,
+    curvatures: &PyReadonlyArray2<'_, f64>,
+    couples: &PyReadonlyArray2<'_, f64>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let (number, nodes) = (displacements.len(), plate.inner.node_count());
+    let curvatures = rows_of::<3, f64>("curvatures", curvatures)?;
     if curvatures.len() != number || couples.shape() != [number, 2 * plate.inner.elements().len()] {
-        return Err(invalid("curvatures (b, 3) and couples (b, 2e) must have a row for every response"));
+        return Err(invalid("curvatures (b, 3) and couples (b, 2e) must have a row for every displacement"));
     }
-    let couples = rows(&couples);
-    let strained: Vec<Strained> = responses
+    let couples = rows(couples);
+    let strained: Vec<Strained> = displacements
         .iter()
         .zip(curvatures)
         .zip(&couples)
-        .map(|((r, curvature), couples)| Strained { displacement: &r.inner.displacement, curvature, couples })
+        .map(|((displacement, curvature), couples)| Strained { displacement, curvature, couples })
         .collect();
     let nodal = py.detach(|| smoothed_together(&plate.inner, &strained));
     let values = nodal.into_iter().flat_map(|stress| stress.into_flattened()).collect();

@@ -7,6 +7,7 @@ mod interpolation;
 mod lcp;
 mod plate;
 mod solution;
+mod together;
 
 use pyo3::prelude::*;
 
@@ -28,6 +29,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(combinations::combined_cases, module)?)?;
     module.add_function(wrap_pyfunction!(combinations::combine, module)?)?;
     module.add_function(wrap_pyfunction!(combinations::response_stresses, module)?)?;
+    module.add_function(wrap_pyfunction!(together::solve_together, module)?)?;
+    module.add_function(wrap_pyfunction!(together::solution_stresses, module)?)?;
     module.add_function(wrap_pyfunction!(combinations::superpose, module)?)?;
     module.add_function(wrap_pyfunction!(combinations::envelop, module)?)?;
     Ok(())

@@ -1,10 +1,10 @@
 use crate::arrays::{SpringArrays, flags, indices, invalid, matrix, rows_of, sized, springs};
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use signorini_core::assembly::{Numbering, assemble};
-use signorini_core::element::{Kind, Material};
+use signorini_core::element::{DOFS, Kind, Material};
 use signorini_core::plate;
-use signorini_core::residual::{Displacement, internal_magnitude, residual};
+use signorini_core::residual::{Displacement, internal_magnitude, openings, residual};
 use signorini_core::stress;
 use std::sync::Arc;
 
@@ -112,6 +112,27 @@ impl Plate {
         let load = sized("the load", &load, dofs)?;
         let displacement = displacement(&hi, &lo, dofs)?;
         let out = py.detach(|| residual(&self.inner, &springs, &load, &displacement));
+        Ok(PyArray1::from_vec(py, out))
+    }
+
+    /// distance − row·u (m,) for rows (m, 24) over the dofs of elements (m,), in extended precision.
+    fn openings<'py>(
+        &self,
+        py: Python<'py>,
+        elements: PyReadonlyArray1<'_, i64>,
+        rows: PyReadonlyArray2<'_, f64>,
+        distance: PyReadonlyArray1<'_, f64>,
+        hi: PyReadonlyArray1<'_, f64>,
+        lo: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let elements = indices("elements", &elements, self.inner.elements().len())?;
+        let distance = sized("distance", &distance, elements.len())?;
+        if rows.shape() != [elements.len(), DOFS] {
+            return Err(invalid(format!("rows must be ({}, {DOFS})", elements.len())));
+        }
+        let rows = rows.as_slice()?;
+        let displacement = displacement(&hi, &lo, self.inner.dof_count())?;
+        let out = py.detach(|| openings(&self.inner, &elements, rows, &distance, &displacement));
         Ok(PyArray1::from_vec(py, out))
     }
 

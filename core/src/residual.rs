@@ -215,16 +215,45 @@ pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64
 pub fn internal_magnitude(plate: &Plate, held: &[bool], displacement: &Displacement) -> f64 {
     let mut sum = vec![0.0; plate.dof_count()];
     for (e, nodes) in plate.elements().iter().enumerate() {
-        let strained = displacement.strained(plate, e);
+        let strained = displacement.strained(plate, e).map(f64::abs);
         let lower = plate.element_stiffness(e);
+        let mut part = [0.0; DOFS];
+        for i in 0..DOFS {
+            let mut across = 0.0;
+            for j in 0..i {
+                let k = lower[packed(i, 0) + j].abs();
+                across += k * strained[j];
+                part[j] += k * strained[i];
+            }
+            part[i] += across + lower[packed(i, i)].abs() * strained[i];
+        }
         for (i, &node) in nodes.iter().enumerate() {
             for a in 0..3 {
-                let row = 3 * i + a;
-                sum[3 * node + a] += (0..DOFS).map(|j| (lower[packed(row, j)] * strained[j]).abs()).sum::<f64>();
+                sum[3 * node + a] += part[3 * i + a];
             }
         }
     }
     sum.iter().zip(held).filter(|(_, held)| !**held).fold(0.0, |worst, (value, _)| worst.max(*value))
+}
+
+/// distance − row·u for rows over the dofs of elements, their coefficients (m, 24) one after the other, in double-double.
+pub fn openings(
+    plate: &Plate,
+    elements: &[usize],
+    coefficients: &[f64],
+    distance: &[f64],
+    displacement: &Displacement,
+) -> Vec<f64> {
+    let one = |((&e, row), &distance): ((&usize, &[f64]), &f64)| {
+        let nodes = &plate.elements()[e];
+        let mut sum = DoubleDouble::from(distance);
+        for (j, &c) in row.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+            sum = sum - displacement.at(3 * nodes[j / 3] + j % 3).times(c);
+        }
+        sum.value()
+    };
+    let rows = elements.par_iter().zip(coefficients.par_chunks_exact(DOFS)).zip(distance);
+    rows.with_min_len(1024).map(one).collect()
 }
 
 /// K_e u, summed in double-double.

@@ -10,10 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Bools, Floats, Rows
 from signorini.problem import spring_arrays
 
 TOLERANCE = 1e-8
@@ -23,9 +22,6 @@ _NIL = 1e-6
 """Deflections below this part of F a²/D are rounding of the elimination."""
 _UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
 """Part of a size which, as a scale, turns the tolerance into that size's rounding."""
-
-_BLOCK = 1 << 12
-"""Rows in extended precision at a time."""
 
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 LIMITED = ("tension", "equilibrium", "balance")
@@ -181,21 +177,12 @@ def certify(
 
 def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
     contacts = found.contacts
-    return contacts.compliance * reaction - _beyond(found.contact_rows, hi, lo, contacts.distance)
+    return contacts.compliance * reaction - _beyond(found, contacts.rows, hi, lo, contacts.distance)
 
 
-def _beyond(rows: csr_array, hi: Floats, lo: Floats, start: Floats) -> Floats:
-    """Rows (m, 3n) of the displacements less ``start`` (m,), in extended precision.
-
-    A block of rows at a time: of all of them a copy would outweigh the plate.
-    """
-    displacement, beyond = hi.astype(np.longdouble) + lo, np.empty(len(start))
-    for first in range(0, len(start), _BLOCK):
-        block = slice(first, first + _BLOCK)
-        part = rows[block]
-        extended = csr_array((part.data.astype(np.longdouble), part.indices, part.indptr), shape=part.shape)
-        beyond[block] = extended @ displacement - start[block]
-    return beyond
+def _beyond(found: Discretisation, rows: Rows, hi: Floats, lo: Floats, start: Floats) -> Floats:
+    """Rows (m, 24) of the displacements less ``start`` (m,), in extended precision."""
+    return -found.plate.openings(rows.elements, rows.coefficients, start, hi, lo)
 
 
 def _balance(
@@ -203,11 +190,14 @@ def _balance(
 ) -> tuple[float, float]:
     """Largest resultant out of balance, from the supports' forces alone, and the size it is part of."""
     springs, size = found.springs, found.mesh.size
-    pull = springs.stiffness * _beyond(found.spring_rows, hi, lo, springs.base)
+    pull = springs.stiffness * _beyond(found, springs.rows, hi, lo, springs.base)
     against = at_holds + found.spring_rows.T @ pull + found.contact_rows.T @ reaction
     motions = found.rigid_motions / np.array([1.0, size, size])
     reach = np.abs(motions).max(axis=1)
-    return _largest(motions.T @ (nodal - against)), _largest(np.abs(nodal) @ reach, np.abs(against) @ reach)
+    # Threads of a linear algebra library would cost more than these sums.
+    resultant = np.einsum("ij,i->j", motions, nodal - against)
+    sizes = (float((np.abs(force) * reach).sum()) for force in (nodal, against))
+    return _largest(resultant), _largest(*sizes)
 
 
 def _loaded_deflection(found: Discretisation, nodal: Floats) -> float:

@@ -22,6 +22,9 @@ _RANK = 1e-9
 _MANY = 100
 """Points from which on their hull is taken."""
 
+_MOST_NUMBERS = 1 << 20
+"""Numbers in memory at once."""
+
 _WORK = 1e-10
 """Work below this part of the load times the motion is rounding."""
 
@@ -177,7 +180,9 @@ def allowed_motions(freedom: RigidFreedom) -> Floats:
     size = np.abs(rays).max(axis=1, initial=0.0)
     rays = rays[size > _RANK * size.max(initial=0.0)] / size[size > _RANK * size.max(initial=0.0), None]
     rays = np.concatenate([rays, -rays])
-    return np.asarray(rays[(rays @ one_sided.T).max(axis=1, initial=-np.inf) <= _RANK])
+    # A few at a time: many points make more pairs than there is memory for all their motions.
+    parts = np.array_split(rays, 1 + len(rays) * len(one_sided) // _MOST_NUMBERS)
+    return np.concatenate([part[(part @ one_sided.T).max(axis=1, initial=-np.inf) <= _RANK] for part in parts])
 
 
 def no_equilibrium(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> str:

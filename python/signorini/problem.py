@@ -175,9 +175,9 @@ class ContactProblem:
         """Pose the same problem for loads not unlike a nodal one (3n,), with whose contact set an active set begins.
 
         Its solution is found here. Any load has the same answer, sooner or later; without an active set, or a solution,
-        nothing changes.
+        and beside points that hold both ways, nothing changes.
         """
-        if self.method != "active_set":
+        if self.method != "active_set" or self.discretisation.contacts.two_sided.any():
             return self
         return replace(self, reference=self.core.reference(load, self.discretisation.held.values))
 

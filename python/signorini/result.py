@@ -86,17 +86,24 @@ class Result:
         load: CaseLoad,
         answer: _core.ContactSolution,
         certificate: Certificate,
+        stress: Floats | None = None,
     ) -> Self:
-        """Recover every field from a contact solution; the last of ``methods`` found it."""
+        """Recover every field from a contact solution; the last of ``methods`` found it.
+
+        ``stress`` (n, 5) are the moments and shears at the nodes, where they are known already.
+        """
         *unsettled, method = methods
         begun = time.perf_counter()
         hi, lo, reaction = answer.hi, answer.lo, answer.reaction
         nodal = (hi + lo).reshape(-1, 3)
         rotation = found.held.to_global(nodal[:, 1:])
-        stress, _ = found.plate.stresses(hi, lo, tuple(load.curvature), load.couples)
-        imbalance = found.plate.residual(spring_arrays(found), load.nodal, hi, lo)
+        if stress is None:
+            stress, _ = found.plate.stresses(hi, lo, tuple(load.curvature), load.couples)
         spread = found.contact_rows.T @ reaction
-        held_force = np.where(found.held.dofs, imbalance - spread, 0.0)
+        held_force = np.zeros(found.dof_count)
+        if found.held.dofs.any():
+            imbalance = found.plate.residual(spring_arrays(found), load.nodal, hi, lo)
+            held_force = np.where(found.held.dofs, imbalance - spread, 0.0)
         springs = found.springs
         pull = springs.stiffness * (found.spring_rows @ (hi + lo) - springs.base)
         nodal_reaction = held_force + spread + found.spring_rows.T @ pull

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import os
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,7 +12,7 @@ from signorini import _core
 from signorini.certificate import Certificate, certify
 from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Bools
 from signorini.equilibrium import rigid_freedom
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
@@ -21,6 +20,7 @@ from signorini.problem import ContactProblem, Method, Steps, contact_problem
 from signorini.progress import Progress, Watcher
 from signorini.result import Result, unsolved_result
 from signorini.stability import CONTRADICTION, nearest_limit, supports_contradict, why_none
+from signorini.together import mean_load, solve_several
 
 _REASONS = 5
 """Combinations without equilibrium that a message names where none has one."""
@@ -204,7 +204,7 @@ def solve_one(problem: ContactProblem, combination: Combination, progress: Watch
 
 def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
     """Every combination as a row, written to the table if there is one."""
-    problem = problem.near(_mean_load(problem.discretisation))
+    problem = problem.near(mean_load(problem.discretisation))
 
     def single(combination: Combination) -> Result:
         return solve_one(problem, combination, watcher)
@@ -212,15 +212,18 @@ def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.Path
     def begin(name: str) -> None:
         watcher(Progress(name))
 
+    def several(combinations: Sequence[Combination], alone: Callable[[Combination], Result]) -> Iterator[Result]:
+        return solve_several(problem, combinations, alone, begin)
+
     if table is None:
-        combined = combine(problem, single, begin)
+        combined = combine(problem, single, several, begin)
     else:
         # Only this function needs pyarrow.
         from signorini.table import writing
 
         try:
             with writing(table) as sink:
-                combined = combine(problem, single, begin, sink)
+                combined = combine(problem, single, several, begin, sink)
         except OSError as error:
             why = error.strerror or str(error)
             raise InputError(f"the table cannot be written there: {why}. Name another file.", str(table)) from None
@@ -230,17 +233,6 @@ def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.Path
             f"None of {len(combined.combinations)} combinations has one, to begin with:\n{reasons}"
         )
     return combined
-
-
-def _mean_load(found: Discretisation) -> Floats:
-    """The mean of all combinations (3n,), whatever their order."""
-    combinations = found.model.effective_combinations
-    factors: dict[str, list[float]] = {}
-    for combination in combinations:
-        for case, factor in (combination.factors or {}).items():
-            factors.setdefault(case, []).append(factor / len(combinations))
-    mean = {case: math.fsum(sorted(all_)) for case, all_ in factors.items()}
-    return found.load(Combination.model_construct(name="mean", factors=mean)).nodal
 
 
 def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combination]:

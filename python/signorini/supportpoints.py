@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -39,7 +40,14 @@ class SupportPoints:
 
     @classmethod
     def of(cls, found: Discretisation, index: int) -> SupportPoints:
-        """Points of the support at that place in the model."""
+        """Points of the support at that place in the model, found once."""
+        known = _KNOWN.setdefault(found, {})
+        if index not in known:
+            known[index] = cls._found(found, index)
+        return known[index]
+
+    @classmethod
+    def _found(cls, found: Discretisation, index: int) -> SupportPoints:
         support, contacts = found.model.support[index], found.contacts
         nodes = np.flatnonzero((found.held.support.reshape(-1, 3)[:, 0] == index) & found.held.dofs[::3])
         springs = np.flatnonzero(found.springs.support == index)
@@ -74,6 +82,9 @@ class SupportPoints:
         touching = closed[..., self.rows].any(axis=-2)
         always = np.ones((*touching.shape[:-1], self.fixed), np.bool_)
         return np.asarray(np.concatenate([always, touching], axis=-1)[..., self.order])
+
+
+_KNOWN: WeakKeyDictionary[Discretisation, dict[int, SupportPoints]] = WeakKeyDictionary()
 
 
 def _as_written(support: Support, positions: Floats) -> Ints:

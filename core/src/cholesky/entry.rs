@@ -3,7 +3,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 /// Right-hand sides that stand side by side.
-pub(super) const LANES: usize = 8;
+pub const LANES: usize = 8;
 
 /// A row of the right-hand sides.
 pub(super) trait Entry: Copy + Send + Sync {
@@ -92,8 +92,9 @@ impl Eliminate<'_> {
             let mut solved = [Lanes::ZERO; TOGETHER];
             for k in 0..some {
                 let l = &columns[(first + k) * height..(first + k + 1) * height];
+                let inverse = 1.0 / l[first + k];
                 for lane in 0..LANES {
-                    solved[k].0[lane] = vector[first + k].0[lane] / l[first + k];
+                    solved[k].0[lane] = inverse * vector[first + k].0[lane];
                 }
                 vector[first + k] = solved[k];
                 for i in k + 1..some {
@@ -192,9 +193,10 @@ impl Substitute<'_> {
                         known.0[lane] += l[first + i] * vector[first + i].0[lane];
                     }
                 }
+                let inverse = 1.0 / l[first + k];
                 for lane in 0..LANES {
                     let value = &mut vector[first + k].0[lane];
-                    *value = (*value - known.0[lane]) / l[first + k];
+                    *value = inverse * (*value - known.0[lane]);
                 }
             }
         }

@@ -4,7 +4,8 @@ mod entry;
 mod substitution;
 
 use crate::assembly::LowerTriangle;
-use entry::{Entry, LANES, Lanes};
+pub use entry::LANES;
+use entry::{Entry, Lanes};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::{LltError as PivotError, LltParams, LltRegularization};
 use faer::sparse::linalg::SymbolicSupernodalParams;
@@ -186,6 +187,14 @@ impl Factor {
         }
         self.schedule.backward(&self.values, rhs);
         Ok(())
+    }
+
+    /// Overwrites vectors one after the other with L⁻ᵀL⁻¹ times each, with the bits that it has beside any others, or alone.
+    pub fn solve_side_by_side(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
+        self.side_by_side(rhs, |lanes| {
+            self.schedule.forward(&self.values, lanes);
+            self.schedule.backward(&self.values, lanes);
+        })
     }
 
     fn side_by_side(&self, rhs: &mut [f64], solve: impl Fn(&mut [Lanes])) -> Result<(), FactorError> {

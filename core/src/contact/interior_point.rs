@@ -104,7 +104,13 @@ fn unsolved(dofs: usize, constraints: &Constraints, outcome: Outcome, iterations
 
 impl InteriorPoint {
     fn as_start(&self) -> Start<'_> {
-        Start { displacement: &self.displacement, reaction: &self.reaction, closed: &self.closed, factored: None }
+        Start {
+            displacement: &self.displacement,
+            reaction: &self.reaction,
+            closed: &self.closed,
+            factored: None,
+            balanced: None,
+        }
     }
 }
 

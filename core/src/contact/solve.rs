@@ -59,7 +59,7 @@ impl ContactProblem {
         closed: &[bool],
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
-        let start = Start { displacement: &[], reaction: &[], closed, factored: None };
+        let start = Start { displacement: &[], reaction: &[], closed, factored: None, balanced: None };
         if self.active.is_empty() {
             self.solve_from(load, held_value, &start, watch)
         } else {

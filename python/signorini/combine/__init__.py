@@ -36,6 +36,7 @@ _GOVERNING = 12
 """Combinations at most that count as governing."""
 
 Single = Callable[[Combination], Result]
+Several = Callable[[Sequence[Combination], Single], Iterable[Result]]
 Sink = Callable[[Iterable[tuple[str, Column]]], None]
 
 
@@ -52,7 +53,7 @@ class Combined:
     solved : int
         How many have an equilibrium.
     alone : int
-        How many of them were solved by themselves, because a sum of responses was not certain enough of them.
+        How many of them were solved by themselves, because what was found together was not certain enough.
     certificate : dict of float
         The worst of each figure.
     unbalanced : dict of str
@@ -80,7 +81,11 @@ class Combined:
 
 
 def combine(
-    problem: ContactProblem, single: Single, begin: Callable[[str], None], sink: Sink | None = None
+    problem: ContactProblem,
+    single: Single,
+    several: Several,
+    begin: Callable[[str], None],
+    sink: Sink | None = None,
 ) -> Combined:
     """Solve every combination of a model.
 
@@ -88,7 +93,9 @@ def combine(
     ----------
     problem : ContactProblem
     single : callable
-        Solves one combination by itself; used where a sum of responses is not certain, and for active sets.
+        Solves one combination by itself; used where a sum of responses is not certain.
+    several : callable
+        Solves combinations of an active set side by side, and those it is not certain of by the function it is given.
     begin : callable
         Called with the name of the first combination of each block as it begins; what it raises ends the run.
     sink : callable, optional
@@ -97,7 +104,7 @@ def combine(
     found = problem.discretisation
     asked = found.model.output.envelope
     layout = Layout.of(found, [name for name in FIELDS if name in asked])
-    run = _Run(problem, layout, single)
+    run = _Run(problem, layout, single, several)
     combinations = found.model.effective_combinations
     width = layout.point_count * 3 + len(FIELDS) * len(layout.probes) + len(run.cases) + 20
     rows = int(np.clip(_MOST_NUMBERS // width, 16, _MOST_ROWS))
@@ -114,9 +121,9 @@ def combine(
 class _Run:
     """What grows from block to block."""
 
-    def __init__(self, problem: ContactProblem, layout: Layout, single: Single) -> None:
+    def __init__(self, problem: ContactProblem, layout: Layout, single: Single, several: Several) -> None:
         found = problem.discretisation
-        self.problem, self.layout, self.single = problem, layout, single
+        self.problem, self.layout, self.single, self.several = problem, layout, single, several
         used = found.model.effective_combinations.cases
         self.cases = tuple(case for case in found.cases if case in used)
         self.terms: Terms | None = None
@@ -138,12 +145,14 @@ class _Run:
 
     def solve(self, block: Block) -> None:
         """Fill a block, and widen the envelope by it."""
-        everything = range(len(block.combinations))
-        for row in self._sums(block, self.terms) if self.terms is not None else everything:
-            result = self.single(block.combinations[row])
+        rows = self._sums(block, self.terms) if self.terms is not None else range(len(block.combinations))
+        left = [block.combinations[row] for row in rows]
+        together = self.problem.method == "active_set"
+        for row, result in zip(
+            rows, self.several(left, self._alone) if together else map(self._alone, left), strict=True
+        ):
             block.put(row, self.layout, result)
             if block.solved[row]:
-                self.alone += 1
                 self._take_fields(result, block.numbers[row : row + 1])
             else:
                 self._unbalanced(result.name, result.message)
@@ -157,6 +166,11 @@ class _Run:
             support.points.take(reaction, who)
             support.gap.take(block.gap[block.solved, where], who)
             support.lifted[:] += (~block.closed[block.solved, where]).sum(axis=0)
+
+    def _alone(self, combination: Combination) -> Result:
+        result = self.single(combination)
+        self.alone += result.status == "solved"
+        return result
 
     def _sums(self, block: Block, terms: Terms) -> Sequence[int]:
         """Solve what sums of responses are certain of; return the rows that are left."""

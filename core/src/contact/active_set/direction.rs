@@ -19,8 +19,12 @@ pub(super) struct Direction {
 
 /// Curvature along a direction, over that of the factored matrix, below which the plate is taken to be free along it.
 const FREE: f64 = 1e-13;
-/// Conjugate gradients take this many steps before a factor of the present set, which costs about as much, replaces them.
+/// Curvature, over that of the factored matrix, from which on what cancels in its sum does not matter.
+pub(super) const PLAIN: f64 = 1e-6;
+/// Conjugate gradients take this many steps before a factor of the present set, which costs about as much, replaces them;
+/// where a factor is asked together with others, so that a step costs a part of that, so many times as many.
 const PATIENCE: usize = 10;
+const SHARED: usize = 3;
 /// At most this many where it cannot be factored.
 const GRADIENTS: usize = 500;
 
@@ -57,14 +61,15 @@ impl Direction {
 
 impl Descent<'_> {
     /// The direction whose residual is `tolerance` of the imbalance, or rounding; the present set is factored if that takes long.
-    pub(super) fn direction(&mut self, closed: &[bool], tolerance: f64) -> Result<Direction, FactorError> {
-        if let Some(found) = self.conjugate_gradients(closed, tolerance, PATIENCE)? {
+    pub(super) async fn direction(&mut self, closed: &[bool], tolerance: f64) -> Result<Direction, FactorError> {
+        let patience = if self.desk.is_some() && self.own.is_none() { SHARED * PATIENCE } else { PATIENCE };
+        if let Some(found) = self.conjugate_gradients(closed, tolerance, Some(patience)).await? {
             return Ok(found);
         }
         if self.refactor(closed)? {
             self.solution.factorizations += 1;
         }
-        let found = self.conjugate_gradients(closed, tolerance, GRADIENTS)?;
+        let found = self.conjugate_gradients(closed, tolerance, None).await?;
         Ok(found.unwrap_or_else(|| unreachable!("without patience there is an answer")))
     }
 
@@ -93,16 +98,16 @@ impl Descent<'_> {
         Ok(false)
     }
 
-    /// `None` if it takes more than `most` steps and there is a way out.
-    fn conjugate_gradients(
+    /// `None` if patience, where there is a way out, ends first.
+    async fn conjugate_gradients(
         &mut self,
         closed: &[bool],
         tolerance: f64,
-        most: usize,
+        patience: Option<usize>,
     ) -> Result<Option<Direction>, FactorError> {
         let differing = self.differing(closed);
         let mut steps = 1;
-        let mut along = self.precondition(&self.step.imbalance)?;
+        let mut along = self.precondition(&self.step.imbalance).await?;
         if differing.is_empty() {
             self.solution.gradients += 1;
             return Ok(Some(along));
@@ -122,7 +127,10 @@ impl Descent<'_> {
             product = next;
             let difference = self.difference(&differing, &ahead.nodal);
             let stiff = dot(&ahead.nodal, &ahead.force);
-            let curvature = self.curvature(closed, &ahead.nodal);
+            let mut curvature = stiff + dot(&ahead.nodal, &difference);
+            if !(curvature > PLAIN * stiff) {
+                curvature = self.curvature(closed, &ahead.nodal);
+            }
             if !(curvature > FREE * stiff) {
                 // The line search goes as far as the next points, before which no other direction balances the load.
                 total = ahead;
@@ -137,11 +145,11 @@ impl Descent<'_> {
             if dot(&residual, &residual).sqrt() <= enough {
                 break;
             }
-            if steps == most {
+            if steps == patience.unwrap_or(GRADIENTS) {
                 self.solution.gradients += steps;
-                return Ok(if most == PATIENCE { None } else { Some(total) });
+                return Ok(if patience.is_some() { None } else { Some(total) });
             }
-            along = self.precondition(&residual)?;
+            along = self.precondition(&residual).await?;
             steps += 1;
         }
         self.solution.gradients += steps;
@@ -177,8 +185,17 @@ impl Descent<'_> {
     }
 
     /// The motion under a residual by the factor, two-sided points held, and the force it has for that.
-    fn precondition(&self, residual: &[f64]) -> Result<Direction, FactorError> {
+    async fn precondition(&self, residual: &[f64]) -> Result<Direction, FactorError> {
         let problem = self.problem;
+        if let (Some(desk), None) = (self.desk, &self.own) {
+            let solved = desk.solve(problem.gather(residual)).await;
+            return Ok(Direction {
+                nodal: problem.scatter(&solved),
+                force: residual.to_vec(),
+                reaction: Vec::new(),
+                free: false,
+            });
+        }
         let still = Step {
             imbalance: residual.to_vec(),
             remaining: vec![0.0; problem.constraints.rows.len()],

@@ -1,6 +1,7 @@
 //! A contact set that is given: the equations are linear, and points may pull or overlap.
 
 use super::direction::Direction;
+use super::together::at_once;
 use super::{BALANCED, Descent, NEWTON, ROUNDING, SETTLED, SLOW, STALLS, STIFFEST, TIGHT};
 use crate::cholesky::FactorError;
 use crate::contact::problem::{ContactProblem, Factored};
@@ -68,6 +69,7 @@ impl ContactProblem {
             limit: STIFFEST,
             springs: self.active.softened(STIFFEST),
             given: with,
+            desk: None,
             own: None,
             state,
             solution,
@@ -112,7 +114,7 @@ impl Descent<'_> {
                 return Ok(if worst <= ROUNDING * force { (Outcome::Solved, worst / force) } else { unsolved });
             }
             before = worst;
-            let direction: Direction = self.direction(closed, TIGHT)?;
+            let direction: Direction = at_once(self.direction(closed, TIGHT))?;
             if direction.free {
                 return Ok(unsolved);
             }

@@ -1,7 +1,7 @@
 //! The least energy along a direction.
 
 use super::Descent;
-use super::direction::{Direction, dot};
+use super::direction::{Direction, PLAIN, dot};
 use crate::residual::twice_the_energy;
 use rayon::prelude::*;
 
@@ -9,6 +9,17 @@ use rayon::prelude::*;
 const FLAT: f64 = 1e-3;
 
 impl Descent<'_> {
+    /// vᵀKv without the points.
+    fn elastic_curvature(&self, direction: &Direction, change: &[f64]) -> f64 {
+        let stiff = dot(&direction.nodal, &direction.force);
+        let carried = &self.own.as_ref().unwrap_or(self.given).carried;
+        let rest = stiff - carried.iter().zip(change).map(|(k, c)| k * c * c).sum::<f64>();
+        if rest > PLAIN * stiff {
+            return rest;
+        }
+        twice_the_energy(&self.problem.plate, &self.problem.springs, &direction.nodal)
+    }
+
     /// Where the energy along a direction is least: its slope is piecewise linear and grows.
     pub(super) fn line_search(&self, direction: &Direction, change: &[f64], closed: &[bool]) -> f64 {
         let stretch = &self.stretch;
@@ -17,7 +28,7 @@ impl Descent<'_> {
             return 1.0;
         }
         let k = &self.springs.stiffness;
-        let elastic = twice_the_energy(&self.problem.plate, &self.problem.springs, &direction.nodal);
+        let elastic = self.elastic_curvature(direction, change);
         let start = -dot(&direction.nodal, &self.step.imbalance);
         let slope = |t: f64| -> f64 {
             let springs: f64 = (0..change.len())

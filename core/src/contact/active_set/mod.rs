@@ -12,6 +12,7 @@ mod fixed;
 mod line_search;
 mod points;
 mod push;
+mod together;
 
 pub use points::{ActivePoints, Softened};
 
@@ -23,6 +24,7 @@ use crate::cholesky::FactorError;
 use crate::plate::Plate;
 use crate::residual::internal_magnitude;
 use direction::Direction;
+use together::{Desk, at_once};
 
 /// One Newton step, to whoever watches.
 #[derive(Clone, Copy, Debug)]
@@ -67,12 +69,23 @@ pub(super) struct Start<'a> {
     pub reaction: &'a [f64],
     pub closed: &'a [bool],
     pub factored: Option<&'a Factored>,
+    pub balanced: Option<Balanced<'a>>,
+}
+
+/// The load that a start is the solution of, the low-order part of its displacement, and how far the points overlap in it.
+#[derive(Clone, Copy)]
+pub(super) struct Balanced<'a> {
+    load: &'a [f64],
+    low: &'a [f64],
+    overlap: &'a [f64],
 }
 
 /// One load's solution and the factor of its contact set, for loads not unlike it to begin with.
 pub struct Reference {
     pub solution: ContactSolution,
     factored: Factored,
+    load: Vec<f64>,
+    overlap: Vec<f64>,
 }
 
 impl Reference {
@@ -82,6 +95,7 @@ impl Reference {
             reaction: &self.solution.reaction,
             closed: &self.solution.closed,
             factored: Some(&self.factored),
+            balanced: Some(Balanced { load: &self.load, low: &self.solution.displacement.lo, overlap: &self.overlap }),
         }
     }
 }
@@ -96,6 +110,8 @@ struct Descent<'a> {
     /// The factor that it was given, and the one in its place, if any.
     given: &'a Factored,
     own: Option<Factored>,
+    /// Where the factor that it was given is asked, if others ask it too; there are no two-sided points then.
+    desk: Option<&'a Desk>,
     /// Two-sided points, held.
     state: ContactState,
     solution: ContactSolution,
@@ -135,6 +151,17 @@ impl ContactProblem {
         start: Option<&Start<'_>>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
+        at_once(self.descend(load, held_value, start, None, watch))
+    }
+
+    async fn descend<W: FnMut(Progress) -> bool + ?Sized>(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        start: Option<&Start<'_>>,
+        desk: Option<&Desk>,
+        watch: &mut W,
+    ) -> Result<ContactSolution, FactorError> {
         let mut solution = self.at_rest(load.len(), held_value);
         let given = start.and_then(|start| start.factored).unwrap_or(&self.base);
         let Some(state) = given.condensed.state(self.constraints.two_sided.clone()) else {
@@ -156,6 +183,7 @@ impl ContactProblem {
             limit,
             springs: self.active.softened(limit),
             own: None,
+            desk,
             state,
             solution,
             stretch: vec![0.0; multiplier.len()],
@@ -164,7 +192,11 @@ impl ContactProblem {
             imposed: None,
             rounding: 0.0,
         };
-        let outcome = descent.run(start.is_some(), watch)?;
+        match start.and_then(|start| start.balanced) {
+            Some(balanced) if self.constraints.rows.is_empty() => descent.depart(balanced),
+            _ => descent.refine()?,
+        }
+        let outcome = descent.run(start.is_some(), watch).await?;
         Ok(match outcome {
             Outcome::Solved => descent.in_order().solved(),
             _ => descent.in_order().failed(outcome),
@@ -184,7 +216,10 @@ impl ContactProblem {
         let closed = self.order.active.iter().map(|&i| solution.closed[i]);
         let carried = stiffness.iter().zip(closed).map(|(&k, closed)| if closed { k } else { 0.0 }).collect();
         match self.refactored(carried) {
-            Ok(factored) => Ok(Some(Reference { solution, factored })),
+            Ok(factored) => {
+                let overlap = self.active.overlap(&self.plate, &solution.displacement);
+                Ok(Some(Reference { solution, factored, load: load.to_vec(), overlap }))
+            }
             Err(FactorError::NotPositiveDefinite { .. }) => Ok(None),
             Err(error) => Err(error),
         }
@@ -196,8 +231,11 @@ impl Descent<'_> {
         self.own.as_ref().unwrap_or(self.given)
     }
 
-    fn run(&mut self, started: bool, watch: &mut dyn FnMut(Progress) -> bool) -> Result<Outcome, FactorError> {
-        self.refine()?;
+    async fn run<W: FnMut(Progress) -> bool + ?Sized>(
+        &mut self,
+        started: bool,
+        watch: &mut W,
+    ) -> Result<Outcome, FactorError> {
         // From rest, the first step takes every point closed, as the factor does.
         let mut closed: Vec<bool> = self.stretch.iter().map(|&s| s > 0.0 || !started).collect();
         let mut last = closed.clone();
@@ -222,7 +260,7 @@ impl Descent<'_> {
             };
             let direction = match self.step.worst <= self.rounding {
                 true => Direction::zeros(self.load.len(), self.solution.reaction.len()),
-                false => self.direction(&closed, tolerance)?,
+                false => self.direction(&closed, tolerance).await?,
             };
             self.advance(&direction, &closed);
             last = closed;
@@ -298,6 +336,15 @@ impl Descent<'_> {
         }
         self.step.worst = self.step.imbalance.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
         self.solution.iterations += 1;
+    }
+
+    /// From the solution under another load, what is out of balance is what the loads differ by.
+    fn depart(&mut self, from: Balanced) {
+        self.solution.displacement.lo.copy_from_slice(from.low);
+        let softened = self.springs.softening.iter().zip(&self.multiplier);
+        self.stretch = from.overlap.iter().zip(softened).map(|(overlap, (s, force))| overlap + s * force).collect();
+        let imbalance = self.load.iter().zip(from.load).map(|(load, balanced)| load - balanced).collect();
+        self.step = self.problem.step_of(imbalance, self.load, &self.solution);
     }
 
     /// Stretches and imbalance anew, in double-double; two-sided points are brought back to where they belong.

@@ -3,6 +3,7 @@
 use crate::element::{DOFS, packed};
 use crate::plate::Plate;
 use crate::residual::Displacement;
+use pulp::Arch;
 use rayon::prelude::*;
 
 /// One-sided points: force δ⟨s⟩₊ against their row, with s = w(point) − distance + softening·multiplier.
@@ -61,14 +62,31 @@ impl ActivePoints {
 
     /// w(point) − distance (m,), in double-double.
     pub fn overlap(&self, plate: &Plate, displacement: &Displacement) -> Vec<f64> {
-        let one = |i: usize| {
-            let mut sum = crate::double_double::DoubleDouble::from(-self.distance[i]);
+        let mut out = vec![0.0; self.len()];
+        out.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
+            Arch::new().dispatch(
+                #[inline(always)]
+                || self.overlap_from(1024 * chunk, plate, displacement, out),
+            );
+        });
+        out
+    }
+
+    #[inline(always)]
+    fn overlap_from(&self, first: usize, plate: &Plate, displacement: &Displacement, out: &mut [f64]) {
+        for (i, out) in (first..).zip(out) {
+            let (mut high, mut low) = (-self.distance[i], 0.0);
             for (&node, &value) in plate.elements()[self.element[i]].iter().zip(&self.value[i]) {
-                sum = sum + displacement.at(3 * node).times(value);
+                let (hi, lo) = (displacement.hi[3 * node], displacement.lo[3 * node]);
+                let product = hi * value;
+                let error = hi.mul_add(value, -product);
+                let sum = high + product;
+                let part = sum - high;
+                low += (high - (sum - part)) + (product - part) + error + lo * value;
+                high = sum;
             }
-            sum.value()
-        };
-        (0..self.len()).into_par_iter().with_min_len(1024).map(one).collect()
+            *out = high + low;
+        }
     }
 
     /// w(point) of a nodal vector (m,).

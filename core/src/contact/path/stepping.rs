@@ -86,6 +86,7 @@ impl ContactProblem {
                 reaction: &here.reaction,
                 closed: &here.closed,
                 factored: own.as_ref(),
+                balanced: None,
             };
             let near = self.solve_from(&load.at(t + part * span), load.held_value, &start, &mut |_| true)?;
             if near.outcome != Outcome::Solved {

@@ -1,0 +1,61 @@
+use crate::arrays::{invalid, sized};
+use crate::combinations::stresses;
+use crate::contact::{ContactProblem, failed, rows_of};
+use crate::plate::Plate;
+use crate::solution::{ContactSolution, Reference};
+use numpy::{PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use std::sync::Arc;
+
+/// Solves many loads (k, 3n) side by side by an active set, beginning with the reference if there is one.
+///
+/// `progress()` is called now and then; what it raises ends them all.
+#[pyfunction]
+#[pyo3(signature = (problem, reference, loads, held_value, progress=None))]
+pub fn solve_together(
+    py: Python<'_>,
+    problem: &ContactProblem,
+    reference: Option<&Reference>,
+    loads: PyReadonlyArray2<'_, f64>,
+    held_value: PyReadonlyArray1<'_, f64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Vec<ContactSolution>> {
+    let dofs = problem.inner.plate.dof_count();
+    let held_value = sized("held_value", &held_value, dofs)?;
+    if loads.shape()[1] != dofs {
+        return Err(invalid(format!("loads must have {dofs} columns")));
+    }
+    if problem.inner.active.is_empty() {
+        return Err(invalid("there is no active set"));
+    }
+    if reference.is_some_and(|reference| !Arc::ptr_eq(&reference.of, &problem.inner)) {
+        return Err(invalid("the reference is of another problem"));
+    }
+    let (loads, reference) = (rows_of(&loads), reference.map(|reference| &reference.inner));
+    let mut raised = None;
+    let mut watch = || {
+        let called = Python::attach(|py| match &progress {
+            Some(progress) => progress.call0(py).map(|_| ()),
+            None => py.check_signals(),
+        });
+        raised = called.err();
+        raised.is_none()
+    };
+    let solved = py.detach(|| problem.inner.solve_together(reference, &loads, &held_value, &mut watch)).map_err(failed);
+    match raised {
+        Some(error) => Err(error),
+        None => Ok(solved?.into_iter().map(|inner| ContactSolution { inner }).collect()),
+    }
+}
+
+/// As `response_stresses`, of solutions.
+#[pyfunction]
+pub fn solution_stresses<'py>(
+    py: Python<'py>,
+    plate: &Plate,
+    solutions: Vec<PyRef<'_, ContactSolution>>,
+    curvatures: PyReadonlyArray2<'_, f64>,
+    couples: PyReadonlyArray2<'_, f64>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    stresses(py, plate, solutions.iter().map(|s| &s.inner.displacement).collect(), &curvatures, &couples)
+}

@@ -1,0 +1,171 @@
+"""Combinations of plates on areas: their active sets side by side, held to what each gives when solved by itself."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+import signorini
+from signorini import Model, _core, contact_problem
+from signorini.solve import solve_one
+from signorini.together import mean_load, solve_several
+
+SUPPORTS = {
+    "soil": [{"name": "soil", "area": "all", "resists": "down", "stiffness": 2e3}],
+    "soil and rigid points": [
+        {"name": "soil", "area": {"rectangle": [0, 0, 4, 2]}, "resists": "down", "stiffness": 2e3},
+        {"name": "bearings", "at": [[0.7, 3.6], [3.3, 3.6]], "resists": "down", "gap": 1e-4},
+        {"name": "anchor", "at": [2, 0.3], "resists": "up", "stiffness": 1e4, "gap": 1e-3},
+    ],
+    "soil and a point that holds both ways": [
+        {"name": "soil", "area": "all", "resists": "down", "stiffness": 2e3, "settlement": "1e-3*x"},
+        {"name": "pin", "at": [1.3, 2.2]},
+    ],
+    "a wall and a rigid bed": [
+        {"name": "wall", "edge": "left", "fix": "simple"},
+        {"name": "bed", "area": {"rectangle": [2, 0, 4, 4]}, "resists": "down"},
+        {"name": "line", "line": [[1, 0.5], [1, 3.5]], "resists": "down", "gap": 2e-4},
+    ],
+}
+
+
+def tables(support, rows, **changes):
+    return {
+        "material": {"E": 30e6, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        "mesh": {"divisions": [6, 6]},
+        "support": SUPPORTS[support],
+        "load": [
+            {"case": "G", "pressure": 5},
+            {"case": "Q", "force": 60, "at": [0.5, 0.5]},
+            {"case": "P", "force": 40, "at": [3.4, 2.5]},
+            {"case": "W", "pressure": -4, "area": {"rectangle": [0, 0, 4, 2]}},
+        ],
+        "combination": [{"generate": "table", "columns": ["G", "Q", "P", "W"], "rows": rows}],
+        "probe": [{"at": [[1, 1], [3.3, 2.2]]}],
+        "solver": {"method": "active_set"},
+        "output": {"combinations": "table", "fields": "none"},
+    } | changes
+
+
+def random_rows(count):
+    random = np.random.default_rng(3)
+    factors = np.column_stack([random.choice([1.0, 1.35], count), random.uniform(0, 1.5, (count, 3))])
+    return {f"c{i}": row for i, row in enumerate(factors.tolist())}
+
+
+@pytest.mark.parametrize("support", SUPPORTS)
+def test_each_row_is_its_combination_solved_by_itself(tmp_path, support):
+    model = Model(**tables(support, random_rows(30)))
+    results = signorini.solve(model, table=tmp_path / "t.parquet")
+    rows = pq.read_table(tmp_path / "t.parquet").to_pylist()
+    problem = contact_problem(model)
+    states = set()
+    for row, combination in zip(rows, model.effective_combinations, strict=True):
+        single = solve_one(problem, combination)
+        assert (row["combination"], row["status"]) == (single.name, "solved")
+        most = max(np.abs(s.reactions).max() for s in single.supports)
+        for s in single.supports:
+            assert row[f"reaction:{s.name}"] == pytest.approx(s.reaction, abs=1e-9 * most)
+            assert row[f"closed:{s.name}"] == s.closed_count
+        assert row["max:mx"] == pytest.approx(single.moment[:, 0].max(), abs=1e-9 * np.abs(single.moment).max())
+        deflection = np.abs(single.deflection).max()
+        assert row["probe[2]:deflection"] == pytest.approx(single.probes[1].deflection, abs=1e-9 * deflection)
+        states.add(tuple(s.closed.tobytes() for s in single.supports))
+    # Beside points that hold both ways an active set now and then leaves a combination to Lemke's algorithm.
+    assert len(states) > 2 and results.combined.alone <= (10 if "both" in support else 0)
+    assert max(results.combined.certificate.values()) < 1e-10
+
+
+def test_one_without_equilibrium_and_one_that_nearly_tips_stand_among_others(tmp_path):
+    rows = random_rows(20) | {"flies": [1, 0, 0, 20], "tips": [1, 30, 0, 3.5], "stands": [1, 30, 0, 0]}
+    model = Model(**tables("soil", rows))
+    results = signorini.solve(model, table=tmp_path / "t.parquet")
+    table = {row["combination"]: row for row in pq.read_table(tmp_path / "t.parquet").to_pylist()}
+    assert set(results.unbalanced) == {name for name, row in table.items() if row["status"] != "solved"}
+    assert "lifts off" in results.unbalanced["flies"] and "flies" in results.unbalanced
+    stands = {c.name: c for c in model.effective_combinations}["stands"]
+    single = solve_one(contact_problem(model), stands)
+    assert table["stands"]["reaction:soil"] == pytest.approx(single.reactions["soil"], rel=1e-9)
+    assert table["stands"]["open:soil"] == single.supports[0].open_count > 0
+
+
+def test_without_a_solution_in_common_the_answers_are_the_same():
+    model = Model(**tables("soil and rigid points", random_rows(11)))
+    problem = contact_problem(model)
+    found, held = problem.discretisation, problem.discretisation.held.values
+    loads = np.array([found.load(c).nodal for c in model.effective_combinations])
+    reference = problem.core.reference(mean_load(found), held)
+    for start in (None, reference):
+        for load, answer in zip(loads, _core.solve_together(problem.core, start, loads, held), strict=True):
+            single = problem.core.solve(load, held)
+            assert (answer.status, answer.closed.tolist()) == ("solved", single.closed.tolist())
+            assert np.abs(answer.hi - single.hi).max() < 1e-10 * np.abs(single.hi).max()
+
+
+def test_what_is_not_certified_is_solved_by_itself(monkeypatch):
+    model = Model(**tables("soil", random_rows(3)))
+    problem = contact_problem(model)
+    solve = _core.solve_together
+    monkeypatch.setattr(
+        "signorini.together._core.solve_together",
+        lambda core, start, loads, held: solve(core, start, 1.01 * loads, held),
+    )
+    begun, alone = [], []
+
+    def single(combination):
+        alone.append(combination.name)
+        return solve_one(problem, combination)
+
+    found = list(solve_several(problem, model.effective_combinations[:], single, begun.append))
+    assert alone == [result.name for result in found] == ["c0", "c1", "c2"] and begun == ["c0"]
+    assert all(result.certificate.passed for result in found)
+
+
+def test_without_a_load_nothing_moves():
+    model = Model(**tables("soil", random_rows(3)))
+    problem = contact_problem(model)
+    found, held = problem.discretisation, problem.discretisation.held.values
+    reference = problem.core.reference(mean_load(found), held)
+    load = found.load(model.effective_combinations[0]).nodal
+    still, pressed = _core.solve_together(problem.core, reference, np.array([0 * load, load]), held)
+    assert not still.hi.any() and not still.reaction.any() and pressed.reaction.sum() > 0
+
+
+def test_what_progress_raises_ends_them_all():
+    model = Model(**tables("soil", random_rows(3)))
+    problem = contact_problem(model)
+    loads = np.array([problem.discretisation.load(c).nodal for c in model.effective_combinations])
+
+    def stop():
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        _core.solve_together(problem.core, None, loads, problem.discretisation.held.values, stop)
+
+
+SCRIPT = """
+import sys, signorini
+sys.path.insert(0, sys.argv[1])
+from test_combinations_on_areas import random_rows, tables
+rows = random_rows(40)
+order = list(rows) if sys.argv[3] == "forward" else list(rows)[::-1]
+data = tables("soil and rigid points", {n: rows[n] for n in order})
+signorini.solve(signorini.Model(**data), table=sys.argv[2])
+"""
+
+
+def test_neither_order_nor_number_of_threads_changes_a_bit(tmp_path):
+    found = []
+    for threads, order in (("1", "forward"), ("3", "backward")):
+        path = tmp_path / f"{threads}.parquet"
+        command = [sys.executable, "-c", SCRIPT, str(Path(__file__).parent), str(path), order]
+        subprocess.run(command, check=True, env={**os.environ, "RAYON_NUM_THREADS": threads})
+        table = pq.read_table(path).to_pydict()
+        rows = zip(*table.values(), strict=True)
+        found.append(dict(zip(table["combination"], rows, strict=True)))
+    assert len(found[0]) == 40 and found[0] == found[1]
