@@ -12,6 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 import signorini
+import signorini_command
 from signorini.cli import app, interrupts
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
@@ -209,7 +210,9 @@ builtins.__import__ = slow
 
 def test_reading_the_command_reads_no_other_module() -> None:
     code = "import sys; before = set(sys.modules); import signorini_command; print(sorted(set(sys.modules) - before))"
-    read = subprocess.run([sys.executable, "-Sc", code], capture_output=True, text=True, env=os.environ).stdout
+    # Without site packages, whose .pth files read modules of their own.
+    where = {**os.environ, "PYTHONPATH": str(Path(signorini_command.__file__).parents[1])}
+    read = subprocess.run([sys.executable, "-Sc", code], capture_output=True, text=True, env=where).stdout
     assert "signorini_command" in read and "numpy" not in read and "'signorini'" not in read
 
 

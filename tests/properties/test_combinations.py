@@ -48,12 +48,15 @@ def test_a_batch_is_its_combinations_one_by_one(data, drawing, dense):
     def single(combination):
         return solve_one(problem, combination)
 
+    def several(combinations, alone):
+        raise AssertionError("Lemke's algorithm takes them as sums")
+
     def sink(columns):
         for name, values in columns:
             rows[name] = list(values)
 
     try:
-        combined = combine(problem, single, lambda _: None, sink)
+        combined = combine(problem, single, several, lambda _: None, sink)
         singles = [single(combination) for combination in combined.combinations]
     except NotCertifiedError:
         assume(False)
