@@ -76,6 +76,7 @@ fn watched(
 impl ContactProblem {
     #[new]
     #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, by_active_set=false, yielding=None))]
+    #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
     fn new(
         py: Python<'_>,
         plate: &Plate,
@@ -127,6 +128,7 @@ impl ContactProblem {
     /// and the imbalance over the largest nodal force. What it raises ends the solve. `closed` (m,) is a contact set to
     /// begin with.
     #[pyo3(signature = (load, held_value, form=None, max_pivots=None, progress=None, closed=None))]
+    #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
     fn solve(
         &self,
         py: Python<'_>,
