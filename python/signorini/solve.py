@@ -267,11 +267,10 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
         return unsolved_result(found, combination.name, CONTRADICTION), spent
     if tried.certificate is None:
-        others = "" if found.model.solver.method == "auto" else ' Leave solver.method at "auto", which tries them all.'
         raise NotCertifiedError(
             f'Combination "{combination.name}" has no answer that could be certified: rounding decides which of its '
             "supports are in contact. Take a finer mesh or fewer supports that nearly repeat each other, or give the "
-            f"rigid ones a stiffness.{others}"
+            "rigid ones a stiffness."
         )
     if not tried.certificate.passed:
         raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {tried.certificate}.')
