@@ -27,14 +27,18 @@ def slab(method: str = "auto", divisions: int = 8) -> Model:
 def unsettled(monkeypatch: pytest.MonkeyPatch) -> set[str]:
     """Methods put in here find something that fails its certificate."""
     names: set[str] = set()
-    solve = ContactProblem.solve
 
-    def spoiled(self: ContactProblem, load, form="auto", progress=None, closed=None):
-        other = self.discretisation.cases["load"]
-        wrong = type(other)(1.01 * load.nodal, load.curvature, load.couples)
-        return solve(self, wrong if self.method in names else load, form, progress, closed)
+    def spoil(name: str) -> None:
+        solve = getattr(ContactProblem, name)
 
-    monkeypatch.setattr(ContactProblem, "solve", spoiled)
+        def spoiled(self: ContactProblem, load, *others):
+            wrong = type(load)(1.01 * load.nodal, load.curvature, load.couples)
+            return solve(self, wrong if self.method in names else load, *others)
+
+        monkeypatch.setattr(ContactProblem, name, spoiled)
+
+    spoil("solve")
+    spoil("solve_carefully")
     return names
 
 

@@ -75,8 +75,7 @@ fn watched(
 #[pymethods]
 impl ContactProblem {
     #[new]
-    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, by_active_set=false, yielding=None))]
-    #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
+    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, by_active_set=false))]
     fn new(
         py: Python<'_>,
         plate: &Plate,
@@ -85,7 +84,6 @@ impl ContactProblem {
         constraint_arrays: ConstraintArrays<'_>,
         free_motions: Option<PyReadonlyArray2<'_, f64>>,
         by_active_set: bool,
-        yielding: Option<PyReadonlyArray1<'_, f64>>,
     ) -> PyResult<Self> {
         let count = plate.inner.elements().len();
         let held = flags("held", &held, plate.inner.dof_count())?;
@@ -99,7 +97,6 @@ impl ContactProblem {
             compliance: sized("compliance", compliance, m)?,
             two_sided: flags("two_sided", two_sided, m)?,
             regularization: sized("regularization", regularization, m)?,
-            yielding: yielding.map(|least| sized("yielding", &least, m)).transpose()?,
             free_motions: free_motions.map_or(Vec::new(), |motions| rows_of(&motions)),
         };
         if constraints.free_motions.iter().any(|motion| motion.len() != held.len()) {
@@ -108,12 +105,9 @@ impl ContactProblem {
         let not_negative = |v: &[f64]| v.iter().all(|x| *x >= 0.0 && x.is_finite());
         if !not_negative(&constraints.compliance)
             || !not_negative(&constraints.regularization)
-            || !constraints.yielding.iter().all(|least| not_negative(least))
             || constraints.distance.iter().any(|d| !d.is_finite())
         {
-            return Err(invalid(
-                "compliance, regularization and yielding must be finite and not negative, distances finite",
-            ));
+            return Err(invalid("compliance and regularization must be finite and not negative, distances finite"));
         }
         let shared = plate.inner.clone();
         let inner = py
@@ -125,10 +119,8 @@ impl ContactProblem {
     /// Solves one load; `form` is "dual", "stiffness", or None for the better conditioned of them.
     ///
     /// `progress(step, changing, residual)` is called after every step of the active set: points that opened or closed,
-    /// and the imbalance over the largest nodal force. What it raises ends the solve. `closed` (m,) is a contact set to
-    /// begin with.
-    #[pyo3(signature = (load, held_value, form=None, max_pivots=None, progress=None, closed=None))]
-    #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
+    /// and the imbalance over the largest nodal force. What it raises ends the solve.
+    #[pyo3(signature = (load, held_value, form=None, max_pivots=None, progress=None))]
     fn solve(
         &self,
         py: Python<'_>,
@@ -137,17 +129,39 @@ impl ContactProblem {
         form: Option<&str>,
         max_pivots: Option<usize>,
         progress: Option<Py<PyAny>>,
-        closed: Option<PyReadonlyArray1<'_, bool>>,
     ) -> PyResult<ContactSolution> {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
         let form = form.map(form_of).transpose()?;
-        let points = self.inner.order.condensed.len() + self.inner.order.active.len();
+        watched(py, progress, |watch| self.inner.solve(&load, &held_value, form, max_pivots, watch))
+    }
+
+    /// Solves one load by proximal steps in which an increment of reaction meets at least a part of the plate's own
+    /// compliance, beginning with a contact set `closed` (m,) if there is one; `progress` sees every step. All points
+    /// must be condensed.
+    #[pyo3(signature = (load, held_value, part, closed=None, progress=None))]
+    fn solve_carefully(
+        &self,
+        py: Python<'_>,
+        load: PyReadonlyArray1<'_, f64>,
+        held_value: PyReadonlyArray1<'_, f64>,
+        part: f64,
+        closed: Option<PyReadonlyArray1<'_, bool>>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<ContactSolution> {
+        let (dofs, points) = (self.inner.plate.dof_count(), self.inner.order.condensed.len());
+        let load = sized("the load", &load, dofs)?;
+        let held_value = sized("held_value", &held_value, dofs)?;
         let closed = closed.map(|closed| flags("closed", &closed, points)).transpose()?;
-        watched(py, progress, |watch| match &closed {
-            Some(closed) => self.inner.solve_from_set(&load, &held_value, closed, watch),
-            None => self.inner.solve(&load, &held_value, form, max_pivots, watch),
+        if !self.inner.order.active.is_empty() {
+            return Err(invalid("points of an active set are not condensed"));
+        }
+        if !(part > 0.0 && part.is_finite()) {
+            return Err(invalid("part must be positive and finite"));
+        }
+        watched(py, progress, |watch| {
+            Ok(self.inner.solve_carefully(&load, &held_value, part, closed.as_deref(), watch))
         })
     }
 

@@ -123,7 +123,7 @@ proptest! {
     }
 
     #[test]
-    fn what_yields_is_taken_back(
+    fn proximal_steps_find_what_lemke_finds(
         at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5),
         gap in prop::collection::vec(prop_oneof![Just(0.0), 0.0f64..0.01], 5),
         element in 0usize..9, soft: bool, part in prop_oneof![Just(1e-12), Just(1e-9), Just(1e-6), Just(1e-3)],
@@ -133,12 +133,8 @@ proptest! {
         let held = vec![0.0; load.len()];
         let exact = problem.solve(&load, &held, None, None, &mut |_| true).unwrap();
         prop_assume!(exact.outcome == Outcome::Solved);
-        let yielding = Some(vec![part * 10.0; 5]);
-        let constraints = Constraints { free_motions: Vec::new(), yielding, ..problem.constraints.clone() };
-        let (plate, held_dofs) = (problem.plate.clone(), problem.held.clone());
-        let careful = ContactProblem::new(plate, Springs::default(), held_dofs, constraints, false).unwrap();
-        let found = careful.solve(&load, &held, None, None, &mut |_| true).unwrap();
-        let from_set = careful.solve_from_set(&load, &held, &exact.closed, &mut |_| true).unwrap();
+        let found = problem.solve_carefully(&load, &held, part, None, &mut |_| true);
+        let from_set = problem.solve_carefully(&load, &held, part, Some(&exact.closed), &mut |_| true);
         let most = largest(&exact.displacement.hi);
         for found in [found, from_set] {
             prop_assert_eq!(found.outcome, Outcome::Solved);

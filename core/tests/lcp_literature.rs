@@ -134,6 +134,19 @@ fn solution_is_the_same_in_any_units() {
 }
 
 #[test]
+fn slack_that_is_far_from_used_up_hides_nothing() {
+    let (matrix, q) = fathi(6);
+    let alone = solve(&matrix, &q);
+    let mut beside: Vec<f64> = matrix.chunks(6).flat_map(|row| row.iter().copied().chain([0.0])).collect();
+    beside.extend([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    for slack in [1.0, 1e6, 1e12, 1e18] {
+        let q: Vec<f64> = q.iter().copied().chain([slack]).collect();
+        let solution = solve(&beside, &q);
+        assert_eq!((&solution.z[..6], solution.w[6]), (&alone.z[..], slack));
+    }
+}
+
+#[test]
 fn pivot_limit_claims_nothing() {
     let (matrix, q) = murty(5);
     let lcp = Lcp::new(&matrix, &q).unwrap();

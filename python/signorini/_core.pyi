@@ -102,7 +102,6 @@ class ContactProblem:
         constraint_arrays: _Constraints,
         free_motions: _Floats | None = None,
         by_active_set: bool = False,
-        yielding: _Floats | None = None,
     ) -> ContactProblem: ...
     def solve(
         self,
@@ -111,7 +110,14 @@ class ContactProblem:
         form: _Form = None,
         max_pivots: int | None = None,
         progress: Callable[[int, int, float], object] | None = None,
+    ) -> ContactSolution: ...
+    def solve_carefully(
+        self,
+        load: _Floats,
+        held_value: _Floats,
+        part: float,
         closed: _Bools | None = None,
+        progress: Callable[[int, int, float], object] | None = None,
     ) -> ContactSolution: ...
     def solve_near(
         self,

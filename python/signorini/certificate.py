@@ -148,7 +148,10 @@ def certify(
         pressing = _largest(scale, force)
         reacting, away = np.abs(force) / (pressing or 1.0), np.abs(gap) / lengths
         both = np.max([np.minimum(reacting, away), *(np.where(those, away, reacting) for those in closed)], axis=0)
-        out_of_balance, total = _balance(found, load.nodal, hi, lo, at_holds, reaction)
+        springs = found.springs
+        pull = springs.stiffness * _beyond(found, springs.rows, hi, lo, springs.base)
+        against = at_holds + found.spring_rows.T @ pull + found.contact_rows.T @ reaction
+        out_of_balance, total = _balance(found, load.nodal, against)
         figures = {
             "penetration": _largest(
                 open_by / lengths, _ratio(_largest(slip[:, 0]), length), _ratio(_largest(slip[:, 1:]), slope)
@@ -158,19 +161,26 @@ def certify(
             "equilibrium": _ratio(_by_force(at_free, across), scale),
             "balance": _ratio(out_of_balance, _largest(total, rest)),
         }
-    if _largest(*(figures[name] for name in LIMITED)) <= TOLERANCE:
+    worst = _largest(*(figures[name] for name in LIMITED))
+    if worst <= TOLERANCE or not np.isfinite(worst):
         return Certificate(**figures)
     # Supports that nearly repeat each other push against each other, and their forces are carried as doubles.
-    pushes = np.where(held.dofs, 0.0, abs(found.contact_rows).T @ np.abs(reaction))
-    internal = found.plate.internal_magnitude(held.dofs, hi, lo) + _by_force(pushes, across)
-    rounding = _ROUNDINGS * float(np.finfo(float).eps) * internal
-    # Roundings of the dofs add up as in a random walk.
-    resultant = rounding * np.sqrt(found.dof_count)
+    pushes = abs(found.contact_rows).T @ np.abs(reaction) + abs(found.spring_rows).T @ np.abs(pull)
+
+    def rounding(held: Bools) -> float:
+        internal = found.plate.internal_magnitude(held, hi, lo)
+        internal += _by_force(np.where(held, 0.0, pushes), across)
+        return _ROUNDINGS * float(np.finfo(float).eps) * internal
+
+    at_nodes = rounding(held.dofs)
+    # Roundings of the dofs add up as in a random walk; those of the dofs held are in the resultants too.
+    many = np.sqrt(found.dof_count)
+    resultant = many * rounding(np.zeros_like(held.dofs))
     return Certificate(
         **figures,
         # A reaction that balances nothing but rounding may have either sign.
-        tension_limit=_ratio(resultant, pressing),
-        equilibrium_limit=_ratio(rounding, scale),
+        tension_limit=_ratio(many * at_nodes, pressing),
+        equilibrium_limit=_ratio(at_nodes, scale),
         balance_limit=_ratio(resultant, _largest(total, rest)),
     )
 
@@ -185,13 +195,9 @@ def _beyond(found: Discretisation, rows: Rows, hi: Floats, lo: Floats, start: Fl
     return -found.plate.openings(rows.elements, rows.coefficients, start, hi, lo)
 
 
-def _balance(
-    found: Discretisation, nodal: Floats, hi: Floats, lo: Floats, at_holds: Floats, reaction: Floats
-) -> tuple[float, float]:
-    """Largest resultant out of balance, from the supports' forces alone, and the size it is part of."""
-    springs, size = found.springs, found.mesh.size
-    pull = springs.stiffness * _beyond(found, springs.rows, hi, lo, springs.base)
-    against = at_holds + found.spring_rows.T @ pull + found.contact_rows.T @ reaction
+def _balance(found: Discretisation, nodal: Floats, against: Floats) -> tuple[float, float]:
+    """Largest resultant of a load and of what supports set against it, and the size it is part of."""
+    size = found.mesh.size
     motions = found.rigid_motions / np.array([1.0, size, size])
     reach = np.abs(motions).max(axis=1)
     # Threads of a linear algebra library would cost more than these sums.

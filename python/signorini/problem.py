@@ -29,8 +29,7 @@ Steps: TypeAlias = Callable[[int, int, float], object]
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 
 _YIELDING = (1e-6, 1e-9, 1e-12)
-"""Parts of the plate's own compliance that are tried, each from the contact set of the one before, where
-rounding decides between points nearly alike."""
+"""Parts of the plate's own compliance that are tried, each from the contact set of the one before; see `Attempt`."""
 
 MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
@@ -60,6 +59,20 @@ class Lcp(NamedTuple):
     gap_is_z: Bools
 
 
+class Attempt(NamedTuple):
+    """A way to an answer: a method, the form of its LCP, and where rounding decides, what increments yield by."""
+
+    problem: ContactProblem
+    form: Form = "auto"
+    part: float | None = None
+
+    def solve(self, load: CaseLoad, progress: Steps, closed: Bools | None) -> _core.ContactSolution:
+        """Solve a load; where rounding decides, beginning with a contact set (m,) if there is one."""
+        if self.part is None:
+            return self.problem.solve(load, self.form, progress)
+        return self.problem.solve_carefully(load, self.part, closed, progress)
+
+
 @dataclass(frozen=True, eq=False)
 class ContactProblem:
     """A discretised model on its supports, factored once and condensed onto its contact points.
@@ -87,8 +100,6 @@ class ContactProblem:
     method: Method
     reference: _core.Reference | None = None
     """A solved load that others begin with; see `near`."""
-    yields: bool = False
-    """Whether rounding is minded; see `yielding`."""
     _others: dict[Method, ContactProblem] = field(default_factory=dict, repr=False)
 
     @cached_property
@@ -159,18 +170,6 @@ class ContactProblem:
             self._others[method] = _factored(self.discretisation, self.freedom, method)
         return self._others[method]
 
-    def yielding(self, part: float) -> ContactProblem:
-        """Condense every point, each increment of reaction yielding by a part of the plate's own compliance.
-
-        Points that nearly repeat each other then share what rounding would decide, and a plate on the brink stays where
-        it is (proximal method of multipliers; Rockafellar 1976). Corrections by a Krylov method take back what has
-        yielded, so that the answer is of the problem itself.
-        """
-        found = self.discretisation
-        rigidity = found.model.material.E * float(found.thickness.max()) ** 3 / 12
-        least = np.where(found.contacts.slope, 1.0, found.mesh.size**2) * part / rigidity
-        return replace(_factored(found, self.freedom, "lemke", least), yields=True)
-
     def near(self, load: Floats) -> ContactProblem:
         """Pose the same problem for loads not unlike a nodal one (3n,), with whose contact set an active set begins.
 
@@ -190,37 +189,46 @@ class ContactProblem:
         can_be_condensed = len(self.gaps) <= MOST_POINTS
         return tuple(other for other in others if other != self.method and (other != "lemke" or can_be_condensed))
 
-    def attempts(self) -> Iterator[tuple[ContactProblem, Form]]:
+    def attempts(self) -> Iterator[Attempt]:
         """Every way to an answer, in the order in which they are tried until one is certified."""
         start = self
         if self.reference is not None:
-            yield self, "auto"
+            yield Attempt(self)
             start = replace(self, reference=None)
         for method in (self.method, *self.fallbacks):
             problem = start if method == self.method else start.by(method)
             if method != "lemke":
-                yield problem, "auto"
+                yield Attempt(problem)
                 continue
-            yield from ((problem, form) for form in _FORMS)
-            yield from ((self.yielding(part), "auto") for part in _YIELDING)
+            yield from (Attempt(problem, form) for form in _FORMS)
+            yield from (Attempt(problem, part=part) for part in _YIELDING)
         if "lemke" in self.fallbacks or (self.method == "lemke" and self.fallbacks):
             # What another method has left imprecise.
-            yield from ((self.yielding(part), "auto") for part in _YIELDING[1:])
+            yield from (Attempt(start.condensed, part=part) for part in _YIELDING[1:])
 
-    def solve(
-        self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None, closed: Bools | None = None
-    ) -> _core.ContactSolution:
+    def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> _core.ContactSolution:
         """Displacements, reactions and gaps of one load.
 
-        ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set;
-        ``closed`` (m,) is a contact set for an LCP to begin with.
+        ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set.
         """
         held = self.discretisation.held.values
         if self.method == "interior_point":
             return self.core.solve_by_interior_point(load.nodal, held, progress=progress)
         if self.reference is not None:
             return self.core.solve_near(self.reference, load.nodal, held, progress=progress)
-        return self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress, closed=closed)
+        return self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress)
+
+    def solve_carefully(
+        self, load: CaseLoad, part: float, closed: Bools | None = None, progress: Steps | None = None
+    ) -> _core.ContactSolution:
+        """Displacements, reactions and gaps of one load where rounding decides (docs/theory.md, section 6).
+
+        By proximal steps, in which every increment of reaction yields by a part of the plate's own compliance: points
+        that nearly repeat each other then share what rounding would decide, and a plate on the brink stays where it is.
+        ``closed`` (m,) is a contact set to begin with; ``progress`` is called after every step.
+        """
+        held = self.discretisation.held.values
+        return self.condensed.core.solve_carefully(load.nodal, held, part, closed, progress)
 
     @property
     def seconds(self) -> Mapping[str, float]:
@@ -262,9 +270,7 @@ def _require_condensable(points: int, of_all: bool, asked: str) -> None:
     require_memory_for_points(points, advice, "support")
 
 
-def _factored(
-    found: Discretisation, freedom: RigidFreedom, method: Method, yielding: Floats | None = None
-) -> ContactProblem:
+def _factored(found: Discretisation, freedom: RigidFreedom, method: Method) -> ContactProblem:
     contacts = found.contacts
     # What the interior point method finds is made exact by one of the others.
     many = len(contacts) > MOST_POINTS
@@ -272,7 +278,7 @@ def _factored(
     condensed = int((contacts.two_sided | (not by_active_set)).sum())
     _require_condensable(condensed, not by_active_set, found.model.solver.method)
     # The points of the active set are springs to the condensed ones, and hold what they hold.
-    motions = freedom.motions[:, :0] if by_active_set or yielding is not None else freedom.motions
+    motions = freedom.motions[:, :0] if by_active_set else freedom.motions
     free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T
     rows = contacts.rows
     try:
@@ -290,7 +296,6 @@ def _factored(
             ),
             free_motions,
             by_active_set,
-            yielding,
         )
     except RuntimeError as error:
         if found.model.plate.element == "q8r":

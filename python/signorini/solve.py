@@ -27,7 +27,7 @@ _REASONS = 5
 
 
 @dataclass(frozen=True, eq=False)
-class _Attempt:
+class _Tried:
     """An answer, how it came about, and what it is worth."""
 
     methods: list[Method]
@@ -277,28 +277,28 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
     return Result.of(found, combination.name, tried.methods, load, tried.answer, tried.certificate), spent
 
 
-def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Attempt:
+def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Tried:
     """Solve one load and certify the answer; where that fails, ask in every other form and by every other method.
 
     A basis that rounding makes singular in one form is regular in another. If no answer is certified the first stands.
     """
     found = problem.discretisation
-    first: _Attempt | None = None
+    first: _Tried | None = None
     near: Bools | None = None
     methods: list[Method] = []
     consistent = False
-    for attempt, form in problem.attempts():
-        methods += [] if attempt.method in methods else [attempt.method]
-        for closed in [near, None] if attempt.yields and near is not None else [None]:
-            answer = attempt.solve(load, form, steps, closed)
+    for attempt in problem.attempts():
+        methods += [] if attempt.problem.method in methods else [attempt.problem.method]
+        for closed in [near, None] if attempt.part is not None and near is not None else [None]:
+            answer = attempt.solve(load, steps, closed)
             certificate = None
             if answer.status == "solved":
                 certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
             elif answer.status == "no_equilibrium" and not consistent:
                 if supports_contradict(found):
-                    return _Attempt(list(methods), answer, None, contradiction=True)
+                    return _Tried(list(methods), answer, None, contradiction=True)
                 consistent = True
-            tried = _Attempt(list(methods), answer, certificate)
+            tried = _Tried(list(methods), answer, certificate)
             if certificate is not None and certificate.passed:
                 return tried
             if certificate is not None:
@@ -306,4 +306,4 @@ def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Attempt:
             first = first if first and (first.certificate or not certificate) else tried
     assert first is not None, "there are attempts"
     contradiction = not consistent and supports_contradict(found)
-    return _Attempt(methods, first.answer, first.certificate, contradiction)
+    return _Tried(methods, first.answer, first.certificate, contradiction)

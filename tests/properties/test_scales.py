@@ -11,13 +11,14 @@ BEARINGS = [[0.7, 0.6], [3.4, 0.5], [3.3, 3.2], [0.5, 3.5]]
 CORNER = [0.1, 0.1]
 
 
-def plate(thickness, supports, loads, young=1000.0):
+def plate(thickness, supports, loads, young=1000.0, method="auto"):
     model = Model(
         material={"E": young, "nu": 0.3},
         plate={"shape": "rectangle", "size": [4.0, 4.0], "thickness": thickness},
         mesh={"divisions": [8, 8]},
         support=supports,
         load=loads,
+        solver={"method": method},
     )
     result = solve(model)["all"]
     assert result.certificate.passed
@@ -75,6 +76,21 @@ def test_a_plate_on_springs_far_softer_than_itself_floats_like_a_rigid_one(resis
     expected = 2.6 / 4 * (1 + (np.sign(corners - 2.0) * arm / 1.5).sum(axis=1))
     assert result.supports[0].reactions == pytest.approx(expected, abs=softness + 1e-9)
     assert result.deflection.max() > 0.5 / stiffness
+
+
+@pytest.mark.parametrize(
+    ("method", "gap"),
+    [("lemke", 1e3), ("lemke", 1e9), ("active_set", 1e3), ("active_set", 1e9), ("interior_point", 1e3)],
+)
+@pytest.mark.parametrize("supports", SUPPORTS.values(), ids=SUPPORTS)
+def test_a_stop_out_of_reach_changes_nothing(supports, gap, method) -> None:
+    """Its travel is 1e9 and 1e15 times the deflection: none of the tolerances may be relative to it."""
+    loads = [{"pressure": 1e-6}, {"force": 2e-6, "at": [3, 3]}]
+    stops = [{"at": [1.0, 1.2], "resists": way, "gap": gap} for way in ("down", "up")]
+    alone = plate(0.3, supports, loads, method=method)
+    beside = plate(0.3, [*supports, *stops], loads, method=method)
+    assert np.abs(beside.deflection - alone.deflection).max() <= 1e-9 * np.abs(alone.deflection).max()
+    assert (beside.method, beside.unsettled) == (method, ())
 
 
 @pytest.mark.parametrize("seed", [1, 2])

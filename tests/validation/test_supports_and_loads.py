@@ -98,6 +98,18 @@ def test_settlement_of_the_prop():
         assert cantilever(1e3, prop).reactions["prop"] == pytest.approx((free - free / 3) / give, rel=1e-9)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_spring_with_travel_both_ways_is_pressed_by_a_wall_that_settles(sign):
+    wall = {**CANTILEVER, "settlement": sign * 0.01}
+    spring = {"name": "spring", "at": [[0, 0.25], [2, 0.25]], "resists": "both", "stiffness": 5e5, "gap": 0.004}
+    result = solve([wall, spring], [{"line_load": 0.0, "edge": "right"}], plate=STRIP, material=STEEL, divisions=(4, 2))
+    at_wall, at_tip = result.supports[1].reactions
+    assert at_wall == pytest.approx(sign * 5e5 * 0.006, rel=1e-12)
+    # The tip bends a little across the strip too, under a force at its middle.
+    assert at_tip == pytest.approx(sign * 0.006 / (1 / 5e5 + cantilever_flexibility()), rel=1e-3)
+    assert result.reactions["wall"] == pytest.approx(-at_wall - at_tip, rel=1e-9)
+
+
 @pytest.mark.parametrize("way", [{}, {"resists": "down"}, {"stiffness": 1e7}, {"resists": "down", "stiffness": 1e7}])
 def test_three_points_between_nodes_carry_by_statics(way):
     result = solve([{"name": "points", "at": THREE, **way}], [{"force": 10e3, "at": [1.9, 1.1]}, {"pressure": 500}])

@@ -202,8 +202,11 @@ impl ContactProblem {
     fn certain(&self, reaction: &[f64], gap: &[f64], travel: f64) -> bool {
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         let force = SIGN * largest(reaction);
-        let length = (SIGN * largest(gap).max(largest(&self.constraints.distance))).max(ROUNDING * travel);
-        let holds = |i: usize| self.constraints.two_sided[i] || (reaction[i] >= -force && gap[i] >= -length);
+        let distance = &self.constraints.distance;
+        let moved = distance.iter().zip(gap).fold(0.0, |most: f64, (distance, gap)| most.max((distance - gap).abs()));
+        // A stop far away says nothing of what happens at others.
+        let length = |i: usize| (SIGN * moved.max(distance[i].abs())).max(ROUNDING * travel);
+        let holds = |i: usize| self.constraints.two_sided[i] || (reaction[i] >= -force && gap[i] >= -length(i));
         let finite = reaction.iter().chain(gap).all(|value| value.is_finite());
         finite && (0..reaction.len()).all(holds)
     }

@@ -22,26 +22,8 @@ pub struct Constraints {
     pub two_sided: Vec<bool>,
     /// Stiffness that the factor carries at the point so that K̃ is regular; 0 for most.
     pub regularization: Vec<f64>,
-    /// Compliance that a point's increment of reaction meets at least, if any, so that points which nearly repeat each
-    /// other share it. Corrections take back what yields.
-    pub yielding: Option<Vec<f64>>,
     /// Rigid motions over all dofs that springs, held dofs and two-sided points leave free.
     pub free_motions: Vec<Vec<f64>>,
-}
-
-impl Constraints {
-    /// Whether increments of reaction yield.
-    pub(super) fn yields(&self) -> bool {
-        self.yielding.is_some()
-    }
-
-    fn compliance_of_increments(&self) -> Vec<f64> {
-        let mut compliance = self.compliance.clone();
-        for (own, &least) in compliance.iter_mut().zip(self.yielding.iter().flatten()) {
-            *own = own.max(least);
-        }
-        compliance
-    }
 }
 
 /// Positions, in the caller's order, of the points that are condensed and of those of the active set.
@@ -133,7 +115,6 @@ impl ContactProblem {
             compliance: vec![0.0; m],
             two_sided: vec![false; m],
             regularization: vec![0.0; m],
-            yielding: None,
             free_motions: rest.free_motions.clone(),
         };
         for (at, &i) in self.order.condensed.iter().enumerate() {
@@ -216,9 +197,6 @@ impl ContactProblem {
 /// A pivot below this part of its diagonal entry may be rounding: the points that are carried need not hold the plate.
 const LOOSE_PIVOT: f64 = 1e-13;
 
-/// Part of the regularization that resists increments of displacement where increments of reaction yield.
-const KEEPING: f64 = 1e-8;
-
 /// What a factor is made of.
 struct Parts<'a> {
     plate: &'a Plate,
@@ -238,7 +216,7 @@ impl Parts<'_> {
         let (plate, constraints) = (self.plate, self.constraints);
         let clock = Instant::now();
         let bedding = self.active.stiffness_by_element(plate, &carried);
-        let matrix = assemble(plate, &with_carried(self.springs, constraints), &bedding, numbering);
+        let matrix = assemble(plate, &with_regularization(self.springs, constraints), &bedding, numbering);
         drop(bedding);
         seconds.assemble += clock.elapsed().as_secs_f64();
 
@@ -273,7 +251,7 @@ impl Parts<'_> {
             factor.trailing_block(numbering.trailing),
             entries,
             constraints.regularization.clone(),
-            constraints.compliance_of_increments(),
+            constraints.compliance.clone(),
             constraints.two_sided.clone(),
             &constraints.free_motions.iter().map(moves).collect::<Vec<_>>(),
         );
@@ -282,23 +260,13 @@ impl Parts<'_> {
     }
 }
 
-/// What the factor carries: the regularization, and where increments yield a little more, which holds what closed points
-/// do not.
-fn with_carried(springs: &Springs, constraints: &Constraints) -> Springs {
-    with_springs(springs, constraints, if constraints.yields() { 1.0 + KEEPING } else { 1.0 })
-}
-
 pub(super) fn with_regularization(springs: &Springs, constraints: &Constraints) -> Springs {
-    with_springs(springs, constraints, 1.0)
-}
-
-fn with_springs(springs: &Springs, constraints: &Constraints, factor: f64) -> Springs {
     let mut all = springs.clone();
     for (i, &delta) in constraints.regularization.iter().enumerate() {
         if delta > 0.0 {
             all.rows.element.push(constraints.rows.element[i]);
             all.rows.coefficient.push(constraints.rows.coefficient[i]);
-            all.stiffness.push(factor * delta);
+            all.stiffness.push(delta);
             all.base.push(0.0);
         }
     }
@@ -307,11 +275,7 @@ fn with_springs(springs: &Springs, constraints: &Constraints, factor: f64) -> Sp
 
 /// Sets the one-sided points apart if the active set is to solve them.
 fn split(plate: &Plate, constraints: Constraints, by_active_set: bool) -> (Constraints, ActivePoints, PointOrder) {
-    let mut rest = Constraints {
-        free_motions: constraints.free_motions,
-        yielding: constraints.yielding.as_ref().map(|_| Vec::new()),
-        ..Constraints::default()
-    };
+    let mut rest = Constraints { free_motions: constraints.free_motions, ..Constraints::default() };
     let mut active = ActivePoints::default();
     let mut order = PointOrder::default();
     for (i, coefficient) in constraints.rows.coefficient.iter().enumerate() {
@@ -327,7 +291,6 @@ fn split(plate: &Plate, constraints: Constraints, by_active_set: bool) -> (Const
             rest.compliance.push(compliance);
             rest.two_sided.push(constraints.two_sided[i]);
             rest.regularization.push(constraints.regularization[i]);
-            rest.yielding.iter_mut().zip(&constraints.yielding).for_each(|(rest, all)| rest.push(all[i]));
             order.condensed.push(i);
         }
     }

@@ -12,7 +12,7 @@ const CORRECTIONS: usize = 8;
 const PROGRESS: f64 = 0.25;
 
 /// What is out of balance and what is left of the gaps.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Step {
     pub(super) imbalance: Vec<f64>,
     pub(super) remaining: Vec<f64>,
@@ -38,9 +38,6 @@ impl ContactProblem {
         motion: Motion,
         solution: &mut ContactSolution,
     ) -> Result<Step, FactorError> {
-        if self.constraints.yields() {
-            return self.refine_yielding(load, state, motion, solution);
-        }
         let mut motion = Some(motion);
         let mut first = true;
         for _ in 0..CORRECTIONS {
@@ -67,14 +64,19 @@ impl ContactProblem {
         Ok(step)
     }
 
-    /// What is left of closed gaps; 0 where that is rounding of the largest deflection or travel.
+    /// What is left of closed gaps; 0 where that is rounding of the largest deflection or of the point's own travel.
     fn left_open(&self, step: &Step, solution: &ContactSolution) -> f64 {
-        let largest = |size: f64, value: &f64| size.max(value.abs());
-        let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, largest);
-        let length = self.constraints.distance.iter().fold(deflection, largest);
-        let closed = step.remaining.iter().zip(&solution.closed).filter(|(_, closed)| **closed);
-        let left = closed.map(|(left, _)| left).fold(0.0, largest);
-        if left <= ROUNDING * length { 0.0 } else { left }
+        let lengths = self.lengths(solution);
+        let closed = (0..lengths.len()).filter(|&i| solution.closed[i]);
+        let open = closed.filter(|&i| step.remaining[i].abs() > ROUNDING * lengths[i]);
+        open.map(|i| step.remaining[i].abs()).fold(0.0, f64::max)
+    }
+
+    /// What a gap is measured by at each point, the largest deflection or its own travel: a stop far away says nothing
+    /// of what happens at others.
+    pub(super) fn lengths(&self, solution: &ContactSolution) -> Vec<f64> {
+        let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, |size: f64, w| size.max(w.abs()));
+        self.constraints.distance.iter().map(|travel| deflection.max(travel.abs())).collect()
     }
 
     /// One correction: the state's increments of reaction, the gaps they leave, and the motion that goes with them.

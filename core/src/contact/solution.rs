@@ -43,6 +43,13 @@ impl ContactSolution {
         if finite { Self { outcome: Outcome::Solved, ..self } } else { self.failed(Outcome::Unsolved) }
     }
 
+    /// Takes what is left of the gaps for those of open points.
+    pub(super) fn leave_open(&mut self, remaining: &[f64]) {
+        for (i, gap) in self.gap.iter_mut().enumerate() {
+            *gap = if self.closed[i] { 0.0 } else { remaining[i] };
+        }
+    }
+
     /// Every number NaN, and why.
     pub(super) fn failed(mut self, outcome: Outcome) -> Self {
         let d = &mut self.displacement;

@@ -10,7 +10,7 @@ use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from};
 use crate::residual::Displacement;
 
 /// At most this many contact states.
-const STATES: usize = 60;
+pub(super) const STATES: usize = 60;
 /// An imbalance this small, relative to the largest nodal force, or a gap to the largest deflection, is rounding.
 pub(super) const ROUNDING: f64 = 1e-15;
 /// Reactions and gaps of the wrong sign, relative to the largest of their kind or of the load, that are rounding.
@@ -51,22 +51,6 @@ impl ContactProblem {
         self.solve_beginning(load, held_value, None, None, Some(start), watch)
     }
 
-    /// As [`ContactProblem::solve`], beginning with a contact set; without points of an active set.
-    pub fn solve_from_set(
-        &self,
-        load: &[f64],
-        held_value: &[f64],
-        closed: &[bool],
-        watch: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<ContactSolution, FactorError> {
-        let start = Start { displacement: &[], reaction: &[], closed, factored: None, balanced: None };
-        if self.active.is_empty() {
-            self.solve_from(load, held_value, &start, watch)
-        } else {
-            self.solve(load, held_value, None, None, watch)
-        }
-    }
-
     /// As [`ContactProblem::solve`], beginning with the solution of another load.
     pub fn solve_near(
         &self,
@@ -98,11 +82,7 @@ impl ContactProblem {
         let mut motion = self.motion(with, &step, form)?;
         let travel = motion.drive.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         for _ in 0..STATES {
-            let (outcome, closed) = match first.take() {
-                // A set that was solved for before may be right where rounding would have the LCP choose another.
-                Some(set) if self.constraints.yields() => (Outcome::Solved, set.to_vec()),
-                set => self.contact_state(&motion, &mut solution, form, max_pivots, set),
-            };
+            let (outcome, closed) = self.contact_state(&motion, &mut solution, form, max_pivots, first.take());
             if outcome != Outcome::Solved {
                 return Ok(solution.failed(outcome));
             }
@@ -118,9 +98,7 @@ impl ContactProblem {
                 }
                 step = self.refine(load, &state, step, motion, &mut solution)?;
             }
-            for i in 0..solution.gap.len() {
-                solution.gap[i] = if solution.closed[i] { 0.0 } else { step.remaining[i] };
-            }
+            solution.leave_open(&step.remaining);
             if settled || self.signs_hold(load, travel, &solution) {
                 return Ok(solution.solved());
             }
@@ -165,7 +143,7 @@ impl ContactProblem {
     }
 
     /// Poses the LCP from where the solution stands and solves it, beginning with a contact set if there is one.
-    fn contact_state(
+    pub(super) fn contact_state(
         &self,
         motion: &Motion,
         solution: &mut ContactSolution,
@@ -194,7 +172,7 @@ impl ContactProblem {
     }
 
     /// Takes back the reactions of points that are open now.
-    fn release_open(&self, solution: &mut ContactSolution) -> bool {
+    pub(super) fn release_open(&self, solution: &mut ContactSolution) -> bool {
         let mut any = false;
         for (reaction, &closed) in solution.reaction.iter_mut().zip(&solution.closed) {
             if !closed && *reaction != 0.0 {
@@ -218,7 +196,7 @@ impl ContactProblem {
     }
 
     /// Whether no reaction pulls and no gap is negative; `travel` is how far the load moves points that may move.
-    fn signs_hold(&self, load: &[f64], travel: f64, solution: &ContactSolution) -> bool {
+    pub(super) fn signs_hold(&self, load: &[f64], travel: f64, solution: &ContactSolution) -> bool {
         let c = &self.constraints;
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         // Without a load, reactions are what the plate's stiffness makes of gaps.
@@ -227,7 +205,8 @@ impl ContactProblem {
             load => load,
         };
         let force = SIGN * largest(&solution.reaction).max(load);
-        let length = (SIGN * largest(&solution.gap).max(largest(&c.distance))).max(ROUNDING * travel);
-        (0..c.two_sided.len()).all(|i| c.two_sided[i] || (solution.reaction[i] >= -force && solution.gap[i] >= -length))
+        let length: Vec<f64> = self.lengths(solution).iter().map(|l| (SIGN * l).max(ROUNDING * travel)).collect();
+        let holds = |i: usize| solution.reaction[i] >= -force && solution.gap[i] >= -length[i];
+        (0..c.two_sided.len()).all(|i| c.two_sided[i] || holds(i))
     }
 }

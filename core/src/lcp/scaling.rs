@@ -39,7 +39,7 @@ impl CoveredLcp<'_> {
 
 /// z = σ D z′, w = σ D⁻¹ w′ with M′ = DMD, q′ = Dq/σ: a symmetric scaling keeps M in its class.
 ///
-/// D makes the largest entry of every row and column pair of M about one, σ that of q. Where the diagonal leads, as in
+/// D makes the largest entry of every row and column pair of M about one, σ the most negative one of q. Where the diagonal leads, as in
 /// a semidefinite M, it gives D at once; otherwise rows and columns are equilibrated together (Ruiz 2001).
 pub(super) struct Scaling {
     diagonal: Vec<f64>,
@@ -67,7 +67,10 @@ impl Scaling {
             }
             diagonal.iter_mut().zip(&largest).for_each(|(d, a)| *d = (*d * even_factor(*a)).clamp(LEAST, MOST));
         }
-        let load = power_of_two(lcp.q().iter().zip(&diagonal).map(|(a, d)| (a * d).abs()));
+        let scaled = || lcp.q().iter().zip(&diagonal).map(|(a, d)| a * d);
+        // Slack that is far from used up, a wide gap say, must not hide the rest.
+        let short = power_of_two(scaled().filter(|a| *a < 0.0).map(f64::abs));
+        let load = if scaled().any(|a| a < 0.0) { short } else { power_of_two(scaled()) };
         Self { diagonal, load }
     }
 

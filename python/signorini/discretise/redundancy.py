@@ -73,7 +73,16 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
     if contradicted.any():
         first = int(np.argmax(contradicted))
         raise _contradiction(contacts, first, float(beyond[first]))
-    return contacts.pick(~fixed | pressed)
+    return contacts.pick(~fixed | _with_its_other_way(contacts, fixed & pressed))
+
+
+def _with_its_other_way(contacts: ContactPoints, which: Bools) -> Bools:
+    """Mark, beside the rows marked, those of the same points' travel the other way."""
+    if not which.any():
+        return which
+    spots = np.column_stack([contacts.support, contacts.slope, contacts.positions])
+    _, spot = np.unique(spots, axis=0, return_inverse=True)
+    return np.isin(spot, spot[which])
 
 
 def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:

@@ -3,9 +3,10 @@
 //! Where what holds is soft beside the plate, eliminating K finds them to few digits, and adding them as doubles strains
 //! the plate by their rounding. Here they follow from the three resultants alone, and are added exactly.
 
-use super::problem::ContactProblem;
-use super::refinement::Step;
+use super::Careful;
+use crate::contact::refinement::Step;
 use crate::double_double::DoubleDouble;
+use crate::plate::Plate;
 use crate::residual::Rows;
 
 /// A pivot below this part of the largest is rounding of the lever arms: nothing holds that motion.
@@ -13,7 +14,6 @@ const HELD: f64 = 1e-22;
 
 /// What the three rigid motions w, w + x and w + y about a centre, over a size, do at springs and contact points.
 pub(super) struct Floating {
-    pub(super) centre: [f64; 2],
     size: f64,
     nodal: [Vec<f64>; 3],
     points: Vec<[f64; 3]>,
@@ -25,19 +25,13 @@ pub(super) struct Floating {
 
 impl Floating {
     /// Nothing where a dof is held, or springs and closed points hold the plate as firmly as it holds together.
-    pub(super) fn of(problem: &ContactProblem, closed: &[bool]) -> Option<Self> {
+    pub(super) fn of(careful: &Careful, closed: &[bool]) -> Option<Self> {
+        let problem = careful.problem;
         if problem.held.contains(&true) {
             return None;
         }
         let plate = &problem.plate;
-        let count = plate.node_count();
-        let over = |k: usize, choose: fn(f64, f64) -> f64, start: f64| {
-            (0..count).map(|node| plate.point(node)[k]).fold(start, choose)
-        };
-        let least = [over(0, f64::min, f64::INFINITY), over(1, f64::min, f64::INFINITY)];
-        let most = [over(0, f64::max, f64::NEG_INFINITY), over(1, f64::max, f64::NEG_INFINITY)];
-        let centre = [0.5 * (least[0] + most[0]), 0.5 * (least[1] + most[1])];
-        let size = f64::max(most[0] - least[0], most[1] - least[1]);
+        let (centre, size) = extent(plate);
         let motion = |k: usize| -> Vec<f64> {
             let of_node = |node: usize| {
                 let [x, y] = plate.point(node);
@@ -45,13 +39,13 @@ impl Floating {
                 let arm = [(x - centre[0]) / size, (y - centre[1]) / size];
                 [[1.0, 0.0, 0.0], [arm[0], c / size, -s / size], [arm[1], s / size, c / size]][k]
             };
-            (0..count).flat_map(of_node).collect()
+            (0..plate.node_count()).flat_map(of_node).collect()
         };
         let nodal = [motion(0), motion(1), motion(2)];
         let arms = |rows: &Rows, row: usize| [0, 1, 2].map(|k| rows.dot(plate, row, &nodal[k]));
         let points: Vec<_> = (0..closed.len()).map(|row| arms(&problem.constraints.rows, row)).collect();
         let acting = |(i, &c): (usize, &f64)| (closed[i] && c > 0.0).then_some(c);
-        let compliance: Vec<_> = problem.base.condensed.compliance.iter().enumerate().map(acting).collect();
+        let compliance: Vec<_> = careful.compliance.iter().enumerate().map(acting).collect();
         let mut matrix = [[DoubleDouble::default(); 3]; 3];
         let mut hold = |arm: [f64; 3], stiffness: f64| {
             let scaled = arm.map(|a| stiffness.sqrt() * a);
@@ -68,9 +62,7 @@ impl Floating {
             hold(*arm, 1.0 / c);
         }
         let softest = eliminated(matrix, Default::default()).1;
-        let thickness = plate.geometry(0).thickness[0];
-        let firm = plate.material.young * thickness.powi(3) / 12.0 / (size * size);
-        (softest < firm).then_some(Self { centre, size, nodal, points, compliance, matrix })
+        (softest < rigidity(plate) / (size * size)).then_some(Self { size, nodal, points, compliance, matrix })
     }
 
     /// The rigid motion (deflection and slopes at the centre) that balances a step's resultants by springs and closed
@@ -94,6 +86,42 @@ impl Floating {
         };
         ([w, sx / self.size, sy / self.size], self.compliance.iter().enumerate().map(push).collect())
     }
+}
+
+/// Middle and size of the box around a plate.
+pub(super) fn extent(plate: &Plate) -> ([f64; 2], f64) {
+    let over = |k: usize, choose: fn(f64, f64) -> f64, start: f64| {
+        (0..plate.node_count()).map(|node| plate.point(node)[k]).fold(start, choose)
+    };
+    let least = [over(0, f64::min, f64::INFINITY), over(1, f64::min, f64::INFINITY)];
+    let most = [over(0, f64::max, f64::NEG_INFINITY), over(1, f64::max, f64::NEG_INFINITY)];
+    let centre = [0.5 * (least[0] + most[0]), 0.5 * (least[1] + most[1])];
+    (centre, f64::max(most[0] - least[0], most[1] - least[1]))
+}
+
+/// The rigid motion (deflection and slopes at the middle) nearest to the deflections of the nodes.
+pub(super) fn rigid_part(plate: &Plate, nodal: &[f64]) -> [f64; 3] {
+    let (centre, size) = extent(plate);
+    let mut matrix = [[DoubleDouble::default(); 3]; 3];
+    let mut right = [DoubleDouble::default(); 3];
+    for (node, deflection) in nodal.iter().step_by(3).enumerate() {
+        let [x, y] = plate.point(node);
+        let arm = [1.0, (x - centre[0]) / size, (y - centre[1]) / size];
+        for j in 0..3 {
+            right[j].add_product(arm[j], *deflection);
+            for k in 0..3 {
+                matrix[j][k].add_product(arm[j], arm[k]);
+            }
+        }
+    }
+    let ([w, sx, sy], _) = eliminated(matrix, right);
+    [w, sx / size, sy / size]
+}
+
+/// D = Et³/12 of the thickest element.
+pub(super) fn rigidity(plate: &Plate) -> f64 {
+    let thickness = (0..plate.elements().len()).flat_map(|e| plate.geometry(e).thickness).fold(0.0, f64::max);
+    plate.material.young * thickness.powi(3) / 12.0
 }
 
 /// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero.

@@ -1,14 +1,14 @@
-//! Corrections where increments of reaction yield: the preconditioner is the contact state's system with a compliance at
-//! its points, and what that leaves is taken away by generalized conjugate residuals (Eisenstat, Elman & Schultz 1983),
-//! in refinement by a Krylov method as of Carson & Higham (2017). The residuals are the double-double ones.
+//! What a proximal step leaves, taken away by generalized conjugate residuals (Eisenstat, Elman & Schultz 1983), in
+//! refinement by a Krylov method as of Carson & Higham (2017). The residuals are the double-double ones, the regularized
+//! equations of one contact state the preconditioner.
 
-use super::condense::ContactState;
-use super::floating::Floating;
-use super::problem::ContactProblem;
-use super::refinement::{Motion, Step};
-use super::solution::ContactSolution;
-use super::solve::ROUNDING;
-use crate::cholesky::FactorError;
+use super::Careful;
+use super::floating::{Floating, extent, rigid_part};
+use super::saddle::Saddle;
+use crate::contact::problem::ContactProblem;
+use crate::contact::refinement::Step;
+use crate::contact::solution::ContactSolution;
+use crate::contact::solve::ROUNDING;
 
 /// At most this many directions.
 const DIRECTIONS: usize = 80;
@@ -17,10 +17,11 @@ const LAST: usize = 10;
 const PROGRESS: f64 = 0.7;
 
 /// A rigid motion of the plate, a motion of its nodes on top of it, and increments of reaction.
-struct Direction {
+pub(super) struct Direction {
+    /// Deflection and slopes at the middle of the plate.
     rigid: [f64; 3],
     nodal: Vec<f64>,
-    reaction: Vec<f64>,
+    pub(super) reaction: Vec<f64>,
 }
 
 /// A direction and the residual that it takes away, which is of length 1 and orthogonal to all others.
@@ -36,28 +37,27 @@ struct Sizes {
     gap: Vec<f64>,
 }
 
-impl ContactProblem {
-    /// As [`ContactProblem::refine`], for a problem whose increments of reaction yield.
-    pub(super) fn refine_yielding(
+impl Careful<'_> {
+    /// What yielded taken back in one contact state.
+    pub(super) fn refine(
         &self,
         load: &[f64],
-        state: &ContactState,
-        motion: Motion,
+        saddle: &Saddle,
+        floating: Option<&Floating>,
+        from: &Step,
         solution: &mut ContactSolution,
-    ) -> Result<Step, FactorError> {
-        self.correct(&self.base, state, motion, solution)?;
-        let mut step = self.step(load, solution);
+    ) -> Step {
+        let problem = self.problem;
+        let mut step = from.clone();
         let sizes = self.sizes(load, solution);
         let mut residual = self.residual(&step, &sizes, solution);
         let mut lengths = vec![norm(&residual)];
-        let floating = Floating::of(self, &solution.closed);
-        let centre = floating.as_ref().map_or([0.0; 2], |floating| floating.centre);
         let mut taken: Vec<Taken> = Vec::new();
         while taken.len() < DIRECTIONS && residual.iter().any(|r| r.abs() > ROUNDING) {
-            let mut direction = self.direction_of(load, state, &step, floating.as_ref(), solution)?;
+            let mut direction = self.direction(load, saddle, &step, floating, solution);
             let mut trial = solution.clone();
-            trial.follow(self, centre, &direction, 1.0);
-            let after = self.residual(&self.step(load, &trial), &sizes, solution);
+            trial.follow(problem, &direction, 1.0);
+            let after = self.residual(&problem.step(load, &trial), &sizes, solution);
             let mut change: Vec<f64> = residual.iter().zip(&after).map(|(before, after)| before - after).collect();
             // Twice, since what is left of nearly parallel vectors is rounding the first time.
             for earlier in taken.iter().chain(&taken) {
@@ -72,9 +72,9 @@ impl ContactProblem {
             change.iter_mut().for_each(|value| *value /= size);
             direction.divide(size);
             let before = solution.clone();
-            solution.follow(self, centre, &direction, dot(&residual, &change));
+            solution.follow(problem, &direction, dot(&residual, &change));
             solution.corrections += 1;
-            let next = self.step(load, solution);
+            let next = problem.step(load, solution);
             let left = self.residual(&next, &sizes, solution);
             let length = norm(&left);
             if length.is_nan() || length >= lengths[lengths.len() - 1] {
@@ -88,45 +88,51 @@ impl ContactProblem {
                 break;
             }
         }
-        Ok(step)
+        step
     }
 
-    /// What a residual asks for: of a plate that floats a rigid motion first, then what the factor makes of the rest.
-    fn direction_of(
+    /// What a residual asks for: of a plate that nothing holds firmly a rigid motion first, to be added exactly, then what
+    /// the state's equations make of the rest.
+    pub(super) fn direction(
         &self,
         load: &[f64],
-        state: &ContactState,
+        saddle: &Saddle,
         step: &Step,
         floating: Option<&Floating>,
         solution: &ContactSolution,
-    ) -> Result<Direction, FactorError> {
-        let form = self.base.condensed.better_form();
-        let Some(floating) = floating else {
-            let (nodal, reaction) = self.respond(&self.base, state, self.motion(&self.base, step, form)?)?;
-            return Ok(Direction { rigid: [0.0; 3], nodal, reaction });
+    ) -> Direction {
+        let problem = self.problem;
+        let (rigid, reaction) = match floating {
+            Some(floating) => floating.response(step),
+            None => {
+                let (nodal, reaction) = saddle.response(problem, &step.imbalance, &step.remaining);
+                if problem.held.contains(&true) {
+                    return Direction { rigid: [0.0; 3], nodal, reaction };
+                }
+                (rigid_part(&problem.plate, &nodal), reaction)
+            }
         };
-        let (rigid, reaction) = floating.response(step);
-        let mut direction = Direction { rigid, nodal: vec![0.0; self.plate.dof_count()], reaction };
+        let mut direction = Direction { rigid, nodal: vec![0.0; problem.plate.dof_count()], reaction };
         let mut afloat = solution.clone();
-        afloat.follow(self, floating.centre, &direction, 1.0);
-        let motion = self.motion(&self.base, &self.step(load, &afloat), form)?;
-        let (nodal, reaction) = self.respond(&self.base, state, motion)?;
+        afloat.follow(problem, &direction, 1.0);
+        let step = problem.step(load, &afloat);
+        let (nodal, reaction) = saddle.response(problem, &step.imbalance, &step.remaining);
         direction.nodal = nodal;
         direction.reaction.iter_mut().zip(&reaction).for_each(|(total, increment)| *total += increment);
-        Ok(direction)
+        direction
+    }
+
+    /// Length of what is out of balance and left of closed gaps.
+    pub(super) fn length(&self, load: &[f64], step: &Step, solution: &ContactSolution) -> f64 {
+        norm(&self.residual(step, &self.sizes(load, solution), solution))
     }
 
     fn sizes(&self, load: &[f64], solution: &ContactSolution) -> Sizes {
-        let largest = |size: f64, value: &f64| size.max(value.abs());
-        let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, largest);
-        let length = self.constraints.distance.iter().fold(deflection, largest);
         let or_one = |size: f64| if size > 0.0 { size } else { 1.0 };
-        let force = or_one(self.largest_force(load, solution));
-        // Points yield by the square of what they measure: deflections more than slopes.
-        let yielding = self.constraints.yielding.as_deref().unwrap_or_default();
-        let most = yielding.iter().fold(0.0, largest);
-        let gap = yielding.iter().map(|y| or_one(length) * (y / most).sqrt()).collect();
-        Sizes { force, couple: force * self.across(), gap }
+        let force = or_one(self.problem.largest_force(load, solution));
+        let lengths = self.problem.lengths(solution).into_iter().zip(&self.per_length);
+        let gap = lengths.map(|(length, unit)| or_one(length) * unit).collect();
+        Sizes { force, couple: force * self.problem.across(), gap }
     }
 
     /// What is out of balance at every dof, then what is left of the gaps of closed points.
@@ -139,8 +145,9 @@ impl ContactProblem {
 }
 
 impl ContactSolution {
-    fn follow(&mut self, problem: &ContactProblem, centre: [f64; 2], direction: &Direction, length: f64) {
+    pub(super) fn follow(&mut self, problem: &ContactProblem, direction: &Direction, length: f64) {
         if direction.rigid != [0.0; 3] {
+            let (centre, _) = extent(&problem.plate);
             self.displacement.add_rigid(&problem.plate, centre, direction.rigid.map(|motion| length * motion));
         }
         for (dof, value) in direction.nodal.iter().enumerate() {
