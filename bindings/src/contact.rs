@@ -235,7 +235,10 @@ impl ContactProblem {
     /// events), "no_equilibrium", "too_many" or "unsolved".
     ///
     /// `visit(t, switched, solution)` is called where it begins, at every event and where it ends, with the points that
-    /// open or close there and the contact set from there on. What it raises ends the path.
+    /// open or close there and the contact set from there on. What it raises ends the path. `careful` solves by proximal
+    /// steps, as `solve_carefully` does.
+    #[pyo3(signature = (start, add, held_value, end, visit, careful=false))]
+    #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
     fn path(
         &self,
         py: Python<'_>,
@@ -244,6 +247,7 @@ impl ContactProblem {
         held_value: PyReadonlyArray1<'_, f64>,
         end: f64,
         visit: Py<PyAny>,
+        careful: bool,
     ) -> PyResult<&'static str> {
         let dofs = self.inner.plate.dof_count();
         let start = sized("the load", &start, dofs)?;
@@ -259,7 +263,10 @@ impl ContactProblem {
             raised = called.err();
             raised.is_none()
         };
-        let load = PathLoad { start: &start, add: &add, held_value: &held_value, end };
+        if careful && !self.inner.order.active.is_empty() {
+            return Err(invalid("points of an active set are not condensed"));
+        }
+        let load = PathLoad { start: &start, add: &add, held_value: &held_value, end, careful };
         let ended = py.detach(|| self.inner.path(&load, &mut show)).map_err(failed);
         if let Some(error) = raised {
             return Err(error);

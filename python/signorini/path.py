@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import fields
 
 import numpy as np
@@ -93,10 +94,10 @@ def path(
             place="add",
         )
     limit = largest_factor(found, problem.freedom, loads[0].nodal, loads[1].nodal)
-    traced = _trace(problem, (start, add), loads, until, limit, watcher)
-    for method in problem.fallbacks:
-        if method != "interior_point" and (traced is None or traced.ending == "stopped"):
-            other = _trace(problem.by(method), (start, add), loads, until, limit, watcher)
+    traced: Path | None = None
+    for way, careful in _ways(problem):
+        if traced is None or traced.ending == "stopped":
+            other = _trace(way, (start, add), loads, until, limit, watcher, careful)
             traced = other if traced is None or (other is not None and other.end > traced.end) else traced
     if traced is None and supports_contradict(found):
         raise NoEquilibriumError(CONTRADICTION)
@@ -107,6 +108,14 @@ def path(
             "stiffness."
         )
     return traced
+
+
+def _ways(problem: ContactProblem) -> Iterator[tuple[ContactProblem, bool]]:
+    """Problems that can follow a path, in turn, and whether they mind rounding."""
+    yield problem, False
+    yield from ((problem.by(method), False) for method in problem.fallbacks if method != "interior_point")
+    if "lemke" in (problem.method, *problem.fallbacks):
+        yield problem.condensed, True
 
 
 def _load(found: Discretisation, name: str | None, argument: str) -> CaseLoad:
@@ -130,6 +139,7 @@ def _trace(
     until: float | None,
     limit: float,
     watcher: Watcher,
+    careful: bool,
 ) -> Path | None:
     """Follow the path by one method, as far as its answers are certified; None if not even the first is."""
     found = problem.discretisation
@@ -151,7 +161,7 @@ def _trace(
 
     end = min(limit, np.inf if until is None else until)
     try:
-        ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit)
+        ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, careful)
     except NotCertifiedError:
         ended = "unsolved"
     if not stops:

@@ -24,6 +24,8 @@ pub struct PathLoad<'a> {
     pub add: &'a [f64],
     pub held_value: &'a [f64],
     pub end: f64,
+    /// Whether rounding is minded: event by event, every solution by proximal steps; without points of an active set.
+    pub careful: bool,
 }
 
 /// Where the path is at its beginning, at an event, or at its end; a jump has a stop where it begins and one where it ends.
@@ -52,6 +54,9 @@ pub enum PathEnd {
     /// Whoever watched wanted no more.
     Interrupted,
 }
+
+/// Part of the plate's own compliance that increments of reaction meet where rounding is minded.
+const CAREFUL: f64 = 1e-9;
 
 /// Events that a path may have.
 pub const MOST_EVENTS: usize = 100_000;
@@ -85,7 +90,11 @@ impl ContactProblem {
     ///
     /// The first stop is the solution at t = 0; if there is none, `visit` is not called.
     pub fn path(&self, load: &PathLoad, visit: &mut dyn FnMut(Stop) -> bool) -> Result<PathEnd, FactorError> {
-        let first = self.solve(load.start, load.held_value, None, None, &mut |_| true)?;
+        let first = if load.careful {
+            self.solve_carefully(load.start, load.held_value, CAREFUL, None, &mut |_| true)
+        } else {
+            self.solve(load.start, load.held_value, None, None, &mut |_| true)?
+        };
         match first.outcome {
             Outcome::Solved => {}
             Outcome::NoEquilibrium => return Ok(PathEnd::NoEquilibrium),
@@ -95,6 +104,10 @@ impl ContactProblem {
         if load.end <= 0.0 {
             return Ok(trail.stuck(0.0, PathEnd::Reached));
         }
-        if self.active.is_empty() { self.pivot_along(load, &mut trail) } else { self.step_along(load, 0.0, &mut trail) }
+        if self.active.is_empty() && !load.careful {
+            self.pivot_along(load, &mut trail)
+        } else {
+            self.step_along(load, 0.0, &mut trail)
+        }
     }
 }

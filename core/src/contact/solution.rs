@@ -43,6 +43,18 @@ impl ContactSolution {
         if finite { Self { outcome: Outcome::Solved, ..self } } else { self.failed(Outcome::Unsolved) }
     }
 
+    /// Goes a part of the way to another solution.
+    pub(super) fn towards(&mut self, other: &Self, part: f64) {
+        for i in 0..self.displacement.hi.len() {
+            let (from, to) = (self.displacement.at(i), other.displacement.at(i));
+            let sum = from + (to - from).times(part);
+            (self.displacement.hi[i], self.displacement.lo[i]) = (sum.hi, sum.lo);
+        }
+        for (from, to) in self.reaction.iter_mut().zip(&other.reaction).chain(self.gap.iter_mut().zip(&other.gap)) {
+            *from += part * (to - *from);
+        }
+    }
+
     /// Takes what is left of the gaps for those of open points.
     pub(super) fn leave_open(&mut self, remaining: &[f64]) {
         for (i, gap) in self.gap.iter_mut().enumerate() {

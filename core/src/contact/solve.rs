@@ -99,7 +99,7 @@ impl ContactProblem {
                 step = self.refine(load, &state, step, motion, &mut solution)?;
             }
             solution.leave_open(&step.remaining);
-            if settled || self.signs_hold(load, travel, &solution) {
+            if settled || self.signs_hold(load, ROUNDING * travel, &solution) {
                 return Ok(solution.solved());
             }
             motion = self.motion(with, &step, form)?;
@@ -195,8 +195,8 @@ impl ContactProblem {
         load.iter().enumerate().map(size).fold(0.0, f64::max)
     }
 
-    /// Whether no reaction pulls and no gap is negative; `travel` is how far the load moves points that may move.
-    pub(super) fn signs_hold(&self, load: &[f64], travel: f64, solution: &ContactSolution) -> bool {
+    /// Whether no reaction pulls and no gap is negative; lengths up to `nil` are none.
+    pub(super) fn signs_hold(&self, load: &[f64], nil: f64, solution: &ContactSolution) -> bool {
         let c = &self.constraints;
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         // Without a load, reactions are what the plate's stiffness makes of gaps.
@@ -205,7 +205,7 @@ impl ContactProblem {
             load => load,
         };
         let force = SIGN * largest(&solution.reaction).max(load);
-        let length: Vec<f64> = self.lengths(solution).iter().map(|l| (SIGN * l).max(ROUNDING * travel)).collect();
+        let length: Vec<f64> = self.lengths(solution).iter().map(|l| (SIGN * l).max(nil)).collect();
         let holds = |i: usize| solution.reaction[i] >= -force && solution.gap[i] >= -length[i];
         (0..c.two_sided.len()).all(|i| c.two_sided[i] || holds(i))
     }

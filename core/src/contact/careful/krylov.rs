@@ -9,6 +9,8 @@ use crate::contact::problem::ContactProblem;
 use crate::contact::refinement::Step;
 use crate::contact::solution::ContactSolution;
 use crate::contact::solve::ROUNDING;
+use crate::plate::Plate;
+use crate::residual::Displacement;
 
 /// At most this many directions.
 const DIRECTIONS: usize = 80;
@@ -129,9 +131,10 @@ impl Careful<'_> {
 
     fn sizes(&self, load: &[f64], solution: &ContactSolution) -> Sizes {
         let or_one = |size: f64| if size > 0.0 { size } else { 1.0 };
-        let force = or_one(self.problem.largest_force(load, solution));
+        let force = or_one(self.problem.largest_force(load, solution).max(self.beside));
         let lengths = self.problem.lengths(solution).into_iter().zip(&self.per_length);
-        let gap = lengths.map(|(length, unit)| or_one(length) * unit).collect();
+        let least = self.least_length(load);
+        let gap = lengths.map(|(length, unit)| or_one(length.max(least)) * unit).collect();
         Sizes { force, couple: force * self.problem.across(), gap }
     }
 
@@ -160,6 +163,13 @@ impl ContactSolution {
 }
 
 impl Direction {
+    /// The motion of all nodes (3n).
+    pub(super) fn motion(&self, plate: &Plate) -> Vec<f64> {
+        let mut all = Displacement { hi: self.nodal.clone(), lo: vec![0.0; self.nodal.len()] };
+        all.add_rigid(plate, extent(plate).0, self.rigid);
+        all.hi
+    }
+
     fn subtract(&mut self, part: f64, other: &Self) {
         subtract(&mut self.rigid, part, &other.rigid);
         subtract(&mut self.nodal, part, &other.nodal);

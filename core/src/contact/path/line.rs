@@ -5,7 +5,6 @@ use super::{PathLoad, SIGN};
 use crate::cholesky::FactorError;
 use crate::contact::problem::{ContactProblem, Factored};
 use crate::contact::solution::{ContactSolution, Outcome};
-use crate::residual::Displacement;
 
 /// How far, over a segment's length, its refined end may be from where pivoting saw it.
 const MOVED: f64 = 1e-3;
@@ -45,17 +44,9 @@ impl Line {
     }
 
     pub fn at(&self, t: f64) -> ContactSolution {
-        let part = self.part(t);
-        let [a, b] = &self.ends;
-        let between = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + part * (b - a)).collect();
-        let mut displacement = Displacement::zeros(a.displacement.hi.len());
-        for i in 0..displacement.hi.len() {
-            let (from, to) = (a.displacement.at(i), b.displacement.at(i));
-            let sum = from + (to - from).times(part);
-            (displacement.hi[i], displacement.lo[i]) = (sum.hi, sum.lo);
-        }
-        let (reaction, gap) = (between(&a.reaction, &b.reaction), between(&a.gap, &b.gap));
-        ContactSolution { displacement, reaction, gap, ..a.clone() }
+        let mut solution = self.ends[0].clone();
+        solution.towards(&self.ends[1], self.part(t));
+        solution
     }
 
     /// Where the points that switch at the end of a segment reach zero; `None` if none does near its end.
@@ -122,6 +113,21 @@ impl ContactProblem {
         Ok(ContactSolution { outcome, closed: closed.to_vec(), ..solution })
     }
 
+    fn on_set(
+        &self,
+        path: &PathLoad,
+        load: &[f64],
+        closed: &[bool],
+        start: Option<&ContactSolution>,
+        own: &mut Option<Factored>,
+        least: f64,
+    ) -> Result<ContactSolution, FactorError> {
+        if path.careful {
+            return Ok(self.solve_carefully_on(load, path.held_value, closed, least));
+        }
+        self.on(load, path.held_value, closed, start, own, least)
+    }
+
     /// `None` where the set leaves the plate free.
     pub(super) fn line(
         &self,
@@ -133,7 +139,7 @@ impl ContactProblem {
     ) -> Result<Option<Line>, FactorError> {
         let loads = at.map(|t| load.at(t));
         let least = f64::max(largest(&loads[0]), largest(&loads[1]));
-        let from = self.on(&loads[0], load.held_value, closed, start, own, least)?;
+        let from = self.on_set(load, &loads[0], closed, start, own, least)?;
         if from.outcome != Outcome::Solved {
             return Ok(None);
         }
@@ -151,7 +157,7 @@ impl ContactProblem {
         let loads = at.map(|t| load.at(t));
         let least = f64::max(largest(&loads[0]), largest(&loads[1]));
         let closed = &from.closed;
-        let to = self.on(&loads[1], load.held_value, closed, Some(&from), own, least)?;
+        let to = self.on_set(load, &loads[1], closed, Some(&from), own, least)?;
         if to.outcome != Outcome::Solved {
             return Ok(None);
         }

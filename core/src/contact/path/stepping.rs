@@ -2,7 +2,7 @@
 
 use super::line::{Line, standing_on};
 use super::trail::Trail;
-use super::{MOST_EVENTS, PathEnd, PathLoad, SIGN};
+use super::{CAREFUL, MOST_EVENTS, PathEnd, PathLoad, SIGN};
 use crate::cholesky::FactorError;
 use crate::contact::active_set::Start;
 use crate::contact::problem::{ContactProblem, Factored};
@@ -88,7 +88,12 @@ impl ContactProblem {
                 factored: own.as_ref(),
                 balanced: None,
             };
-            let near = self.solve_from(&load.at(t + part * span), load.held_value, &start, &mut |_| true)?;
+            let beyond = load.at(t + part * span);
+            let near = if load.careful {
+                self.solve_carefully(&beyond, load.held_value, CAREFUL, None, &mut |_| true)
+            } else {
+                self.solve_from(&beyond, load.held_value, &start, &mut |_| true)?
+            };
             if near.outcome != Outcome::Solved {
                 continue;
             }

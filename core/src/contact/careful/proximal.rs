@@ -1,0 +1,80 @@
+//! The complementarity problem of one proximal step.
+
+use super::Careful;
+use super::saddle::Saddle;
+use crate::contact::refinement::Step;
+use crate::contact::solution::{ContactSolution, Outcome};
+use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke_from};
+use rayon::prelude::*;
+
+/// What one-sided points do to each other where the two-sided ones hold: the proximal step's M.
+pub(super) struct Proximal {
+    held: Saddle,
+    points: Vec<usize>,
+    matrix: Vec<f64>,
+}
+
+impl Careful<'_> {
+    /// `None` if what is two-sided contradicts itself beyond the arithmetic.
+    fn proximal(&self) -> Option<Proximal> {
+        let problem = self.problem;
+        let two_sided = &problem.constraints.two_sided;
+        let held = Saddle::of(self, two_sided)?;
+        let points: Vec<usize> = (0..two_sided.len()).filter(|&i| !two_sided[i]).collect();
+        let still = vec![0.0; two_sided.len()];
+        // The matrix is symmetric, so that what a push does everywhere is a row.
+        let mut matrix = vec![0.0; points.len() * points.len()];
+        matrix.par_chunks_mut(points.len().max(1)).enumerate().for_each(|(at, row)| {
+            let mut push = vec![0.0; problem.plate.dof_count()];
+            problem.constraints.rows.scatter(&problem.plate, points[at], 1.0, &mut push);
+            let (nodal, _) = held.response(problem, &push, &still);
+            for (value, &other) in row.iter_mut().zip(&points) {
+                *value = problem.constraints.rows.dot(&problem.plate, other, &nodal);
+            }
+            row[at] += self.compliance[points[at]];
+        });
+        Some(Proximal { held, points, matrix })
+    }
+
+    /// The contact set of one proximal step; M is made when it is first asked for.
+    pub(super) fn contact_set(
+        &self,
+        proximal: &mut Option<Proximal>,
+        step: &Step,
+        near: &mut ContactSolution,
+    ) -> Result<Vec<bool>, Outcome> {
+        let problem = self.problem;
+        let mut closed = problem.constraints.two_sided.clone();
+        if closed.iter().all(|&both| both) {
+            return Ok(closed);
+        }
+        if proximal.is_none() {
+            *proximal = self.proximal();
+        }
+        let Some(proximal) = proximal else {
+            return Err(Outcome::Unsolved);
+        };
+        let points = &proximal.points;
+        let (nodal, _) = proximal.held.response(problem, &step.imbalance, &step.remaining);
+        let gap = |(row, &point): (usize, &usize)| {
+            let acting = proximal.matrix[row * points.len()..].iter().zip(points);
+            let pushed_by: f64 = acting.map(|(m, &other)| m * near.reaction[other]).sum();
+            step.remaining[point] - problem.constraints.rows.dot(&problem.plate, point, &nodal) - pushed_by
+        };
+        let q: Vec<f64> = points.iter().enumerate().map(gap).collect();
+        let basis: Vec<bool> = points.iter().map(|&point| near.closed[point]).collect();
+        let found = Lcp::new(&proximal.matrix, &q).and_then(|lcp| lemke_from(&lcp, &LemkeOptions::default(), &basis));
+        let Ok(found) = found else {
+            return Err(Outcome::Unsolved);
+        };
+        near.pivots += found.pivots;
+        match found.status {
+            LcpStatus::Solved => {
+                points.iter().zip(&found.basis).for_each(|(&point, &basic)| closed[point] = basic);
+                Ok(closed)
+            }
+            LcpStatus::Ray => Err(Outcome::NoEquilibrium),
+            LcpStatus::PivotLimit => Err(Outcome::Unsolved),
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! From proximal step to proximal step, until the equations of one contact set give the right signs.
+
+use super::Careful;
+use super::floating::Floating;
+use super::krylov::Direction;
+use super::saddle::Saddle;
+use crate::contact::active_set::Progress;
+use crate::contact::refinement::Step;
+use crate::contact::solution::{ContactSolution, Outcome};
+use crate::contact::solve::{ROUNDING, SIGN, STATES};
+
+/// So many steps let a plate afloat settle all the way on their contact set. Later ones, where sets come back, go only as
+/// far as the resistance lets them.
+const SETTLING: usize = 20;
+
+/// What the equations of a contact set give, signs as they come.
+struct OnSet {
+    solution: ContactSolution,
+    /// Whether nothing but rounding is left of the equations.
+    within_rounding: bool,
+}
+
+impl Careful<'_> {
+    pub(super) fn solve(
+        &self,
+        load: &[f64],
+        at_rest: ContactSolution,
+        mut given: Option<Vec<bool>>,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> ContactSolution {
+        let problem = self.problem;
+        let mut near = at_rest;
+        let mut step = problem.step(load, &near);
+        let mut proximal = None;
+        let mut state = None;
+        let mut on_set: Option<OnSet> = None;
+        let mut before = near.closed.clone();
+        for number in 0..STATES {
+            // A set that was solved for before may be right where rounding would have the LCP choose another.
+            let chosen = match given.take() {
+                Some(set) => Ok(set),
+                None => self.contact_set(&mut proximal, &step, &mut near),
+            };
+            near.closed = match chosen {
+                Ok(closed) => closed,
+                Err(outcome) => return on_set.map_or_else(|| near.failed(outcome), |on_set| on_set.solution),
+            };
+            let changing = before.iter().zip(&near.closed).filter(|(before, now)| before != now).count();
+            let same = number > 0 && changing == 0;
+            before.clone_from(&near.closed);
+            if !same {
+                state = Saddle::of(self, &near.closed);
+            }
+            let Some(saddle) = &state else {
+                return near.failed(Outcome::Unsolved);
+            };
+            if problem.release_open(&mut near) {
+                step = problem.step(load, &near);
+            }
+            let floating = Floating::of(self, &near.closed);
+            let settling = floating.as_ref().filter(|_| number < SETTLING);
+            let direction = self.direction(load, saddle, &step, settling, &near);
+            near.follow(problem, &direction, 1.0);
+            near.corrections += 1;
+            let mut next = problem.step(load, &near);
+            if same {
+                given = self.go_on(load, &mut near, on_set.as_ref(), &direction, &step, &next);
+                next = problem.step(load, &near);
+            }
+            step = next;
+            let left = self.length(load, &step, &near);
+            if !watch(Progress { step: number + 1, changing, residual: left }) {
+                return near.failed(Outcome::Interrupted);
+            }
+            // A proximal step's reactions push; those that the equations of a set give need not.
+            if on_set.as_ref().is_none_or(|on_set| on_set.solution.closed != near.closed) {
+                let tried = self.on_set(load, &near, saddle, floating.as_ref(), &step);
+                let right = problem.signs_hold(load, SIGN * self.least_length(load), &tried.solution);
+                if right && tried.within_rounding {
+                    return tried.solution;
+                }
+                on_set = Some(tried);
+            }
+            if same && left <= ROUNDING {
+                break;
+            }
+        }
+        near.leave_open(&step.remaining);
+        near.solved()
+    }
+
+    /// The solution of the equations of the contact set that a solution has, beginning there.
+    fn on_set(
+        &self,
+        load: &[f64],
+        near: &ContactSolution,
+        saddle: &Saddle,
+        floating: Option<&Floating>,
+        from: &Step,
+    ) -> OnSet {
+        let mut solution = near.clone();
+        let left = self.refine(load, saddle, floating, from, &mut solution);
+        solution.leave_open(&left.remaining);
+        let within_rounding = self.solved(load, &left, &solution);
+        OnSet { solution: solution.solved(), within_rounding }
+    }
+
+    /// Goes on after a second step in one set: towards what its equations give, or as far as the step leads. The set to
+    /// go on with, where a point stops the way.
+    fn go_on(
+        &self,
+        load: &[f64],
+        near: &mut ContactSolution,
+        on_set: Option<&OnSet>,
+        direction: &Direction,
+        from: &Step,
+        to: &Step,
+    ) -> Option<Vec<bool>> {
+        if let Some(on_set) = on_set.filter(|on_set| on_set.within_rounding) {
+            let (part, stopped_by) = self.part_of_the_way(near, to, &on_set.solution);
+            near.towards(&on_set.solution, part);
+            // A proximal step would let go of the point, or take it up, only when it is far beyond.
+            return stopped_by.map(|point| {
+                let mut set = near.closed.clone();
+                set[point] = !set[point];
+                set
+            });
+        }
+        if !self.solved(load, to, near) {
+            near.follow(self.problem, direction, self.reach(near, direction, from, to));
+        }
+        None
+    }
+
+    /// How far one may go to the solution of a contact set's equations, and the point whose gap closes or whose reaction
+    /// ends there.
+    fn part_of_the_way(&self, near: &ContactSolution, step: &Step, to: &ContactSolution) -> (f64, Option<usize>) {
+        let mut part = (1.0_f64, None);
+        for i in (0..near.closed.len()).filter(|&i| !self.problem.constraints.two_sided[i]) {
+            let (from, to) =
+                if near.closed[i] { (near.reaction[i], to.reaction[i]) } else { (step.remaining[i], to.gap[i]) };
+            let stop = from.max(0.0) / (from.max(0.0) - to);
+            if to < 0.0 && stop < part.0 {
+                part = (stop, Some(i));
+            }
+        }
+        part
+    }
+
+    /// How many times over a step may go on: while it leads down, no gap closes and no reaction pulls.
+    ///
+    /// What a second step in one set moves is what the regularization alone holds, so that it goes on as it began.
+    fn reach(&self, near: &ContactSolution, direction: &Direction, from: &Step, to: &Step) -> f64 {
+        let motion = direction.motion(&self.problem.plate);
+        // What is out of balance and what is left of gaps, by the motion and the reactions that answer them.
+        let work = |step: &Step| {
+            let of_forces = motion.iter().zip(&step.imbalance).map(|(u, f)| u * f).sum::<f64>();
+            of_forces - direction.reaction.iter().zip(&step.remaining).map(|(r, gap)| r * gap).sum::<f64>()
+        };
+        let (left, lost) = (work(to), work(from) - work(to));
+        let mut reach = if lost > 0.0 { left.max(0.0) / lost } else { f64::INFINITY };
+        for i in (0..near.closed.len()).filter(|&i| !self.problem.constraints.two_sided[i]) {
+            let (now, lost) = if near.closed[i] {
+                (near.reaction[i], -direction.reaction[i])
+            } else {
+                (to.remaining[i], from.remaining[i] - to.remaining[i])
+            };
+            if lost > 0.0 {
+                reach = reach.min(now.max(0.0) / lost);
+            }
+        }
+        if reach.is_finite() { reach } else { 0.0 }
+    }
+}
