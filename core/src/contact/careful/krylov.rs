@@ -55,7 +55,10 @@ impl Careful<'_> {
         let mut residual = self.residual(&step, &sizes, solution);
         let mut lengths = vec![norm(&residual)];
         let mut taken: Vec<Taken> = Vec::new();
-        while taken.len() < DIRECTIONS && residual.iter().any(|r| r.abs() > ROUNDING) {
+        for _ in 0..DIRECTIONS {
+            if residual.iter().all(|r| r.abs() <= ROUNDING) {
+                break;
+            }
             let mut direction = self.direction(load, saddle, &step, floating, solution);
             let mut trial = solution.clone();
             trial.follow(problem, &direction, 1.0);
@@ -81,7 +84,12 @@ impl Careful<'_> {
             let length = norm(&left);
             if length.is_nan() || length >= lengths[lengths.len() - 1] {
                 *solution = before;
-                break;
+                if taken.is_empty() {
+                    break;
+                }
+                // Directions that have lost what they are orthogonal to.
+                taken.clear();
+                continue;
             }
             (step, residual) = (next, left);
             taken.push(Taken { direction, change });
