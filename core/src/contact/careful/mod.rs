@@ -21,9 +21,11 @@ use crate::residual::internal_magnitude;
 use floating::{Floating, extent, rigidity};
 use saddle::Saddle;
 
-/// Part of the plate's own stiffness that increments of deflection meet, all nodes together: what is much less would
-/// drown the rest of an LCP in how far a loose plate goes.
-const KEEPING: f64 = 1e-3;
+/// Part of the plate's own stiffness that increments of deflection meet, all nodes together: so many times the root of
+/// the part by which reactions yield, and at least the other. Much less would drown the rest of an LCP in how far a loose
+/// plate goes.
+const KEEPING: f64 = 100.0;
+const LEAST_KEPT: f64 = 1e-3;
 
 /// Part of the plate's own compliance where the contact set is given.
 const PART_ON_A_SET: f64 = 1e-9;
@@ -103,7 +105,8 @@ impl<'a> Careful<'a> {
         let per_length: Vec<f64> = constraints.rows.coefficient.iter().map(per_length).collect();
         let least = per_length.iter().map(|unit| part * unit * unit / own_stiffness);
         let compliance = constraints.compliance.iter().zip(least).map(|(own, least)| own.max(least)).collect();
-        let bed = KEEPING * own_stiffness / problem.plate.node_count() as f64;
+        let kept = (KEEPING * part.sqrt()).max(LEAST_KEPT);
+        let bed = kept * own_stiffness / problem.plate.node_count() as f64;
         Self { problem, compliance, per_length, own_stiffness, bed, beside }
     }
 
