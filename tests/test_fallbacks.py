@@ -5,7 +5,8 @@ import pytest
 
 import signorini
 from signorini import Model, NotCertifiedError
-from signorini.problem import ContactProblem
+from signorini.certificate import certify
+from signorini.problem import ContactProblem, contact_problem
 
 
 def slab(method: str = "auto", divisions: int = 8) -> Model:
@@ -88,6 +89,28 @@ def test_a_method_asked_for_by_name_is_the_first_and_the_result_says_if_another_
     unsettled.add(method)
     result = signorini.solve(model)["all"]
     assert (result.unsettled, result.method) == ((method,), next_one)
+
+
+@pytest.mark.parametrize("part", [1e-6, 1e-9, 1e-11])
+def test_with_care_an_ordinary_slab_has_its_ordinary_answer(part: float) -> None:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+        mesh={"divisions": [10, 10]},
+        support=[
+            {"edge": ["left", "right", "top", "bottom"], "resists": "down"},
+            {"line": [[5, 0.1], [5, 9.9]], "resists": "down", "gap": 1e-4},
+        ],
+        load=[{"pressure": 5e3}, {"force": 4e5, "at": [9.5, 9.5]}],
+        solver={"method": "lemke"},
+    )
+    problem = contact_problem(model)
+    load = problem.discretisation.cases["load"]
+    plain, careful = problem.solve(load), problem.solve_carefully(load, part)
+    assert certify(problem.discretisation, load, careful.hi, careful.lo, careful.reaction).passed
+    assert (plain.closed == careful.closed).all() and 0 < plain.closed.sum() < len(plain.closed)
+    assert np.abs(plain.hi - careful.hi).max() < 1e-11 * np.abs(plain.hi).max()
+    assert np.abs(plain.reaction - careful.reaction).max() < 1e-8 * np.abs(plain.reaction).max()
 
 
 def test_what_no_method_settles_is_refused(unsettled: set[str]) -> None:
