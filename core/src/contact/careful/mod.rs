@@ -112,8 +112,9 @@ impl<'a> Careful<'a> {
 
     /// A length by which those of a plate that hardly deflects are measured; far less than the load would deflect it.
     fn least_length(&self, load: &[f64]) -> f64 {
-        let force: f64 = load.iter().step_by(3).map(|f| f.abs()).sum();
-        NIL * force / self.own_stiffness
+        let (_, size) = extent(&self.problem.plate);
+        let by_force = |(dof, f): (usize, &f64)| if dof % 3 == 0 { f.abs() } else { f.abs() / size };
+        NIL * load.iter().enumerate().map(by_force).sum::<f64>() / self.own_stiffness
     }
 
     /// Whether a residual is that of a solution.
