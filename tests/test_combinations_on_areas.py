@@ -94,6 +94,13 @@ def test_one_without_equilibrium_and_one_that_nearly_tips_stand_among_others(tmp
     assert table["stands"]["open:soil"] == single.supports[0].open_count > 0
 
 
+def test_a_batch_of_which_none_has_equilibrium_stands_before_one_that_has() -> None:
+    """More than are in memory at once tip, so that none of them is left to be solved together."""
+    rows = {f"c{i}": [0.0, 0.0, 0.0, 1.0 + i] for i in range(70)} | {"rests": [1.0, 0.0, 0.0, 0.0]}
+    combined = signorini.solve(Model(**tables("soil", rows))).combined
+    assert combined is not None and (combined.solved, len(combined.combinations)) == (1, 71)
+
+
 def test_without_a_solution_in_common_the_answers_are_the_same():
     model = Model(**tables("soil and rigid points", random_rows(11)))
     problem = contact_problem(model)

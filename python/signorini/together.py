@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -62,13 +62,15 @@ def _solve(
         for number, combination in enumerate(combinations)
         if _surely_balanced(problem, rays, (load := found.load(combination)).nodal)
     }
-    nodal, curvatures, couples = (
-        np.array([getattr(load, part) for load in loads.values()]).reshape(len(loads), -1)
-        for part in ("nodal", "curvature", "couples")
-    )
-    solved = _core.solve_together(problem.core, problem.reference, nodal, found.held.values) if loads else []
-    stresses: Iterable[Floats] = _core.solution_stresses(found.plate, solved, curvatures, couples) if loads else ()
-    answers = dict(zip(loads, zip(solved, stresses, strict=True), strict=True))
+    answers: dict[int, tuple[_core.ContactSolution, Floats]] = {}
+    if loads:
+        nodal, curvatures, couples = (
+            np.array([getattr(load, part) for load in loads.values()]).reshape(len(loads), -1)
+            for part in ("nodal", "curvature", "couples")
+        )
+        solved = _core.solve_together(problem.core, problem.reference, nodal, found.held.values)
+        stresses = _core.solution_stresses(found.plate, solved, curvatures, couples)
+        answers = dict(zip(loads, zip(solved, stresses, strict=True), strict=True))
     for number, combination in enumerate(combinations):
         if number in answers and answers[number][0].status == "solved":
             answer, stress = answers.pop(number)
