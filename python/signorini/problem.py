@@ -28,7 +28,7 @@ Steps: TypeAlias = Callable[[int, int, float], object]
 
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 
-_YIELDING = (1e-6, 1e-9, 1e-11, 1e-13)
+_YIELDING = (1e-6, 1e-9, 1e-11, 1e-13, 1e-15)
 """Parts of the plate's own compliance that are tried, each from the contact set of the one before; see `Attempt`."""
 
 MOST_POINTS = 6000
