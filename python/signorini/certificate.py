@@ -132,6 +132,7 @@ def certify(
             _NIL * _loaded_deflection(found, load.nodal),
             _UNSEEN * _loaded_deflection(found, beside),
             travel if idle else 0.0,
+            _UNSEEN * found.springs.base if idle else 0.0,
         )
         slope = _largest(hi.reshape(-1, 3)[:, 1:], length / size)
         lengths = np.where(contacts.slope, slope, np.maximum(travel, length)) + (length == 0.0)

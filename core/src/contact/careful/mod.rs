@@ -114,7 +114,9 @@ impl<'a> Careful<'a> {
     fn least_length(&self, load: &[f64]) -> f64 {
         let (_, size) = extent(&self.problem.plate);
         let by_force = |(dof, f): (usize, &f64)| if dof % 3 == 0 { f.abs() } else { f.abs() / size };
-        NIL * load.iter().enumerate().map(by_force).sum::<f64>() / self.own_stiffness
+        let springs = &self.problem.springs;
+        let settled: f64 = springs.stiffness.iter().zip(&springs.base).map(|(k, base)| (k * base).abs()).sum();
+        NIL * (load.iter().enumerate().map(by_force).sum::<f64>() + settled) / self.own_stiffness
     }
 
     /// Whether a residual is that of a solution.
