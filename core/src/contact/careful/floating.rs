@@ -62,7 +62,7 @@ impl Floating {
             hold(*arm, 1.0 / c);
         }
         let softest = eliminated(matrix, Default::default()).1;
-        (softest < rigidity(plate) / (size * size)).then_some(Self { size, nodal, points, compliance, matrix })
+        (softest < careful.own_stiffness).then_some(Self { size, nodal, points, compliance, matrix })
     }
 
     /// The rigid motion (deflection and slopes at the centre) that balances a step's resultants by springs and closed
