@@ -160,11 +160,19 @@ def rust(crate: str) -> dict[str, str]:
     [
         ("core", r"\b(pyo3|numpy|PyResult)\b", "the core knows no Python"),
         ("core", r"\be?print(ln)?!|std::fs|File::open", "the core does not print and opens no files"),
-        ("bindings", r"\b(faer|rayon|clarabel)\b", "the bindings convert and compute nothing"),
+        ("bindings", r"\b(faer|clarabel)\b", "the bindings convert and compute nothing"),
     ],
 )
 def test_the_border_between_rust_and_python(crate: str, forbidden: str, why: str) -> None:
     assert [place for place, text in rust(crate).items() if re.search(forbidden, text)] == [], why
+
+
+def test_every_entry_into_the_core_works_on_the_threads_of_its_process() -> None:
+    """An entry that released the interpreter by itself would wait, in a fork, for threads of its parent's."""
+    bindings = {place: text for place, text in rust("bindings").items() if place.endswith(".rs")}
+    assert [place for place, text in bindings.items() if re.search(r"\brayon\b|\bdetach\b", text)] == [
+        "bindings/src/threads.rs"
+    ]
 
 
 def test_complementarity_knows_nothing_of_plates() -> None:

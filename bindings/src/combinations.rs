@@ -1,6 +1,7 @@
 use crate::arrays::{invalid, matrix, rows_of, sized};
 use crate::contact::{ContactProblem, failed};
 use crate::plate::Plate;
+use crate::threads::released;
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1,
     PyUntypedArrayMethods,
@@ -86,7 +87,7 @@ pub fn rest_response(
     held_value: PyReadonlyArray1<'_, f64>,
 ) -> PyResult<Response> {
     let held_value = sized("held_value", &held_value, problem.inner.plate.dof_count())?;
-    let inner = py.detach(|| problem.inner.rest_response(&held_value)).map_err(failed)?;
+    let inner = released(py, || problem.inner.rest_response(&held_value))?.map_err(failed)?;
     Ok(Response { inner })
 }
 
@@ -101,7 +102,7 @@ pub fn load_responses(
         return Err(invalid(format!("loads must have {} columns", problem.inner.plate.dof_count())));
     }
     let loads = rows(&loads);
-    let found = py.detach(|| problem.inner.load_responses(&loads)).map_err(failed)?;
+    let found = released(py, || problem.inner.load_responses(&loads))?.map_err(failed)?;
     Ok(found.into_iter().map(|inner| Response { inner }).collect())
 }
 
@@ -112,7 +113,7 @@ pub fn point_responses(problem: &ContactProblem, py: Python<'_>, first: usize, e
     if end > count {
         return Err(invalid(format!("there are {count} contact points, not {end}")));
     }
-    let found = py.detach(|| problem.inner.point_responses(first..end)).map_err(failed)?;
+    let found = released(py, || problem.inner.point_responses(first..end))?.map_err(failed)?;
     Ok(found.into_iter().map(|inner| Response { inner }).collect())
 }
 
@@ -133,7 +134,7 @@ pub fn combined_cases(
     let cases: Vec<_> = cases.iter().map(|case| at_points(case)).collect();
     let points: Vec<_> = points.iter().map(|point| at_points(point)).collect();
     let number = cases.len();
-    let inner = py.detach(|| problem.inner.combined_cases(rest, cases, &points));
+    let inner = released(py, || problem.inner.combined_cases(rest, cases, &points))?;
     Ok(CombinedCases { inner, cases: number })
 }
 
@@ -153,7 +154,7 @@ pub fn combine<'py>(
     }
     let factors = rows(&factors);
     let shared = &cases.inner;
-    let found = py.detach(|| problem.inner.combine(shared, &factors));
+    let found = released(py, || problem.inner.combine(shared, &factors))?;
     let count = problem.inner.constraints.rows.len();
     let verdict = |verdict: Verdict| match verdict {
         Verdict::Solved => 0,
@@ -207,7 +208,7 @@ pub fn stresses<'py>(
         .zip(&couples)
         .map(|((displacement, curvature), couples)| Strained { displacement, curvature, couples })
         .collect();
-    let nodal = py.detach(|| smoothed_together(&plate.inner, &strained));
+    let nodal = released(py, || smoothed_together(&plate.inner, &strained))?;
     let values = nodal.into_iter().flat_map(|stress| stress.into_flattened()).collect();
     PyArray1::from_vec(py, values).reshape([number, nodes, 5])
 }
@@ -225,7 +226,7 @@ pub fn superpose<'py>(
     }
     let number = coefficients.shape()[0];
     let (coefficients, vectors) = (coefficients.as_slice()?, vectors.as_slice()?);
-    let mut out = py.detach(|| superposition::superpose(coefficients, vectors, count));
+    let mut out = released(py, || superposition::superpose(coefficients, vectors, count))?;
     out.resize(number * length, 0.0);
     PyArray1::from_vec(py, out).reshape([number, length])
 }
@@ -260,7 +261,7 @@ pub fn envelop<'py>(
         smallest: smallest.as_slice_mut()?,
         smallest_by: smallest_by.as_slice_mut()?,
     };
-    let peaks = py.detach(|| superposition::envelop(coefficients, vectors, who, &mut envelope));
+    let peaks = released(py, || superposition::envelop(coefficients, vectors, who, &mut envelope))?;
     let values = peaks.iter().flat_map(|peak| [peak.largest, peak.smallest]).collect();
     let places = peaks.iter().flat_map(|peak| [peak.largest_at as i64, peak.smallest_at as i64]).collect();
     Ok((matrix(py, values, 2)?, PyArray1::from_vec(py, places).reshape([number, 2])?))

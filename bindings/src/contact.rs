@@ -1,6 +1,7 @@
 use crate::arrays::{SpringArrays, element_rows, flags, invalid, matrix, sized, springs};
 use crate::plate::Plate;
 use crate::solution::{ContactSolution, Reference};
+use crate::threads::{released, told};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -56,20 +57,11 @@ fn watched(
     progress: Option<Py<PyAny>>,
     solve: impl Send + FnOnce(&mut dyn FnMut(Progress) -> bool) -> Result<contact::ContactSolution, FactorError>,
 ) -> PyResult<ContactSolution> {
-    let mut raised = None;
-    let mut watch = |now: Progress| {
-        let called = Python::attach(|py| match &progress {
-            Some(progress) => progress.call1(py, (now.step, now.changing, now.residual)).map(|_| ()),
-            None => py.check_signals(),
-        });
-        raised = called.err();
-        raised.is_none()
+    let tell = |py: Python<'_>, now: Progress| match &progress {
+        Some(progress) => progress.call1(py, (now.step, now.changing, now.residual)).map(|_| ()),
+        None => py.check_signals(),
     };
-    let solved = py.detach(|| solve(&mut watch)).map_err(failed);
-    match raised {
-        Some(error) => Err(error),
-        None => Ok(ContactSolution { inner: solved? }),
-    }
+    Ok(ContactSolution { inner: told(py, tell, solve)?.map_err(failed)? })
 }
 
 #[pymethods]
@@ -110,8 +102,7 @@ impl ContactProblem {
             return Err(invalid("compliance and regularization must be finite and not negative, distances finite"));
         }
         let shared = plate.inner.clone();
-        let inner = py
-            .detach(|| contact::ContactProblem::new(shared, springs, held, constraints, by_active_set))
+        let inner = released(py, || contact::ContactProblem::new(shared, springs, held, constraints, by_active_set))?
             .map_err(failed)?;
         Ok(Self { inner: Arc::new(inner) })
     }
@@ -194,7 +185,7 @@ impl ContactProblem {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        let found = py.detach(|| self.inner.reference(&load, &held_value)).map_err(failed)?;
+        let found = released(py, || self.inner.reference(&load, &held_value))?.map_err(failed)?;
         Ok(found.map(|inner| Reference { inner, of: self.inner.clone() }))
     }
 
@@ -227,7 +218,7 @@ impl ContactProblem {
         let held_value = sized("held_value", &held_value, dofs)?;
         let points = self.inner.order.condensed.len() + self.inner.order.active.len();
         let closed = flags("closed", &closed, points)?;
-        let inner = py.detach(|| self.inner.solve_on(&load, &held_value, &closed)).map_err(failed)?;
+        let inner = released(py, || self.inner.solve_on(&load, &held_value, &closed))?.map_err(failed)?;
         Ok(ContactSolution { inner })
     }
 
@@ -253,25 +244,19 @@ impl ContactProblem {
         let start = sized("the load", &start, dofs)?;
         let add = sized("the load to be added", &add, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        let mut raised = None;
-        let mut show = |stop: Stop| {
-            let called = Python::attach(|py| {
-                let switched = PyArray1::from_vec(py, stop.switched.iter().map(|&i| i as i64).collect());
-                let solution = ContactSolution { inner: stop.solution.clone() };
-                visit.call1(py, (stop.t, switched, solution)).map(|_| ())
-            });
-            raised = called.err();
-            raised.is_none()
-        };
         if careful && !self.inner.order.active.is_empty() {
             return Err(invalid("points of an active set are not condensed"));
         }
         let load = PathLoad { start: &start, add: &add, held_value: &held_value, end, careful };
-        let ended = py.detach(|| self.inner.path(&load, &mut show)).map_err(failed);
-        if let Some(error) = raised {
-            return Err(error);
-        }
-        Ok(match ended? {
+        let tell = |py: Python<'_>, (t, switched, inner): (f64, Vec<i64>, contact::ContactSolution)| {
+            visit.call1(py, (t, PyArray1::from_vec(py, switched), ContactSolution { inner })).map(|_| ())
+        };
+        let ended = told(py, tell, |show| {
+            let mut show =
+                |stop: Stop| show((stop.t, stop.switched.iter().map(|&i| i as i64).collect(), stop.solution.clone()));
+            self.inner.path(&load, &mut show)
+        })?;
+        Ok(match ended.map_err(failed)? {
             PathEnd::Reached => "reached",
             PathEnd::Unbounded => "unbounded",
             PathEnd::NoEquilibrium => "no_equilibrium",
@@ -293,7 +278,7 @@ impl ContactProblem {
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
         let form = form.map(form_of).transpose()?;
-        let posed = py.detach(|| self.inner.lcp(&load, &held_value, form)).map_err(failed)?;
+        let posed = released(py, || self.inner.lcp(&load, &held_value, form))?.map_err(failed)?;
         let size = posed.q.len();
         Ok((
             matrix(py, posed.matrix, size)?,
@@ -310,7 +295,7 @@ impl ContactProblem {
         load: PyReadonlyArray1<'_, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let load = sized("the load", &load, self.inner.plate.dof_count())?;
-        let out = py.detach(|| self.inner.apply_inverse(&load)).map_err(failed)?;
+        let out = released(py, || self.inner.apply_inverse(&load))?.map_err(failed)?;
         Ok(PyArray1::from_vec(py, out))
     }
 

@@ -1,4 +1,5 @@
 use crate::arrays::invalid;
+use crate::threads::released;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use signorini_core::lcp::{self, Lcp, LcpStatus, LemkeOptions};
@@ -43,7 +44,7 @@ pub fn lemke(
             None => lcp::lemke(&problem, &options),
         }
     };
-    Ok(LcpSolution { inner: py.detach(solve).map_err(invalid)? })
+    Ok(LcpSolution { inner: released(py, solve)?.map_err(invalid)? })
 }
 
 #[pymethods]

@@ -7,6 +7,7 @@ mod interpolation;
 mod lcp;
 mod plate;
 mod solution;
+mod threads;
 mod together;
 
 use pyo3::prelude::*;

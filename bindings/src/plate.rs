@@ -1,4 +1,5 @@
 use crate::arrays::{SpringArrays, flags, indices, invalid, matrix, rows_of, sized, springs};
+use crate::threads::released;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use signorini_core::assembly::{Numbering, assemble};
@@ -63,8 +64,8 @@ impl Plate {
         let thickness = sized("thickness", &thickness, points.len())?;
         let frames = frames.map(|f| rows_of::<2, f64>("frames", &f)).transpose()?;
         let material = Material { young, poisson, shear_factor };
-        let inner =
-            py.detach(|| plate::Plate::new(points, elements, thickness, material, kind, frames)).map_err(invalid)?;
+        let inner = released(py, || plate::Plate::new(points, elements, thickness, material, kind, frames))?
+            .map_err(invalid)?;
         Ok(Self { inner: Arc::new(inner) })
     }
 
@@ -93,9 +94,9 @@ impl Plate {
     }
 
     /// Nodal forces (3n,) of the stress-free curvature [κxx, κyy, κxy] and its couples (2e,) on centre rotations.
-    fn curvature_load<'py>(&self, py: Python<'py>, curvature: [f64; 3]) -> Pair<'py> {
-        let (load, centre) = py.detach(|| self.inner.curvature_load(curvature));
-        (PyArray1::from_vec(py, load), PyArray1::from_vec(py, centre))
+    fn curvature_load<'py>(&self, py: Python<'py>, curvature: [f64; 3]) -> PyResult<Pair<'py>> {
+        let (load, centre) = released(py, || self.inner.curvature_load(curvature))?;
+        Ok((PyArray1::from_vec(py, load), PyArray1::from_vec(py, centre)))
     }
 
     /// f − Ku − springs at every dof (3n,), by the refined residual.
@@ -111,7 +112,7 @@ impl Plate {
         let springs = springs(&spring_arrays, self.inner.elements().len())?;
         let load = sized("the load", &load, dofs)?;
         let displacement = displacement(&hi, &lo, dofs)?;
-        let out = py.detach(|| residual(&self.inner, &springs, &load, &displacement));
+        let out = released(py, || residual(&self.inner, &springs, &load, &displacement))?;
         Ok(PyArray1::from_vec(py, out))
     }
 
@@ -132,7 +133,7 @@ impl Plate {
         }
         let rows = rows.as_slice()?;
         let displacement = displacement(&hi, &lo, self.inner.dof_count())?;
-        let out = py.detach(|| openings(&self.inner, &elements, rows, &distance, &displacement));
+        let out = released(py, || openings(&self.inner, &elements, rows, &distance, &displacement))?;
         Ok(PyArray1::from_vec(py, out))
     }
 
@@ -146,7 +147,7 @@ impl Plate {
     ) -> PyResult<f64> {
         let held = flags("held", &held, self.inner.dof_count())?;
         let displacement = displacement(&hi, &lo, self.inner.dof_count())?;
-        Ok(py.detach(|| internal_magnitude(&self.inner, &held, &displacement)))
+        released(py, || internal_magnitude(&self.inner, &held, &displacement))
     }
 
     /// [mx, my, mxy, qx, qy] at nodes (n, 5) and at the elements' 2×2 Gauss points (e, 4, 5).
@@ -161,7 +162,7 @@ impl Plate {
         let count = self.inner.elements().len();
         let displacement = displacement(&hi, &lo, self.inner.dof_count())?;
         let couples = sized("couples", &couples, 2 * count)?;
-        let (nodal, sampled) = py.detach(|| stress::smoothed(&self.inner, &displacement, curvature, &couples));
+        let (nodal, sampled) = released(py, || stress::smoothed(&self.inner, &displacement, curvature, &couples))?;
         let nodal = matrix(py, nodal.into_flattened(), 5)?;
         let sampled = sampled.into_flattened().into_flattened();
         Ok((nodal, PyArray1::from_vec(py, sampled).reshape([count, 4, 5])?))
@@ -170,7 +171,7 @@ impl Plate {
     /// Lower triangle of K with springs, in the mesh's own order: column starts, rows, values.
     fn stiffness_matrix<'py>(&self, py: Python<'py>, spring_arrays: SpringArrays<'_>) -> PyResult<Compressed<'py>> {
         let springs = springs(&spring_arrays, self.inner.elements().len())?;
-        let lower = py.detach(|| assemble(&self.inner, &springs, &[], &Numbering::natural(&self.inner)));
+        let lower = released(py, || assemble(&self.inner, &springs, &[], &Numbering::natural(&self.inner)))?;
         let signed = |v: Vec<usize>| v.into_iter().map(|i| i as i64).collect::<Vec<_>>();
         Ok((
             PyArray1::from_vec(py, signed(lower.column_start)),

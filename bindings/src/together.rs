@@ -3,6 +3,7 @@ use crate::combinations::stresses;
 use crate::contact::{ContactProblem, failed, rows_of};
 use crate::plate::Plate;
 use crate::solution::{ContactSolution, Reference};
+use crate::threads::told;
 use numpy::{PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -32,20 +33,12 @@ pub fn solve_together(
         return Err(invalid("the reference is of another problem"));
     }
     let (loads, reference) = (rows_of(&loads), reference.map(|reference| &reference.inner));
-    let mut raised = None;
-    let mut watch = || {
-        let called = Python::attach(|py| match &progress {
-            Some(progress) => progress.call0(py).map(|_| ()),
-            None => py.check_signals(),
-        });
-        raised = called.err();
-        raised.is_none()
+    let tell = |py: Python<'_>, (): ()| match &progress {
+        Some(progress) => progress.call0(py).map(|_| ()),
+        None => py.check_signals(),
     };
-    let solved = py.detach(|| problem.inner.solve_together(reference, &loads, &held_value, &mut watch)).map_err(failed);
-    match raised {
-        Some(error) => Err(error),
-        None => Ok(solved?.into_iter().map(|inner| ContactSolution { inner }).collect()),
-    }
+    let solved = told(py, tell, |tell| problem.inner.solve_together(reference, &loads, &held_value, &mut || tell(())))?;
+    Ok(solved.map_err(failed)?.into_iter().map(|inner| ContactSolution { inner }).collect())
 }
 
 /// As `response_stresses`, of solutions.

@@ -1,0 +1,107 @@
+//! The threads that the core works on.
+//!
+//! A process that forked has none of its parent's threads, and waits for ever for those of a pool that it inherits, as
+//! rayon's global one is. So every entry into the core goes to a pool of this very process, made at its first use.
+
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::cell::Cell;
+use std::process;
+use std::sync::{OnceLock, mpsc};
+
+/// As much as a process's first thread has: the core's own recursions and faer's are laid out for no less.
+const STACK: usize = 8 << 20;
+
+/// A process, and how many of its callbacks a thread is in: the threads of the pool above wait for these.
+type Key = (u32, usize);
+
+struct Pool {
+    key: Key,
+    threads: ThreadPool,
+    next: OnceLock<Box<Pool>>,
+}
+
+/// A list that only grows, and is read without a lock, which another thread might hold while this one forks.
+static POOLS: OnceLock<Box<Pool>> = OnceLock::new();
+
+thread_local! {
+    static CALLBACKS: Cell<usize> = const { Cell::new(0) };
+}
+
+fn pool() -> PyResult<&'static ThreadPool> {
+    let key = (process::id(), CALLBACKS.get());
+    let mut place = &POOLS;
+    loop {
+        match place.get() {
+            Some(pool) if pool.key == key => return Ok(&pool.threads),
+            Some(pool) => place = &pool.next,
+            None => {
+                let threads = ThreadPoolBuilder::new()
+                    .stack_size(STACK)
+                    .build()
+                    .map_err(|error| PyOSError::new_err(format!("threads to work on cannot be started: {error}")))?;
+                // Another thread may have been here first; then the next round comes to its pool.
+                let _ = place.set(Box::new(Pool { key, threads, next: OnceLock::new() }));
+            }
+        }
+    }
+}
+
+/// Runs work of the core with the interpreter released.
+pub fn released<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    let pool = pool()?;
+    Ok(py.detach(|| pool.install(work)))
+}
+
+/// As `released`; `work` is given a function that hands its argument to `tell` and says whether to go on.
+///
+/// `tell` runs on the thread that called, since signals and windows belong to one thread of Python's. What it raises
+/// ends the work and is the answer.
+pub fn told<N: Send, T: Send>(
+    py: Python<'_>,
+    mut tell: impl FnMut(Python<'_>, N) -> PyResult<()> + Send,
+    work: impl FnOnce(&mut dyn FnMut(N) -> bool) -> T + Send,
+) -> PyResult<T> {
+    let pool = pool()?;
+    let (news, heard) = mpsc::channel::<N>();
+    let (answer, answered) = mpsc::channel::<()>();
+    let mut found = None;
+    let mut raised = None;
+    let result = &mut found;
+    let error = &mut raised;
+    py.detach(move || {
+        pool.in_place_scope(move |scope| {
+            scope.spawn(move |_| {
+                *result = Some(work(&mut |now| news.send(now).is_ok() && answered.recv().is_ok()));
+            });
+            // Without an answer the work ends, also where `tell` panics and drops what it is waited for with.
+            for now in heard {
+                match Python::attach(|py| in_callback(|| tell(py, now))) {
+                    Ok(()) => drop(answer.send(())),
+                    Err(found) => {
+                        *error = Some(found);
+                        break;
+                    }
+                }
+            }
+        });
+    });
+    match raised {
+        Some(error) => Err(error),
+        None => Ok(found.expect("work that did not panic has come to its end")),
+    }
+}
+
+/// Runs a callback, in which calls of the core go to a pool that nobody waits in.
+fn in_callback<T>(callback: impl FnOnce() -> T) -> T {
+    struct Leaving;
+    impl Drop for Leaving {
+        fn drop(&mut self) {
+            CALLBACKS.set(CALLBACKS.get() - 1);
+        }
+    }
+    CALLBACKS.set(CALLBACKS.get() + 1);
+    let _leaving = Leaving;
+    callback()
+}
