@@ -1,7 +1,9 @@
 """Whatever ends a run leaves the results of the run before, or those of this one, and nothing else."""
 
 import json
+import multiprocessing
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,7 +15,9 @@ from typer.testing import CliRunner
 
 import signorini
 import signorini_command
+from signorini import rooms
 from signorini.cli import app, interrupts
+from signorini.files import replacing_together
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
 
@@ -132,6 +136,70 @@ def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) ->
     assert sorted(path.name for path in slab.parent.iterdir()) == ["slab-results", "slab.toml"]
 
 
+def test_what_a_kill_amid_the_exchange_left_is_not_left_beside_other_results(slab: Path) -> None:
+    """Files that no results.json names any more go with the next success, whatever its combinations are called."""
+    slab.write_text(SLAB.format(title="second", along=4))
+    running = started(slab, STEPPING)
+    assert running.stdout is not None and running.stdin is not None
+    for step in range(1, 4):
+        assert running.stdout.readline() == f"{step}\n"
+        running.stdin.write("go\n" if step < 3 else "")
+        running.stdin.flush()
+    running.kill()
+    running.communicate()
+    results = slab.with_name("slab-results")
+    assert (results / "all.vtu").exists() and not (results / "results.json").exists()
+    (results / "all.png").write_text("put there since by someone else")
+    named = SLAB.format(title="third", along=4) + 'combination = [{ name = "other", factors = { load = 1 } }]'
+    slab.write_text(named)
+    assert CliRunner().invoke(app, ["solve", str(slab)]).exit_code == 0
+    assert {path.name for path in results.iterdir()} == {
+        *("all.png", "other.png", "other.vtu", "reactions.csv", "results.json")
+    }
+
+
+def write_set(directory: Path, writer: int, rounds: int) -> None:
+    """Put as many sets of files into a directory, named after who writes them."""
+
+    def former() -> list[str]:
+        listed = directory / "list"
+        return listed.read_text().split() if listed.exists() else []
+
+    for turn in range(rounds):
+        with replacing_together(directory, former, seal="list") as beside:
+            names = [f"{writer}-{turn}-{part}" for part in range(5)]
+            for name in names:
+                (beside / name).write_text(name)
+            (beside / "list").write_text(" ".join(["list", *names]))
+
+
+def test_of_many_runs_at_once_the_last_one_leaves_its_files_alone(tmp_path: Path) -> None:
+    for _ in range(5):
+        fork = multiprocessing.get_context("fork")
+        directory = tmp_path / "results"
+        writers = [fork.Process(target=write_set, args=(directory, writer, 10)) for writer in range(4)]
+        for writer in writers:
+            writer.start()
+        for writer in writers:
+            writer.join(60)
+        assert [writer.exitcode for writer in writers] == [0, 0, 0, 0]
+        assert sorted((directory / "list").read_text().split()) == sorted(path.name for path in directory.iterdir())
+        shutil.rmtree(directory)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_two_runs_at_once_leave_the_results_of_one(slab: Path) -> None:
+    shutil.rmtree(slab.with_name("slab-results"))
+    running = []
+    for name in ("one", "two"):
+        path = slab.with_name(f"{name}.toml")
+        path.write_text(SLAB.format(title=name, along=4) + f'combination = [{{ name = "{name}", factors.load = 1 }}]')
+        running.append(started(path, f"sys.argv += ['-o', {str(slab.with_name('slab-results'))!r}]"))
+    assert [process.communicate(timeout=60)[1] for process in running] == ["", ""]
+    assert whole(slab.with_name("slab-results")) in ("one", "two")
+    assert hidden(slab) == []
+
+
 def hidden(slab: Path) -> list[Path]:
     return [path for path in (*slab.parent.iterdir(), *slab.with_name("slab-results").iterdir()) if path.name[0] == "."]
 
@@ -156,11 +224,22 @@ def test_only_directories_of_that_very_name_go(slab: Path) -> None:
     others = [".slab-results", ".slab-results-12345678z", ".slab-result-12345678", "slab-results-12345678"]
     for name in others:
         (results / name).mkdir()
-    (results / ".slab-results-12345678").mkdir()
     (results / ".slab-results-87654321").write_text("a file of someone's")
+    # As a user may name a backup, with a mark that is not ours, and with ours behind a link.
+    for name in (".slab-results-20240115", ".slab-results-20240116", ".slab-results-20240117"):
+        (results / name).mkdir()
+        (results / name / "precious").write_text("mine")
+    (results / ".slab-results-20240116" / rooms.MARK).write_text("mine")
+    with rooms.room_beside(results, "other") as other:
+        (results / ".slab-results-20240117" / rooms.MARK).symlink_to(other / rooms.MARK)
+        os.link(other / rooms.MARK, slab.parent / "mark")
+    (slab.parent / "elsewhere").mkdir()
+    (slab.parent / "elsewhere" / "precious").write_text("mine")
+    (slab.parent / "mark").rename(slab.parent / "elsewhere" / rooms.MARK)
+    (results / ".slab-results-20240118").symlink_to(slab.parent / "elsewhere")
+    before = {path for path in slab.parent.rglob("*") if path.suffix != ".json"}
     assert CliRunner().invoke(app, ["solve", str(slab)]).exit_code == 0
-    kept = {path.name for path in results.iterdir()}
-    assert kept >= {*others, ".slab-results-87654321"} and ".slab-results-12345678" not in kept
+    assert {path for path in slab.parent.rglob("*")} >= before
 
 
 NATIVE = """

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import signorini
 from signorini.errors import InputError
-from signorini.output import reactions_csv, results_json, room_for, unique_slugs, write
+from signorini.output import reactions_csv, results_json, room_for, unique_slugs, write, write_path
 
 
 def model(**changes: object) -> signorini.Model:
@@ -235,9 +235,42 @@ def test_a_forged_list_of_former_files_removes_nothing_else(
 ) -> None:
     (tmp_path / "precious.vtu").write_text("mine")
     (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "results.json").write_text(f'{{"files": {names}}}')
+    forged = {key: None for key in results_json(results)} | {"files": json.loads(names)}
+    (tmp_path / "out" / "results.json").write_text(json.dumps(forged))
+    with pytest.raises(InputError, match=r"results.json is there already, and no earlier run says that it wrote it"):
+        write(results, tmp_path / "out")
+    forged["files"] = ["results.json", "reactions.csv", "../precious.vtu", str(tmp_path / "precious.vtu")]
+    (tmp_path / "out" / "results.json").write_text(json.dumps(forged))
     write(results, tmp_path / "out")
     assert (tmp_path / "precious.vtu").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["reactions.csv", "results.json", "g-q.vtu", "g-q.png"])
+def test_a_file_of_somebody_elses_with_a_name_of_ours_is_refused_beforehand(
+    results: signorini.Results, tmp_path: Path, name: str
+) -> None:
+    (tmp_path / name).write_text('{"files": ["results.json", "reactions.csv"]}')
+    before = (tmp_path / name).read_bytes()
+    for put in (lambda: write(results, tmp_path), lambda: room_for(tmp_path, model()).__enter__()):
+        with pytest.raises(InputError, match=f"{name} is there already, and no earlier run says that it wrote it"):
+            put()
+        assert [path.name for path in tmp_path.iterdir()] == [name] and (tmp_path / name).read_bytes() == before
+
+
+def test_results_and_a_load_path_in_one_directory_leave_each_other_alone(
+    results: signorini.Results, tmp_path: Path
+) -> None:
+    write(results, tmp_path)
+    followed = signorini.path(model(), start="G", add="Q", until=0.5)
+    for _ in range(2):
+        write_path(followed, tmp_path)
+        write(results, tmp_path)
+    assert {"path.json", "path.csv", "path.png", *results_json(results)["files"]} == {
+        p.name for p in tmp_path.iterdir()
+    }
+    named_path = signorini.solve(model(combination=[{"name": "path", "factors": {"G": 1}}]))
+    with pytest.raises(InputError, match=r"path.png is there already"):
+        write(named_path, tmp_path)
 
 
 @pytest.mark.parametrize("moment", ["to_vtk", "rename"])
@@ -274,10 +307,10 @@ def _full_disk(*_: object) -> Path:
 def test_a_directory_that_cannot_be_is_refused_beforehand(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for place in (tmp_path / "file", tmp_path / "file" / "out", Path("/proc/signorini"), tmp_path / ("a" * 300)):
-        with pytest.raises(InputError, match="the results cannot be written there"), room_for(place):
+        with pytest.raises(InputError, match="the results cannot be written there"), room_for(place, model()):
             pass
     for place in (tmp_path / "new" / "out", tmp_path / ("a" * 250)):
-        with room_for(place):
+        with room_for(place, model()):
             pass
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 

@@ -1,108 +1,19 @@
-"""Writing files whole or not at all."""
+"""Writing files whole or not at all, and over nobody else's."""
 
 from __future__ import annotations
 
 import errno
+import json
 import os
-import re
-import secrets
-import shutil
-import sys
-from collections.abc import Iterable, Iterator
+import stat
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-_LONGEST_NAME = 50
-"""File systems allow 255 bytes."""
+from signorini.rooms import alone_in, remove_left, room_beside, rooms_left
 
-
-@contextmanager
-def room_beside(directory: str | os.PathLike[str], name: str) -> Iterator[Path]:
-    """Give an empty hidden directory in another for as long as the context lasts.
-
-    It is locked meanwhile. If the context ends well, directories of the same purpose that killed processes left go with
-    it: those whose lock is free.
-
-    Parameters
-    ----------
-    directory : path-like
-        An existing directory.
-    name : str
-        What the room is for; it is named ``.name-``, cut short when long, and eight random digits.
-
-    Yields
-    ------
-    Path
-
-    Raises
-    ------
-    OSError
-        The directory does not exist or cannot be written to.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> with tempfile.TemporaryDirectory() as place:
-    ...     left = pathlib.Path(place, ".results-0a1b2c3d")
-    ...     left.mkdir()
-    ...     with room_beside(place, "results") as room:
-    ...         len(os.listdir(place)), room.is_dir()
-    ...     len(os.listdir(place))
-    (2, True)
-    0
-    """
-    name = name[:_LONGEST_NAME]
-    room, lock = _locked(Path(directory), name)
-    try:
-        yield room
-        _remove_left(Path(directory), name)
-    finally:
-        shutil.rmtree(room, ignore_errors=True)
-        if lock is not None:
-            os.close(lock)
-
-
-def _locked(directory: Path, name: str) -> tuple[Path, int | None]:
-    """Make a room and lock it. One that another process takes for left, before it is locked, is made anew."""
-    while True:
-        room = directory / f".{name}-{secrets.token_hex(4)}"
-        room.mkdir()
-        try:
-            lock = _lock(room)
-        except (BlockingIOError, FileNotFoundError):
-            continue
-        except OSError:
-            return room, None  # The file system knows no locks: then nobody takes it for left either.
-        if room.exists():
-            return room, lock
-        if lock is not None:
-            os.close(lock)
-
-
-def _lock(room: Path) -> int | None:
-    if sys.platform == "win32":
-        return None
-    import fcntl
-
-    lock = os.open(room, os.O_RDONLY)
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BaseException:
-        os.close(lock)
-        raise
-    return lock
-
-
-def _remove_left(directory: Path, name: str) -> None:
-    """Remove the rooms that killed processes left in a directory; a room in use cannot be locked."""
-    left = re.compile(rf"\.{re.escape(name)}-[0-9a-f]{{8}}")
-    with suppress(OSError):
-        for entry in [entry.name for entry in os.scandir(directory) if left.fullmatch(entry.name)]:
-            with suppress(OSError):
-                lock = _lock(directory / entry)
-                if lock is not None:
-                    shutil.rmtree(directory / entry, ignore_errors=True)
-                    os.close(lock)
+_MOVES = "moves.json"
+"""In a room: what the files are, by size and time, that it puts into a directory and takes out of it."""
 
 
 @contextmanager
@@ -115,7 +26,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     Parameters
     ----------
     path : path-like
-        The file to create or to replace. Its directory must exist.
+        The file to create or to replace; of a link, the file that it leads to. Its directory must exist.
 
     Yields
     ------
@@ -125,7 +36,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises
     ------
     OSError
-        The directory does not exist or cannot be written to.
+        The directory does not exist or cannot be written to, or the path leads to a device or the like.
 
     Examples
     --------
@@ -137,24 +48,30 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     ...     [entry.name for entry in pathlib.Path(directory).iterdir()]
     ['reactions.csv']
     """
-    target = Path(path)
+    target = Path(os.path.realpath(path))
+    if target.exists() and not target.is_file():
+        kind = errno.EISDIR if target.is_dir() else errno.EEXIST
+        raise OSError(kind, "there is something else than a file of this name", str(path))
     with room_beside(target.parent, target.name) as room:
         yield room / target.name
         (room / target.name).replace(target)
 
 
 @contextmanager
-def replacing_together(directory: str | os.PathLike[str], former: Iterable[str] = (), seal: str = "") -> Iterator[Path]:
+def replacing_together(
+    directory: str | os.PathLike[str], former: Callable[[], Iterable[str]] = tuple, seal: str = ""
+) -> Iterator[Path]:
     """Give an empty directory to write files to, and put them all into ``directory`` once they are written.
 
-    The directory is made if need be. Files in it of the same names, and the former ones named, are replaced as a
-    set; others stay. If anything fails, everything is as it was.
+    The directory is made if need be. The former set of files in it is replaced; others stay, and one that has the name
+    of a new file is refused. If anything fails, everything is as it was. Of several processes one after the other puts
+    its files there, so that the directory holds the set of the last one and nothing of the others.
 
     Parameters
     ----------
     directory : path-like
-    former : iterable of str
-        Names of files of an earlier set in ``directory``, which go even if no new file has their name.
+    former : callable
+        Names of the files of an earlier set in ``directory``; asked when no other process changes it.
     seal : str
         Name of the file that goes first and comes last, so that whoever finds it finds its set whole.
 
@@ -166,7 +83,7 @@ def replacing_together(directory: str | os.PathLike[str], former: Iterable[str] 
     Raises
     ------
     OSError
-        The directory cannot be made or written to, or one of the names in it is a directory's.
+        The directory cannot be made or written to, or a name is taken by a directory or by a file of none of the sets.
 
     Examples
     --------
@@ -174,7 +91,7 @@ def replacing_together(directory: str | os.PathLike[str], former: Iterable[str] 
     >>> with tempfile.TemporaryDirectory() as place:
     ...     target = pathlib.Path(place, "results")
     ...     for name in "ab":
-    ...         with replacing_together(target, former=["a"]) as beside:
+    ...         with replacing_together(target, former=lambda: ["a"]) as beside:
     ...             _ = (beside / name).write_text("")
     ...     [entry.name for entry in target.iterdir()]
     ['b']
@@ -187,34 +104,75 @@ def replacing_together(directory: str | os.PathLike[str], former: Iterable[str] 
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with room_beside(place, target.name) as room:
-            yield room
-            if target.is_dir():
-                _exchange(room, target, set(former), seal)
-            else:
-                room.rename(target)
+            new = room / "new"
+            new.mkdir()
+            yield new
+            if not _becomes(new, target):
+                with alone_in(target):
+                    _exchange(room, target, former, seal)
     except BaseException:
         with suppress(OSError):
             for parent in made:
                 parent.rmdir()
         raise
     # An earlier run may have been killed before the directory was there.
-    _remove_left(target.parent, target.name[:_LONGEST_NAME])
+    remove_left(target.parent, target.name)
 
 
-def _exchange(source: Path, target: Path, former: set[str], seal: str) -> None:
-    """Move every file of ``source`` into ``target``, and what stood there, or is former, out of it."""
-    new = sorted((entry.name for entry in source.iterdir()), key=lambda name: (name == seal, name))
-    replaced = source / f".replaced-{secrets.token_hex(4)}"
-    replaced.mkdir()
-    moves: list[tuple[Path, Path]] = []
-    for name in sorted({*new, *former}, key=lambda name: (name != seal, name)):
+def _becomes(new: Path, target: Path) -> bool:
+    """Make a directory the target where there is none yet."""
+    if target.exists():
+        return False
+    try:
+        new.rename(target)
+    except OSError:
+        # Another process may have been faster.
+        if target.is_dir():
+            return False
+        raise
+    return True
+
+
+def require_free(target: Path, names: Iterable[str], former: Callable[[], Iterable[str]]) -> set[str]:
+    """Refuse names that files of none of ours have in a directory.
+
+    Parameters
+    ----------
+    target : Path
+    names : iterable of str
+        Of files to be put there.
+    former : callable
+        As for `replacing_together`.
+
+    Returns
+    -------
+    set of str
+        The files there that are ours: former ones, and those that a process was moving when it was killed.
+
+    Raises
+    ------
+    OSError
+        A directory or a file of somebody else's has one of the names.
+    """
+    ours = {name for name in {*former(), *_left_amid(target)} if os.path.lexists(target / name)}
+    for name in sorted({*names, *ours}):
         if (target / name).is_dir():
-            raise IsADirectoryError(
-                errno.EISDIR, "a directory has the name of a file to be written", str(target / name)
-            )
-        if (target / name).is_symlink() or (target / name).exists():
-            moves.append((target / name, replaced / name))
-    moves += [(source / name, target / name) for name in new]
+            raise IsADirectoryError(errno.EISDIR, f"a directory has the name of a file to be written, {name}")
+        if name not in ours and os.path.lexists(target / name):
+            raise FileExistsError(errno.EEXIST, f"{name} is there already, and no earlier run says that it wrote it")
+    return ours
+
+
+def _exchange(room: Path, target: Path, former: Callable[[], Iterable[str]], seal: str) -> None:
+    """Move the new files in a room into the target, and the former ones out of it."""
+    first = lambda name: (name != seal, name)  # noqa: E731
+    new = sorted((entry.name for entry in (room / "new").iterdir()), key=first, reverse=True)
+    out = sorted(require_free(target, new, former), key=first)
+    replaced = room / "replaced"
+    replaced.mkdir()
+    moves = [(target / name, replaced / name) for name in out]
+    moves += [(room / "new" / name, target / name) for name in new]
+    (room / _MOVES).write_text(json.dumps([[old.name, *_identity(old)] for old, _ in moves]), "utf-8")
     done: list[tuple[Path, Path]] = []
     try:
         for old, place in moves:
@@ -225,3 +183,27 @@ def _exchange(source: Path, target: Path, former: set[str], seal: str) -> None:
             if not old.exists():
                 place.rename(old)
         raise
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    """Size and time of a file, which stay when it is moved and hardly ever when another takes its name."""
+    found = path.lstat()
+    return found.st_size, found.st_mtime_ns
+
+
+def _left_amid(target: Path) -> set[str]:
+    """Files in a directory that a process was moving when it was killed."""
+    found = set()
+    for place in (target, target.parent):
+        for room in rooms_left(place, target.name):
+            with suppress(OSError, ValueError, TypeError):
+                moved = json.loads((room / _MOVES).read_text("utf-8"))
+                found |= {name for name, *identity in moved if _is(target / Path(name).name, tuple(identity))}
+    return found
+
+
+def _is(path: Path, identity: tuple[int, ...]) -> bool:
+    try:
+        return stat.S_ISREG(path.lstat().st_mode) and _identity(path) == identity
+    except OSError:
+        return False

@@ -14,6 +14,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from signorini.errors import InputError
 from signorini.expression import Expression
 from signorini.model import MeshPlate, Model, validate
+from signorini.regular import read_regular
 from signorini.tomllines import Lines
 
 _LARGEST_FILE = 4_000_000
@@ -78,8 +79,7 @@ def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
 def _read(path: str | os.PathLike[str]) -> str:
     place = str(path)
     try:
-        with open(path, "rb") as file:
-            content = file.read(_LARGEST_FILE + 1)
+        content = read_regular(path, _LARGEST_FILE)
     except FileNotFoundError:
         raise InputError("there is no such file.", place=place) from None
     except IsADirectoryError:
@@ -87,9 +87,10 @@ def _read(path: str | os.PathLike[str]) -> str:
     except PermissionError:
         raise InputError("this file may not be read.", place=place) from None
     except (OSError, ValueError) as error:
-        raise InputError(f"this file cannot be read: {error}.", place=repr(place)) from None
-    if len(content) > _LARGEST_FILE:
-        raise InputError(f"the file is larger than {_LARGEST_FILE // 10**6} MB, too large for an input file.", place)
+        why = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise InputError(
+            f"this file cannot be read: {why}.", place=place if place.isprintable() else repr(place)
+        ) from None
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

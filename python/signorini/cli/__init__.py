@@ -105,14 +105,14 @@ def solve(
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
         try:
-            with files.room_for(directory) as room, transient_line() as show:
+            with files.room_for(directory, model) as room, transient_line() as show:
                 table = room / TABLE if model.tabulated else None
                 with interrupts.at_once(room):
                     results = signorini.solve(model, progress=show, table=table)
                 show("writing the results")
                 files.write(results, directory, table)
         except SignoriniError:
-            if os.path.exists(directory / files.JSON):
+            if files.former_results(directory):
                 _stderr().print(f"Nothing is written; {directory} holds the results of an earlier run.")
             raise
         tables.print_results(_stdout(), results)
@@ -175,7 +175,7 @@ def path(
 
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
-        with files.room_for(directory) as room, transient_line() as show, interrupts.at_once(room):
+        with files.room_for_path(directory) as room, transient_line() as show, interrupts.at_once(room):
             found = signorini.path(model, start, add, until, progress=show)
         files.write_path(found, directory)
         print_path(_stdout(), found)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from signorini.rooms import remove
 
 INTERRUPTED = 130
 TERMINATED = 143
@@ -52,7 +53,7 @@ def _watch(read: int, left: threading.Event, room: Path) -> None:
     while signals := os.read(read, 1):
         code = codes.get(signal.Signals(signals[0]))
         if code is not None and not left.wait(_GRACE):
-            shutil.rmtree(room, ignore_errors=True)
+            remove(room)
             sys.stderr.write(f"{SAID}\n")
             sys.stderr.flush()
             os._exit(code)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from signorini.expression import LARGEST
 from signorini.model.base import describe
+from signorini.regular import read_regular
 
 _LARGEST_FILE = 200_000_000
 
@@ -39,9 +40,8 @@ def read_factor_table(value: object) -> FactorTable | None:
         raise ValueError(f"found {describe(value)}; it must be the name of a CSV file, in quotes.")
     path = Path(value)
     try:
-        if path.stat().st_size > _LARGEST_FILE:
-            raise ValueError(f"{path} is larger than {_LARGEST_FILE // 10**6} MB, too large for a table of factors.")
-        lines = list(csv.reader(io.StringIO(path.read_text("utf-8-sig")), skipinitialspace=True))
+        text = read_regular(path, _LARGEST_FILE).decode("utf-8-sig")
+        lines = list(csv.reader(io.StringIO(text, newline=""), skipinitialspace=True))
     except OSError as error:
         raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from None
     except UnicodeDecodeError:

@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import json
 import os
-import re
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 
-from signorini.errors import InputError
-from signorini.files import replacing_together, room_beside
-from signorini.output.loadpath import PATH_CSV, PATH_JSON, PATH_PICTURE, path_csv, path_json, write_path
-from signorini.output.names import CSV, JSON, PRESSURE, has_areas, slugs, unique_slugs
+from signorini.files import replacing_together
+from signorini.output.directory import cannot_write, former_results, room_for, room_for_path
+from signorini.output.loadpath import path_csv, path_json, write_path
+from signorini.output.names import (
+    CSV,
+    JSON,
+    PATH_CSV,
+    PATH_JSON,
+    PATH_PICTURE,
+    PRESSURE,
+    has_areas,
+    slugs,
+    unique_slugs,
+)
 from signorini.output.tables import reactions_csv, results_json
 from signorini.result import pressure_layers, support_marks
 from signorini.solve import Results
@@ -24,17 +32,17 @@ __all__ = [
     "PATH_CSV",
     "PATH_JSON",
     "PATH_PICTURE",
+    "former_results",
     "path_csv",
     "path_json",
     "reactions_csv",
     "results_json",
     "room_for",
+    "room_for_path",
     "unique_slugs",
     "write",
     "write_path",
 ]
-
-_OURS = re.compile(r"[\w.-]+\.(vtu|png)|reactions\.csv|results\.json|combinations\.parquet")
 
 
 def write(
@@ -46,7 +54,8 @@ def write(
     is enveloped, ``envelope.vtu`` come with them.
 
     All of them, or none: they are written elsewhere and moved into place when complete. The files of an earlier run in
-    the directory are replaced as a set; other files in it stay.
+    the directory are replaced as a set; other files in it stay, and one that has a name of ours is refused. Of several
+    runs at once the last one leaves its files, whole, and none of the others'.
 
     Parameters
     ----------
@@ -65,7 +74,7 @@ def write(
     Raises
     ------
     InputError
-        If the directory cannot be made or written to.
+        If the directory cannot be made or written to, or has a file of somebody else's with the name of one of ours.
     """
     # Only this function needs matplotlib.
     from signorini.plot import deflection_picture, pressure_picture, save
@@ -77,7 +86,7 @@ def write(
     found = results_json(results)
     names = [JSON, CSV]
     try:
-        with replacing_together(target, _former(target), seal=JSON) as beside:
+        with replacing_together(target, partial(former_results, target), seal=JSON) as beside:
             for result, slug in slugs(results):
                 result.to_vtk(beside / f"{slug}.vtu")
                 plate = (result.mesh.points, result.mesh.elements)
@@ -100,44 +109,5 @@ def write(
             (beside / JSON).write_text(json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
             names = found["files"]
     except OSError as error:
-        raise _cannot_write(target, error) from None
+        raise cannot_write(target, error) from None
     return [target / name for name in names]
-
-
-@contextmanager
-def room_for(directory: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a hidden directory, for as long as the context lasts, on the file system where results will be written.
-
-    It is refused before the time to compute them is spent.
-
-    Yields
-    ------
-    Path
-
-    Raises
-    ------
-    InputError
-        If the directory, or where it does not exist yet the nearest that does, cannot be written to.
-    """
-    target = Path(directory).absolute()
-    with ExitStack() as context:
-        try:
-            nearest = next(place for place in (target, *target.parents) if place.exists())
-            room = context.enter_context(room_beside(nearest, target.name))
-        except OSError as error:
-            raise _cannot_write(Path(directory), error) from None
-        yield room
-
-
-def _cannot_write(target: Path, error: OSError) -> InputError:
-    why = error.strerror or str(error)
-    return InputError(f"the results cannot be written there: {why}. Name another directory.", str(target))
-
-
-def _former(target: Path) -> list[str]:
-    """Files of an earlier run, by its own account; never a name that this program would not write."""
-    try:
-        named = json.loads((target / JSON).read_text("utf-8"))["files"]
-        return [name for name in named if _OURS.fullmatch(name)]
-    except (OSError, ValueError, LookupError, TypeError, RecursionError):
-        return []

@@ -8,17 +8,18 @@ import itertools
 import json
 import os
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
 
-from signorini.errors import InputError
 from signorini.files import replacing_together
+from signorini.output.directory import cannot_write, former_path
+from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE
 from signorini.path_result import Path
 from signorini.path_stop import PathStop
 
-PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 SCHEMA = 1
 
 
@@ -100,10 +101,12 @@ def path_csv(path: Path) -> str:
 def write_path(path: Path, directory: str | os.PathLike[str]) -> None:
     """Write ``path.json``, ``path.csv`` and ``path.png``, all or none; other files in the directory stay.
 
+    Those of an earlier path there are replaced.
+
     Raises
     ------
     InputError
-        If the directory cannot be made or written to.
+        If the directory cannot be made or written to, or has files of these names that no earlier path wrote.
     """
     # Only this function needs matplotlib.
     from signorini.plot import save
@@ -111,11 +114,10 @@ def write_path(path: Path, directory: str | os.PathLike[str]) -> None:
     target = FilePath(directory)
     figure = path.plot()
     try:
-        with replacing_together(target, [PATH_JSON, PATH_CSV, PATH_PICTURE], seal=PATH_JSON) as beside:
+        with replacing_together(target, partial(former_path, target), seal=PATH_JSON) as beside:
             save(figure, beside / PATH_PICTURE)
             (beside / PATH_CSV).write_text(path_csv(path), "utf-8")
             text = json.dumps(path_json(path), indent=1, ensure_ascii=False, allow_nan=False)
             (beside / PATH_JSON).write_text(text + "\n", "utf-8")
     except OSError as error:
-        why = error.strerror or str(error)
-        raise InputError(f"the path cannot be written there: {why}. Name another directory.", str(target)) from None
+        raise cannot_write(target, error) from None

@@ -7,11 +7,13 @@ import unicodedata
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from signorini.model import Model
 from signorini.result import Result
 from signorini.solve import Results
 from signorini.tabulated import ENVELOPE, TABLE
 
 JSON, CSV = "results.json", "reactions.csv"
+PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 PRESSURE = "-pressure"
 """Ends the name of the picture of the contact pressure."""
 _LONGEST_NAME = 80
@@ -24,6 +26,20 @@ def file_names(results: Results) -> list[str]:
     combined = results.combined
     together = [] if combined is None else [TABLE, *([ENVELOPE] if combined.envelope.fields else [])]
     return [JSON, CSV, *together, *(f"{slug}{ending}" for _, slug in slugs(results) for ending in endings)]
+
+
+def expected_names(model: Model) -> Iterator[str]:
+    """Name files that the results of a model will have as far as it tells: not those of what governs in a table."""
+    yield from (JSON, CSV)
+    taken: list[str] = []
+    names: Iterable[str] = (combination.name for combination in model.effective_combinations)
+    if model.tabulated:
+        yield TABLE
+        taken = [Path(ENVELOPE).stem] if model.output.envelope else []
+        fields = model.output.fields
+        names = names if fields == "all" else () if isinstance(fields, str) else fields
+    for slug in unique_slugs([*taken, *names]):
+        yield from (f"{slug}{ending}" for ending in (".vtu", ".png", f"{PRESSURE}.png"))
 
 
 def has_areas(results: Results) -> bool:

@@ -1,0 +1,99 @@
+"""The directory of results: what earlier runs wrote there, by their own account, and whether ours may be put there."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from pathlib import Path
+
+from signorini.errors import InputError
+from signorini.files import require_free
+from signorini.model import Model
+from signorini.output.names import CSV, JSON, PATH_CSV, PATH_JSON, PATH_PICTURE, expected_names
+from signorini.regular import read_regular
+from signorini.rooms import alone_in, room_beside
+
+_OURS = re.compile(r"[\w.-]+\.(vtu|png)|reactions\.csv|results\.json|combinations\.parquet")
+_KEYS_OF_RESULTS = {"schema", "title", "units", "model", "combinations", "seconds", "files"}
+_KEYS_OF_PATH = {"schema", "title", "units", "from", "add", "method", "ending", "stops"}
+_LARGEST_ACCOUNT = 1_000_000_000
+"""Bytes of a results.json that is read."""
+
+
+def former_results(directory: Path) -> list[str]:
+    """Files of the results in a directory; none if its ``results.json`` is somebody else's."""
+    try:
+        named = _account(directory / JSON, _KEYS_OF_RESULTS)["files"]
+        names = [name for name in named if _OURS.fullmatch(name)]
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return []
+    return names if {JSON, CSV} <= set(names) else []
+
+
+def former_path(directory: Path) -> list[str]:
+    """Files of the load path in a directory; none if its ``path.json`` is somebody else's."""
+    try:
+        _account(directory / PATH_JSON, _KEYS_OF_PATH)
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return []
+    return [PATH_JSON, PATH_CSV, PATH_PICTURE]
+
+
+def _account(file: Path, keys: set[str]) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = json.loads(read_regular(file, _LARGEST_ACCOUNT))
+    if not keys <= found.keys():
+        raise KeyError
+    return found
+
+
+@contextmanager
+def room_for(directory: str | os.PathLike[str], model: Model) -> Iterator[Path]:
+    """Give a hidden directory, for as long as the context lasts, on the file system where results will be written.
+
+    A directory that cannot be written to, or has files of others with the names that those of the results will have, is
+    refused before the time to compute them is spent.
+
+    Yields
+    ------
+    Path
+
+    Raises
+    ------
+    InputError
+        If the directory, or where it does not exist yet the nearest that does, cannot be written to; if a name is
+        taken.
+    """
+    with _room(Path(directory), former_results, expected_names(model)) as room:
+        yield room
+
+
+@contextmanager
+def room_for_path(directory: str | os.PathLike[str]) -> Iterator[Path]:
+    """Do as `room_for` for the files of a load path."""
+    with _room(Path(directory), former_path, (PATH_JSON, PATH_CSV, PATH_PICTURE)) as room:
+        yield room
+
+
+@contextmanager
+def _room(directory: Path, former: Callable[[Path], list[str]], names: Iterable[str]) -> Iterator[Path]:
+    target = directory.absolute()
+    with ExitStack() as context:
+        try:
+            nearest = next(place for place in (target, *target.parents) if place.exists())
+            room = context.enter_context(room_beside(nearest, target.name))
+            if nearest == target:
+                with alone_in(target):
+                    require_free(target, names, partial(former, target))
+        except OSError as error:
+            raise cannot_write(directory, error) from None
+        yield room
+
+
+def cannot_write(target: Path, error: OSError) -> InputError:
+    """Say why results cannot be put into a directory."""
+    why = error.strerror or str(error)
+    return InputError(f"the results cannot be written there: {why}. Name another directory.", str(target))

@@ -1,0 +1,97 @@
+"""Reading files that have an end."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import BinaryIO
+
+_KINDS = {
+    stat.S_IFIFO: "a pipe (FIFO)",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
+_FLAGS = ("O_BINARY", "O_CLOEXEC", "O_NOCTTY", "O_NONBLOCK")
+"""Opening must not wait for whoever writes to a pipe. Not every system has all of these."""
+_BLOCK = 1 << 20
+
+
+@contextmanager
+def open_regular(path: str | os.PathLike[str], largest: int) -> Iterator[BinaryIO]:
+    """Open a regular file, or a link to one, for reading; pipes, devices and directories may be read without end.
+
+    Parameters
+    ----------
+    path : path-like
+    largest : int
+        Bytes that the file may have.
+
+    Yields
+    ------
+    binary file
+
+    Raises
+    ------
+    OSError
+        The file cannot be opened, is larger, or is none; ``strerror`` says in words what was found and what is allowed.
+    ValueError
+        The path has a null character.
+
+    Examples
+    --------
+    >>> with open_regular(os.devnull, 100):
+    ...     pass
+    Traceback (most recent call last):
+    OSError: [Errno 22] it is a device; only regular files are read: '/dev/null'
+    """
+    file = os.open(path, os.O_RDONLY | sum(getattr(os, flag, 0) for flag in _FLAGS))
+    try:
+        _require_regular(path, os.fstat(file), largest)
+    except OSError:
+        os.close(file)
+        raise
+    with os.fdopen(file, "rb") as opened:
+        yield opened
+
+
+def _require_regular(path: str | os.PathLike[str], found: os.stat_result, largest: int) -> None:
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(errno.EISDIR, "it is a directory; only regular files are read", os.fspath(path))
+    if not stat.S_ISREG(found.st_mode):
+        kind = _KINDS.get(stat.S_IFMT(found.st_mode), "none")
+        raise OSError(errno.EINVAL, f"it is {kind}; only regular files are read", os.fspath(path))
+    if found.st_size > largest:
+        raise _too_large(path, largest)
+
+
+def read_regular(path: str | os.PathLike[str], largest: int) -> bytes:
+    """Read a regular file, or a link to one, as `open_regular` opens it.
+
+    Parameters
+    ----------
+    path : path-like
+    largest : int
+        Bytes that the file may have, also where it grows or does not tell its size.
+
+    Returns
+    -------
+    bytes
+    """
+    content = bytearray()
+    with open_regular(path, largest) as file:
+        # Bit by bit: to read up to a size takes memory of that size.
+        while block := file.read(_BLOCK):
+            content += block
+            if len(content) > largest:
+                raise _too_large(path, largest)
+    return bytes(content)
+
+
+def _too_large(path: str | os.PathLike[str], largest: int) -> OSError:
+    return OSError(
+        errno.EFBIG, f"the file is larger than {largest // 10**6} MB, the most there may be", os.fspath(path)
+    )
