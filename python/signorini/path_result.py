@@ -17,6 +17,7 @@ from signorini.model import Model
 from signorini.notebook import path_table
 from signorini.path_stop import PathStop
 from signorini.problem import ContactProblem
+from signorini.remade import Remade
 from signorini.result import Result
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ class Segment:
 
 
 @dataclass(frozen=True, eq=False)
-class Path:
+class Path(Remade):
     """The answer of a plate to start + t add, for every t from 0 to where the path ends.
 
     Parameters

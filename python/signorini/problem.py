@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -16,6 +17,7 @@ from signorini.equilibrium import RigidFreedom, restraining_points, rigid_freedo
 from signorini.errors import InputError, SignoriniError
 from signorini.memory import require_memory_for_points
 from signorini.model import Model
+from signorini.remade import Remade
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array, csr_array
@@ -74,7 +76,7 @@ class Attempt(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class ContactProblem:
+class ContactProblem(Remade):
     """A discretised model on its supports, factored once and condensed onto its contact points.
 
     Examples
@@ -101,6 +103,15 @@ class ContactProblem:
     reference: _core.Reference | None = None
     """A solved load that others begin with; see `near`."""
     _others: dict[Method, ContactProblem] = field(default_factory=dict, repr=False)
+
+    _made = MappingProxyType(
+        {
+            "core": lambda problem: _factored(problem.discretisation, problem.freedom, problem.method).core,
+            # It saves an active set some steps and changes no answer.
+            "reference": lambda problem: None,
+            "_others": lambda problem: {},
+        }
+    )
 
     @cached_property
     def K(self) -> csc_array:

@@ -22,6 +22,7 @@ from signorini.model import Model
 from signorini.notebook import supports_table
 from signorini.probe_result import ProbeResult, probe_results, total_pressure
 from signorini.problem import spring_arrays
+from signorini.remade import Remade
 from signorini.sketch import pressure_layer, support_mark
 from signorini.support_result import SupportResult, support_result
 from signorini.vtk import displacement_vector, write_vtu
@@ -36,7 +37,7 @@ FIELDS = ("deflection", "rotation_x", "rotation_y", "mx", "my", "mxy", "qx", "qy
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
+class Result(Remade):
     """One combination. Numbers are NaN where there is no equilibrium.
 
     Parameters

@@ -18,6 +18,7 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, Method, Steps, contact_problem
 from signorini.progress import Progress, Watcher
+from signorini.remade import Remade
 from signorini.result import Result, unsolved_result
 from signorini.stability import CONTRADICTION, nearest_limit, supports_contradict, why_none
 from signorini.together import mean_load, solve_several
@@ -37,7 +38,7 @@ class _Tried:
 
 
 @dataclass(frozen=True, eq=False)
-class Results(Mapping[str, Result]):
+class Results(Remade, Mapping[str, Result]):
     """Results by combination, in the order of the model.
 
     Parameters

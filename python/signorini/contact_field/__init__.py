@@ -17,6 +17,7 @@ from signorini.mesh import Mesh
 from signorini.model import Support
 from signorini.regions import Region
 from signorini.regions.depths import depth
+from signorini.remade import Remade
 from signorini.tessellation import Tessellation
 
 _WHOLE = 1.0 - 1e-9
@@ -31,7 +32,7 @@ _ALONG_SIDE = np.linspace(-1.0, 1.0, 9)
 
 
 @dataclass(frozen=True, eq=False)
-class AreaContact:
+class AreaContact(Remade):
     """Contact of one area support.
 
     Parameters

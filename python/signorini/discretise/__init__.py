@@ -6,6 +6,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -23,6 +24,7 @@ from signorini.discretise.supports import ContactPoints, Springs, springs_and_co
 from signorini.errors import InputError
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
+from signorini.remade import Remade
 
 _THICKNESS = (1e-6, 10.0)
 """Thickness over the plate's size: beyond, double precision holds no plate, or the plate is a block."""
@@ -31,7 +33,7 @@ __all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Rows", "Sprin
 
 
 @dataclass(frozen=True, eq=False)
-class Discretisation:
+class Discretisation(Remade):
     """A model as arrays. Dofs are (w, θ1, θ2) node by node; θ1, θ2 are θx, θy unless ``held.frames`` says otherwise."""
 
     model: Model
@@ -45,6 +47,8 @@ class Discretisation:
     probes: Location
     probe_positions: Floats
     seconds: Mapping[str, float]
+
+    _made = MappingProxyType({"plate": lambda found: _plate(found.model, found.mesh, found.thickness, found.held)})
 
     @property
     def dof_count(self) -> int:
@@ -123,20 +127,7 @@ def _discretise(model: Model) -> Discretisation:
     meshed = time.perf_counter()
     held = hold(model, mesh)
     thickness = _thickness(model, mesh)
-    material = model.material
-    try:
-        plate = _core.Plate(
-            mesh.points,
-            mesh.elements,
-            thickness,
-            material.E,
-            material.nu,
-            model.plate.shear_factor,
-            model.plate.element,
-            held.frames,
-        )
-    except ValueError as error:
-        raise InputError(f"{error}. Change the mesh or the thickness.", place="plate") from None
+    plate = _plate(model, mesh, thickness, held)
     springs, contacts = springs_and_contacts(model, mesh, plate)
     contacts = that_can_act(mesh, held, contacts)
     cases = Cases(case_loads(model, mesh, plate, held), model.moving, mesh)
@@ -148,6 +139,23 @@ def _discretise(model: Model) -> Discretisation:
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
     return Discretisation(model, mesh, plate, thickness, held, springs, contacts, cases, probes, positions, seconds)
+
+
+def _plate(model: Model, mesh: Mesh, thickness: Floats, held: Held) -> _core.Plate:
+    material = model.material
+    try:
+        return _core.Plate(
+            mesh.points,
+            mesh.elements,
+            thickness,
+            material.E,
+            material.nu,
+            model.plate.shear_factor,
+            model.plate.element,
+            held.frames,
+        )
+    except ValueError as error:
+        raise InputError(f"{error}. Change the mesh or the thickness.", place="plate") from None
 
 
 def _thickness(model: Model, mesh: Mesh) -> Floats:

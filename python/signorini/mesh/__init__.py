@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,7 @@ from signorini.mesh.boxtree import BoxTree
 from signorini.mesh.curves import edges_on_polyline, edges_on_ring
 from signorini.mesh.isoparametric import SIDES, determinants, invert, jacobians, positions, side_boxes
 from signorini.regions import Curve, Ring
+from signorini.remade import Remade
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -42,7 +44,7 @@ class Location:
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class Mesh(Remade):
     """A mesh of isoparametric 8-node quadrilaterals. It checks itself when it is made.
 
     Parameters
@@ -80,11 +82,7 @@ class Mesh:
         points = np.array(self.points, dtype=np.float64)
         elements = np.array(self.elements, dtype=np.int64)
         edges = {name: np.array(triples, dtype=np.int64) for name, triples in self.edges.items()}
-        for array in (points, elements, *edges.values()):
-            array.flags.writeable = False
-        object.__setattr__(self, "points", points)
-        object.__setattr__(self, "elements", elements)
-        object.__setattr__(self, "edges", MappingProxyType(edges))
+        self.__setstate__({"points": points, "elements": elements, "edges": edges})
         mesh_checks.check_numbers(points, elements)
         mesh_checks.check_jacobians(points, elements)
         mesh_checks.check_sides(points, elements)
@@ -92,6 +90,16 @@ class Mesh:
         mesh_checks.check_one_piece(points, elements)
         for name, triples in edges.items():
             mesh_checks.check_edge(name, triples, self.sides.reshape(-1, 3))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Give the arrays, without the view of the edges that nobody can change."""
+        return super().__getstate__() | {"edges": dict(self.edges)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take arrays that are a mesh's, and make them read-only."""
+        for array in (state["points"], state["elements"], *state["edges"].values()):
+            array.flags.writeable = False
+        super().__setstate__(state | {"edges": MappingProxyType(state["edges"])})
 
     @property
     def node_count(self) -> int:
