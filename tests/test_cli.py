@@ -362,3 +362,36 @@ def test_an_error_found_while_meshing_names_the_line_in_the_file(tmp_path: Path)
     done = run("solve", file)
     assert done.exit_code == 2
     assert "slab.toml:8: load[1].at: The point [5, 2] is not on the plate" in done.stderr
+
+
+ESCAPE = "\x1b[31m\x07\x9b2J\u202e"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f'title = "{ESCAPE}"',
+        f"title = {ESCAPE}",
+        'title = "a\\u001b[31mb"\n' + SLAB.partition("\n")[2].partition("\n")[2],
+        SLAB.replace("thickness = 0.2", 'thickness = "1\\u001b"'),
+        SLAB.replace("pressure = 5", 'pressure = "\\u001b\\u202e"'),
+        SLAB.replace("{ G = 1, Q = 1 }", '{ "\\u001bG" = 1 }'),
+        SLAB + '["\\u001bG"]\n',
+    ],
+)
+def test_no_input_commands_the_terminal(tmp_path: Path, text: str) -> None:
+    path = tmp_path / f"slab{ESCAPE}.toml"
+    path.write_text(text, "utf-8")
+    for file in (path, tmp_path / f"none{ESCAPE}.toml"):
+        done = CliRunner().invoke(app, ["solve", str(file)])
+        assert done.exit_code == 2
+        assert all(sign.isprintable() or sign == "\n" for sign in done.output), repr(done.output)
+
+
+def test_neither_does_the_name_of_a_directory(tmp_path: Path) -> None:
+    path = tmp_path / f"slab{ESCAPE}.toml"
+    path.write_text(SLAB, "utf-8")
+    for command in ("solve", "check"):
+        done = CliRunner().invoke(app, [command, str(path)])
+        assert done.exit_code == 0
+        assert all(sign.isprintable() or sign == "\n" for sign in done.output), repr(done.output)

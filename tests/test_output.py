@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import signorini
 from signorini.errors import InputError
-from signorini.output import reactions_csv, results_json, room_for, unique_slugs, write, write_path
+from signorini.output import path_csv, reactions_csv, results_json, room_for, unique_slugs, write, write_path
 
 
 def model(**changes: object) -> signorini.Model:
@@ -203,6 +203,48 @@ def test_reactions_csv_has_a_row_a_support_and_a_row_a_point(results: signorini.
     assert sum(float(row["reaction"]) for row in points) == pytest.approx(140, rel=1e-9)
     storm = [row for row in rows if row["combination"] == "storm"]
     assert [(row["state"], row["reaction"]) for row in storm] == 2 * [("no_equilibrium", "")]
+
+
+NAMES = ["-W", "+W", "=HYPERLINK(1)", "@SUM(A1)", "'t Huis", "＝1", "[bold]x[/bold]", "<b>G</b> & Q", "G, Q"]
+
+
+@pytest.fixture(scope="module")
+def oddly_named() -> signorini.Results:
+    prop = {"at": [2, 2.1], "resists": "down", "gap": 1e-3, "stiffness": 1e4}
+    supports = [model().support[0], *(prop | {"name": name, "at": [2, 2 + i / 9]} for i, name in enumerate(NAMES))]
+    return signorini.solve(
+        model(
+            title="=title",
+            support=supports,
+            combination=[{"name": name, "factors": {"G": 1 + i}} for i, name in enumerate(NAMES)],
+        )
+    )
+
+
+def test_no_name_is_a_formula_and_every_number_a_number(oddly_named: signorini.Results) -> None:
+    written = reactions_csv(oddly_named)
+    feet = {"name": "=feet", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}
+    path = signorini.path(model(support=[feet]), start="G", add="Q")
+    for line in (*csv.reader(io.StringIO(written)), *csv.reader(io.StringIO(path_csv(path)))):
+        for cell in line:
+            assert not cell.startswith(("=", "+", "@", "＝", "-")) or np.isfinite(float(cell))
+    rows = list(csv.DictReader(io.StringIO(written)))
+    assert list(dict.fromkeys(row["combination"].removeprefix("'") for row in rows)) == NAMES
+    assert {row["support"].removeprefix("'") for row in rows} == {"legs", *NAMES}
+    assert "'-W" in {row["combination"] for row in rows}
+    found = results_json(oddly_named)
+    assert [combination["name"] for combination in found["combinations"]] == NAMES
+    assert any(stop.event.startswith("=feet opens") for stop in path.stops)
+    assert "'=feet opens" in path_csv(path)
+
+
+@pytest.mark.filterwarnings("ignore:Glyph")
+def test_names_are_text_in_notebooks_and_pictures(oddly_named: signorini.Results, tmp_path: Path) -> None:
+    shown = oddly_named._repr_html_()
+    assert "&lt;b&gt;G&lt;/b&gt; &amp; Q" in shown and "<b>G</b>" not in shown
+    axes = oddly_named["<b>G</b> & Q"].plot()
+    axes.figure.savefig(tmp_path / "plate.svg")
+    assert "<b>G" not in (tmp_path / "plate.svg").read_text("utf-8")
 
 
 def test_write_leaves_whole_files_of_the_solved_combinations(results: signorini.Results, tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from rich.console import Console
 
 import signorini
 from signorini.cli import interrupts, tables
+from signorini.cli.cells import visible
 from signorini.cli.progress import transient_line
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini.inputfile import with_line
@@ -113,10 +114,10 @@ def solve(
                 files.write(results, directory, table)
         except SignoriniError:
             if files.former_results(directory):
-                _stderr().print(f"Nothing is written; {directory} holds the results of an earlier run.")
+                _stderr().print(f"Nothing is written; {visible(directory)} holds the results of an earlier run.")
             raise
         tables.print_results(_stdout(), results)
-        _stdout().print(f"Written to {directory}{os.sep}")
+        _stdout().print(f"Written to {visible(directory)}{os.sep}")
         _refuse(results.unbalanced, results.unbalanced_count)
 
 
@@ -141,7 +142,7 @@ def check(
         found = checked(model)
         found.save_picture(picture)
         tables.print_check(_stdout(), found)
-        _stdout().print(f"Drawn in {picture}")
+        _stdout().print(f"Drawn in {visible(picture)}")
         unbalanced = {resultant.name: resultant.message for resultant in found.resultants if resultant.message}
         _refuse(unbalanced, len(unbalanced))
 
@@ -179,7 +180,7 @@ def path(
             found = signorini.path(model, start, add, until, progress=show)
         files.write_path(found, directory)
         print_path(_stdout(), found)
-        _stdout().print(f"Written to {directory}{os.sep}")
+        _stdout().print(f"Written to {visible(directory)}{os.sep}")
         if found.ending == "stopped":
             raise NotCertifiedError(
                 f"the path was followed to t = {found.end:.6g} only; beyond, rounding decides which points are in "
@@ -234,7 +235,7 @@ def _messages(file: Path | None = None) -> Iterator[None]:
 
 
 def _end(message: str, code: int) -> None:
-    _stderr().print(message)
+    _stderr().print(visible(message))
     raise typer.Exit(code)
 
 

@@ -20,6 +20,17 @@ def table(*left: str, right: Sequence[str]) -> Table:
     return table
 
 
+def visible(text: object) -> str:
+    r"""Write what would command a terminal, such as an escape in the name of a file, so that it is read instead.
+
+    Examples
+    --------
+    >>> visible("slab\x1b[31m.toml: no such file.") == r"slab\x1b[31m.toml: no such file."
+    True
+    """
+    return "".join(sign if sign.isprintable() or sign == "\n" else repr(sign)[1:-1] for sign in str(text))
+
+
 def number(value: float, digits: int = 6) -> str:
     """Write a number short enough to be read."""
     # Forces in newtons pass six digits soon; an exponent would be harder to read than some more of them.

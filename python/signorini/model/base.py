@@ -95,7 +95,8 @@ def describe(value: object) -> str:
         case None:
             return "nothing"
         case str():
-            return f'"{value}"' if len(value) <= 60 else f'"{value[:57]}..."'
+            shown = value if len(value) <= 60 else f"{value[:57]}..."
+            return f'"{shown}"' if shown.isprintable() else f'"{repr(shown)[1:-1]}"'
         case dict():
             return "a table"
         case float():

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from signorini.files import replacing_together
+from signorini.output.cells import name_cell
 from signorini.output.directory import cannot_write, former_path
 from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE
 from signorini.path_result import Path
@@ -93,7 +94,13 @@ def path_csv(path: Path) -> str:
     )
     for index, stop in enumerate(path.stops):
         supports = zip(stop.reactions.tolist(), stop.closed.tolist(), (stop.counts - stop.closed).tolist(), strict=True)
-        row = [stop.t, path.words(index), stop.largest, stop.smallest, *itertools.chain.from_iterable(supports)]
+        row = [
+            stop.t,
+            name_cell(path.words(index)),
+            stop.largest,
+            stop.smallest,
+            *itertools.chain.from_iterable(supports),
+        ]
         table.writerow([*row, *stop.deflections.tolist()])
     return text.getvalue()
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
+from signorini.output.cells import name_cell
 from signorini.output.names import file_names
 from signorini.probe_result import ProbeResult
 from signorini.result import Result
@@ -72,7 +73,8 @@ def results_json(results: Results) -> dict[str, Any]:
 def reactions_csv(results: Results) -> str:
     """Give the reactions as a table of comma-separated values.
 
-    A row a combination and support, its ``point`` "total"; and, for point supports, a row a point.
+    A row a combination and support, its ``point`` "total"; and, for point supports, a row a point. Names that a
+    spreadsheet would compute have an apostrophe before them.
 
     Parameters
     ----------
@@ -148,9 +150,11 @@ def _probe(probe: ProbeResult) -> dict[str, Any]:
 def _rows(result: Result) -> Iterator[dict[str, Any]]:
     if result.status != "solved":
         for asked in result.model.support:
-            yield {"combination": result.name, "support": asked.name, "point": "total", "state": result.status}
+            names = {"combination": name_cell(result.name), "support": name_cell(asked.name)}
+            yield names | {"point": "total", "state": result.status}
     for support in result.supports:
-        row = {"combination": result.name, "support": support.name, "kind": support.kind}
+        names = {"combination": name_cell(result.name), "support": name_cell(support.name)}
+        row = names | {"kind": support.kind}
         yield row | {"point": "total"} | _total(support)
         if support.place == "at":
             for number, point in enumerate(_points(support), start=1):
