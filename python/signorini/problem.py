@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from signorini import _core
+from signorini.answer import Answer
 from signorini.discretise import CaseLoad, ContactPoints, Discretisation, discretise
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import RigidFreedom, restraining_points, rigid_freedom
 from signorini.errors import InputError, SignoriniError
 from signorini.memory import require_memory_for_points
 from signorini.model import Model
+from signorini.selection import chosen
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array, csr_array
@@ -83,7 +85,7 @@ class Attempt(NamedTuple):
     form: Form = "auto"
     part: float | None = None
 
-    def solve(self, load: CaseLoad, progress: Steps, closed: Bools | None) -> _core.ContactSolution:
+    def solve(self, load: CaseLoad, progress: Steps, closed: Bools | None) -> Answer:
         """Solve a load; where rounding decides, beginning with a contact set (m,) if there is one."""
         if self.part is None:
             return self.problem.solve(load, self.form, progress)
@@ -286,21 +288,23 @@ class ContactProblem:
             # What another method has left imprecise.
             yield from (Attempt(start.condensed, part=part) for part in _YIELDING[1:])
 
-    def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> _core.ContactSolution:
-        """Displacements, reactions and gaps of one load.
+    def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> Answer:
+        """Displacements, reactions and gaps of one load; of answers that are equally right the least.
 
         ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set.
         """
         held = self.discretisation.held.values
         if self.method == "interior_point":
-            return self.core.solve_by_interior_point(load.nodal, held, progress=progress)
-        if self.reference is not None:
-            return self.core.solve_near(self.reference, load.nodal, held, progress=progress)
-        return self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress)
+            solution = self.core.solve_by_interior_point(load.nodal, held, progress=progress)
+        elif self.reference is not None:
+            solution = self.core.solve_near(self.reference, load.nodal, held, progress=progress)
+        else:
+            solution = self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress)
+        return self._chosen(load, solution)
 
     def solve_carefully(
         self, load: CaseLoad, part: float, closed: Bools | None = None, progress: Steps | None = None
-    ) -> _core.ContactSolution:
+    ) -> Answer:
         """Displacements, reactions and gaps of one load where rounding decides (docs/theory.md, section 6).
 
         By proximal steps, in which every increment of reaction yields by a part of the plate's own compliance: points
@@ -308,7 +312,10 @@ class ContactProblem:
         ``closed`` (m,) is a contact set to begin with; ``progress`` is called after every step.
         """
         held = self.discretisation.held.values
-        return self.condensed.core.solve_carefully(load.nodal, held, part, closed, progress)
+        return self._chosen(load, self.condensed.core.solve_carefully(load.nodal, held, part, closed, progress))
+
+    def _chosen(self, load: CaseLoad, solution: _core.ContactSolution) -> Answer:
+        return chosen(self.discretisation, self.freedom, load.nodal, Answer.of(self.discretisation, solution))
 
     @property
     def seconds(self) -> Mapping[str, float]:
@@ -319,8 +326,7 @@ class ContactProblem:
 
 def spring_arrays(found: Discretisation) -> tuple[Ints, Floats, Floats, Floats]:
     """Springs the way the core takes them."""
-    springs = found.springs
-    return springs.rows.elements, springs.rows.coefficients, springs.stiffness, springs.base
+    return found.springs.arrays
 
 
 def contact_problem(model: Model | Discretisation) -> ContactProblem:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal, Self, TypeAlias
 
 import numpy as np
 
-from signorini import _core
+from signorini.answer import Answer, NotUnique
 from signorini.certificate import Certificate
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
@@ -57,6 +57,9 @@ class Result:
         Methods that were tried before and did not settle; almost always none.
     iterations : int
         Lemke's pivots, the active set's Newton steps, or the steps of the interior point method.
+    not_unique : tuple of NotUnique
+        What else would be as right, where supports repeat each other or the plate may rest elsewhere: of all these the
+        least reactions, and then the least deflection, are given. Empty where this is the only answer.
     """
 
     name: str
@@ -65,6 +68,7 @@ class Result:
     method: str
     unsettled: tuple[str, ...]
     iterations: int
+    not_unique: tuple[NotUnique, ...]
     mesh: Mesh
     model: Model
     certificate: Certificate
@@ -84,7 +88,7 @@ class Result:
         name: str,
         methods: Sequence[str],
         load: CaseLoad,
-        answer: _core.ContactSolution,
+        answer: Answer,
         certificate: Certificate,
         stress: Floats | None = None,
     ) -> Self:
@@ -118,6 +122,7 @@ class Result:
             method,
             tuple(unsettled),
             answer.pivots if method == "lemke" else answer.iterations,
+            answer.not_unique,
             found.mesh,
             found.model,
             certificate,
@@ -264,6 +269,7 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
         "equilibrium check",
         (),
         0,
+        (),
         found.mesh,
         found.model,
         Certificate(nan, nan, nan, nan, nan),
