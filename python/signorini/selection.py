@@ -242,9 +242,16 @@ def _merged(sets: Sequence[Iterable[int]]) -> list[set[int]]:
 
 
 def _force(found: Discretisation, nodal: Floats, answer: Answer) -> float:
-    """The largest nodal load or reaction, couples counting by the force they are at the plate's size apart."""
-    forces = np.abs(nodal.reshape(-1, 3)).max(axis=0) / [1.0, found.mesh.size, found.mesh.size]
-    return max(float(forces.max()), float(np.abs(answer.reaction).max(initial=0.0))) or 1.0
+    """The largest nodal load or reaction; without load what bends the plate by its deflection.
+
+    Couples count by the force they are at the plate's size apart.
+    """
+    size = found.mesh.size
+    forces = np.abs(nodal.reshape(-1, 3)).max(axis=0) / [1.0, size, size]
+    bending = 0.0
+    if not nodal.any():
+        bending = found.model.material.E * float(found.thickness.max()) ** 3 / 12 * float(np.abs(answer.hi[::3]).max())
+    return max(float(forces.max()), bending / size**2, float(np.abs(answer.reaction).max(initial=0.0))) or 1.0
 
 
 def _with_least_deflection(
