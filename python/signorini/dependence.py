@@ -121,6 +121,16 @@ def _held_together(found: Discretisation) -> tuple[frozenset[int], ...]:
     return tuple(sets)
 
 
+def repeats_itself(found: Discretisation) -> bool:
+    """Whether rows of rigid contact points depend on each other, so that their gaps cannot be chosen freely."""
+    contacts = found.contacts
+    rigid = np.flatnonzero((contacts.compliance == 0) & ~contacts.slope)
+    free = _within(contacts.rows[rigid].matrix(found.mesh.elements, found.dof_count), ~found.held.dofs)
+    length = np.sqrt(np.asarray(free.multiply(free).sum(axis=1)).ravel())
+    group, _ = _parallel(free, length)
+    return len(set(group.tolist())) < len(group) or bool(_ties(_times(free, 1.0 / length)).shape[1])
+
+
 def _within(rows: csr_array, dofs: Bools) -> csr_array:
     """Rows where they are not rounding, and only on some dofs."""
     rows = csr_array(rows, copy=True)

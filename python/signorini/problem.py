@@ -11,6 +11,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.answer import Answer
+from signorini.dependence import repeats_itself
 from signorini.discretise import CaseLoad, ContactPoints, Discretisation, discretise
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import RigidFreedom, restraining_points, rigid_freedom
@@ -188,7 +189,7 @@ class ContactProblem:
         """
         core = self.condensed.core
         posed = Lcp(*core.lcp(load, self.discretisation.held.values, None if form == "auto" else form))
-        if not np.isfinite(posed.M).all():
+        if not np.isfinite(posed.M).all() or (form == "stiffness" and repeats_itself(self.discretisation)):
             raise SignoriniError(
                 "This problem has no such form: rigid points repeat each other, so that their gaps cannot be chosen "
                 'freely. Take form "dual", whose unknowns are reactions.'

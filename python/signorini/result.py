@@ -253,6 +253,8 @@ class Result:
         verdict = (
             f"{html.escape(ends)}<br>{self.method}, {self.iterations} {self.counted}; certificate {self.certificate}"
         )
+        for one in self.not_unique:
+            verdict += f"<br>not unique: {html.escape(str(one))}"
         table = supports_table(self.model.support, self.supports, units.force)
         return f"{title}{table}<p>{verdict}</p>"
 

@@ -29,6 +29,8 @@ _STILL = 1e-12
 """Part of a motion by which a pushing point moves that is rounding: points on a line hold nothing about it."""
 _MOVED = 1e-9
 """Part of a direction of size one below which a point takes no part in it."""
+_ROUNDING = 16 * float(np.finfo(float).eps)
+"""What sums of a few products round off."""
 _DOUBTFUL = 1e-9
 """As `_NIL`, where all that hangs on it is whether a combination is solved by itself."""
 
@@ -288,7 +290,9 @@ def _with_least_deflection(
     rows = found.contacts.rows
     left = found.plate.openings(rows.elements, rows.coefficients, found.contacts.distance, hi, lo)
     length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(found.contacts.distance))
-    closed = ~one_sided | pushing | (left <= _NIL * length)
+    # Of where the plate was, the motion leaves a rounding.
+    nil = np.maximum(_NIL * length, _ROUNDING * float(np.abs(answer.hi[::3]).max()))
+    closed = ~one_sided | pushing | (left <= nil)
     # What pushes so little does not push.
     reaction, shared = answer.reaction.copy(), answer.shared.copy()
     reaction[one_sided & ~pushing] = shared[: len(reaction)][one_sided & ~pushing] = 0.0

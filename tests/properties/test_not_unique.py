@@ -1,4 +1,4 @@
-"""Where more answers than one are right, the least is given, whatever the order of supports and the way it is solved."""
+"""Where more answers than one are right, the least is given, whatever the order of supports and the way of solving."""
 
 import json
 
