@@ -66,7 +66,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         "model": dict.fromkeys(["nodes", "elements", "dofs", "contact_points"]),
         "combinations": [
             {
-                **dict.fromkeys(["name", "status", "message", "method", "unsettled", "iterations"]),
+                **dict.fromkeys(["name", "status", "message", "method", "unsettled", "iterations", "not_unique"]),
                 "limit": dict.fromkeys(["case", "factor"]),
                 "certificate": dict.fromkeys(
                     [

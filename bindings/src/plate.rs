@@ -137,6 +137,21 @@ impl Plate {
         Ok(PyArray1::from_vec(py, out))
     }
 
+    /// Displacements hi + lo (3n,) moved by w + sx (x − x0) + sy (y − y0), in extended precision: `center` is (x0, y0),
+    /// `motion` (w, sx, sy).
+    fn moved<'py>(
+        &self,
+        py: Python<'py>,
+        hi: PyReadonlyArray1<'_, f64>,
+        lo: PyReadonlyArray1<'_, f64>,
+        center: [f64; 2],
+        motion: [f64; 3],
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+        let mut out = displacement(&hi, &lo, self.inner.dof_count())?;
+        py.detach(|| out.add_rigid(&self.inner, center, motion));
+        Ok((PyArray1::from_vec(py, out.hi), PyArray1::from_vec(py, out.lo)))
+    }
+
     /// Largest sum of |element matrix| |displacement| over dofs not held (3n,): rounding is relative to this.
     fn internal_magnitude(
         &self,

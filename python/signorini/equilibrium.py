@@ -113,10 +113,11 @@ def _name_motion(loose: Floats, found: Discretisation) -> str:
         return "any rigid motion, it has no support"
     if loose.shape[1] == 2:
         return "turning about a point in two directions"
-    return _describe(loose[:, 0], found)
+    return describe_motion(loose[:, 0], found)
 
 
-def _describe(motion: Floats, found: Discretisation) -> str:
+def describe_motion(motion: Floats, found: Discretisation) -> str:
+    """Say what a rigid motion (3,) is: of w, and of the slopes times the plate's size, about its middle."""
     w, *slopes = motion / np.array([1.0, found.mesh.size, found.mesh.size])
     turning = np.hypot(*slopes)
     if turning * found.mesh.size < 1e-6 * abs(w):

@@ -9,16 +9,19 @@ from dataclasses import fields
 import numpy as np
 
 from signorini import _core
+from signorini.answer import Answer
 from signorini.certificate import Certificate, certify
+from signorini.choice import certified
 from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.discretise.rows import Bools, Ints
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import no_equilibrium
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
 from signorini.model import Model
-from signorini.path_result import Ending, Path, beside
+from signorini.path_result import Ending, Path, ahead, beside
 from signorini.path_stop import PathStop, path_stop
 from signorini.problem import ContactProblem, contact_problem
 from signorini.progress import Progress, Watcher
+from signorini.selection import chosen
 from signorini.stability import CONTRADICTION, floats, largest_factor, supports_contradict
 
 _NAMED = 20
@@ -145,18 +148,35 @@ def _trace(
     found = problem.discretisation
     stops: list[PathStop] = []
     sets: list[Bools] = []
+    shown: list[Bools] = []
+    pushing: list[Floats] = []
     worst = {figure.name: 0.0 for figure in fields(Certificate)}
 
-    def visit(t: float, points: Ints, answer: _core.ContactSolution) -> None:
+    def visit(t: float, points: Ints, solution: _core.ContactSolution) -> None:
         load = loads[0] + t * loads[1]
+        answer = Answer.of(found, solution)
         # What stands on one set at both ends of a segment is proven between them.
         sets.append(answer.closed)
         certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, sets[-2:], beside(loads, t))
         if not certificate.passed:
             raise NotCertifiedError
+        pushing[:] = [*pushing[-1:], answer.reaction]
+        before = tuple(pushing)
+
+        def elsewhere() -> Iterator[Floats]:
+            yield from before
+            yield from ahead(problem, loads, t, solution.closed)
+
+        answer = chosen(found, problem.freedom, load.nodal, answer, elsewhere)
+        answer, certificate = (
+            certified(found, load, answer, beside(loads, t)) if answer.somehow else (answer, certificate)
+        )
         for name in worst:
             worst[name] = max(worst[name], getattr(certificate, name))
-        stops.append(path_stop(found, t, load, points, answer))
+        # Of points that repeat each other all open or close, not only the one that the path is followed with.
+        shown.append(answer.closed)
+        switched = np.flatnonzero(shown[-1] != shown[-2]) if len(shown) > 1 else points
+        stops.append(path_stop(found, t, load, points, switched, answer))
         watcher(Progress(f"t = {t:.6g}, event {len(stops)}"))
 
     end = min(limit, np.inf if until is None else until)

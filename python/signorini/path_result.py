@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -9,7 +10,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from signorini import _core
+from signorini.answer import Answer
 from signorini.certificate import Certificate, certify
+from signorini.choice import certified
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError, NotCertifiedError
@@ -19,6 +22,7 @@ from signorini.path_stop import PathStop
 from signorini.problem import ContactProblem
 from signorini.remade import Remade
 from signorini.result import Result
+from signorini.selection import chosen
 
 if TYPE_CHECKING:
     from signorini.plot import Figure
@@ -148,6 +152,16 @@ class Path(Remade):
             length=self.model.units.length,
         )
 
+    def _beside(self, t: float) -> Iterator[Floats]:
+        """Reactions (m,) amid the segments that end or begin at t, or are about it."""
+        held = self.problem.discretisation.held.values
+        for segment in self.segments:
+            if segment.begin.t <= t <= segment.end.t and not segment.jumps:
+                load = self._loads[0] + 0.5 * (segment.begin.t + segment.end.t) * self._loads[1]
+                solution = self.problem.core.solve_on(load.nodal, held, segment.closed)
+                if solution.status == "solved":
+                    yield solution.reaction
+
     def at(self, t: float) -> Result:
         """Every result at some t: one linear solve on the contact set that holds there, with its certificate.
 
@@ -167,23 +181,36 @@ class Path(Remade):
         load = self._loads[0] + t * self._loads[1]
         found = self.problem.discretisation
         closed = self.segments[index].closed if self.segments else self._first
-        answer = self.problem.core.solve_on(load.nodal, found.held.values, closed)
+        answer = Answer.of(found, self.problem.core.solve_on(load.nodal, found.held.values, closed))
         made_of = beside(self._loads, t)
         certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
         if not certificate.passed:
             # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
             answer = self.problem.solve(load)
+            answer = answer.somehow or answer
             certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
         if not certificate.passed:
             answers: list[_core.ContactSolution] = []
             nodal = self._loads[0].nodal, self._loads[1].nodal
             self.problem.core.path(*nodal, found.held.values, t, lambda t, points, answer: answers.append(answer))
-            answer = answers[-1]
+            answer = Answer.of(found, answers[-1])
             certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
         name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
         if not certificate.passed:
             raise NotCertifiedError(f'"{name}" is refused, its certificate {certificate}.')
+        answer = chosen(found, self.problem.freedom, load.nodal, answer, lambda: self._beside(t))
+        answer, certificate = certified(found, load, answer, made_of)
         return Result.of(found, name, (self.problem.method,), load, answer, certificate)
+
+
+def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, closed: Bools) -> Iterator[Floats]:
+    """Reactions (m,) on a contact set at a t well beyond this one, signs as they come; none where it does not hold."""
+    start, add = (np.abs(load.nodal).max() for load in loads)
+    far = t + max(t, start / add if start else 1.0)
+    held = problem.discretisation.held.values
+    solution = problem.core.solve_on((loads[0] + far * loads[1]).nodal, held, closed)
+    if solution.status == "solved":
+        yield solution.reaction
 
 
 def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> Floats:

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from signorini import _core
+from signorini.answer import Answer
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
 from signorini.problem import spring_arrays
@@ -84,7 +85,7 @@ class PathStop:
         return "; ".join(said)
 
 
-def switches(found: Discretisation, points: Ints, answer: _core.ContactSolution) -> tuple[Switch, ...]:
+def switches(found: Discretisation, points: Ints, answer: Answer) -> tuple[Switch, ...]:
     """Say which contact points open or close, and where."""
     contacts, closed = found.contacts, answer.closed
     return tuple(
@@ -97,8 +98,10 @@ def switches(found: Discretisation, points: Ints, answer: _core.ContactSolution)
     )
 
 
-def path_stop(found: Discretisation, t: float, load: CaseLoad, points: Ints, answer: _core.ContactSolution) -> PathStop:
-    """Reduce an answer to what the path keeps of it."""
+def path_stop(
+    found: Discretisation, t: float, load: CaseLoad, points: Ints, switched: Ints, answer: Answer
+) -> PathStop:
+    """Reduce an answer to what the path keeps of it; ``switched`` are the points that are said to open or close."""
     deflection = (answer.hi + answer.lo)[::3]
     imbalance = found.plate.residual(spring_arrays(found), load.nodal, answer.hi, answer.lo)
     held_force = np.where(found.held.dofs, imbalance - found.contact_rows.T @ answer.reaction, 0.0)
@@ -112,7 +115,7 @@ def path_stop(found: Discretisation, t: float, load: CaseLoad, points: Ints, ans
     elements = found.mesh.elements[found.probes.elements]
     return PathStop(
         t,
-        switches(found, points, answer),
+        switches(found, switched, answer),
         points,
         np.array([support.reaction for support in supports]),
         np.array([support.closed_count for support in supports]),

@@ -11,13 +11,16 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from signorini import _core
-from signorini.discretise import CaseLoad, Discretisation, discretise
+from signorini.answer import Answer
+from signorini.dependence import repeats_itself
+from signorini.discretise import CaseLoad, ContactPoints, Discretisation, discretise
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import RigidFreedom, restraining_points, rigid_freedom
 from signorini.errors import InputError, SignoriniError
 from signorini.memory import require_memory_for_points
 from signorini.model import Model
 from signorini.remade import Remade
+from signorini.selection import chosen
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array, csr_array
@@ -52,13 +55,30 @@ _CARRIED = 100.0
 class Lcp(NamedTuple):
     """w = Mz + q with w, z ≥ 0 and zᵀw = 0, over one-sided contact points.
 
-    z is the reaction of ``points`` and w its gap, or the other way round where ``gap_is_z``.
+    Two-sided points, whose reaction may have either sign, are eliminated.
+
+    Parameters
+    ----------
+    M : (k, k) array
+    q : (k,) array
+    points : (k,) array
+        Contact point of each row, a row of the problem's G.
+    gap_is_z : (k,) array
+        Rows that are exchanged: there z is the gap and w the reaction; elsewhere z is the reaction and w the gap.
     """
 
     M: Floats
     q: Floats
     points: Ints
     gap_is_z: Bools
+
+    def contact(self, z: Floats) -> tuple[Floats, Floats]:
+        """Reactions (k,) and gaps (k,) of ``points``, given z (k,); z need not solve the problem.
+
+        `ContactProblem.recover` gives those of two-sided points too, and the displacements.
+        """
+        w = self.M @ z + self.q
+        return np.where(self.gap_is_z, w, z), np.where(self.gap_is_z, z, w)
 
 
 class Attempt(NamedTuple):
@@ -68,7 +88,7 @@ class Attempt(NamedTuple):
     form: Form = "auto"
     part: float | None = None
 
-    def solve(self, load: CaseLoad, progress: Steps, closed: Bools | None) -> _core.ContactSolution:
+    def solve(self, load: CaseLoad, progress: Steps, closed: Bools | None) -> Answer:
         """Solve a load; where rounding decides, beginning with a contact set (m,) if there is one."""
         if self.part is None:
             return self.problem.solve(load, self.form, progress)
@@ -147,28 +167,91 @@ class ContactProblem(Remade):
     def lcp(self, load: Floats, form: Form = "auto") -> Lcp:
         """Pose the LCP of one nodal load (3n,).
 
-        "stiffness" has the gaps for unknowns. "dual" has the reactions, but as many gaps as the plate has rigid motions
-        that only one-sided supports hold. "auto" takes the better conditioned one: the stiffness form where every
-        contact point is at a node of its own, else the dual.
-        """
-        core = self.condensed.core
-        return Lcp(*core.lcp(load, self.discretisation.held.values, None if form == "auto" else form))
-
-    def dual(self, load: Floats) -> tuple[Floats, Floats]:
-        """P (m, m) and s (m,) of the paper's (26) and (27): gap = P·reaction − s.
+        "stiffness" has the gaps for unknowns. "dual" has the reactions, but gaps at points whose stiffness the factor
+        carries: elastic ones softer than the plate in shear and, where one-sided supports alone hold the plate, as many
+        as it has rigid motions. ``gap_is_z`` marks them. "auto" takes the better conditioned one: the stiffness form
+        where every contact point is at a node of its own, else the dual.
 
         Raises
         ------
         SignoriniError
-            If one-sided supports alone hold the plate: its K has no inverse.
+            If there is no "stiffness" form: rigid points repeat each other, and no reactions belong to some gaps.
+
+        Examples
+        --------
+        A beam of plate on a soft spring that only pushes; the factor carries it, so that its gap is the unknown.
+
+        >>> from signorini import Model
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [4, 1], "thickness": 0.2},
+        ...     mesh={"divisions": [4, 1]},
+        ...     support=[{"edge": "left", "fix": "clamped"}, {"at": [4, 0.5], "resists": "down", "stiffness": 1e6}],
+        ...     load=[{"pressure": 5e3}],
+        ... )
+        >>> problem = contact_problem(model)
+        >>> load = problem.load("all")
+        >>> posed = problem.lcp(load, "dual")
+        >>> answer = _core.lemke(posed.M, posed.q)
+        >>> reaction, gap = posed.contact(answer.z)
+        >>> refined = problem.recover(load, posed, answer.z)
+        >>> posed.gap_is_z.tolist(), gap.tolist(), bool(np.isclose(reaction, refined.reaction).all())
+        ([True], [0.0], True)
+        """
+        core = self.condensed.core
+        posed = Lcp(*core.lcp(load, self.discretisation.held.values, None if form == "auto" else form))
+        if not np.isfinite(posed.M).all() or (form == "stiffness" and repeats_itself(self.discretisation)):
+            raise SignoriniError(
+                "This problem has no such form: rigid points repeat each other, so that their gaps cannot be chosen "
+                'freely. Take form "dual", whose unknowns are reactions.'
+            )
+        return posed
+
+    def recover(self, load: Floats, posed: Lcp, z: Floats) -> _core.ContactSolution:
+        """Displacements (3n,), and reactions and gaps (m,) of every contact point, from a solution z (k,) of the LCP.
+
+        They are solved for on the contact set that z stands for, and refined; `_core.ContactSolution.status` is
+        "unsolved" where that set does not hold the plate, or not in one way.
+        """
+        reaction, gap = posed.contact(z)
+        closed = self.discretisation.contacts.two_sided.copy()
+        largest = [np.abs(values).max(initial=0.0) or 1.0 for values in (reaction, gap)]
+        closed[posed.points] = reaction / largest[0] > gap / largest[1]
+        return self.condensed.core.solve_on(load, self.discretisation.held.values, closed)
+
+    def dual(self, load: Floats) -> tuple[Floats, Floats]:
+        """P (m, m) and s (m,) of the paper's (26) and (27), over every row of ``G``: gap = P·reaction − s.
+
+        P = G K⁻¹ Gᵀ + C and s = G K⁻¹ f − g with K of the plate, held dofs and springs, but of no contact point,
+        whatever stiffness that has; C is `compliance` on the diagonal. Where held dofs have values, K⁻¹ f is the
+        displacement under the load with these values. Two-sided points are among the rows: their gap is 0 and their
+        reaction has either sign, so where there are any, P and −s are not yet an LCP. That of `lcp` has eliminated
+        them.
+
+        Raises
+        ------
+        SignoriniError
+            If K has no inverse: one-sided supports, or two-sided points between nodes, alone hold the plate.
         """
         if not self.freedom.regular:
             raise SignoriniError(
-                "The paper's P and s need K to be regular, but one-sided supports alone hold this plate. "
-                'Take lcp(load, "stiffness") or lcp(load, "dual"), which takes a few gaps among its unknowns.'
+                "The paper's P and s need K to be regular, but one-sided supports, or points between nodes, alone hold "
+                'this plate. Take lcp(load, "stiffness") or lcp(load, "dual"), which takes a few gaps among its '
+                "unknowns."
             )
-        posed = self.lcp(load, "dual")
-        return posed.M, -posed.q
+        held = self.discretisation.held.values
+        matrix, q, _, _ = self._bare.lcp(load, held, "dual")
+        return matrix, -q
+
+    @cached_property
+    def _bare(self) -> _core.ContactProblem:
+        """All points condensed as one-sided ones onto a factor that carries none of them."""
+        found = self.discretisation
+        points = found.contacts
+        if points.two_sided.any() or _regularization(found, self.freedom).any():
+            one_sided = replace(points, two_sided=np.zeros(len(points), np.bool_))
+            return _core_problem(found, one_sided, np.zeros(len(points)), self.freedom.motions[:, :0], False)
+        return self.condensed.core
 
     @property
     def condensed(self) -> ContactProblem:
@@ -217,21 +300,23 @@ class ContactProblem(Remade):
             # What another method has left imprecise.
             yield from (Attempt(start.condensed, part=part) for part in _YIELDING[1:])
 
-    def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> _core.ContactSolution:
-        """Displacements, reactions and gaps of one load.
+    def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> Answer:
+        """Displacements, reactions and gaps of one load; of answers that are equally right the least.
 
         ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set.
         """
         held = self.discretisation.held.values
         if self.method == "interior_point":
-            return self.core.solve_by_interior_point(load.nodal, held, progress=progress)
-        if self.reference is not None:
-            return self.core.solve_near(self.reference, load.nodal, held, progress=progress)
-        return self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress)
+            solution = self.core.solve_by_interior_point(load.nodal, held, progress=progress)
+        elif self.reference is not None:
+            solution = self.core.solve_near(self.reference, load.nodal, held, progress=progress)
+        else:
+            solution = self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress)
+        return self._chosen(load, solution)
 
     def solve_carefully(
         self, load: CaseLoad, part: float, closed: Bools | None = None, progress: Steps | None = None
-    ) -> _core.ContactSolution:
+    ) -> Answer:
         """Displacements, reactions and gaps of one load where rounding decides (docs/theory.md, section 6).
 
         By proximal steps, in which every increment of reaction yields by a part of the plate's own compliance: points
@@ -239,7 +324,10 @@ class ContactProblem(Remade):
         ``closed`` (m,) is a contact set to begin with; ``progress`` is called after every step.
         """
         held = self.discretisation.held.values
-        return self.condensed.core.solve_carefully(load.nodal, held, part, closed, progress)
+        return self._chosen(load, self.condensed.core.solve_carefully(load.nodal, held, part, closed, progress))
+
+    def _chosen(self, load: CaseLoad, solution: _core.ContactSolution) -> Answer:
+        return chosen(self.discretisation, self.freedom, load.nodal, Answer.of(self.discretisation, solution))
 
     @property
     def seconds(self) -> Mapping[str, float]:
@@ -250,8 +338,7 @@ class ContactProblem(Remade):
 
 def spring_arrays(found: Discretisation) -> tuple[Ints, Floats, Floats, Floats]:
     """Springs the way the core takes them."""
-    springs = found.springs
-    return springs.rows.elements, springs.rows.coefficients, springs.stiffness, springs.base
+    return found.springs.arrays
 
 
 def contact_problem(model: Model | Discretisation) -> ContactProblem:
@@ -290,10 +377,18 @@ def _factored(found: Discretisation, freedom: RigidFreedom, method: Method) -> C
     _require_condensable(condensed, not by_active_set, found.model.solver.method)
     # The points of the active set are springs to the condensed ones, and hold what they hold.
     motions = freedom.motions[:, :0] if by_active_set else freedom.motions
+    core = _core_problem(found, contacts, _regularization(found, freedom), motions, by_active_set)
+    return ContactProblem(found, freedom, core, method)
+
+
+def _core_problem(
+    found: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, by_active_set: bool
+) -> _core.ContactProblem:
+    """Order, factor and condense; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
     free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T
     rows = contacts.rows
     try:
-        core = _core.ContactProblem(
+        return _core.ContactProblem(
             found.plate,
             found.held.dofs,
             spring_arrays(found),
@@ -303,7 +398,7 @@ def _factored(found: Discretisation, freedom: RigidFreedom, method: Method) -> C
                 contacts.distance,
                 contacts.compliance,
                 contacts.two_sided,
-                _regularization(found, freedom),
+                carried,
             ),
             free_motions,
             by_active_set,
@@ -322,7 +417,6 @@ def _factored(found: Discretisation, freedom: RigidFreedom, method: Method) -> C
         ) from None
     except MemoryError:
         raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
-    return ContactProblem(found, freedom, core, method)
 
 
 def _regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:

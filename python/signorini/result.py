@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal, Self, TypeAlias
 
 import numpy as np
 
-from signorini import _core
+from signorini.answer import Answer, NotUnique
 from signorini.certificate import Certificate
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
@@ -58,6 +58,9 @@ class Result(Remade):
         Methods that were tried before and did not settle; almost always none.
     iterations : int
         Lemke's pivots, the active set's Newton steps, or the steps of the interior point method.
+    not_unique : tuple of NotUnique
+        What else would be as right, where supports repeat each other or the plate may rest elsewhere: of all these the
+        least reactions, and then the least deflection, are given. Empty where this is the only answer.
     """
 
     name: str
@@ -66,6 +69,7 @@ class Result(Remade):
     method: str
     unsettled: tuple[str, ...]
     iterations: int
+    not_unique: tuple[NotUnique, ...]
     mesh: Mesh
     model: Model
     certificate: Certificate
@@ -85,7 +89,7 @@ class Result(Remade):
         name: str,
         methods: Sequence[str],
         load: CaseLoad,
-        answer: _core.ContactSolution,
+        answer: Answer,
         certificate: Certificate,
         stress: Floats | None = None,
     ) -> Self:
@@ -119,6 +123,7 @@ class Result(Remade):
             method,
             tuple(unsettled),
             answer.pivots if method == "lemke" else answer.iterations,
+            answer.not_unique,
             found.mesh,
             found.model,
             certificate,
@@ -249,6 +254,8 @@ class Result(Remade):
         verdict = (
             f"{html.escape(ends)}<br>{self.method}, {self.iterations} {self.counted}; certificate {self.certificate}"
         )
+        for one in self.not_unique:
+            verdict += f"<br>not unique: {html.escape(str(one))}"
         table = supports_table(self.model.support, self.supports, units.force)
         return f"{title}{table}<p>{verdict}</p>"
 
@@ -265,6 +272,7 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
         "equilibrium check",
         (),
         0,
+        (),
         found.mesh,
         found.model,
         Certificate(nan, nan, nan, nan, nan),

@@ -8,8 +8,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from signorini import _core
-from signorini.certificate import Certificate, certify
+from signorini.answer import Answer
+from signorini.certificate import Certificate
+from signorini.choice import certified
 from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools
@@ -32,7 +33,7 @@ class _Tried:
     """An answer, how it came about, and what it is worth."""
 
     methods: list[Method]
-    answer: _core.ContactSolution
+    answer: Answer
     certificate: Certificate | None
     contradiction: bool = False
 
@@ -294,7 +295,7 @@ def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Tried:
             answer = attempt.solve(load, steps, closed)
             certificate = None
             if answer.status == "solved":
-                certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
+                answer, certificate = certified(found, load, answer)
             elif answer.status == "no_equilibrium" and not consistent:
                 if supports_contradict(found):
                     return _Tried(list(methods), answer, None, contradiction=True)

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from signorini import _core
+from signorini.answer import Answer
 from signorini.contact_field import AreaContact
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
@@ -80,7 +80,7 @@ def support_result(
     index: int,
     held_force: Floats,
     pull: Floats,
-    answer: _core.ContactSolution,
+    answer: Answer,
 ) -> SupportResult:
     """Say what a support does.
 
@@ -93,11 +93,11 @@ def support_result(
         Upward force on every node that is held.
     pull : (s,) array
         Upward force of every spring.
-    answer : ContactSolution
+    answer : Answer
     """
     support = found.model.support[index]
     points = SupportPoints.of(found, index)
-    reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.reaction)
+    reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.shared)
     closed = points.closed(answer.closed)
     area = None
     if support.area is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -20,8 +21,10 @@ class SupportPoints:
     ----------
     nodes, springs : (h,) and (s,) arrays
         Nodes whose deflection it holds, and its springs: the fixed points, always closed.
+    share : (h,) array
+        Its part of the reaction at each node: supports that hold a node together carry it in equal parts.
     rows : (ways, c) array
-        Its contact points; a point with travel both ways has two rows.
+        Its contact points, repeated ones included; a point with travel both ways has two rows.
     direction : (ways, c) array
         +1 where a row pushes the plate up, −1 where it holds it down.
     order : (h + s + c,) array
@@ -32,6 +35,7 @@ class SupportPoints:
 
     nodes: Ints
     springs: Ints
+    share: Floats
     rows: Ints
     direction: Floats
     order: Ints
@@ -48,8 +52,10 @@ class SupportPoints:
 
     @classmethod
     def _found(cls, found: Discretisation, index: int) -> SupportPoints:
-        support, contacts = found.model.support[index], found.contacts
-        nodes = np.flatnonzero((found.held.support.reshape(-1, 3)[:, 0] == index) & found.held.dofs[::3])
+        support, contacts = found.model.support[index], found.points
+        held, holder = found.held.holders.T
+        nodes = held[holder == index]
+        share = 1.0 / np.bincount(held, minlength=found.mesh.node_count)[nodes]
         springs = np.flatnonzero(found.springs.support == index)
         mine = np.flatnonzero((contacts.support == index) & ~contacts.slope)
         # A point with travel both ways has two rows, first all those that push up, then all that hold down.
@@ -59,7 +65,7 @@ class SupportPoints:
         positions = np.concatenate([found.mesh.points[nodes], found.springs.positions[springs], points.positions])
         weights = np.concatenate([np.ones(len(nodes)), found.springs.weights[springs], points.weights])
         order = _as_written(support, positions)
-        return cls(nodes, springs, rows, contacts.direction[rows], order, positions[order], weights[order])
+        return cls(nodes, springs, share, rows, contacts.direction[rows], order, positions[order], weights[order])
 
     @property
     def fixed(self) -> int:
@@ -67,21 +73,34 @@ class SupportPoints:
         return len(self.nodes) + len(self.springs)
 
     def forces(self, fixed: Floats, reaction: Floats) -> Floats:
-        """Upward force (..., p) of every point, from those of the fixed ones (..., h + s) and of contacts (..., m)."""
+        """Upward force (..., p) of every point.
+
+        From those at its nodes and of its springs (..., h + s), and the reactions of all points (..., m + r).
+        """
         acting = (self.direction * reaction[..., self.rows]).sum(axis=-2)
+        fixed = fixed * np.concatenate([self.share, np.ones(len(self.springs))])
         return np.asarray(np.concatenate([fixed, acting], axis=-1)[..., self.order])
 
     def gaps(self, gap: Floats) -> Floats:
-        """What is left of the travel (..., p) of every point, from that of contacts (..., m)."""
+        """What is left of the travel (..., p) of every point, from that of contacts (..., m); 0 of repeated ones."""
+        gap = _with(gap, self.rows, 0.0)
         travel = gap[..., self.rows].min(axis=-2)
         closed = np.zeros((*travel.shape[:-1], self.fixed))
         return np.asarray(np.concatenate([closed, travel], axis=-1)[..., self.order])
 
     def closed(self, closed: Bools) -> Bools:
-        """Whether every point is closed (..., p), from contacts (..., m)."""
+        """Whether every point is closed (..., p), from contacts (..., m); repeated ones are."""
+        closed = _with(closed, self.rows, True)
         touching = closed[..., self.rows].any(axis=-2)
         always = np.ones((*touching.shape[:-1], self.fixed), np.bool_)
         return np.asarray(np.concatenate([always, touching], axis=-1)[..., self.order])
+
+
+def _with(values: Floats | Bools, rows: Ints, repeated: float) -> Any:
+    """Values (..., m) of contact points, and behind them one for those that repeat them, as far as ``rows`` go."""
+    more = max(0, int(rows.max(initial=-1)) + 1 - values.shape[-1])
+    behind = np.full((*values.shape[:-1], more), repeated, values.dtype)
+    return np.concatenate([values, behind], axis=-1) if more else values
 
 
 _KNOWN: WeakKeyDictionary[Discretisation, dict[int, SupportPoints]] = WeakKeyDictionary()

@@ -24,6 +24,7 @@ def table_json(combined: Combined) -> dict[str, Any]:
         "solved": combined.solved,
         "no_equilibrium": len(combined.combinations) - combined.solved,
         "solved_alone": combined.alone,
+        "not_unique": combined.not_unique,
         "governing": list(combined.governing),
         "certificate": {**combined.certificate, "passed": True},
         "unbalanced": [{"name": name, "message": message} for name, message in combined.unbalanced.items()],

@@ -8,13 +8,15 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from signorini import _core
-from signorini.certificate import certify
+from signorini.answer import Answer
+from signorini.choice import certified
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
 from signorini.equilibrium import allowed_motions, work_of
 from signorini.model import Combination
 from signorini.problem import ContactProblem
 from signorini.result import Result
+from signorini.selection import chosen
 
 _MOST = 64
 _MOST_NUMBERS = 4_000_000
@@ -73,9 +75,10 @@ def _solve(
         answers = dict(zip(loads, zip(solved, stresses, strict=True), strict=True))
     for number, combination in enumerate(combinations):
         if number in answers and answers[number][0].status == "solved":
-            answer, stress = answers.pop(number)
+            solution, stress = answers.pop(number)
             load = loads[number]
-            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
+            answer = chosen(found, problem.freedom, load.nodal, Answer.of(found, solution))
+            answer, certificate = certified(found, load, answer)
             if certificate.passed:
                 yield Result.of(found, combination.name, (problem.method,), load, answer, certificate, stress)
                 continue

@@ -50,6 +50,10 @@ def model(rng: Random) -> Tables:
         tables["solver"] = {"method": rng.choice(["auto", "lemke", "active_set"])}
     if rng.random() < 0.1:
         tables |= {"title": "Größe [m]", "units": {"length": "m", "force": "kN"}}
+    if tables["support"] and rng.random() < 0.12:
+        _repeat(rng, tables["support"])
+    if "combination" not in tables and rng.random() < 0.06:
+        _balance(rng, tables, scale)
     return tables
 
 
@@ -209,6 +213,28 @@ def _load(rng: Random, plate: Tables, scale: _Scale) -> Tables:
             return case | {"self_weight": True}
         case _:
             return case | {"curvature": [c * 1e-3 / size for c in rng.choice([[1.0, 0.0, 0.0], [0.0, -2.0, 1.0]])]}
+
+
+def _repeat(rng: Random, supports: list[Tables]) -> None:
+    """Let supports stand where another does: the same again, or at one of its points, on either side."""
+    twin = dict(rng.choice(supports))
+    if len(twin.get("at", [])) > 1 and rng.random() < 0.5:
+        twin["at"] = [rng.choice(twin["at"])]
+    if "resists" in twin and rng.random() < 0.3:
+        twin["resists"] = rng.choice(["down", "up", "both"])
+    for _ in range(rng.choice([1, 1, 2])):
+        supports.insert(rng.randint(0, len(supports)), dict(twin))
+
+
+def _balance(rng: Random, tables: Tables, scale: _Scale) -> None:
+    """Load the plate by two couples without a resultant, between stops that it need not reach."""
+    couple = scale.force * scale.length * rng.choice([0.01, 0.2])
+    at, other = point(rng, tables["plate"]), point(rng, tables["plate"])
+    tables["load"] = [{"moment": [couple, 0.0], "at": at}, {"moment": [-couple, 0.0], "at": other}]
+    tables["material"].pop("unit_weight", None)
+    for support in tables["support"]:
+        if "resists" in support and rng.random() < 0.7:
+            support["gap"] = scale.length * rng.choice([1e-6, 1e-3])
 
 
 def _generate(rng: Random, tables: Tables, scale: _Scale) -> None:

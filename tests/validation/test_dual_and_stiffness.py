@@ -88,16 +88,86 @@ def test_both_linear_complementarity_problems_have_the_same_solution(support):
     assert np.abs(gaps[0] - gaps[1]).max() < 1e-8 * max(gaps[1].max(), problem.gaps.max(), 1e-6)
 
 
-@pytest.mark.parametrize("support", ["points at nodes", "points between nodes", "an edge and points"])
+BY_POINTS = {
+    "soft points at nodes": {"at": [[4, 0], [4, 3], [2, 1.5]], "resists": "down", "stiffness": 5e5},
+    "stiff points at nodes": {"at": [[4, 0], [4, 3]], "resists": "down", "stiffness": 1e13},
+    "soft points with gaps": {"at": OFF_NODES, "resists": "down", "stiffness": "1e5*x", "gap": 1e-5},
+    "settled points": {"at": OFF_NODES, "resists": "down", "settlement": 2e-4},
+    "points held both ways": {"at": [[3.71, 2.83], [2.13, 1.37]], "resists": "both", "settlement": 1e-4},
+    "travel both ways": {"at": OFF_NODES[:2], "gap": 2e-5, "stiffness": 1e6},
+}
+STATED = {name: [CLAMPED, support] for name, support in BY_POINTS.items()} | {
+    "all of them": [{**CLAMPED, "settlement": 3e-4}, {"at": [1, 2], "stiffness": 3e6}, *BY_POINTS.values()],
+    "an edge and points": HELD["an edge and points"],
+    "an edge, as an active set": [CLAMPED, {"area": "all", "resists": "down", "stiffness": 1e6}],
+}
+
+
+def densely(problem):
+    """K over the free dofs, G, and the displacements under a load with the held dofs at their values."""
+    held = problem.discretisation.held
+    stiffness, free = problem.K.toarray(), ~held.dofs
+
+    def displaced(load):
+        out = held.values.copy()
+        out[free] = np.linalg.solve(stiffness[np.ix_(free, free)], (load - stiffness @ held.values)[free])
+        return out
+
+    flexibility = np.zeros_like(stiffness)
+    flexibility[np.ix_(free, free)] = np.linalg.inv(stiffness[np.ix_(free, free)])
+    return flexibility, displaced
+
+
+@pytest.mark.parametrize("support", STATED)
 def test_the_dual_is_the_papers(support):
-    """P = G K⁻¹ Gᵀ and s = G K⁻¹ f − g, (26) and (27) of the paper, from K, G and g as plain arrays."""
-    problem = problem_of(HELD[support])
-    load = problem.load("all")
+    """P = G K⁻¹ Gᵀ + C and s = G K⁻¹ f − g, (26) and (27) of the paper, whatever the factor carries."""
+    problem = problem_of(STATED[support])
+    load, g = problem.load("all"), problem.G.toarray()
     p, s = problem.dual(load)
-    free = ~problem.discretisation.held.dofs
-    stiffness, g = problem.K.toarray()[np.ix_(free, free)], problem.G.toarray()[:, free]
-    assert p == pytest.approx(g @ np.linalg.solve(stiffness, g.T), rel=1e-8)
-    assert s == pytest.approx(g @ np.linalg.solve(stiffness, load[free]) - problem.gaps, rel=1e-8)
+    flexibility, displaced = densely(problem)
+    assert p == pytest.approx(g @ flexibility @ g.T + np.diag(problem.compliance), rel=1e-8, abs=1e-10 * p.max())
+    assert s == pytest.approx(g @ displaced(load) - problem.gaps, rel=1e-8, abs=1e-10 * np.abs(s).max())
+    # What was solved for is the solution of this statement too.
+    answer = problem.solve(problem.discretisation.cases["load"])
+    assert answer.gap == pytest.approx(p @ answer.reaction - s, abs=1e-9 * np.abs(s).max())
+
+
+@pytest.mark.parametrize("form", ["auto", "dual", "stiffness"])
+@pytest.mark.parametrize("support", [*STATED, *ALONE])
+def test_the_lcp_says_what_its_unknowns_are_and_leads_back_to_reactions(support, form):
+    problem = problem_of((STATED | ALONE)[support])
+    load = problem.load("all")
+    if (support, form) == ("all of them", "stiffness"):
+        # Some of them are rigid and at one place.
+        with pytest.raises(signorini.SignoriniError, match="repeat each other"):
+            problem.lcp(load, form)
+        return
+    posed = problem.lcp(load, form)
+    one_sided = np.flatnonzero(~problem.discretisation.contacts.two_sided)
+    assert np.array_equal(np.sort(posed.points), one_sided)
+    assert form != "stiffness" or posed.gap_is_z.all()
+    z = _core.lemke(posed.M, posed.q).z if len(one_sided) else posed.q
+    reaction, gap = posed.contact(z)
+    found = problem.recover(load, posed, z)
+    wanted = problem.solve(problem.discretisation.cases["load"])
+    assert found.status == "solved"
+    assert relative(found.reaction, wanted.reaction) < 1e-9
+    assert relative(found.hi, wanted.hi) < 1e-9
+    assert reaction == pytest.approx(wanted.reaction[posed.points], abs=1e-7 * np.abs(wanted.reaction).max())
+    assert gap == pytest.approx(wanted.gap[posed.points], abs=1e-7 * np.abs(wanted.hi[::3]).max())
+    # Rows mean what they say whatever z is, where P and s exist and no row is eliminated.
+    if problem.freedom.regular and len(one_sided) == len(problem.gaps):
+        p, s = problem.dual(load)
+        size = np.where(posed.gap_is_z, np.abs(wanted.hi[::3]).max(), np.abs(wanted.reaction).max())
+        reaction, gap = posed.contact(np.linspace(0.5, 1.5, len(z)) * size)
+        left = p[np.ix_(posed.points, posed.points)] @ reaction - s[posed.points]
+        assert left == pytest.approx(gap, abs=1e-9 * (np.abs(p) @ np.abs(reaction)).max())
+
+
+def test_there_is_no_dual_where_one_sided_supports_alone_hold_the_plate():
+    problem = problem_of(ALONE["edges"])
+    with pytest.raises(signorini.SignoriniError, match="need K to be regular"):
+        problem.dual(problem.load("all"))
 
 
 def test_rigid_travel_both_ways_is_contact_on_the_side_that_is_reached():

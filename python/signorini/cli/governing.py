@@ -26,6 +26,8 @@ def print_combined(console: Console, combined: Combined, chosen: Mapping[str, ob
         more = total - combined.solved - len(names[:_MOST_NAMED])
         listed = ", ".join(names[:_MOST_NAMED]) + (f" and {more} more" if more else "")
         console.print(Text(f"{total - combined.solved} without equilibrium: {listed}", style="bold red"))
+    if combined.not_unique:
+        console.print(Text(f"{combined.not_unique} not unique: the least of equal answers are given", style="yellow"))
     console.print()
     _print_fields(console, combined, units)
     _print_supports(console, combined, units)

@@ -112,6 +112,8 @@ def _print_result(console: Console, result: Result) -> None:
     for found in result.supports:
         _print_extent(console, found, units)
     _print_deflection(console, result)
+    for one in result.not_unique:
+        console.print(Text(f"not unique: {one}", style="yellow"))
     console.print(Text(f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red"))
     if result.probes:
         console.print(_probes(result, units))

@@ -15,10 +15,12 @@ from signorini.certificate import FIGURES, TOLERANCE
 from signorini.combine.block import Block, Column, Layout
 from signorini.combine.envelope import Envelope, Extremes, SupportEnvelope
 from signorini.combine.terms import Terms, terms_of
+from signorini.dependence import Dependence
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Combination, Combinations
 from signorini.problem import ContactProblem
 from signorini.result import FIELDS, Result
+from signorini.selection import doubtful
 
 __all__ = ["Combined", "Envelope", "Extremes", "Layout", "SupportEnvelope", "combine"]
 
@@ -54,6 +56,8 @@ class Combined:
         How many have an equilibrium.
     alone : int
         How many of them were solved by themselves, because what was found together was not certain enough.
+    not_unique : int
+        How many have other answers that are as right; of each the least is in the table.
     certificate : dict of float
         The worst of each figure.
     unbalanced : dict of str
@@ -65,6 +69,7 @@ class Combined:
     envelope: Envelope
     solved: int
     alone: int
+    not_unique: int
     certificate: Mapping[str, float]
     unbalanced: Mapping[str, str]
 
@@ -115,7 +120,7 @@ def combine(
         if sink is not None:
             sink(block.columns(layout, found.mesh.points))
     worst = {name: float(value) for name, value in zip(FIGURES, run.worst, strict=True)}
-    return Combined(combinations, layout, run.envelope, run.solved, run.alone, worst, run.unbalanced)
+    return Combined(combinations, layout, run.envelope, run.solved, run.alone, run.not_unique, worst, run.unbalanced)
 
 
 class _Run:
@@ -127,6 +132,8 @@ class _Run:
         used = found.model.effective_combinations.cases
         self.cases = tuple(case for case in found.cases if case in used)
         self.terms: Terms | None = None
+        # Where nodes are held together their forces are shared alike in every combination.
+        self._always = "reactions" if Dependence.of(found).held_together else ""
         if problem.method == "lemke" and _worth_while(problem, len(found.model.effective_combinations)):
             self.terms = terms_of(problem, self.cases, layout.fields)
         nodes = found.mesh.node_count
@@ -138,7 +145,7 @@ class _Run:
             ),
             Extremes.none(len(FIELDS) * len(layout.probes)),
         )
-        self.solved = self.alone = 0
+        self.solved = self.alone = self.not_unique = 0
         self.worst = np.zeros(len(FIGURES))
         self.unbalanced: dict[str, str] = {}
         self._without_equilibrium = 0
@@ -157,6 +164,7 @@ class _Run:
             else:
                 self._unbalanced(result.name, result.message)
         self.solved += int(block.solved.sum())
+        self.not_unique += sum(map(bool, block.not_unique))
         self.worst = np.maximum(self.worst, block.certificate[block.solved].max(axis=0, initial=0.0))
         who = block.numbers[block.solved]
         self.envelope.probes.take(block.probes[block.solved], who)
@@ -180,6 +188,7 @@ class _Run:
         coefficients = np.ascontiguousarray(np.hstack([np.ones((len(rows), 1)), factors[rows], pushes[rows]]))
         figures = terms.proof.figures(coefficients, np.ascontiguousarray(reaction[rows]))
         certain = _certain(figures)
+        certain &= ~doubtful(self.problem.discretisation, self.problem.freedom, reaction[rows], gap[rows])
         rows, coefficients = rows[certain], np.ascontiguousarray(coefficients[certain])
         block.solved[rows] = True
         block.certificate[rows] = figures[certain]
@@ -194,6 +203,7 @@ class _Run:
         block.iterations[:] = pivots
         for row in rows:
             block.method[row] = "lemke"
+            block.not_unique[row] = self._always
         without = np.flatnonzero(verdict == 1)
         explained = without[: max(0, _EXPLAINED - self._without_equilibrium)]
         self._without_equilibrium += len(without) - len(explained)
@@ -225,8 +235,9 @@ class _Run:
 
 def _worth_while(problem: ContactProblem, count: int) -> bool:
     """Whether so many combinations are worth a response of every contact point, and memory holds these."""
-    points = len(problem.discretisation.contacts)
-    return points <= min(_MOST_POINTS, max(_FEW_POINTS, 2 * count))
+    found = problem.discretisation
+    points = len(found.contacts)
+    return not len(found.repeated) and points <= min(_MOST_POINTS, max(_FEW_POINTS, 2 * count))
 
 
 def _certain(figures: Floats) -> Bools:

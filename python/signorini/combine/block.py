@@ -54,7 +54,7 @@ class Block:
     first : int
         Number of the first of them.
     solved : (k,) array
-    method : list of str
+    method, not_unique : lists of str
     iterations : (k,) array
     certificate : (k, 5) array
         In the order of the certificate's figures.
@@ -70,6 +70,7 @@ class Block:
     combinations: Sequence[Combination]
     solved: Bools
     method: list[str]
+    not_unique: list[str]
     iterations: Ints
     certificate: Floats
     reaction: Floats
@@ -92,6 +93,7 @@ class Block:
             combinations,
             np.zeros(count, np.bool_),
             ["equilibrium check"] * count,
+            [""] * count,
             np.zeros(count, np.int64),
             nan(len(FIGURES)),
             nan(points),
@@ -112,6 +114,7 @@ class Block:
         self.solved[row] = result.status == "solved"
         self.method[row] = result.method
         self.iterations[row] = result.iterations
+        self.not_unique[row] = ", ".join(dict.fromkeys(one.what for one in result.not_unique))
         if not self.solved[row]:
             return
         figures = asdict(result.certificate)
@@ -133,6 +136,7 @@ class Block:
         yield "status", ["solved" if solved else "no_equilibrium" for solved in self.solved]
         yield "method", self.method
         yield "iterations", self.iterations
+        yield "not_unique", self.not_unique
         yield from self._factors(layout.model)
         for where, support, points in zip(layout.slices, layout.model.support, layout.supports, strict=True):
             reaction, closed = self.reaction[:, where], self.closed[:, where]

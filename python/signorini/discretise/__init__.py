@@ -18,7 +18,7 @@ from signorini.discretise.loads import CaseLoad, case_loads
 from signorini.discretise.meshing import mesh_of
 from signorini.discretise.moving import Cases
 from signorini.discretise.places import located
-from signorini.discretise.redundancy import that_can_act
+from signorini.discretise.redundancy import Repeated, that_can_act
 from signorini.discretise.rows import Floats, Rows
 from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
 from signorini.errors import InputError
@@ -29,7 +29,7 @@ from signorini.remade import Remade
 _THICKNESS = (1e-6, 10.0)
 """Thickness over the plate's size: beyond, double precision holds no plate, or the plate is a block."""
 
-__all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Rows", "Springs", "discretise"]
+__all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "Rows", "Springs", "discretise"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +43,7 @@ class Discretisation(Remade):
     held: Held
     springs: Springs
     contacts: ContactPoints
+    repeated: Repeated
     cases: Mapping[str, CaseLoad]
     probes: Location
     probe_positions: Floats
@@ -54,6 +55,11 @@ class Discretisation(Remade):
     def dof_count(self) -> int:
         """Number of dofs, those held included."""
         return 3 * self.mesh.node_count
+
+    @cached_property
+    def points(self) -> ContactPoints:
+        """Contact points and, behind them, those that repeat them (m + r,)."""
+        return ContactPoints.join([self.contacts, self.repeated.points])
 
     @cached_property
     def contact_rows(self) -> csr_array:
@@ -129,7 +135,7 @@ def _discretise(model: Model) -> Discretisation:
     thickness = _thickness(model, mesh)
     plate = _plate(model, mesh, thickness, held)
     springs, contacts = springs_and_contacts(model, mesh, plate)
-    contacts = that_can_act(mesh, held, contacts)
+    contacts, repeated = that_can_act(model, mesh, held, contacts)
     cases = Cases(case_loads(model, mesh, plate, held), model.moving, mesh)
     positions = np.array([point for probe in model.probe for point in probe.at]).reshape(-1, 2)
     probes = Location(np.zeros(0, np.int64), np.zeros((0, 2)))
@@ -138,7 +144,9 @@ def _discretise(model: Model) -> Discretisation:
         probes = Location(np.concatenate([p.elements for p in parts]), np.concatenate([p.xi for p in parts]))
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
-    return Discretisation(model, mesh, plate, thickness, held, springs, contacts, cases, probes, positions, seconds)
+    return Discretisation(
+        model, mesh, plate, thickness, held, springs, contacts, repeated, cases, probes, positions, seconds
+    )
 
 
 def _plate(model: Model, mesh: Mesh, thickness: Floats, held: Held) -> _core.Plate:

@@ -18,15 +18,16 @@ class Holds:
 
     node_count: int
     value: dict[int, float] = field(default_factory=dict)
-    by: dict[int, int] = field(default_factory=dict)
+    by: dict[int, list[int]] = field(default_factory=dict)
     directions: dict[int, list[tuple[float, float]]] = field(default_factory=dict)
     slope_by: dict[int, int] = field(default_factory=dict)
 
     def deflection(self, node: int, value: float, support: int) -> None:
-        """Hold a node's deflection; the first support to do so keeps it."""
-        if node not in self.value:
-            self.value[node] = value
-            self.by[node] = support
+        """Hold a node's deflection; supports that do so at one value share its reaction."""
+        self.value.setdefault(node, value)
+        holders = self.by.setdefault(node, [])
+        if support not in holders:
+            holders.append(support)
 
     def slope(self, node: int, direction: tuple[float, float], support: int) -> None:
         """Hold a node's slope along a unit direction."""
@@ -40,7 +41,7 @@ class Holds:
         support = np.full((self.node_count, 3), -1, dtype=np.int64)
         frames = np.tile([1.0, 0.0], (self.node_count, 1))
         for node, deflection in self.value.items():
-            held[node, 0], value[node, 0], support[node, 0] = True, deflection, self.by[node]
+            held[node, 0], value[node, 0], support[node, 0] = True, deflection, self.by[node][0]
         for node, directions in self.directions.items():
             first, *others = directions
             support[node, 1:] = self.slope_by[node]
@@ -54,16 +55,22 @@ class Holds:
                 held[node, 1] = True
                 frames[node] = np.array(first) / np.hypot(*first)
         framed = bool((frames[:, 1] != 0).any())
-        return Held(held.ravel(), value.ravel(), support.ravel(), frames if framed else None)
+        holders = np.array([(node, one) for node in sorted(self.by) for one in self.by[node]], np.int64).reshape(-1, 2)
+        return Held(held.ravel(), value.ravel(), support.ravel(), holders, frames if framed else None)
 
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """Held dofs (3n,), their values, the supports that hold them (−1: none), and frames (n, 2), or None for x and y."""
+    """Held dofs (3n,), their values, the supports that hold them, and frames (n, 2), or None for x and y.
+
+    ``support`` (3n,) names of several the first, and −1 where there is none; ``holders`` (k, 2) are all pairs of a node
+    and a support that holds its deflection, by node.
+    """
 
     dofs: Bools
     values: Floats
     support: Ints
+    holders: Ints
     frames: Floats | None
 
     def to_global(self, rotations: Floats) -> Floats:

@@ -77,8 +77,9 @@ def _hold_deflections(mesh: Mesh, holds: Holds, index: int, support: Support, no
         held = holds.value.get(node, value)
         if abs(value - held) > _SAME_SETTLEMENT * max(abs(value), abs(held)):
             x, y = mesh.points[node]
+            first = holds.by[node][0] + 1
             raise InputError(
-                f"Supports contradict each other at [{x:g}, {y:g}]: support[{holds.by[node] + 1}] holds the plate at "
+                f"Supports contradict each other at [{x:g}, {y:g}]: support[{first}] holds the plate at "
                 f"{held:g} there and this one at {value:g}. Correct a settlement, end one support short of there, or "
                 "give a stiffness.",
                 place=f"support[{index + 1}]",

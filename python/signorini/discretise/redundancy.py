@@ -2,26 +2,58 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from scipy.sparse import csr_array
 
 from signorini.discretise.frames import Held
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import ContactPoints
 from signorini.errors import InputError
 from signorini.mesh import Mesh
+from signorini.model import Model
 
 _NONE = 1e-12
 """Coefficient that counts as none; a point's own sum to one."""
 _DEPENDENT = 1e-10
 """Part of a row, squared, that no other rows make up, below which it follows from them."""
+_REFINED = 2
+"""Corrections of a combination: by then it is right to the last digits."""
 _CONSISTENT = 1e-9
 _SAME_PLACE = 1e-9
 _MOST = 10_000
 """Two-sided points between nodes; to tell which follow from others takes a dense matrix of them."""
 
 
-def that_can_act(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
+@dataclass(frozen=True, eq=False)
+class Repeated:
+    """Two-sided points (r,) that follow from other two-sided ones, which carry the reactions of all in the equations.
+
+    Parameters
+    ----------
+    points : ContactPoints
+    follows : (r, m) array
+        Each row as a combination of the rows of contact points.
+    """
+
+    points: ContactPoints
+    follows: csr_array
+
+    def __len__(self) -> int:
+        """Count the points."""
+        return len(self.points)
+
+    def pick(self, which: Bools) -> Repeated:
+        """Keep the points marked."""
+        return Repeated(self.points.pick(which), self.follows[np.flatnonzero(which)])
+
+
+def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[ContactPoints, Repeated]:
     """Leave out points that can neither open nor close because others hold the plate there.
+
+    Those that are held at every dof carry nothing. Two-sided ones that follow from others are set apart, but those that
+    do nothing to what results tell: slopes, and points of a line or area that follow from others of the same.
 
     Raises
     ------
@@ -29,7 +61,18 @@ def that_can_act(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoin
         If rigid ones contradict each other or a held dof.
     """
     _require_room(mesh, contacts)
-    return _independent(mesh, held, _not_held(mesh, held, contacts))
+    kept, repeated = _independent(mesh, held, _not_held(mesh, held, contacts))
+    return kept, repeated.pick(_is_told(model, kept, repeated))
+
+
+def _is_told(model: Model, contacts: ContactPoints, repeated: Repeated) -> Bools:
+    """Whether results tell the reaction of a repeated point, or of another support that it may take some from."""
+    mine = repeated.points.support
+    at_points = np.array([support.at is not None for support in model.support], np.bool_)[mine]
+    owner, of = repeated.follows.nonzero()
+    with_others = np.zeros(len(repeated), np.bool_)
+    with_others[owner[contacts.support[of] != mine[owner]]] = True
+    return np.asarray(~repeated.points.slope & (at_points | with_others))
 
 
 def _require_room(mesh: Mesh, contacts: ContactPoints) -> None:
@@ -85,14 +128,14 @@ def _with_its_other_way(contacts: ContactPoints, which: Bools) -> Bools:
     return np.isin(spot, spot[which])
 
 
-def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
-    """Leave out two-sided points that follow from other two-sided ones; those kept carry the reaction of all."""
+def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[ContactPoints, Repeated]:
+    """Set apart two-sided points that follow from other two-sided ones."""
     from scipy.linalg import lapack, solve_triangular
-    from scipy.sparse import csr_array
 
+    none = Repeated(contacts.pick(np.zeros(0, np.int64)), csr_array((0, len(contacts))))
     equations = np.flatnonzero(contacts.two_sided)
     if len(equations) < 2:
-        return contacts
+        return contacts, none
     if len(equations) > _MOST:
         raise InputError(
             f"Found {len(equations)} rigid points between the mesh's nodes that hold both ways; at most {_MOST} can be "
@@ -107,11 +150,17 @@ def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoin
     rows = csr_array((coefficients.ravel(), (owners, dofs.ravel())), shape=(len(points), 3 * mesh.node_count))
     factor, pivots, rank, _ = lapack.dpstrf((rows @ rows.T).toarray(), lower=1, tol=_DEPENDENT)
     if rank == len(points):
-        return contacts
+        return contacts, none
     order: Ints = pivots.astype(np.int64) - 1
     kept, dropped = order[:rank], order[rank:]
     # A dropped row is a combination of the kept ones; its distance must be the same combination of theirs.
-    combination = solve_triangular(factor[:rank, :rank], factor[rank:, :rank].T, lower=True, trans="T").T
+    lower = factor[:rank, :rank]
+    combination = solve_triangular(lower, factor[rank:, :rank].T, lower=True, trans="T").T
+    for _ in range(_REFINED):
+        # The products of rows lose half of the digits; what is left of the rows themselves brings them back.
+        left = (rows[dropped] - csr_array(combination) @ rows[kept]) @ rows[kept].T
+        half = solve_triangular(lower, left.toarray().T, lower=True)
+        combination += solve_triangular(lower, half, lower=True, trans="T").T
     scale = np.linalg.norm(np.where(_free_entries(mesh, held, points), points.rows.coefficients, 0.0), axis=1)
     travel = (points.distance - points.rows.matrix(mesh.elements, len(held.dofs)) @ held.values) / scale
     apart = np.abs(travel[dropped] - combination @ travel[kept])
@@ -120,7 +169,14 @@ def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoin
         raise _contradiction(points, int(dropped[first]), float(apart[first]))
     stay = np.ones(len(contacts), np.bool_)
     stay[equations[dropped]] = False
-    return contacts.pick(stay)
+    # By unit rows; reactions go by the rows as they are.
+    combination *= scale[dropped, None] / scale[kept]
+    combination[np.abs(combination) < _NONE * np.abs(combination).max(initial=0.0)] = 0.0
+    place = np.cumsum(stay) - 1
+    follows = csr_array(combination).tocoo()
+    columns = place[equations[kept]][follows.coords[1]]
+    whole = csr_array((follows.data, (follows.coords[0], columns)), shape=(len(dropped), int(stay.sum())))
+    return contacts.pick(stay), Repeated(points.pick(dropped), whole)
 
 
 def _free_entries(mesh: Mesh, held: Held, contacts: ContactPoints) -> Bools:

@@ -58,6 +58,11 @@ class Springs(_Table):
     weights: Floats
     support: Ints
 
+    @property
+    def arrays(self) -> tuple[Ints, Floats, Floats, Floats]:
+        """Springs the way the core takes them."""
+        return self.rows.elements, self.rows.coefficients, self.stiffness, self.base
+
 
 @dataclass(frozen=True, eq=False)
 class ContactPoints(_Table):

@@ -102,6 +102,7 @@ def _combination(result: Result, limit: tuple[str, float] | None) -> dict[str, A
         "method": result.method,
         "unsettled": list(result.unsettled),
         "iterations": result.iterations,
+        "not_unique": [asdict(one) | {"supports": list(one.supports)} for one in result.not_unique],
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         "deflection": _extremes(result) if solved else None,
         "supports": [_support(support) for support in result.supports],
