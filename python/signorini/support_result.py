@@ -101,10 +101,11 @@ def support_result(
     closed = points.closed(answer.closed)
     area = None
     if support.area is not None:
-        of_springs = found.springs.rows.elements[points.springs]
-        elements = np.concatenate([of_springs, found.contacts.rows.elements[points.rows[0]]])
+        averaged = points.shares is not None or support.stiffness is None
         deflection = (answer.hi + answer.lo)[::3]
-        area = AreaContact(found.mesh, support, deflection, elements, points.weights, closed, reactions)
+        area = AreaContact(
+            found.mesh, support, deflection, points.elements, points.weights, closed, reactions, averaged
+        )
     return SupportResult(
         support.name,
         describe(support),

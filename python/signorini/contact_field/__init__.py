@@ -9,10 +9,11 @@ import numpy as np
 
 from signorini import _core
 from signorini.contact_field.fine import Fine
-from signorini.contact_field.law import bounds, can_let_go, overlap, pressing
+from signorini.contact_field.law import bounds, overlap, pressing
 from signorini.contact_field.lines import Segments, chained, clipped, thinned, zero_line
 from signorini.discretise.places import region
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.model import Support
 from signorini.regions import Region
@@ -41,8 +42,10 @@ class AreaContact:
         On an area.
     deflection : (n,) array
     elements, weights, closed, reactions : (q,) arrays
-        Points that the area acts at, of a rigid area one an element: element, area it stands for, whether closed,
+        Points that the area acts at, of an averaged area one an element: element, area it stands for, whether closed,
         upward force.
+    averaged : bool
+        Whether the pressure is a number an element, not a field: the area is rigid, or much stiffer than the plate.
     """
 
     mesh: Mesh
@@ -52,11 +55,7 @@ class AreaContact:
     weights: Floats
     closed: Bools
     reactions: Floats
-
-    @property
-    def rigid(self) -> bool:
-        """Whether the pressure is a number an element, not a field."""
-        return self.support.stiffness is None
+    averaged: bool
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -76,12 +75,21 @@ class AreaContact:
 
     @cached_property
     def nodal_pressure(self) -> Floats:
-        """Pressure (n,) of an elastic area at the nodes, positive up; 0 at those out of it."""
+        """Pressure (n,) of an area at the nodes, positive up; 0 at those out of it.
+
+        Of an averaged area the mean of the elements around a node.
+        """
         on = np.zeros(self.mesh.node_count, np.bool_)
         on[self.mesh.elements[self._whole].ravel()] = True
         near = np.unique(self.mesh.elements[(self.covered > 0) & ~self._whole])
         on[near] |= self.depth(self.mesh.points[near]) >= 0
         result = np.zeros(len(on))
+        if self.averaged:
+            around = np.flatnonzero(self.covered > 0)
+            nodes, area = self.mesh.elements[around].ravel(), np.repeat(self.covered[around], 8)
+            force = np.bincount(nodes, area * np.repeat(self.element_pressure[around], 8), len(on))
+            result[on] = (force / np.fmax(np.bincount(nodes, area, len(on)), np.finfo(float).tiny))[on]
+            return result
         result[on] = np.clip(pressing(self.support, self.deflection[on], self.mesh.points[on]), *self.bounds)
         return result
 
@@ -89,14 +97,14 @@ class AreaContact:
     def max_pressure(self) -> float:
         """Largest pressure, at the nodes and at the points that the area acts at; 0 where it holds down only."""
         largest = float((self.reactions / self.weights).max(initial=0.0))
-        return largest if self.rigid else float(np.fmax.reduce(self.nodal_pressure, initial=largest))
+        return largest if self.averaged else float(np.fmax.reduce(self.nodal_pressure, initial=largest))
 
     def pressure(self, elements: Ints, xi: Floats) -> Floats:
         """Pressure (q,) at reference points (q, 2) of elements (q,), positive up; NaN where the support is not."""
         positions = self.mesh.map(elements, xi)
         on = (self.covered[elements] > 0) & (self._whole[elements] | (self.depth(positions) >= 0))
         result = np.full(len(elements), np.nan)
-        if self.rigid:
+        if self.averaged:
             result[on] = self.element_pressure[elements[on]]
             return result
         nodal = self.deflection[self.mesh.elements[elements[on]]]
@@ -136,7 +144,7 @@ class AreaContact:
         They end where the support or the plate does. Of an elastic area they are where the deflection field closes the
         gap, of a rigid one the sides between elements that are closed and open.
         """
-        if self.rigid:
+        if self.averaged:
             segments, near = self._sides_between(), self.elements
         elif self._fine is not None:
             fine = self._fine
@@ -164,7 +172,7 @@ class AreaContact:
     @cached_property
     def _fine(self) -> Fine | None:
         """The elements that the edge of contact may cross; None where there is none."""
-        if self.rigid or not can_let_go(self.support):
+        if self.averaged or not can_let_go(self.support):
             return None
         nodes, inverse = np.unique(self.mesh.elements[self.covered > 0], return_inverse=True)
         at_nodes = overlap(self.support, self.deflection[nodes], self.mesh.points[nodes])

@@ -137,7 +137,7 @@ def _discretise(model: Model) -> Discretisation:
         )
     except ValueError as error:
         raise InputError(f"{error}. Change the mesh or the thickness.", place="plate") from None
-    springs, contacts = springs_and_contacts(model, mesh, plate)
+    springs, contacts = springs_and_contacts(model, mesh, plate, thickness)
     contacts = that_can_act(mesh, held, contacts)
     cases = Cases(case_loads(model, mesh, plate, held), model.moving, mesh)
     positions = np.array([point for probe in model.probe for point in probe.at]).reshape(-1, 2)

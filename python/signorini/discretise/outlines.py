@@ -18,7 +18,7 @@ _ON_LINE = 1e-12
 
 
 def outline(mesh: Mesh, plate: Plate, support: Support) -> Floats:
-    """Points (k, 2) whose hull is that of the support: its corners and ends, and points of circles.
+    """Points (k, 2) whose hull is that of the support: its corners in order or ends, and points of circles.
 
     They are those of the input, whatever the mesh; only of a plate that is a mesh they are the mesh's.
 
@@ -83,4 +83,4 @@ def _hull(points: Floats) -> Floats:
     if len(points) < 3 or extent[1] <= _ON_LINE * extent[0]:
         along = about @ axes[0]
         return np.asarray(points[[along.argmin(), along.argmax()]])
-    return np.asarray(points[np.sort(ConvexHull(points).vertices)])
+    return np.asarray(points[ConvexHull(points).vertices])
