@@ -52,6 +52,8 @@ const PATIENT: usize = 8;
 const TIGHT: f64 = 1e-8;
 /// Imbalance, over the largest nodal force, at which the points are settled.
 const SETTLED: f64 = 1e-13;
+/// Times that imbalance from which points are looked at anew although some still change sides.
+const NEARLY: f64 = 1e3;
 /// Steps on one set that leave this part of the imbalance, one after another, that end it: what is left is rounding.
 const SLOW: f64 = 0.8;
 const STALLS: usize = 3;
@@ -267,7 +269,7 @@ impl Descent<'_> {
             closed = self.stretch.iter().map(|&s| s > 0.0).collect();
             let unchanged = closed == last;
             let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push()).max(least);
-            let settling = unchanged || self.step.worst <= 1e3 * SETTLED * force;
+            let settling = unchanged || self.step.worst <= NEARLY * SETTLED * force;
             since_settled += 1;
             if settling {
                 since_settled = 0;
@@ -295,7 +297,9 @@ impl Descent<'_> {
                 if worst <= f64::max(SETTLED * force, self.rounding) {
                     return Ok(Outcome::Solved);
                 }
-                stalled = if unchanged && worst > SLOW * before { stalled + 1 } else { 0 };
+                // Points that neither push nor gape may change sides for ever; what is out of balance tells nothing more.
+                let idle = unchanged || worst <= NEARLY * SETTLED * force;
+                stalled = if idle && worst > SLOW * before { stalled + 1 } else { 0 };
                 if stalled == STALLS {
                     let rounding = worst <= ROUNDING * force;
                     return Ok(if rounding { Outcome::Solved } else { Outcome::Unsolved });
