@@ -11,7 +11,9 @@ from signorini import _core
 from signorini.contact_field import AreaContact
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.supports import can_let_go
 from signorini.kinds import describe
+from signorini.model import Support
 from signorini.supportpoints import SupportPoints
 
 
@@ -101,10 +103,11 @@ def support_result(
     closed = points.closed(answer.closed)
     area = None
     if support.area is not None:
-        averaged = points.shares is not None or support.stiffness is None
+        on_means = points.shares is not None or support.stiffness is None
+        stiff = on_means | _stiff(found, support, points)
         deflection = (answer.hi + answer.lo)[::3]
         area = AreaContact(
-            found.mesh, support, deflection, points.elements, points.weights, closed, reactions, averaged
+            found.mesh, support, deflection, points.elements, points.weights, closed, reactions, on_means, stiff
         )
     return SupportResult(
         support.name,
@@ -118,3 +121,12 @@ def support_result(
         support.place,
         area,
     )
+
+
+def _stiff(found: Discretisation, support: Support, points: SupportPoints) -> Bools:
+    """Elements (ne,) in which an area that lets go is stiffer than the plate."""
+    stiff = np.zeros(len(found.mesh.elements), np.bool_)
+    if support.stiffness is not None and can_let_go(support):
+        stiffness = support.stiffness(*points.positions.T)
+        stiff[points.elements[stiffness >= found.plate_stiffness.in_waves[points.elements]]] = True
+    return stiff

@@ -42,10 +42,13 @@ class AreaContact:
         On an area.
     deflection : (n,) array
     elements, weights, closed, reactions : (q,) arrays
-        Points that the area acts at, of an averaged area one an element: element, area it stands for, whether closed,
+        Points that the area acts at, of one on means one an element: element, area it stands for, whether closed,
         upward force.
-    averaged : bool
-        Whether the pressure is a number an element, not a field: the area is rigid, or much stiffer than the plate.
+    on_means : bool
+        Whether it acts on the means of elements: it is rigid, or as good as that.
+    stiff : (ne,) array
+        Elements in which it is stiffer than the plate. Between points the deflection then says nothing of pressures,
+        and the pressure is a number an element, not a field.
     """
 
     mesh: Mesh
@@ -55,7 +58,8 @@ class AreaContact:
     weights: Floats
     closed: Bools
     reactions: Floats
-    averaged: bool
+    on_means: bool
+    stiff: Bools
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -77,39 +81,40 @@ class AreaContact:
     def nodal_pressure(self) -> Floats:
         """Pressure (n,) of an area at the nodes, positive up; 0 at those out of it.
 
-        Of an averaged area the mean of the elements around a node.
+        At nodes of stiff elements the mean of the elements around.
         """
         on = np.zeros(self.mesh.node_count, np.bool_)
         on[self.mesh.elements[self._whole].ravel()] = True
         near = np.unique(self.mesh.elements[(self.covered > 0) & ~self._whole])
         on[near] |= self.depth(self.mesh.points[near]) >= 0
         result = np.zeros(len(on))
-        if self.averaged:
+        if not self.on_means:
+            result[on] = np.clip(pressing(self.support, self.deflection[on], self.mesh.points[on]), *self.bounds)
+        if self.stiff.any():
+            at_stiff = on & np.isin(np.arange(len(on)), self.mesh.elements[self.stiff & (self.covered > 0)])
             around = np.flatnonzero(self.covered > 0)
             nodes, area = self.mesh.elements[around].ravel(), np.repeat(self.covered[around], 8)
             force = np.bincount(nodes, area * np.repeat(self.element_pressure[around], 8), len(on))
-            result[on] = (force / np.fmax(np.bincount(nodes, area, len(on)), np.finfo(float).tiny))[on]
-            return result
-        result[on] = np.clip(pressing(self.support, self.deflection[on], self.mesh.points[on]), *self.bounds)
+            result[at_stiff] = force[at_stiff] / np.bincount(nodes, area, len(on))[at_stiff]
         return result
 
     @cached_property
     def max_pressure(self) -> float:
         """Largest pressure, at the nodes and at the points that the area acts at; 0 where it holds down only."""
         largest = float((self.reactions / self.weights).max(initial=0.0))
-        return largest if self.averaged else float(np.fmax.reduce(self.nodal_pressure, initial=largest))
+        return float(np.fmax.reduce(self.nodal_pressure, initial=largest))
 
     def pressure(self, elements: Ints, xi: Floats) -> Floats:
         """Pressure (q,) at reference points (q, 2) of elements (q,), positive up; NaN where the support is not."""
         positions = self.mesh.map(elements, xi)
         on = (self.covered[elements] > 0) & (self._whole[elements] | (self.depth(positions) >= 0))
         result = np.full(len(elements), np.nan)
-        if self.averaged:
-            result[on] = self.element_pressure[elements[on]]
-            return result
-        nodal = self.deflection[self.mesh.elements[elements[on]]]
-        deflection = np.einsum("qi,qi->q", _core.serendipity(xi[on])[0], nodal)
-        result[on] = np.clip(pressing(self.support, deflection, positions[on]), *self.bounds)
+        stiff, soft = on & self.stiff[elements], on & ~self.stiff[elements]
+        result[stiff] = self.element_pressure[elements[stiff]]
+        if soft.any():
+            nodal = self.deflection[self.mesh.elements[elements[soft]]]
+            deflection = np.einsum("qi,qi->q", _core.serendipity(xi[soft])[0], nodal)
+            result[soft] = np.clip(pressing(self.support, deflection, positions[soft]), *self.bounds)
         return result
 
     def pressing(self, cut: Tessellation) -> Floats:
@@ -144,7 +149,7 @@ class AreaContact:
         They end where the support or the plate does. Of an elastic area they are where the deflection field closes the
         gap, of a rigid one the sides between elements that are closed and open.
         """
-        if self.averaged:
+        if self.on_means:
             segments, near = self._sides_between(), self.elements
         elif self._fine is not None:
             fine = self._fine
@@ -172,7 +177,7 @@ class AreaContact:
     @cached_property
     def _fine(self) -> Fine | None:
         """The elements that the edge of contact may cross; None where there is none."""
-        if self.averaged or not can_let_go(self.support):
+        if self.on_means or not can_let_go(self.support):
             return None
         nodes, inverse = np.unique(self.mesh.elements[self.covered > 0], return_inverse=True)
         at_nodes = overlap(self.support, self.deflection[nodes], self.mesh.points[nodes])

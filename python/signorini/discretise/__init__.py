@@ -11,6 +11,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini import _core
+from signorini.discretise.averages import PlateStiffness
 from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
 from signorini.discretise.loads import CaseLoad, case_loads
@@ -72,6 +73,11 @@ class Discretisation:
             slope[:, i] = 1.0
             motions[:, 1:, 1 + i] = self.held.from_global(slope)
         return motions.reshape(-1, 3)
+
+    @cached_property
+    def plate_stiffness(self) -> PlateStiffness:
+        """How stiff the plate is in each element."""
+        return PlateStiffness.of(self.model, self.mesh, self.thickness)
 
     @property
     def middle(self) -> Floats:

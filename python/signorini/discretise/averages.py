@@ -9,6 +9,7 @@ section 5).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from signorini.discretise.outlines import outline
 from signorini.discretise.places import region
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
-from signorini.model import Plate, Support
+from signorini.model import Model, Plate, Support
 from signorini.quadrature.arcs import arcs_of
 from signorini.regions import Circle, Curve, Polygon, Polyline, Rectangle, Ring
 
@@ -30,6 +31,24 @@ _NUDGE = 1e-4
 """Distance, over an element's size, at which to look for the elements around a point."""
 _SAME_PLACE = 1e-9
 _ROUND = np.radians(22.5 + 45.0 * np.arange(8))
+
+
+@dataclass(frozen=True, eq=False)
+class PlateStiffness:
+    """How stiff the plate is by element (ne,): per area, against waves two elements long, and per point, in shear."""
+
+    in_waves: Floats
+    in_shear: Floats
+
+    @classmethod
+    def of(cls, model: Model, mesh: Mesh, thickness: Floats) -> Self:
+        """Take the thickness (n,) at nodes."""
+        h = thickness[mesh.elements].mean(axis=1)
+        bending = model.material.E * h**3 / (12.0 * (1.0 - model.material.nu**2))
+        shear = model.plate.shear_factor * model.material.E * h / (2.0 * (1.0 + model.material.nu))
+        # sin(πx/a) sin(πy/a), with a² the element's area.
+        wave = 2.0 * np.pi**2 / mesh.element_area
+        return cls(1.0 / (1.0 / (bending * wave**2) + 1.0 / (shear * wave)), shear)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from signorini import _core
-from signorini.discretise.averages import STRIP, OutlinePoints, missing_corners, outline_points
+from signorini.discretise.averages import STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
 from signorini.discretise.holds import holds_deflection, nodes_at
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area, located, mesh_edges
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
@@ -19,9 +19,9 @@ from signorini.model import Model, Plate, Support
 _GAUSS = 3
 _GAUSS_RIGID = 2
 """Points on each piece of a rigid line that the mesh does not follow: no more than the dofs that can answer."""
-_STIFF = 10.0
-"""Stiffness of a bed, over that of the plate between its elements, from which the plate lies on its means: points
-within elements then outnumber what can answer them, and pressures between them are noise."""
+_STIFF = 1e3
+"""Stiffness of a bed, over the plate's between elements, from which the plate lies on their means. Points within them
+then outnumber what can answer them, and settle ever more slowly; what is left of the deflection is that of the mesh."""
 _RIGID = 1e12
 """Stiffness, over the plate's in shear, from which nothing of it is left in double precision."""
 _SAME_PLACE = 1e-9
@@ -102,7 +102,7 @@ def springs_and_contacts(
     model: Model, mesh: Mesh, plate: _core.Plate, thickness: Floats
 ) -> tuple[Springs, ContactPoints]:
     """What the supports do beyond the dofs they hold at nodes; the thickness (n,) is at nodes."""
-    of_elements = _Elements.of(model, mesh, thickness)
+    of_elements = PlateStiffness.of(model, mesh, thickness)
     none = np.zeros(0)
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
     springs = [Springs(Rows.join([]), none, none, place, none, who)]
@@ -125,48 +125,14 @@ def can_let_go(support: Support) -> bool:
     return support.resists != "both" or not (support.gap.is_constant and support.gap.value == 0)
 
 
-@dataclass(frozen=True, eq=False)
-class _Elements:
-    """How stiff the plate is, by element (ne,): against waves two elements long, per area, and in shear, per point."""
-
-    in_waves: Floats
-    in_shear: Floats
-
-    @classmethod
-    def of(cls, model: Model, mesh: Mesh, thickness: Floats) -> Self:
-        h = thickness[mesh.elements].mean(axis=1)
-        bending = model.material.E * h**3 / (12.0 * (1.0 - model.material.nu**2))
-        shear = model.plate.shear_factor * model.material.E * h / (2.0 * (1.0 + model.material.nu))
-        # sin(πx/a) sin(πy/a), with a² the element's area.
-        wave = 2.0 * np.pi**2 / mesh.element_area
-        return cls(1.0 / (1.0 / (bending * wave**2) + 1.0 / (shear * wave)), shear)
-
-
 def _acting(
-    mesh: Mesh, shape: Plate, plate: _core.Plate, of_elements: _Elements, index: int, support: Support
+    mesh: Mesh, shape: Plate, plate: _core.Plate, of_elements: PlateStiffness, index: int, support: Support
 ) -> list[_Acting]:
     """Points and rows of one support, for what no node holds."""
     place = f"support[{index + 1}]"
     deflection = "w" in support.fixed or support.resists is not None
     if support.area is not None:
-        points = in_area(
-            mesh, shape, support.area, place, _GAUSS, support.stiffness is not None and can_let_go(support)
-        )
-        sampled = Sampled(points.elements, points.xi, points.weights, points.positions, np.zeros_like(points.positions))
-        through = _Acting(_rows(plate, sampled, 0), sampled.positions, sampled.weights, False)
-        if support.stiffness is not None:
-            stiffness = support.stiffness(*sampled.positions.T, above=0.0, place=f"{place}.stiffness")
-            if not can_let_go(support) or (stiffness < _STIFF * of_elements.in_waves[sampled.elements]).all():
-                if not can_let_go(support):
-                    return [through]
-                covered = np.bincount(through.rows.elements, minlength=len(mesh.elements)) > 0
-                tips = missing_corners(mesh, shape, support, covered, through.positions)
-                return [_with(mesh, plate, through, tips) if len(tips.positions) else through]
-        means = _means(through)
-        if not can_let_go(support):
-            return [means]
-        covered = np.bincount(means.rows.elements, minlength=len(mesh.elements)) > 0
-        return [_with(mesh, plate, means, outline_points(mesh, shape, support, covered))]
+        return [_on_area(mesh, shape, plate, of_elements, support, place)]
     if support.at is not None:
         sampled = located(mesh, support.at, place)
         between_nodes = nodes_at(mesh, sampled) < 0
@@ -197,8 +163,27 @@ def _acting(
     return found
 
 
+def _on_area(
+    mesh: Mesh, shape: Plate, plate: _core.Plate, of_elements: PlateStiffness, support: Support, place: str
+) -> _Acting:
+    """Points of an area, or means of elements where it is as good as rigid; if it lets go, they reach its outline."""
+    elastic, one_sided = support.stiffness is not None, can_let_go(support)
+    points = in_area(mesh, shape, support.area, place, _GAUSS, elastic and one_sided)
+    sampled = Sampled(points.elements, points.xi, points.weights, points.positions, np.zeros_like(points.positions))
+    through = _Acting(_rows(plate, sampled, 0), sampled.positions, sampled.weights, False)
+    covered = np.bincount(sampled.elements, minlength=len(mesh.elements)) > 0
+    if not one_sided:
+        return through if elastic else _means(through)
+    if support.stiffness is not None:
+        stiffness = support.stiffness(*sampled.positions.T, above=0.0, place=f"{place}.stiffness")
+        if (stiffness < _STIFF * of_elements.in_waves[sampled.elements]).all():
+            tips = missing_corners(mesh, shape, support, covered, through.positions)
+            return _with(mesh, plate, through, tips) if len(tips.positions) else through
+    return _with(mesh, plate, _means(through), outline_points(mesh, shape, support, covered))
+
+
 def _springs_or_contacts(
-    of_elements: _Elements, index: int, support: Support, acting: _Acting
+    of_elements: PlateStiffness, index: int, support: Support, acting: _Acting
 ) -> Springs | list[ContactPoints]:
     place = f"support[{index + 1}]"
     positions, weights, count = acting.positions, acting.weights, len(acting.rows)
