@@ -39,6 +39,7 @@ class Discretisation:
     mesh: Mesh
     plate: _core.Plate
     thickness: Floats
+    plate_stiffness: PlateStiffness
     held: Held
     springs: Springs
     contacts: ContactPoints
@@ -73,11 +74,6 @@ class Discretisation:
             slope[:, i] = 1.0
             motions[:, 1:, 1 + i] = self.held.from_global(slope)
         return motions.reshape(-1, 3)
-
-    @cached_property
-    def plate_stiffness(self) -> PlateStiffness:
-        """How stiff the plate is in each element."""
-        return PlateStiffness.of(self.model, self.mesh, self.thickness)
 
     @property
     def middle(self) -> Floats:
@@ -143,7 +139,8 @@ def _discretise(model: Model) -> Discretisation:
         )
     except ValueError as error:
         raise InputError(f"{error}. Change the mesh or the thickness.", place="plate") from None
-    springs, contacts = springs_and_contacts(model, mesh, plate, thickness)
+    stiffness = PlateStiffness.of(model, mesh, thickness)
+    springs, contacts = springs_and_contacts(model, mesh, plate, held.dofs, stiffness)
     contacts = that_can_act(mesh, held, contacts)
     cases = Cases(case_loads(model, mesh, plate, held), model.moving, mesh)
     positions = np.array([point for probe in model.probe for point in probe.at]).reshape(-1, 2)
@@ -153,7 +150,9 @@ def _discretise(model: Model) -> Discretisation:
         probes = Location(np.concatenate([p.elements for p in parts]), np.concatenate([p.xi for p in parts]))
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
-    return Discretisation(model, mesh, plate, thickness, held, springs, contacts, cases, probes, positions, seconds)
+    return Discretisation(
+        model, mesh, plate, thickness, stiffness, held, springs, contacts, cases, probes, positions, seconds
+    )
 
 
 def _thickness(model: Model, mesh: Mesh) -> Floats:

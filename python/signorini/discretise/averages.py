@@ -19,7 +19,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model, Plate, Support
 from signorini.quadrature.arcs import arcs_of
-from signorini.regions import Circle, Curve, Polygon, Polyline, Rectangle, Ring
+from signorini.regions import Circle, Curve, Polyline, Region, Ring
 
 STRIP = 1e-2
 """Part of an element's area that each point on the outline stands for: enough to act where a bed is a little stiff."""
@@ -82,7 +82,8 @@ def missing_corners(mesh: Mesh, plate: Plate, support: Support, covered: Bools, 
     from scipy.spatial import cKDTree
 
     shape = region(support.area)
-    corners = outline(mesh, plate, support) if isinstance(shape, Rectangle | Polygon) else np.zeros((0, 2))
+    corners = np.zeros((0, 2)) if shape is None else _corners(shape)
+    corners = corners[_off_hull(outline(mesh, plate, support), corners) <= _ON_OUTLINE * mesh.size]
     if len(corners):
         corners = corners[cKDTree(reached).query(corners)[0] > _SAME_PLACE * mesh.size]
     return _around(mesh, corners, float(np.sqrt(mesh.element_area[covered].min())), covered)
@@ -105,7 +106,7 @@ def _candidates(mesh: Mesh, support: Support) -> Floats:
     if shape is None:
         return np.asarray(mesh.points[np.unique(mesh.boundary[:, [0, 2]])])
     along = _rim(shape)
-    corners = along.outline.segments[:, 0]
+    corners = _corners(shape)
     triples = mesh.edges_along(along)
     if triples is not None:
         return np.concatenate([corners, mesh.points[np.unique(triples[:, [0, 2]])]])
@@ -113,10 +114,17 @@ def _candidates(mesh: Mesh, support: Support) -> Floats:
     return np.concatenate([corners, *(arc.at(arc.breaks(mesh.points[mesh.unique_sides]))[0] for arc in arcs)])
 
 
-def _rim(shape: Rectangle | Circle | Polygon) -> Curve:
+def _corners(shape: Region) -> Floats:
+    """Corners of a region (c, 2), of a circle the points farthest along x and y."""
+    if isinstance(shape, Circle):
+        return np.asarray(shape.center + shape.radius * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]))
+    return np.asarray(shape.outline.segments[:, 0])
+
+
+def _rim(shape: Region) -> Curve:
     if isinstance(shape, Circle):
         return Ring(shape.center, shape.radius)
-    points = shape.outline.segments[:, 0].tolist()
+    points = _corners(shape).tolist()
     return Polyline(tuple((x, y) for x, y in [*points, points[0]]))
 
 

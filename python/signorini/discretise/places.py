@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from signorini.discretise.rows import Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, unknown
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, Area, DiscPlate, Load, Plate, Support
@@ -116,9 +116,9 @@ def along_curve(mesh: Mesh, plate: Plate, item: Support | Load, place: str, orde
 
 
 def in_area(
-    mesh: Mesh, plate: Plate, area: Area | str | None, place: str, order: int, to_outline: bool = False
+    mesh: Mesh, plate: Plate, area: Area | str | None, place: str, order: int, to_outline: Bools | None = None
 ) -> Quadrature:
-    """Quadrature of an area, if so wished with points on its outline; weights are areas.
+    """Quadrature of an area, in the elements (ne,) marked with points on its outline; weights are areas.
 
     Raises
     ------

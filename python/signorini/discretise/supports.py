@@ -25,6 +25,8 @@ then outnumber what can answer them, and settle ever more slowly; what is left o
 _RIGID = 1e12
 """Stiffness, over the plate's in shear, from which nothing of it is left in double precision."""
 _SAME_PLACE = 1e-9
+_NONE = 1e-12
+"""Coefficient of a row that counts as none."""
 _NOT_SHARED = np.full((0, 4), -1, np.int64)
 
 
@@ -99,16 +101,15 @@ class _Acting:
 
 
 def springs_and_contacts(
-    model: Model, mesh: Mesh, plate: _core.Plate, thickness: Floats
+    model: Model, mesh: Mesh, plate: _core.Plate, held: Bools, of_elements: PlateStiffness
 ) -> tuple[Springs, ContactPoints]:
-    """What the supports do beyond the dofs they hold at nodes; the thickness (n,) is at nodes."""
-    of_elements = PlateStiffness.of(model, mesh, thickness)
+    """What the supports do beyond the dofs (3n,) that they hold at nodes."""
     none = np.zeros(0)
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
     springs = [Springs(Rows.join([]), none, none, place, none, who)]
     contacts = [ContactPoints(Rows.join([]), none, none, flags, none, flags, place, none, who, _NOT_SHARED)]
     for index, support in enumerate(model.support):
-        for acting in _acting(mesh, model.plate, plate, of_elements, index, support):
+        for acting in _acting(mesh, model.plate, plate, held, of_elements, index, support):
             found = _springs_or_contacts(of_elements, index, support, acting)
             if isinstance(found, Springs):
                 springs.append(found)
@@ -126,13 +127,19 @@ def can_let_go(support: Support) -> bool:
 
 
 def _acting(
-    mesh: Mesh, shape: Plate, plate: _core.Plate, of_elements: PlateStiffness, index: int, support: Support
+    mesh: Mesh,
+    shape: Plate,
+    plate: _core.Plate,
+    held: Bools,
+    of_elements: PlateStiffness,
+    index: int,
+    support: Support,
 ) -> list[_Acting]:
     """Points and rows of one support, for what no node holds."""
     place = f"support[{index + 1}]"
     deflection = "w" in support.fixed or support.resists is not None
     if support.area is not None:
-        return [_on_area(mesh, shape, plate, of_elements, support, place)]
+        return [_on_area(mesh, shape, plate, held, of_elements, support, place)]
     if support.at is not None:
         sampled = located(mesh, support.at, place)
         between_nodes = nodes_at(mesh, sampled) < 0
@@ -164,11 +171,19 @@ def _acting(
 
 
 def _on_area(
-    mesh: Mesh, shape: Plate, plate: _core.Plate, of_elements: PlateStiffness, support: Support, place: str
+    mesh: Mesh,
+    shape: Plate,
+    plate: _core.Plate,
+    held: Bools,
+    of_elements: PlateStiffness,
+    support: Support,
+    place: str,
 ) -> _Acting:
     """Points of an area, or means of elements where it is as good as rigid; if it lets go, they reach its outline."""
     elastic, one_sided = support.stiffness is not None, can_let_go(support)
-    points = in_area(mesh, shape, support.area, place, _GAUSS, elastic and one_sided)
+    # Where nodes hold the plate a point of the outline could do nothing.
+    free_corners = np.asarray(~held[3 * mesh.elements[:, :4]].any(axis=1))
+    points = in_area(mesh, shape, support.area, place, _GAUSS, free_corners if elastic and one_sided else None)
     sampled = Sampled(points.elements, points.xi, points.weights, points.positions, np.zeros_like(points.positions))
     through = _Acting(_rows(plate, sampled, 0), sampled.positions, sampled.weights, False)
     covered = np.bincount(sampled.elements, minlength=len(mesh.elements)) > 0
@@ -178,8 +193,8 @@ def _on_area(
         stiffness = support.stiffness(*sampled.positions.T, above=0.0, place=f"{place}.stiffness")
         if (stiffness < _STIFF * of_elements.in_waves[sampled.elements]).all():
             tips = missing_corners(mesh, shape, support, covered, through.positions)
-            return _with(mesh, plate, through, tips) if len(tips.positions) else through
-    return _with(mesh, plate, _means(through), outline_points(mesh, shape, support, covered))
+            return _with(mesh, plate, held, through, tips)
+    return _with(mesh, plate, held, _means(through), outline_points(mesh, shape, support, covered))
 
 
 def _springs_or_contacts(
@@ -245,22 +260,24 @@ def _means(through: _Acting) -> _Acting:
     return _Acting(Rows(elements, mean(through.rows.coefficients)), mean(through.positions), area, False, shared)
 
 
-def _with(mesh: Mesh, plate: _core.Plate, acting: _Acting, found: OutlinePoints) -> _Acting:
+def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: OutlinePoints) -> _Acting:
     """Give points on the outline a part of what the support has in the elements that share them."""
-    area = np.bincount(acting.rows.elements, acting.weights, len(mesh.elements)).astype(np.float64)
     where = found.shared[:, 0]
-    at = Sampled(where, mesh.invert(where, found.positions), area[where], found.positions, found.positions)
-    some = found.shared >= 0
-    count = some.sum(axis=1)
-    weights = STRIP * np.where(some, area[found.shared], 0.0).sum(axis=1) / count
-    given = np.bincount(found.shared[some], np.repeat(weights / count, count), len(area))
+    coefficients, _ = plate.interpolation_rows(where, mesh.invert(where, found.positions), 0)
+    rows = Rows(where, coefficients)
+    free = np.asarray(((np.abs(rows.coefficients) > _NONE) & ~held[rows.dofs(mesh.elements)]).any(axis=1))
+    rows, positions, shared = rows[free], found.positions[free], found.shared[free]
+    area = np.bincount(acting.rows.elements, acting.weights, len(mesh.elements)).astype(np.float64)
+    some = shared >= 0
+    each = STRIP * np.where(some, area[shared], np.inf).min(axis=1, initial=np.inf)
+    given = np.bincount(shared[some], np.repeat(each, some.sum(axis=1)), len(area))
     kept = 1.0 - given[acting.rows.elements] / area[acting.rows.elements]
     return _Acting(
-        Rows.join([acting.rows, _rows(plate, at, 0)]),
-        np.concatenate([acting.positions, found.positions]),
-        np.concatenate([kept * acting.weights, weights]),
+        Rows.join([acting.rows, rows]),
+        np.concatenate([acting.positions, positions]),
+        np.concatenate([kept * acting.weights, each * some.sum(axis=1)]),
         False,
-        None if acting.shared is None else np.concatenate([acting.shared, found.shared]),
+        None if acting.shared is None else np.concatenate([acting.shared, shared]),
     )
 
 

@@ -12,11 +12,12 @@ from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import CORNERS, determinants
 from signorini.quadrature.arcs import arcs_of
 from signorini.quadrature.cutcells import cut
-from signorini.quadrature.rules import Rule, gauss, lobatto
+from signorini.quadrature.rules import gauss, lobatto
 from signorini.regions import Curve, Polyline, Region, Ring
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
 
 _ON_PLATE = 1e-9
 _KINK = 0.1
@@ -62,7 +63,9 @@ class LineQuadrature(Quadrature):
         return np.column_stack([self.tangents[:, 1], -self.tangents[:, 0]])
 
 
-def area_quadrature(mesh: Mesh, region: Region | None = None, order: int = 3, to_outline: bool = False) -> Quadrature:
+def area_quadrature(
+    mesh: Mesh, region: Region | None = None, order: int = 3, to_outline: Bools | None = None
+) -> Quadrature:
     """Quadrature over the part of a region that is on the plate.
 
     Parameters
@@ -74,8 +77,9 @@ def area_quadrature(mesh: Mesh, region: Region | None = None, order: int = 3, to
     order : int
         Gauss points in each direction of a whole element. Elements that the outline cuts get more, see
         `signorini.quadrature.cutcells`.
-    to_outline : bool
-        Elements at the outline have Lobatto's rule with a point more each way, as exact, so that points are on it.
+    to_outline : (ne,) bool array, optional
+        Where these elements have sides on the outline, Lobatto's rule with a point more, as exact, across those sides,
+        so that points are on them; so in all that the outline cuts, if any element is marked.
 
     Returns
     -------
@@ -91,25 +95,16 @@ def area_quadrature(mesh: Mesh, region: Region | None = None, order: int = 3, to
     >>> print(f"{over.total:.12f}")
     3.141592653590
     """
+    marked = np.zeros(len(mesh.elements), np.bool_) if to_outline is None else to_outline
     if region is None:
-        outer = mesh.on_boundary.any(axis=1) & to_outline
-        parts = [
-            _whole(mesh, np.flatnonzero(~outer), order, gauss),
-            _whole(mesh, np.flatnonzero(outer), order, lobatto),
-        ]
-        return _by_element(parts)
-    found = cut(mesh, region, order, lobatto if to_outline else gauss)
+        return _by_element(_whole(mesh, np.arange(len(mesh.elements)), order, mesh.on_boundary & marked[:, None]))
+    found = cut(mesh, region, order, lobatto if marked.any() else gauss)
     xi = mesh.invert(found.elements, found.positions)
     covered = np.union1d(found.whole, found.elements)
     times = np.bincount(mesh.elements[covered, 4:].ravel(), minlength=mesh.node_count)
-    outer = (times[mesh.elements[found.whole, 4:]] == 1).any(axis=1) & to_outline
-    return _by_element(
-        [
-            _whole(mesh, found.whole[~outer], order, gauss),
-            _whole(mesh, found.whole[outer], order, lobatto),
-            Quadrature(found.elements, xi, found.weights, found.positions),
-        ]
-    )
+    outer = (times[mesh.elements[found.whole, 4:]] == 1) & marked[found.whole, None]
+    whole = _whole(mesh, found.whole, order, outer)
+    return _by_element([*whole, Quadrature(found.elements, xi, found.weights, found.positions)])
 
 
 def _by_element(parts: list[Quadrature]) -> Quadrature:
@@ -121,15 +116,20 @@ def _by_element(parts: list[Quadrature]) -> Quadrature:
     return Quadrature(*(np.concatenate([getattr(part, name) for part in filled])[order] for name in names))
 
 
-def _whole(mesh: Mesh, elements: Ints, order: int, rule: Rule) -> Quadrature:
-    node, weight = rule(order)
-    station = np.stack(np.meshgrid(node, node, indexing="ij"), axis=-1).reshape(-1, 2)
-    owner = np.repeat(elements, len(station))
-    xi = np.tile(station, (len(elements), 1))
-    nodes = mesh.nodes[elements]
-    weights = determinants(nodes, station) * np.outer(weight, weight).ravel()
-    positions = serendipity(station)[0] @ nodes
-    return Quadrature(owner, xi, weights.ravel(), positions.reshape(-1, 2))
+def _whole(mesh: Mesh, elements: Ints, order: int, outer: Bools) -> list[Quadrature]:
+    """Whole elements (k,), by Lobatto's rule across sides (k, 4) on the outline, else by Gauss's."""
+    across = np.column_stack([outer[:, 1] | outer[:, 3], outer[:, 0] | outer[:, 2]])
+    rules = (gauss(order), lobatto(order))
+    parts = []
+    for x, y in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        some = elements[(across == (x, y)).all(axis=1)]
+        station = np.stack(np.meshgrid(rules[x][0], rules[y][0], indexing="ij"), axis=-1).reshape(-1, 2)
+        nodes = mesh.nodes[some]
+        weights = determinants(nodes, station) * np.outer(rules[x][1], rules[y][1]).ravel()
+        positions = (serendipity(station)[0] @ nodes).reshape(-1, 2)
+        xi = np.tile(station, (len(some), 1))
+        parts.append(Quadrature(np.repeat(some, len(station)), xi, weights.ravel(), positions))
+    return parts
 
 
 def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0) -> LineQuadrature:
@@ -219,7 +219,7 @@ def edge_quadrature(mesh: Mesh, triples: Ints, order: int = 3, to_ends: bool = F
     return LineQuadrature(elements, xi, weights * speed, mesh.map(elements, xi), tangents / speed[:, None])
 
 
-def _at_ends(mesh: Mesh, triples: Ints) -> npt.NDArray[np.bool_]:
+def _at_ends(mesh: Mesh, triples: Ints) -> Bools:
     """Which sides (k,) end where no other goes on in nearly their direction."""
     a, m, b = (mesh.points[triples[:, i]] for i in range(3))
     leaving = np.concatenate([4 * m - 3 * a - b, 4 * m - a - 3 * b])
@@ -231,7 +231,7 @@ def _at_ends(mesh: Mesh, triples: Ints) -> npt.NDArray[np.bool_]:
 
 
 def _stations(
-    begin: Floats, end: Floats, at_end: npt.NDArray[np.bool_], rule: tuple[Floats, Floats], last: tuple[Floats, Floats]
+    begin: Floats, end: Floats, at_end: Bools, rule: tuple[Floats, Floats], last: tuple[Floats, Floats]
 ) -> tuple[Floats, Floats, Ints]:
     """Points and weights (q,) of intervals (k,), and their intervals; those at ends by a rule of their own."""
     pick, parts = np.arange(len(begin)), []
