@@ -243,13 +243,16 @@ impl Descent<'_> {
         let mut last = closed.clone();
         let mut stalled = 0;
         let mut since_settled = 0;
+        let mut far = false;
         let mut before = f64::INFINITY;
         // Without a load nothing may push in the end, so forces count from those of the settlements at the start.
         let least = if self.load.iter().all(|&f| f == 0.0) { self.largest_push() } else { 0.0 };
         for step in 1..=NEWTON {
             let same = step > 1 && closed == last;
-            if since_settled == PATIENT && self.limit == STIFFEST && started {
+            let lost = since_settled == PATIENT || stalled == STALLS;
+            if lost && self.limit == STIFFEST && started {
                 // The start was too far away: begin with springs that bend the plate, like from rest.
+                (stalled, far) = (0, true);
                 self.limit = self.problem.first_limit;
                 self.springs = self.problem.active.softened(self.limit);
                 self.balance();
@@ -301,8 +304,12 @@ impl Descent<'_> {
                 let idle = unchanged || worst <= NEARLY * SETTLED * force;
                 stalled = if idle && worst > SLOW * before { stalled + 1 } else { 0 };
                 if stalled == STALLS {
-                    let rounding = worst <= ROUNDING * force;
-                    return Ok(if rounding { Outcome::Solved } else { Outcome::Unsolved });
+                    if worst <= ROUNDING * force {
+                        return Ok(Outcome::Solved);
+                    }
+                    if !started || far {
+                        return Ok(Outcome::Unsolved);
+                    }
                 }
                 before = worst;
             }
