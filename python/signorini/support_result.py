@@ -11,7 +11,7 @@ from signorini import _core
 from signorini.contact_field import AreaContact
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
-from signorini.discretise.supports import can_let_go
+from signorini.discretise.supports import STIFFEST_SPRING, can_let_go
 from signorini.kinds import describe
 from signorini.model import Support
 from signorini.supportpoints import SupportPoints
@@ -124,9 +124,13 @@ def support_result(
 
 
 def _stiff(found: Discretisation, support: Support, points: SupportPoints) -> Bools:
-    """Elements (ne,) in which an area that lets go is stiffer than the plate."""
+    """Elements (ne,) in which an area is stiffer than the plate, or, if it never lets go, as good as rigid."""
     stiff = np.zeros(len(found.mesh.elements), np.bool_)
-    if support.stiffness is not None and can_let_go(support):
+    if support.stiffness is not None:
+        at, of_plate = points.elements, found.plate_stiffness
         stiffness = support.stiffness(*points.positions.T)
-        stiff[points.elements[stiffness >= found.plate_stiffness.in_waves[points.elements]]] = True
+        limit = (
+            of_plate.in_waves[at] if can_let_go(support) else STIFFEST_SPRING * of_plate.in_shear[at] / points.weights
+        )
+        stiff[at[stiffness >= limit]] = True
     return stiff

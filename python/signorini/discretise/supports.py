@@ -24,6 +24,9 @@ _STIFF = 1e3
 then outnumber what can answer them, and settle ever more slowly; what is left of the deflection is that of the mesh."""
 _RIGID = 1e12
 """Stiffness, over the plate's in shear, from which nothing of it is left in double precision."""
+STIFFEST_SPRING = 1e8
+"""Stiffness of a spring that holds both ways, over the plate's in shear, beyond which it makes no difference to eight
+digits, and in K would drown the plate's own."""
 _SAME_PLACE = 1e-9
 _NONE = 1e-12
 """Coefficient of a row that counts as none."""
@@ -208,10 +211,11 @@ def _springs_or_contacts(
     compliance = np.zeros(count)
     two_way = support.fix is not None or support.resists == "both"
     if support.stiffness is not None:
+        shear = of_elements.in_shear[acting.rows.elements]
         stiffness = weights * support.stiffness(*positions.T, above=0.0, place=f"{place}.stiffness")
         if two_way and not gap.any():
+            stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
             return Springs(acting.rows, stiffness, settlement, positions, weights, who)
-        shear = of_elements.in_shear[acting.rows.elements]
         compliance = np.where(stiffness < _RIGID * shear, 1.0 / stiffness, 0.0)
     pushes_up = (1.0, gap + settlement)
     holds_down = (-1.0, gap - settlement)
