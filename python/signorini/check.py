@@ -148,7 +148,7 @@ def _resultants(found: Discretisation, freedom: RigidFreedom) -> Iterator[Result
     of_case = {case: found.rigid_motions.T @ load for case, load in nodal.items()}
     size = {case: float(np.abs(load[::3]).sum()) for case, load in nodal.items()}
     scale = np.array([1.0, found.mesh.size, found.mesh.size])
-    motions = allowed_motions(freedom)
+    motions = allowed_motions(freedom.outline)
     for combination in combinations:
         factors = combination.factors or {}
         resultant = np.sum([np.zeros(3), *(factor * of_case[case] for case, factor in factors.items())], axis=0)

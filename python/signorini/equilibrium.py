@@ -2,7 +2,7 @@
 
 Reactions of one-sided supports have a sign, so by Farkas' lemma they balance the load exactly if no rigid motion that
 every support allows lets the load do work. The motion with the most work is found by a linear program in at most
-three unknowns.
+three unknowns. Supports reach as far as their outlines, whatever the mesh.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from signorini.discretise import ContactPoints, Discretisation
+from signorini.discretise import Discretisation
+from signorini.discretise.outlines import outline
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError
 from signorini.tipping import clean, line_in_words, steepest
@@ -30,6 +31,23 @@ _WORK = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
+class Bearing:
+    """Places at which one-sided supports act, of many that act the same way the corners of their hull.
+
+    Parameters
+    ----------
+    positions : (k, 2) array
+    moves : (k, d) array
+        How far each of the free rigid motions presses the plate into the support there.
+    support : (k,) array
+    """
+
+    positions: Floats
+    moves: Floats
+    support: Ints
+
+
+@dataclass(frozen=True, eq=False)
 class RigidFreedom:
     """What the bilateral supports leave free.
 
@@ -39,16 +57,18 @@ class RigidFreedom:
         Basis of the free rigid motions; components are w, and the slopes times the plate's size, about its middle.
     moves : (m, d) array
         How each contact point's row changes with them; two-sided points are among the bilateral supports.
-    deciding : (k,) array
-        One-sided contact points that decide whether a rigid motion is allowed: of many that act the same way, the
-        corners of their hull.
+    outline : Bearing
+        The outlines of one-sided supports: they decide whether the plate can be balanced.
+    on_mesh : Bearing
+        Their contact points: they decide whether the mesh can show it.
     regular : bool
         Whether held dofs and springs alone hold the plate, so that K has an inverse.
     """
 
     motions: Floats
     moves: Floats
-    deciding: Ints
+    outline: Bearing
+    on_mesh: Bearing
     regular: bool
 
     @property
@@ -82,21 +102,39 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
             "Add a support that resists it (points that are not all on one line, or an edge or area).",
             place="support",
         )
-    return RigidFreedom(motions, moves, _outermost(contacts), regular=_null_space(in_stiffness).shape[1] == 0)
+    one_sided = contacts.pick(~contacts.two_sided)
+    on_mesh = _bearing(found, motions, one_sided.positions, one_sided.direction, one_sided.support)
+    regular = _null_space(in_stiffness).shape[1] == 0
+    return RigidFreedom(motions, moves, _outlines(found, motions), on_mesh, regular)
 
 
-def _outermost(contacts: ContactPoints) -> Ints:
+def _outlines(found: Discretisation, motions: Floats) -> Bearing:
+    """The outlines of the supports that have one-sided points."""
+    contacts = found.contacts
+    ways = np.column_stack([contacts.support, contacts.direction])[~contacts.two_sided]
+    positions, directions, supports = [np.zeros((0, 2))], [np.zeros(0)], [np.zeros(0, np.int64)]
+    for index, direction in np.unique(ways, axis=0):
+        reach = outline(found.mesh, found.model.plate, found.model.support[int(index)])
+        positions.append(reach)
+        directions.append(np.full(len(reach), direction))
+        supports.append(np.full(len(reach), int(index)))
+    return _bearing(found, motions, np.concatenate(positions), np.concatenate(directions), np.concatenate(supports))
+
+
+def _bearing(found: Discretisation, motions: Floats, positions: Floats, directions: Floats, supports: Ints) -> Bearing:
     from scipy.spatial import ConvexHull, QhullError
 
     deciding = []
     for direction in (1.0, -1.0):
-        those = np.flatnonzero(~contacts.two_sided & (contacts.direction == direction))
+        those = np.flatnonzero(directions == direction)
         if len(those) > _MANY:
             # On one line there is no hull, and every point stays.
             with contextlib.suppress(QhullError):
-                those = those[np.sort(ConvexHull(contacts.positions[those]).vertices)]
+                those = those[np.sort(ConvexHull(positions[those]).vertices)]
         deciding.append(those)
-    return np.concatenate(deciding)
+    which = np.concatenate(deciding)
+    at = np.column_stack([np.ones(len(which)), (positions[which] - found.middle) / found.mesh.size])
+    return Bearing(positions[which], directions[which, None] * (at @ motions), supports[which])
 
 
 def _null_space(rows: Floats) -> Floats:
@@ -161,14 +199,14 @@ def work_of(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floa
     return np.asarray((found.rigid_motions.T @ nodal / np.array([1.0, size, size])) @ freedom.motions)
 
 
-def allowed_motions(freedom: RigidFreedom) -> Floats:
-    """The extreme rays (r, d) of the cone of free rigid motions that every support allows, each of unit size.
+def allowed_motions(bearing: Bearing) -> Floats:
+    """The extreme rays (r, d) of the cone of free rigid motions that a bearing allows, each of unit size.
 
     Reactions balance a load exactly if it does no work in any of them. With at most three components a ray lies in
     d − 1 of the planes that the points set, and on the allowed side of all others.
     """
-    one_sided = freedom.moves[freedom.deciding]
-    match freedom.count:
+    one_sided = bearing.moves
+    match one_sided.shape[1]:
         case 0:
             return np.zeros((0, 0))
         case 1:
@@ -187,13 +225,20 @@ def allowed_motions(freedom: RigidFreedom) -> Floats:
 
 
 def no_equilibrium(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> str:
-    """Say why no reactions balance the nodal load (3n,), or return nothing where they exist."""
+    """Say why no reactions balance the nodal load (3n,), or return nothing where they exist.
+
+    Raises
+    ------
+    InputError
+        If they exist, but the contact points of the mesh do not reach as far as they act.
+    """
     if way := _lifting(found, freedom, nodal):
         return _explain_lifting(found, freedom, nodal, way)
     best = _tipping(found, freedom, nodal)
     if best is None:
+        _require_reach(found, freedom, nodal)
         return ""
-    return _explain_tipping(found, freedom, nodal, freedom.motions @ best, freedom.moves[freedom.deciding] @ best)
+    return _explain_tipping(found, freedom, nodal, freedom.motions @ best, freedom.outline.moves @ best)
 
 
 def tipping_axis(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats | None:
@@ -209,22 +254,45 @@ def tipping_axis(found: Discretisation, freedom: RigidFreedom, nodal: Floats) ->
 
 def _tipping(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats | None:
     """The motion (d,) that every support allows on which the load does most work for its turning, if there is one."""
+    best = _unresisted(found, freedom, freedom.outline, nodal)
+    if best is None:
+        return None
+    most = steepest(freedom.motions, freedom.outline.moves, work_of(found, freedom, nodal) / load_size(found, nodal))
+    return np.asarray(best if most is None else most)
+
+
+def _unresisted(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, nodal: Floats) -> Floats | None:
+    """The motion (d,) of at most unit size that a bearing allows on which the load does most work, if there is one."""
     from scipy.optimize import linprog
 
     total = load_size(found, nodal)
     if not freedom.count or total == 0:
         return None
-    work, one_sided = work_of(found, freedom, nodal), freedom.moves[freedom.deciding]
+    work, one_sided = work_of(found, freedom, nodal), bearing.moves
     best = linprog(-work / total, A_ub=one_sided, b_ub=np.zeros(len(one_sided)), bounds=(-1, 1), method="highs")
-    if best.x is None or work @ best.x <= _WORK * total:
-        return None
-    most = steepest(freedom.motions, one_sided, work / total)
-    return np.asarray(best.x if most is None else most)
+    return None if best.x is None or work @ best.x <= _WORK * total else np.asarray(best.x)
+
+
+def _require_reach(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> None:
+    """Refuse a load that the supports can balance on their outlines, but not at the contact points of the mesh."""
+    if _unresisted(found, freedom, freedom.on_mesh, nodal) is None:
+        return
+    down, mx, my = found.rigid_motions.T @ nodal
+    where = (
+        ""
+        if abs(down) <= _WORK * load_size(found, nodal)
+        else (f" near {_point(found.middle + np.array([mx, my]) / down, found)}")
+    )
+    raise InputError(
+        f"The load acts{where} so near the outline of the supports that they can balance it, but not at the contact "
+        "points of this mesh, which lie within that outline. Take a finer mesh there.",
+        place="mesh",
+    )
 
 
 def _lifting(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> str:
     """Which way the plate moves off all its supports without turning, if it does."""
-    one_sided, least = freedom.moves[freedom.deciding], _WORK * load_size(found, nodal)
+    one_sided, least = freedom.outline.moves, _WORK * load_size(found, nodal)
     work = work_of(found, freedom, nodal)
     for way, w in (("up", -1.0), ("down", 1.0)):
         motion = np.array([w, 0.0, 0.0])
@@ -237,7 +305,7 @@ def _lifting(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> str
 
 def _holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, best: Floats, way: str) -> str:
     """What least extra load would hold the plate, at the best point or, if none does there, amid the supports."""
-    for at in (best, found.contacts.positions.mean(axis=0)):
+    for at in (best, freedom.outline.positions.mean(axis=0)):
         node = found.mesh.points[((found.mesh.points - at) ** 2).sum(axis=1).argmin()]
         least = _least_holding(found, freedom, nodal, node, way)
         if least is not None:
@@ -257,7 +325,7 @@ def _least_holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, 
     total = float(np.abs(resultant).max())
     sign = 1.0 if way == "down" else -1.0
     extra = sign * (np.array([1.0, *(at - found.middle)]) / scale) @ freedom.motions
-    one_sided = freedom.moves[freedom.deciding]
+    one_sided = freedom.outline.moves
     cost = np.zeros(1 + len(one_sided))
     cost[0] = 1.0
     balance = np.column_stack([-extra, one_sided.T])
@@ -302,9 +370,9 @@ def _explain_tipping(
 
 
 def _hinges(found: Discretisation, freedom: RigidFreedom, closed: Bools) -> str:
-    contacts = found.contacts.pick(freedom.deciding[closed])
-    if not len(contacts):
+    positions, supports = freedom.outline.positions[closed], freedom.outline.support[closed]
+    if not len(positions):
         return ""
-    owners = [found.model.support[i].name for i in np.unique(contacts.support)]
-    spots = ", ".join(_point(at, found) for at in contacts.positions[:4]) + (", ..." if len(contacts) > 4 else "")
+    owners = [found.model.support[i].name for i in np.unique(supports)]
+    spots = ", ".join(_point(at, found) for at in positions[:4]) + (", ..." if len(positions) > 4 else "")
     return f" through {spots} of {', '.join(owners)}"

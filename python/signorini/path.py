@@ -96,11 +96,14 @@ def path(
             "has a resultant, so it may rest anywhere. Add its weight.",
             place="add",
         )
-    limit = largest_factor(found, problem.freedom, loads[0].nodal, loads[1].nodal)
+    limit, reached = (
+        largest_factor(found, problem.freedom, bearing, loads[0].nodal, loads[1].nodal)
+        for bearing in (problem.freedom.outline, problem.freedom.on_mesh)
+    )
     traced: Path | None = None
     for way, careful in _ways(problem):
         if traced is None or traced.ending == "stopped":
-            other = _trace(way, (start, add), loads, until, limit, watcher, careful)
+            other = _trace(way, (start, add), loads, until, (limit, reached), watcher, careful)
             traced = other if traced is None or (other is not None and other.end > traced.end) else traced
     if traced is None and supports_contradict(found):
         raise NoEquilibriumError(CONTRADICTION)
@@ -140,11 +143,14 @@ def _trace(
     names: tuple[str | None, str],
     loads: tuple[CaseLoad, CaseLoad],
     until: float | None,
-    limit: float,
+    limits: tuple[float, float],
     watcher: Watcher,
     careful: bool,
 ) -> Path | None:
-    """Follow the path by one method, as far as its answers are certified; None if not even the first is."""
+    """Follow the path by one method, as far as its answers are certified; None if not even the first is.
+
+    ``limits`` are those of the supports' outlines and of the contact points of the mesh.
+    """
     found = problem.discretisation
     stops: list[PathStop] = []
     sets: list[Bools] = []
@@ -179,7 +185,8 @@ def _trace(
         stops.append(path_stop(found, t, load, points, switched, answer))
         watcher(Progress(f"t = {t:.6g}, event {len(stops)}"))
 
-    end = min(limit, np.inf if until is None else until)
+    limit, asked = limits[0], np.inf if until is None else until
+    end = min(*limits, asked)
     try:
         ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, careful)
     except NotCertifiedError:
@@ -192,6 +199,6 @@ def _trace(
         ending = "no_more_events"
     elif ended != "too_many" and near_limit:
         ending = "no_equilibrium"
-    elif ended == "reached":
+    elif ended == "reached" and end == asked:
         ending = "until"
     return Path(*names, problem, tuple(stops), ending, limit, Certificate(**worst), loads, sets[0])

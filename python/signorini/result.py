@@ -236,8 +236,8 @@ class Result(Remade):
             "reaction": self.nodal_reaction,
         }
         areas = [support.area for support in self.supports if support.area is not None]
-        elastic = [area.nodal_pressure for area in areas if not area.rigid]
-        rigid = [area.element_pressure for area in areas if area.rigid]
+        elastic = [area.nodal_pressure for area in areas if area.support.stiffness is not None]
+        rigid = [area.element_pressure for area in areas if area.support.stiffness is None]
         if elastic:
             data["contact_pressure"] = sum(elastic, np.zeros(self.mesh.node_count))
         of_elements = {"rigid_contact_pressure": sum(rigid, np.zeros(len(self.mesh.elements)))} if rigid else None

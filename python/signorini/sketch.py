@@ -46,7 +46,7 @@ def pressure_layer(area: AreaContact) -> PressureLayer:
     on = area.covered > 0
     cut = tessellate(area.mesh.elements[on])
     outline = _outline(area.support.area) if isinstance(area.support.area, Area) else None
-    values = area.element_pressure[on] if area.rigid else area.pressing(cut)
+    values = area.element_pressure[on] if area.stiff[on].all() else area.pressing(cut)
     return PressureLayer(cut, values, area.bounds, outline)
 
 

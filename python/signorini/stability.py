@@ -8,7 +8,7 @@ import numpy as np
 
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
-from signorini.equilibrium import RigidFreedom, load_size, no_equilibrium, work_of
+from signorini.equilibrium import Bearing, RigidFreedom, load_size, no_equilibrium, work_of
 from signorini.model import Combination
 
 _MOST = 1e6
@@ -69,7 +69,7 @@ def nearest_limit(found: Discretisation, freedom: RigidFreedom, combination: Com
     limits = [
         (case, limit)
         for case in acting
-        for limit in _limits(found, freedom, whole - nodal[case], nodal[case])
+        for limit in _limits(found, freedom, freedom.outline, whole - nodal[case], nodal[case])
         if 1 / _MOST < limit < _MOST
     ]
     return min(limits, key=lambda pair: abs(np.log(pair[1])), default=None)
@@ -82,7 +82,7 @@ def on_the_brink(found: Discretisation, freedom: RigidFreedom, nodal: Floats) ->
     total = load_size(found, nodal)
     if not freedom.count or total == 0:
         return False
-    one_sided = freedom.moves[freedom.deciding]
+    one_sided = freedom.outline.moves
     # Reactions with as much as can be to spare at all of them: the first unknown.
     cost = np.append(-1.0, np.zeros(len(one_sided)))
     spare = np.column_stack([np.ones(len(one_sided)), -np.eye(len(one_sided))])
@@ -146,8 +146,8 @@ def supports_contradict(found: Discretisation) -> bool:
     return least.x is not None and bool(least.x[-1] > _OVERLAP)
 
 
-def largest_factor(found: Discretisation, freedom: RigidFreedom, rest: Floats, case: Floats) -> float:
-    """Find the largest factor of a nodal load (3n,) with which reactions balance it beside the rest.
+def largest_factor(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats) -> float:
+    """Find the largest factor of a nodal load (3n,) with which a bearing's reactions balance it beside the rest.
 
     Infinite if there is none; NaN if no factor from 0 on has such reactions.
     """
@@ -155,19 +155,19 @@ def largest_factor(found: Discretisation, freedom: RigidFreedom, rest: Floats, c
     if not freedom.count or size == 0:
         return np.inf
     unit = (load_size(found, rest) or size) / size
-    limits = _limits(found, freedom, rest, unit * case)
+    limits = _limits(found, freedom, bearing, rest, unit * case)
     if not limits:
         return np.nan
     most = limits[-1]
     return np.inf if most >= _MOST else 0.0 if most <= _BRINK else unit * most
 
 
-def _limits(found: Discretisation, freedom: RigidFreedom, rest: Floats, case: Floats) -> list[float]:
+def _limits(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats) -> list[float]:
     """Least and largest factor of a case beside the rest of the load for which reactions balance both."""
     from scipy.optimize import linprog
 
     total = load_size(found, rest) + load_size(found, case)
-    one_sided = freedom.moves[freedom.deciding]
+    one_sided = bearing.moves
     balance = np.column_stack([-work_of(found, freedom, case) / total, one_sided.T])
     wanted = work_of(found, freedom, rest) / total
     bounds = [(0, _MOST), *[(0, None)] * len(one_sided)]

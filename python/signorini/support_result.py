@@ -11,7 +11,9 @@ from signorini.answer import Answer
 from signorini.contact_field import AreaContact
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.supports import STIFFEST_SPRING, can_let_go
 from signorini.kinds import describe
+from signorini.model import Support
 from signorini.supportpoints import SupportPoints
 
 
@@ -101,10 +103,12 @@ def support_result(
     closed = points.closed(answer.closed)
     area = None
     if support.area is not None:
-        of_springs = found.springs.rows.elements[points.springs]
-        elements = np.concatenate([of_springs, found.contacts.rows.elements[points.rows[0]]])
+        on_means = points.shares is not None or support.stiffness is None
+        stiff = on_means | _stiff(found, support, points)
         deflection = (answer.hi + answer.lo)[::3]
-        area = AreaContact(found.mesh, support, deflection, elements, points.weights, closed, reactions)
+        area = AreaContact(
+            found.mesh, support, deflection, points.elements, points.weights, closed, reactions, on_means, stiff
+        )
     return SupportResult(
         support.name,
         describe(support),
@@ -117,3 +121,16 @@ def support_result(
         support.place,
         area,
     )
+
+
+def _stiff(found: Discretisation, support: Support, points: SupportPoints) -> Bools:
+    """Elements (ne,) in which an area is stiffer than the plate, or, if it never lets go, as good as rigid."""
+    stiff = np.zeros(len(found.mesh.elements), np.bool_)
+    if support.stiffness is not None:
+        at, of_plate = points.elements, found.plate_stiffness
+        stiffness = support.stiffness(*points.positions.T)
+        limit = (
+            of_plate.in_waves[at] if can_let_go(support) else STIFFEST_SPRING * of_plate.in_shear[at] / points.weights
+        )
+        stiff[at[stiffness >= limit]] = True
+    return stiff

@@ -7,6 +7,7 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -15,7 +16,7 @@ from signorini.model import Support
 
 @dataclass(frozen=True, eq=False)
 class SupportPoints:
-    """Points (p,) of one support.
+    """Points (p,) of one support; of an averaged area the elements, each with all that pushes in it.
 
     Parameters
     ----------
@@ -31,6 +32,10 @@ class SupportPoints:
         From nodes, springs and contact points, one behind the other, to the order of the input.
     positions, weights : (p, 2) and (p,) arrays
         In the order of the input; a weight is the length or area that a point stands for, 1 at a point.
+    elements : (p,) array
+        The element that a point is in; of held nodes −1.
+    shares : (c', c) array or None
+        Of an averaged area, each element's share of what its contact points do.
     """
 
     nodes: Ints
@@ -41,6 +46,8 @@ class SupportPoints:
     order: Ints
     positions: Floats
     weights: Floats
+    elements: Ints
+    shares: csr_array | None
 
     @classmethod
     def of(cls, found: Discretisation, index: int) -> SupportPoints:
@@ -62,10 +69,19 @@ class SupportPoints:
         ways = 2 if len(mine) and np.ptp(contacts.direction[mine]) > 0 else 1
         rows = mine.reshape(ways, -1)
         points = contacts.pick(rows[0])
-        positions = np.concatenate([found.mesh.points[nodes], found.springs.positions[springs], points.positions])
-        weights = np.concatenate([np.ones(len(nodes)), found.springs.weights[springs], points.weights])
+        elements, places, weight, shares = points.rows.elements, points.positions, points.weights, None
+        if (points.shared >= 0).any():
+            elements, shares = _shares(points.shared)
+            # An element is where its mean is, which comes before points that it shares.
+            places = places[shares.indices[shares.indptr[:-1]]]
+            weight = shares @ weight
+        positions = np.concatenate([found.mesh.points[nodes], found.springs.positions[springs], places])
+        weights = np.concatenate([np.ones(len(nodes)), found.springs.weights[springs], weight])
+        of_springs = found.springs.rows.elements[springs]
+        elements = np.concatenate([np.full(len(nodes), -1), of_springs, elements])
         order = _as_written(support, positions)
-        return cls(nodes, springs, share, rows, contacts.direction[rows], order, positions[order], weights[order])
+        direction, weights = contacts.direction[rows], weights[order]
+        return cls(nodes, springs, share, rows, direction, order, positions[order], weights, elements[order], shares)
 
     @property
     def fixed(self) -> int:
@@ -79,19 +95,25 @@ class SupportPoints:
         """
         acting = (self.direction * reaction[..., self.rows]).sum(axis=-2)
         fixed = fixed * np.concatenate([self.share, np.ones(len(self.springs))])
+        if self.shares is not None:
+            acting = (self.shares @ acting.reshape(-1, acting.shape[-1]).T).T.reshape(*acting.shape[:-1], -1)
         return np.asarray(np.concatenate([fixed, acting], axis=-1)[..., self.order])
 
     def gaps(self, gap: Floats) -> Floats:
         """What is left of the travel (..., p) of every point, from that of contacts (..., m); 0 of repeated ones."""
         gap = _with(gap, self.rows, 0.0)
         travel = gap[..., self.rows].min(axis=-2)
+        if self.shares is not None:
+            travel = np.minimum.reduceat(travel[..., self.shares.indices], self.shares.indptr[:-1], axis=-1)
         closed = np.zeros((*travel.shape[:-1], self.fixed))
         return np.asarray(np.concatenate([closed, travel], axis=-1)[..., self.order])
 
     def closed(self, closed: Bools) -> Bools:
         """Whether every point is closed (..., p), from contacts (..., m); repeated ones are."""
         closed = _with(closed, self.rows, True)
-        touching = closed[..., self.rows].any(axis=-2)
+        touching = np.asarray(closed[..., self.rows].any(axis=-2))
+        if self.shares is not None:
+            touching = np.logical_or.reduceat(touching[..., self.shares.indices], self.shares.indptr[:-1], axis=-1)
         always = np.ones((*touching.shape[:-1], self.fixed), np.bool_)
         return np.asarray(np.concatenate([always, touching], axis=-1)[..., self.order])
 
@@ -101,6 +123,16 @@ def _with(values: Floats | Bools, rows: Ints, repeated: float) -> Any:
     more = max(0, int(rows.max(initial=-1)) + 1 - values.shape[-1])
     behind = np.full((*values.shape[:-1], more), repeated, values.dtype)
     return np.concatenate([values, behind], axis=-1) if more else values
+
+
+def _shares(shared: Ints) -> tuple[Ints, csr_array]:
+    """Elements (e,), and the share (e, c) of each in contact points that stand for parts of some (c, 4)."""
+    point, _ = np.nonzero(shared >= 0)
+    elements, element = np.unique(shared[shared >= 0], return_inverse=True)
+    share = 1.0 / np.bincount(point, minlength=len(shared))[point]
+    order = np.lexsort((point, element))
+    start = np.searchsorted(element[order], np.arange(len(elements) + 1))
+    return elements, csr_array((share[order], point[order], start), shape=(len(elements), len(shared)))
 
 
 _KNOWN: WeakKeyDictionary[Discretisation, dict[int, SupportPoints]] = WeakKeyDictionary()

@@ -47,7 +47,7 @@ def solve_several(
         Called with the name of the first combination of those that begin; what it raises ends the run.
     """
     found = problem.discretisation
-    rays = allowed_motions(problem.freedom)
+    rays = allowed_motions(problem.freedom.on_mesh)
     numbers = 8 * found.dof_count + 4 * len(found.contacts)
     size = int(np.clip(_MOST_NUMBERS // numbers, _FEWEST, _MOST))
     for first in range(0, len(combinations), size):

@@ -9,10 +9,11 @@ import numpy as np
 
 from signorini import _core
 from signorini.contact_field.fine import Fine
-from signorini.contact_field.law import bounds, can_let_go, overlap, pressing
+from signorini.contact_field.law import bounds, overlap, pressing
 from signorini.contact_field.lines import Segments, chained, clipped, thinned, zero_line
 from signorini.discretise.places import region
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.model import Support
 from signorini.regions import Region
@@ -42,8 +43,13 @@ class AreaContact(Remade):
         On an area.
     deflection : (n,) array
     elements, weights, closed, reactions : (q,) arrays
-        Points that the area acts at, of a rigid area one an element: element, area it stands for, whether closed,
+        Points that the area acts at, of one on means one an element: element, area it stands for, whether closed,
         upward force.
+    on_means : bool
+        Whether it acts on the means of elements: it is rigid, or as good as that.
+    stiff : (ne,) array
+        Elements in which it is stiffer than the plate. Between points the deflection then says nothing of pressures,
+        and the pressure is a number an element, not a field.
     """
 
     mesh: Mesh
@@ -53,11 +59,8 @@ class AreaContact(Remade):
     weights: Floats
     closed: Bools
     reactions: Floats
-
-    @property
-    def rigid(self) -> bool:
-        """Whether the pressure is a number an element, not a field."""
-        return self.support.stiffness is None
+    on_means: bool
+    stiff: Bools
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -77,32 +80,42 @@ class AreaContact(Remade):
 
     @cached_property
     def nodal_pressure(self) -> Floats:
-        """Pressure (n,) of an elastic area at the nodes, positive up; 0 at those out of it."""
+        """Pressure (n,) of an area at the nodes, positive up; 0 at those out of it.
+
+        At nodes of stiff elements the mean of the elements around.
+        """
         on = np.zeros(self.mesh.node_count, np.bool_)
         on[self.mesh.elements[self._whole].ravel()] = True
         near = np.unique(self.mesh.elements[(self.covered > 0) & ~self._whole])
         on[near] |= self.depth(self.mesh.points[near]) >= 0
         result = np.zeros(len(on))
-        result[on] = np.clip(pressing(self.support, self.deflection[on], self.mesh.points[on]), *self.bounds)
+        if not self.on_means:
+            result[on] = np.clip(pressing(self.support, self.deflection[on], self.mesh.points[on]), *self.bounds)
+        if self.stiff.any():
+            at_stiff = on & np.isin(np.arange(len(on)), self.mesh.elements[self.stiff & (self.covered > 0)])
+            around = np.flatnonzero(self.covered > 0)
+            nodes, area = self.mesh.elements[around].ravel(), np.repeat(self.covered[around], 8)
+            force = np.bincount(nodes, area * np.repeat(self.element_pressure[around], 8), len(on))
+            result[at_stiff] = force[at_stiff] / np.bincount(nodes, area, len(on))[at_stiff]
         return result
 
     @cached_property
     def max_pressure(self) -> float:
         """Largest pressure, at the nodes and at the points that the area acts at; 0 where it holds down only."""
         largest = float((self.reactions / self.weights).max(initial=0.0))
-        return largest if self.rigid else float(np.fmax.reduce(self.nodal_pressure, initial=largest))
+        return float(np.fmax.reduce(self.nodal_pressure, initial=largest))
 
     def pressure(self, elements: Ints, xi: Floats) -> Floats:
         """Pressure (q,) at reference points (q, 2) of elements (q,), positive up; NaN where the support is not."""
         positions = self.mesh.map(elements, xi)
         on = (self.covered[elements] > 0) & (self._whole[elements] | (self.depth(positions) >= 0))
         result = np.full(len(elements), np.nan)
-        if self.rigid:
-            result[on] = self.element_pressure[elements[on]]
-            return result
-        nodal = self.deflection[self.mesh.elements[elements[on]]]
-        deflection = np.einsum("qi,qi->q", _core.serendipity(xi[on])[0], nodal)
-        result[on] = np.clip(pressing(self.support, deflection, positions[on]), *self.bounds)
+        stiff, soft = on & self.stiff[elements], on & ~self.stiff[elements]
+        result[stiff] = self.element_pressure[elements[stiff]]
+        if soft.any():
+            nodal = self.deflection[self.mesh.elements[elements[soft]]]
+            deflection = np.einsum("qi,qi->q", _core.serendipity(xi[soft])[0], nodal)
+            result[soft] = np.clip(pressing(self.support, deflection, positions[soft]), *self.bounds)
         return result
 
     def pressing(self, cut: Tessellation) -> Floats:
@@ -137,7 +150,7 @@ class AreaContact(Remade):
         They end where the support or the plate does. Of an elastic area they are where the deflection field closes the
         gap, of a rigid one the sides between elements that are closed and open.
         """
-        if self.rigid:
+        if self.on_means:
             segments, near = self._sides_between(), self.elements
         elif self._fine is not None:
             fine = self._fine
@@ -165,7 +178,7 @@ class AreaContact(Remade):
     @cached_property
     def _fine(self) -> Fine | None:
         """The elements that the edge of contact may cross; None where there is none."""
-        if self.rigid or not can_let_go(self.support):
+        if self.on_means or not can_let_go(self.support):
             return None
         nodes, inverse = np.unique(self.mesh.elements[self.covered > 0], return_inverse=True)
         at_nodes = overlap(self.support, self.deflection[nodes], self.mesh.points[nodes])

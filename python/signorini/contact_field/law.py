@@ -10,11 +10,6 @@ from signorini.expression import Expression
 from signorini.model import Support
 
 
-def can_let_go(support: Support) -> bool:
-    """Whether there are deflections at which the support does not act."""
-    return support.resists != "both" or not (support.gap.is_constant and support.gap.value == 0)
-
-
 def bounds(support: Support) -> tuple[float, float]:
     """Least and greatest pressure that the support can exert, positive up."""
     return {"down": (0.0, np.inf), "up": (-np.inf, 0.0)}.get(support.resists or "both", (-np.inf, np.inf))

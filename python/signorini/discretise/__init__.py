@@ -12,6 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini import _core
+from signorini.discretise.averages import PlateStiffness
 from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
 from signorini.discretise.loads import CaseLoad, case_loads
@@ -40,6 +41,7 @@ class Discretisation(Remade):
     mesh: Mesh
     plate: _core.Plate
     thickness: Floats
+    plate_stiffness: PlateStiffness
     held: Held
     springs: Springs
     contacts: ContactPoints
@@ -134,7 +136,8 @@ def _discretise(model: Model) -> Discretisation:
     held = hold(model, mesh)
     thickness = _thickness(model, mesh)
     plate = _plate(model, mesh, thickness, held)
-    springs, contacts = springs_and_contacts(model, mesh, plate)
+    stiffness = PlateStiffness.of(model, mesh, thickness)
+    springs, contacts = springs_and_contacts(model, mesh, plate, held.dofs, stiffness)
     contacts, repeated = that_can_act(model, mesh, held, contacts)
     cases = Cases(case_loads(model, mesh, plate, held), model.moving, mesh)
     positions = np.array([point for probe in model.probe for point in probe.at]).reshape(-1, 2)
@@ -145,7 +148,7 @@ def _discretise(model: Model) -> Discretisation:
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
     return Discretisation(
-        model, mesh, plate, thickness, held, springs, contacts, repeated, cases, probes, positions, seconds
+        model, mesh, plate, thickness, stiffness, held, springs, contacts, repeated, cases, probes, positions, seconds
     )
 
 

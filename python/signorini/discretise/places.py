@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from signorini.discretise.rows import Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, unknown
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, Area, DiscPlate, Load, Plate, Support
@@ -94,8 +94,10 @@ def mesh_edges(mesh: Mesh, item: Support | Load, place: str) -> Ints | None:
     return None if along is None else mesh.edges_along(along)
 
 
-def along_curve(mesh: Mesh, plate: Plate, item: Support | Load, place: str, order: int) -> Sampled:
+def along_curve(mesh: Mesh, plate: Plate, item: Support | Load, place: str, order: int, at_ends: int = 0) -> Sampled:
     """Gauss points of the item's edge, line or circle; weights are lengths.
+
+    If ``at_ends`` is not 0, so many points of Lobatto's rule on pieces at ends and corners.
 
     Raises
     ------
@@ -104,17 +106,19 @@ def along_curve(mesh: Mesh, plate: Plate, item: Support | Load, place: str, orde
     """
     triples = mesh_edges(mesh, item, place)
     if triples is not None:
-        return _sampled(edge_quadrature(mesh, triples, order))
+        return _sampled(edge_quadrature(mesh, triples, order, at_ends > 0))
     along = curve(item)
     assert along is not None  # an item on a curve has an edge, a line or a circle
-    points = curve_quadrature(mesh, along, order)
+    points = curve_quadrature(mesh, along, order, at_ends)
     key = "line" if item.line is not None else "circle"
     _require_on_plate(mesh, plate, along, points, f"The {key}", f"{place}.{key}")
     return _sampled(points)
 
 
-def in_area(mesh: Mesh, plate: Plate, area: Area | str | None, place: str, order: int) -> Quadrature:
-    """Quadrature of an area; weights are areas.
+def in_area(
+    mesh: Mesh, plate: Plate, area: Area | str | None, place: str, order: int, to_outline: Bools | None = None
+) -> Quadrature:
+    """Quadrature of an area, in the elements (ne,) marked with points on its outline; weights are areas.
 
     Raises
     ------
@@ -122,7 +126,7 @@ def in_area(mesh: Mesh, plate: Plate, area: Area | str | None, place: str, order
         If the area leaves the plate.
     """
     wanted = region(area)
-    points = area_quadrature(mesh, wanted, order)
+    points = area_quadrature(mesh, wanted, order, to_outline)
     if wanted is not None:
         _require_on_plate(mesh, plate, wanted, points, "The area", f"{place}.area")
     return points

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 
 from signorini import _core
+from signorini.discretise.averages import STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
 from signorini.discretise.holds import holds_deflection, nodes_at
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area, located, mesh_edges
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
@@ -18,6 +19,18 @@ from signorini.model import Model, Plate, Support
 _GAUSS = 3
 _GAUSS_RIGID = 2
 """Points on each piece of a rigid line that the mesh does not follow: no more than the dofs that can answer."""
+_STIFF = 1e3
+"""Stiffness of a bed, over the plate's between elements, from which the plate lies on their means. Points within them
+then outnumber what can answer them, and settle ever more slowly; what is left of the deflection is that of the mesh."""
+_RIGID = 1e12
+"""Stiffness, over the plate's in shear, from which nothing of it is left in double precision."""
+STIFFEST_SPRING = 1e8
+"""Stiffness of a spring that holds both ways, over the plate's in shear, beyond which it makes no difference to eight
+digits, and in K would drown the plate's own."""
+_SAME_PLACE = 1e-9
+_NONE = 1e-12
+"""Coefficient of a row that counts as none."""
+_NOT_SHARED = np.full((0, 4), -1, np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +82,8 @@ class ContactPoints(_Table):
     """Contact points: row·u + gap − compliance·reaction = distance.
 
     ``direction`` is +1 where the support pushes the plate up and −1 where it holds it down (its row is turned round);
-    ``slope`` marks two-sided points that hold a slope instead of the deflection.
+    ``slope`` marks two-sided points that hold a slope instead of the deflection. ``shared`` (m, 4) names the elements
+    of which points of an averaged area stand for part, in equal shares; −1 where there is none.
     """
 
     distance: Floats
@@ -80,6 +94,7 @@ class ContactPoints(_Table):
     positions: Floats
     weights: Floats
     support: Ints
+    shared: Ints
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,17 +105,20 @@ class _Acting:
     positions: Floats
     weights: Floats
     slope: bool
+    shared: Ints | None = None
 
 
-def springs_and_contacts(model: Model, mesh: Mesh, plate: _core.Plate) -> tuple[Springs, ContactPoints]:
-    """What the supports do beyond the dofs they hold at nodes."""
+def springs_and_contacts(
+    model: Model, mesh: Mesh, plate: _core.Plate, held: Bools, of_elements: PlateStiffness
+) -> tuple[Springs, ContactPoints]:
+    """What the supports do beyond the dofs (3n,) that they hold at nodes."""
     none = np.zeros(0)
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
     springs = [Springs(Rows.join([]), none, none, place, none, who)]
-    contacts = [ContactPoints(Rows.join([]), none, none, flags, none, flags, place, none, who)]
+    contacts = [ContactPoints(Rows.join([]), none, none, flags, none, flags, place, none, who, _NOT_SHARED)]
     for index, support in enumerate(model.support):
-        for acting in _acting(mesh, model.plate, plate, index, support):
-            found = _springs_or_contacts(index, support, acting)
+        for acting in _acting(mesh, model.plate, plate, held, of_elements, index, support):
+            found = _springs_or_contacts(of_elements, index, support, acting)
             if isinstance(found, Springs):
                 springs.append(found)
             else:
@@ -109,15 +127,27 @@ def springs_and_contacts(model: Model, mesh: Mesh, plate: _core.Plate) -> tuple[
     return Springs.join(springs), joined
 
 
-def _acting(mesh: Mesh, shape: Plate, plate: _core.Plate, index: int, support: Support) -> list[_Acting]:
+def can_let_go(support: Support) -> bool:
+    """Whether there are deflections at which the support does not act."""
+    if support.fix is not None:
+        return False
+    return support.resists != "both" or not (support.gap.is_constant and support.gap.value == 0)
+
+
+def _acting(
+    mesh: Mesh,
+    shape: Plate,
+    plate: _core.Plate,
+    held: Bools,
+    of_elements: PlateStiffness,
+    index: int,
+    support: Support,
+) -> list[_Acting]:
     """Points and rows of one support, for what no node holds."""
     place = f"support[{index + 1}]"
     deflection = "w" in support.fixed or support.resists is not None
     if support.area is not None:
-        points = in_area(mesh, shape, support.area, place, _GAUSS)
-        sampled = Sampled(points.elements, points.xi, points.weights, points.positions, np.zeros_like(points.positions))
-        through = _Acting(_rows(plate, sampled, 0), sampled.positions, sampled.weights, False)
-        return [through if support.stiffness is not None else _means(through)]
+        return [_on_area(mesh, shape, plate, held, of_elements, support, place)]
     if support.at is not None:
         sampled = located(mesh, support.at, place)
         between_nodes = nodes_at(mesh, sampled) < 0
@@ -129,9 +159,10 @@ def _acting(mesh: Mesh, shape: Plate, plate: _core.Plate, index: int, support: S
         return found
     triples = mesh_edges(mesh, support, place)
     if support.stiffness is not None:
-        sampled = along_curve(mesh, shape, support, place, _GAUSS)
+        sampled = along_curve(mesh, shape, support, place, _GAUSS, _GAUSS + 1 if can_let_go(support) else 0)
     elif triples is None:
-        sampled = along_curve(mesh, shape, support, place, _GAUSS_RIGID)
+        sampled = along_curve(mesh, shape, support, place, _GAUSS_RIGID, _GAUSS_RIGID if can_let_go(support) else 0)
+        sampled = _once(mesh, sampled)
     elif support.fixed or holds_deflection(support):
         return []
     else:
@@ -147,7 +178,36 @@ def _acting(mesh: Mesh, shape: Plate, plate: _core.Plate, index: int, support: S
     return found
 
 
-def _springs_or_contacts(index: int, support: Support, acting: _Acting) -> Springs | list[ContactPoints]:
+def _on_area(
+    mesh: Mesh,
+    shape: Plate,
+    plate: _core.Plate,
+    held: Bools,
+    of_elements: PlateStiffness,
+    support: Support,
+    place: str,
+) -> _Acting:
+    """Points of an area, or means of elements where it is as good as rigid; if it lets go, they reach its outline."""
+    elastic, one_sided = support.stiffness is not None, can_let_go(support)
+    # Where nodes hold the plate a point of the outline could do nothing.
+    free_corners = np.asarray(~held[3 * mesh.elements[:, :4]].any(axis=1))
+    points = in_area(mesh, shape, support.area, place, _GAUSS, free_corners if elastic and one_sided else None)
+    sampled = Sampled(points.elements, points.xi, points.weights, points.positions, np.zeros_like(points.positions))
+    through = _Acting(_rows(plate, sampled, 0), sampled.positions, sampled.weights, False)
+    covered = np.bincount(sampled.elements, minlength=len(mesh.elements)) > 0
+    if not one_sided:
+        return through if elastic else _means(through)
+    if support.stiffness is not None:
+        stiffness = support.stiffness(*sampled.positions.T, above=0.0, place=f"{place}.stiffness")
+        if (stiffness < _STIFF * of_elements.in_waves[sampled.elements]).all():
+            tips = missing_corners(mesh, shape, support, covered, through.positions)
+            return _with(mesh, plate, held, through, tips)
+    return _with(mesh, plate, held, _means(through), outline_points(mesh, shape, support, covered))
+
+
+def _springs_or_contacts(
+    of_elements: PlateStiffness, index: int, support: Support, acting: _Acting
+) -> Springs | list[ContactPoints]:
     place = f"support[{index + 1}]"
     positions, weights, count = acting.positions, acting.weights, len(acting.rows)
     settlement = np.zeros(count) if acting.slope else support.settlement(*positions.T, place=f"{place}.settlement")
@@ -156,12 +216,15 @@ def _springs_or_contacts(index: int, support: Support, acting: _Acting) -> Sprin
     compliance = np.zeros(count)
     two_way = support.fix is not None or support.resists == "both"
     if support.stiffness is not None:
+        shear = of_elements.in_shear[acting.rows.elements]
         stiffness = weights * support.stiffness(*positions.T, above=0.0, place=f"{place}.stiffness")
         if two_way and not gap.any():
+            stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
             return Springs(acting.rows, stiffness, settlement, positions, weights, who)
-        compliance = 1.0 / stiffness
+        compliance = np.where(stiffness < _RIGID * shear, 1.0 / stiffness, 0.0)
     pushes_up = (1.0, gap + settlement)
     holds_down = (-1.0, gap - settlement)
+    shared = np.full((count, 4), -1, np.int64) if acting.shared is None else acting.shared
     equation = two_way and not gap.any()
     sides = {"down": [pushes_up], "up": [holds_down]}.get(
         support.resists or "both", [pushes_up] if equation else [pushes_up, holds_down]
@@ -177,6 +240,7 @@ def _springs_or_contacts(index: int, support: Support, acting: _Acting) -> Sprin
             positions,
             weights,
             who,
+            shared,
         )
         for sign, distance in sides
     ]
@@ -193,15 +257,48 @@ def _along(plate: _core.Plate, sampled: Sampled, dx: Floats, dy: Floats) -> Rows
     return Rows(x.elements, dx[:, None] * x.coefficients + dy[:, None] * y.coefficients)
 
 
-def _means(acting: _Acting) -> _Acting:
-    """One mean an element: with more, a rigid bed's pressures would outnumber the deflections that answer them."""
-    elements, inverse = np.unique(acting.rows.elements, return_inverse=True)
-    area = np.bincount(inverse, acting.weights).astype(np.float64)
+def _means(through: _Acting) -> _Acting:
+    """The mean of every element; see `averages`."""
+    elements, inverse = np.unique(through.rows.elements, return_inverse=True)
+    area = np.bincount(inverse, through.weights).astype(np.float64)
 
     def mean(values: Floats) -> Floats:
-        return np.stack([np.bincount(inverse, acting.weights * column) / area for column in values.T], axis=1)
+        return np.stack([np.bincount(inverse, through.weights * column) / area for column in values.T], axis=1)
 
-    return _Acting(Rows(elements, mean(acting.rows.coefficients)), mean(acting.positions), area, acting.slope)
+    shared = np.column_stack([elements, np.full((len(elements), 3), -1)])
+    return _Acting(Rows(elements, mean(through.rows.coefficients)), mean(through.positions), area, False, shared)
+
+
+def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: OutlinePoints) -> _Acting:
+    """Give points on the outline a part of what the support has in the elements that share them."""
+    where = found.shared[:, 0]
+    coefficients, _ = plate.interpolation_rows(where, mesh.invert(where, found.positions), 0)
+    rows = Rows(where, coefficients)
+    free = np.asarray(((np.abs(rows.coefficients) > _NONE) & ~held[rows.dofs(mesh.elements)]).any(axis=1))
+    rows, positions, shared = rows[free], found.positions[free], found.shared[free]
+    area = np.bincount(acting.rows.elements, acting.weights, len(mesh.elements)).astype(np.float64)
+    some = shared >= 0
+    each = STRIP * np.where(some, area[shared], np.inf).min(axis=1, initial=np.inf)
+    given = np.bincount(shared[some], np.repeat(each, some.sum(axis=1)), len(area))
+    kept = 1.0 - given[acting.rows.elements] / area[acting.rows.elements]
+    return _Acting(
+        Rows.join([acting.rows, rows]),
+        np.concatenate([acting.positions, positions]),
+        np.concatenate([kept * acting.weights, each * some.sum(axis=1)]),
+        False,
+        None if acting.shared is None else np.concatenate([acting.shared, shared]),
+    )
+
+
+def _once(mesh: Mesh, sampled: Sampled) -> Sampled:
+    """Points of a line each once, where its pieces share them."""
+    _, first, point = np.unique(
+        np.round(sampled.positions / (_SAME_PLACE * mesh.size)), axis=0, return_index=True, return_inverse=True
+    )
+    order = np.sort(first)
+    weights = np.bincount(point.ravel(), sampled.weights).astype(np.float64)[point.ravel()]
+    once = Sampled(sampled.elements, sampled.xi, weights, sampled.positions, sampled.tangents)
+    return _pick(once, np.isin(np.arange(len(weights)), order))
 
 
 def _pick(sampled: Sampled, which: Bools) -> Sampled:

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from signorini.mesh import Mesh
 from signorini.quadrature.crossings import quadratics, touched, with_circles, with_segments
 from signorini.quadrature.pieces import Pieces, straightened
+from signorini.quadrature.rules import Rule, gauss
 from signorini.regions import Region
 
 Floats = npt.NDArray[np.float64]
@@ -62,7 +63,7 @@ class _Cells:
         )
 
 
-def cut(mesh: Mesh, region: Region, order: int) -> Parts:
+def cut(mesh: Mesh, region: Region, order: int, rule: Rule = gauss) -> Parts:
     """Divide a mesh by a region.
 
     Parameters
@@ -73,6 +74,8 @@ def cut(mesh: Mesh, region: Region, order: int) -> Parts:
         Whose outline may cut elements in any way, or leave the mesh.
     order : int
         Gauss points across a strip.
+    rule : callable
+        In place of Gauss's, one as exact; of Lobatto's rule points are on the outline.
 
     Returns
     -------
@@ -93,7 +96,7 @@ def cut(mesh: Mesh, region: Region, order: int) -> Parts:
         mesh, cut_elements, owners, region.outline.segments[segment], region.outline.circles[circle]
     )
     cells = _cells(pieces, _strips(*breaks, boxes[cut_elements]), region)
-    owner, positions, weights = _integrate(pieces, cells, boxes[cut_elements], region.area, order)
+    owner, positions, weights = _integrate(pieces, cells, boxes[cut_elements], region.area, order, rule)
     area, covered = mesh.element_area[cut_elements], np.bincount(owner, weights, len(cut_elements))
     full = covered >= (1.0 - _SLIVER) * area
     keep = (~full & (covered > _THIN * np.minimum(area, region.area)))[owner]
@@ -159,10 +162,12 @@ def _cells(pieces: Pieces, strips: tuple[Ints, Floats], region: Region) -> _Cell
     return _Cells(owner[strip[at]], ranges, between, (pieces.turns[between] & reaches).any(axis=1))
 
 
-def _integrate(pieces: Pieces, cells: _Cells, boxes: Floats, area: float, order: int) -> tuple[Ints, Floats, Floats]:
-    """Place Gauss points in the cells, bisecting in x those bounded by curves until converged."""
+def _integrate(
+    pieces: Pieces, cells: _Cells, boxes: Floats, area: float, order: int, rule: Rule
+) -> tuple[Ints, Floats, Floats]:
+    """Place points in the cells, bisecting in x those bounded by curves until converged."""
     straight = np.asarray(pieces.straight[cells.between].all(axis=1))
-    done = [_points(pieces, cells.take(straight), order + 1, order)]
+    done = [_points(pieces, cells.take(straight), order + 1, order, rule)]
     cells = cells.take(~straight)
     extent = boxes[:, 2:] - boxes[:, :2]
     tolerance = (_CONVERGED * np.minimum(extent.prod(axis=1), area))[:, None]
@@ -174,17 +179,17 @@ def _integrate(pieces: Pieces, cells: _Cells, boxes: Floats, area: float, order:
         fine = _moments(pieces, halves, boxes).reshape(2, -1, 3).sum(axis=0)
         rounding = noise * np.diff(cells.x)
         converged = (np.abs(fine - coarse) <= tolerance[cells.owner] + rounding).all(axis=1)
-        done.append(_points(pieces, cells.take(converged), _CURVED_POINTS, order))
+        done.append(_points(pieces, cells.take(converged), _CURVED_POINTS, order, rule))
         cells = halves.take(np.tile(~converged, 2))
-    done.append(_points(pieces, cells, _CURVED_POINTS, order))
+    done.append(_points(pieces, cells, _CURVED_POINTS, order, rule))
     owner, positions, weights = (np.concatenate(parts) for parts in zip(*done, strict=True))
     by_owner = np.argsort(owner, kind="stable")
     return owner[by_owner], positions[by_owner], weights[by_owner]
 
 
-def _stations(pieces: Pieces, cells: _Cells, count: int) -> tuple[Floats, Floats, Floats, Floats]:
-    """Gauss points in x, their weights, and the bounds in y there, all (c, count)."""
-    node, weight = np.polynomial.legendre.leggauss(count)
+def _stations(pieces: Pieces, cells: _Cells, rule: tuple[Floats, Floats]) -> tuple[Floats, Floats, Floats, Floats]:
+    """A rule's points in x, their weights, and the bounds in y there, all (c, count)."""
+    node, weight = rule
     t, w = 0.5 + 0.5 * node, 0.5 * weight
     maps = np.stack([t, t**2, 1.0 - (1.0 - t) ** 2, t**2 * (3.0 - 2.0 * t)])
     slopes = np.stack([np.ones_like(t), 2.0 * t, 2.0 - 2.0 * t, 6.0 * t * (1.0 - t)])
@@ -192,14 +197,14 @@ def _stations(pieces: Pieces, cells: _Cells, count: int) -> tuple[Floats, Floats
     width = np.diff(cells.x)
     x = cells.x[:, :1] + width * maps[kind]
     low, high = (
-        pieces.height(np.repeat(cells.between[:, side], count), x.ravel()).reshape(x.shape) for side in range(2)
+        pieces.height(np.repeat(cells.between[:, side], len(node)), x.ravel()).reshape(x.shape) for side in range(2)
     )
     return x, width * slopes[kind] * w, low, np.maximum(high, low)
 
 
 def _moments(pieces: Pieces, cells: _Cells, boxes: Floats) -> Floats:
     """Area and first moments (c, 3), these about the middle of the element's box and over its extent."""
-    x, weight, low, high = _stations(pieces, cells, _CURVED_POINTS)
+    x, weight, low, high = _stations(pieces, cells, gauss(_CURVED_POINTS))
     lower, upper = boxes[cells.owner, :2, None], boxes[cells.owner, 2:, None]
     (middle_x, middle_y), (extent_x, extent_y) = (np.moveaxis(f, 1, 0) for f in (0.5 * (lower + upper), upper - lower))
     height = weight * (high - low)
@@ -207,11 +212,14 @@ def _moments(pieces: Pieces, cells: _Cells, boxes: Floats) -> Floats:
     return np.stack([moment.sum(axis=1) for moment in moments], axis=1)
 
 
-def _points(pieces: Pieces, cells: _Cells, count: int, order: int) -> tuple[Ints, Floats, Floats]:
-    """Gauss points of the cells: owners (q,), positions (q, 2) and weights (q,)."""
-    x, weight, low, high = _stations(pieces, cells, count)
-    node, across = np.polynomial.legendre.leggauss(order)
+def _points(pieces: Pieces, cells: _Cells, count: int, order: int, rule: Rule) -> tuple[Ints, Floats, Floats]:
+    """Points of the cells: owners (q,), positions (q, 2) and weights (q,)."""
+    x, weight, low, high = _stations(pieces, cells, rule(count))
+    node, across = rule(order)
     y = 0.5 * (low + high)[..., None] + 0.5 * (high - low)[..., None] * node
     weights = weight[..., None] * 0.5 * (high - low)[..., None] * across
     positions = np.stack([np.broadcast_to(x[..., None], y.shape), y], axis=-1)
-    return np.repeat(cells.owner, count * order), positions.reshape(-1, 2), weights.ravel()
+    owner = np.broadcast_to(cells.owner[:, None, None], y.shape)
+    # Where a cell has a tip, points at its end weigh nothing.
+    some = weights > _THIN * weights.sum(axis=(1, 2), keepdims=True)
+    return owner[some], positions[some], weights[some]

@@ -52,6 +52,8 @@ const PATIENT: usize = 8;
 const TIGHT: f64 = 1e-8;
 /// Imbalance, over the largest nodal force, at which the points are settled.
 const SETTLED: f64 = 1e-13;
+/// Times that imbalance from which points are looked at anew although some still change sides.
+const NEARLY: f64 = 1e3;
 /// Steps on one set that leave this part of the imbalance, one after another, that end it: what is left is rounding.
 const SLOW: f64 = 0.8;
 const STALLS: usize = 3;
@@ -241,13 +243,16 @@ impl Descent<'_> {
         let mut last = closed.clone();
         let mut stalled = 0;
         let mut since_settled = 0;
+        let mut far = false;
         let mut before = f64::INFINITY;
         // Without a load nothing may push in the end, so forces count from those of the settlements at the start.
         let least = if self.load.iter().all(|&f| f == 0.0) { self.largest_push() } else { 0.0 };
         for step in 1..=NEWTON {
             let same = step > 1 && closed == last;
-            if since_settled == PATIENT && self.limit == STIFFEST && started {
+            let lost = since_settled == PATIENT || stalled == STALLS;
+            if lost && self.limit == STIFFEST && started {
                 // The start was too far away: begin with springs that bend the plate, like from rest.
+                (stalled, far) = (0, true);
                 self.limit = self.problem.first_limit;
                 self.springs = self.problem.active.softened(self.limit);
                 self.balance();
@@ -267,7 +272,7 @@ impl Descent<'_> {
             closed = self.stretch.iter().map(|&s| s > 0.0).collect();
             let unchanged = closed == last;
             let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push()).max(least);
-            let settling = unchanged || self.step.worst <= 1e3 * SETTLED * force;
+            let settling = unchanged || self.step.worst <= NEARLY * SETTLED * force;
             since_settled += 1;
             if settling {
                 since_settled = 0;
@@ -295,10 +300,16 @@ impl Descent<'_> {
                 if worst <= f64::max(SETTLED * force, self.rounding) {
                     return Ok(Outcome::Solved);
                 }
-                stalled = if unchanged && worst > SLOW * before { stalled + 1 } else { 0 };
+                // Points that neither push nor gape may change sides for ever; what is out of balance tells nothing more.
+                let idle = unchanged || worst <= NEARLY * SETTLED * force;
+                stalled = if idle && worst > SLOW * before { stalled + 1 } else { 0 };
                 if stalled == STALLS {
-                    let rounding = worst <= ROUNDING * force;
-                    return Ok(if rounding { Outcome::Solved } else { Outcome::Unsolved });
+                    if worst <= ROUNDING * force {
+                        return Ok(Outcome::Solved);
+                    }
+                    if !started || far {
+                        return Ok(Outcome::Unsolved);
+                    }
                 }
                 before = worst;
             }
