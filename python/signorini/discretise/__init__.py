@@ -20,19 +20,20 @@ from signorini.discretise.places import located
 from signorini.discretise.redundancy import that_can_act
 from signorini.discretise.rows import Floats, Rows
 from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
+from signorini.discretise.thickness import thickness_of
 from signorini.errors import InputError
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
-
-_THICKNESS = (1e-6, 10.0)
-"""Thickness over the plate's size: beyond, double precision holds no plate, or the plate is a block."""
 
 __all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Rows", "Springs", "discretise"]
 
 
 @dataclass(frozen=True, eq=False)
 class Discretisation:
-    """A model as arrays. Dofs are (w, θ1, θ2) node by node; θ1, θ2 are θx, θy unless ``held.frames`` says otherwise."""
+    """A model as arrays. Dofs are (w, θ1, θ2) node by node; θ1, θ2 are θx, θy unless ``held.frames`` says otherwise.
+
+    ``thickness`` (e, p) is that at the points of the elements' integrals, (1, 1) where it is constant.
+    """
 
     model: Model
     mesh: Mesh
@@ -122,18 +123,19 @@ def _discretise(model: Model) -> Discretisation:
     mesh = mesh_of(model)
     meshed = time.perf_counter()
     held = hold(model, mesh)
-    thickness = _thickness(model, mesh)
+    thickness = thickness_of(model, mesh)
     material = model.material
     try:
         plate = _core.Plate(
             mesh.points,
             mesh.elements,
-            thickness,
+            thickness.for_core,
             material.E,
             material.nu,
             model.plate.shear_factor,
             model.plate.element,
             held.frames,
+            thickness.layered,
         )
     except ValueError as error:
         raise InputError(f"{error}. Change the mesh or the thickness.", place="plate") from None
@@ -147,19 +149,6 @@ def _discretise(model: Model) -> Discretisation:
         probes = Location(np.concatenate([p.elements for p in parts]), np.concatenate([p.xi for p in parts]))
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
-    return Discretisation(model, mesh, plate, thickness, held, springs, contacts, cases, probes, positions, seconds)
-
-
-def _thickness(model: Model, mesh: Mesh) -> Floats:
-    """Thickness (n,) at the nodes, of a plate that is one."""
-    thickness = model.plate.thickness(*mesh.points.T, above=0.0, place="plate.thickness")
-    thinnest, thickest = _THICKNESS[0] * mesh.size, _THICKNESS[1] * mesh.size
-    wrong = (thickness < thinnest) | (thickness > thickest)
-    if wrong.any():
-        x, y = mesh.points[np.argmax(wrong)]
-        raise InputError(
-            f"Found the thickness {thickness[np.argmax(wrong)]:g} at [{x:g}, {y:g}]; on a plate {mesh.size:g} long it "
-            f"must be from {thinnest:g} to {thickest:g}. Are the units those of the plate's size?",
-            place="plate.thickness",
-        )
-    return thickness
+    return Discretisation(
+        model, mesh, plate, thickness.at_points, held, springs, contacts, cases, probes, positions, seconds
+    )

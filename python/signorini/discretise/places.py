@@ -18,6 +18,7 @@ from signorini.quadrature import (
     edge_quadrature,
     off_plate,
 )
+from signorini.quadrature.stepped import OFF, Levels
 from signorini.regions import Circle, Curve, Polygon, Polyline, Rectangle, Region, Ring
 
 _SECTOR_SLACK = 1e-3
@@ -94,8 +95,8 @@ def mesh_edges(mesh: Mesh, item: Support | Load, place: str) -> Ints | None:
     return None if along is None else mesh.edges_along(along)
 
 
-def along_curve(mesh: Mesh, plate: Plate, item: Support | Load, place: str, order: int) -> Sampled:
-    """Gauss points of the item's edge, line or circle; weights are lengths.
+def along_curve(mesh: Mesh, plate: Plate, item: Support | Load, place: str, order: int, levels: Levels = ()) -> Sampled:
+    """Gauss points of the item's edge, line or circle, divided where levels change sign; weights are lengths.
 
     Raises
     ------
@@ -104,17 +105,25 @@ def along_curve(mesh: Mesh, plate: Plate, item: Support | Load, place: str, orde
     """
     triples = mesh_edges(mesh, item, place)
     if triples is not None:
-        return _sampled(edge_quadrature(mesh, triples, order))
+        return _sampled(edge_quadrature(mesh, triples, order, levels))
     along = curve(item)
     assert along is not None  # an item on a curve has an edge, a line or a circle
-    points = curve_quadrature(mesh, along, order)
+    points = curve_quadrature(mesh, along, order, levels)
     key = "line" if item.line is not None else "circle"
     _require_on_plate(mesh, plate, along, points, f"The {key}", f"{place}.{key}")
     return _sampled(points)
 
 
-def in_area(mesh: Mesh, plate: Plate, area: Area | str | None, place: str, order: int) -> Quadrature:
-    """Quadrature of an area; weights are areas.
+def in_area(
+    mesh: Mesh,
+    plate: Plate,
+    area: Area | str | None,
+    place: str,
+    order: int,
+    levels: Levels = (),
+    off: float = OFF,
+) -> Quadrature:
+    """Quadrature of an area, whose elements are cut where levels change sign; weights are areas.
 
     Raises
     ------
@@ -122,7 +131,7 @@ def in_area(mesh: Mesh, plate: Plate, area: Area | str | None, place: str, order
         If the area leaves the plate.
     """
     wanted = region(area)
-    points = area_quadrature(mesh, wanted, order)
+    points = area_quadrature(mesh, wanted, order, levels, off)
     if wanted is not None:
         _require_on_plate(mesh, plate, wanted, points, "The area", f"{place}.area")
     return points

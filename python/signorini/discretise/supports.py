@@ -12,12 +12,16 @@ from signorini import _core
 from signorini.discretise.holds import holds_deflection, nodes_at
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area, located, mesh_edges
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
+from signorini.expression.levels import Level
 from signorini.mesh import Mesh
 from signorini.model import Model, Plate, Support
 
 _GAUSS = 3
 _GAUSS_RIGID = 2
 """Points on each piece of a rigid line that the mesh does not follow: no more than the dofs that can answer."""
+
+_OFF = 0.02
+"""How far a cut may lie from a curved step of a support, over an element's side: finer cuts are many contact points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +113,7 @@ def _acting(mesh: Mesh, shape: Plate, plate: _core.Plate, index: int, support: S
     place = f"support[{index + 1}]"
     deflection = "w" in support.fixed or support.resists is not None
     if support.area is not None:
-        points = in_area(mesh, shape, support.area, place, _GAUSS)
+        points = in_area(mesh, shape, support.area, place, _GAUSS, _steps(support), _OFF)
         sampled = Sampled(points.elements, points.xi, points.weights, points.positions, np.zeros_like(points.positions))
         through = _Acting(_rows(plate, sampled, 0), sampled.positions, sampled.weights, False)
         return [through if support.stiffness is not None else _means(through)]
@@ -124,7 +128,7 @@ def _acting(mesh: Mesh, shape: Plate, plate: _core.Plate, index: int, support: S
         return found
     triples = mesh_edges(mesh, support, place)
     if support.stiffness is not None:
-        sampled = along_curve(mesh, shape, support, place, _GAUSS)
+        sampled = along_curve(mesh, shape, support, place, _GAUSS, _steps(support))
     elif triples is None:
         sampled = along_curve(mesh, shape, support, place, _GAUSS_RIGID)
     elif support.fixed or holds_deflection(support):
@@ -140,6 +144,12 @@ def _acting(mesh: Mesh, shape: Plate, plate: _core.Plate, index: int, support: S
             rows = _along(plate, sampled, *directions)
             found.append(_Acting(rows, sampled.positions, sampled.weights, True))
     return found
+
+
+def _steps(support: Support) -> list[Level]:
+    """Where an elastic support's stiffness, gap or settlement jumps; a rigid one has the same points whatever they are."""
+    formulas = (support.stiffness, support.gap, support.settlement) if support.stiffness is not None else ()
+    return [level for formula in formulas if formula is not None for level in formula.levels if level.jumps]
 
 
 def _springs_or_contacts(index: int, support: Support, acting: _Acting) -> Springs | list[ContactPoints]:

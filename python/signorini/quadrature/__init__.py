@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -10,11 +12,14 @@ import numpy.typing as npt
 from signorini._core import serendipity
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import CORNERS, determinants
-from signorini.quadrature.arcs import arcs_of
+from signorini.quadrature.arcs import Arc, arcs_of
+from signorini.quadrature.breaks import divided
 from signorini.quadrature.cutcells import cut
+from signorini.quadrature.stepped import OFF, Levels, crossed, cut_by, sides_of
 from signorini.regions import Curve, Polyline, Region, Ring
 
 Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 
 _ON_PLATE = 1e-9
@@ -59,7 +64,9 @@ class LineQuadrature(Quadrature):
         return np.column_stack([self.tangents[:, 1], -self.tangents[:, 0]])
 
 
-def area_quadrature(mesh: Mesh, region: Region | None = None, order: int = 3) -> Quadrature:
+def area_quadrature(
+    mesh: Mesh, region: Region | None = None, order: int = 3, levels: Levels = (), off: float = OFF
+) -> Quadrature:
     """Quadrature over the part of a region that is on the plate.
 
     Parameters
@@ -71,6 +78,10 @@ def area_quadrature(mesh: Mesh, region: Region | None = None, order: int = 3) ->
     order : int
         Gauss points in each direction of a whole element. Elements that the outline cuts get more, see
         `signorini.quadrature.cutcells`.
+    levels : sequence of functions
+        What is to be integrated jumps where one of them changes its sign; see `signorini.quadrature.stepped`.
+    off : float
+        How far a cut may lie from a curved jump, over the side of the element.
 
     Returns
     -------
@@ -86,6 +97,40 @@ def area_quadrature(mesh: Mesh, region: Region | None = None, order: int = 3) ->
     >>> print(f"{over.total:.12f}")
     3.141592653590
     """
+    smooth = _area_quadrature(mesh, region, order)
+    elements = np.unique(smooth.elements)
+    across = crossed(mesh, elements, levels)
+    if not across.any():
+        return smooth
+    elements, levels = elements[across.any(axis=0)], _those(across, levels)
+    if region is not None:
+        outline = sides_of(region)
+        levels += _those(crossed(mesh, elements, outline), outline)
+    found = cut_by(mesh, elements, levels, order, off)
+    inside = np.ones(len(found.weights), dtype=bool) if region is None else region.contains(found.positions)
+    # On curved outlines the cuts are not exact; the area of the part on the region is known.
+    count = len(mesh.elements)
+    area = np.bincount(smooth.elements, smooth.weights, count)
+    cut_area = np.bincount(found.elements[inside], found.weights[inside], count)
+    done = np.isin(np.arange(count), elements) & (cut_area > 0.0)
+    keep, inside = ~done[smooth.elements], inside & done[found.elements]
+    elements = np.concatenate([smooth.elements[keep], found.elements[inside]])
+    by_element = np.argsort(elements, kind="stable")
+    weights = found.weights * (area / np.where(done, cut_area, 1.0))[found.elements]
+    return Quadrature(
+        elements[by_element],
+        np.vstack([smooth.xi[keep], found.xi[inside]])[by_element],
+        np.concatenate([smooth.weights[keep], weights[inside]])[by_element],
+        np.vstack([smooth.positions[keep], found.positions[inside]])[by_element],
+    )
+
+
+def _those(across: Bools, levels: Levels) -> list[Callable[[Floats], Floats]]:
+    """Levels that cross any element."""
+    return [level for level, by_element in zip(levels, across, strict=True) if by_element.any()]
+
+
+def _area_quadrature(mesh: Mesh, region: Region | None, order: int) -> Quadrature:
     if region is None:
         return _whole(mesh, np.arange(len(mesh.elements)), order)
     parts = cut(mesh, region, order)
@@ -111,7 +156,7 @@ def _whole(mesh: Mesh, elements: Ints, order: int) -> Quadrature:
     return Quadrature(owner, xi, weights.ravel(), positions.reshape(-1, 2))
 
 
-def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3) -> LineQuadrature:
+def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, levels: Levels = ()) -> LineQuadrature:
     """Quadrature along the part of a curve that is on the plate.
 
     Parameters
@@ -122,6 +167,8 @@ def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3) -> LineQuadrature
         The curve; tangents point along it, of a ring counter-clockwise.
     order : int
         Gauss points on each piece within one element.
+    levels : sequence of functions
+        Pieces end where one of them changes its sign, see `signorini.quadrature.stepped`.
 
     Returns
     -------
@@ -142,14 +189,19 @@ def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3) -> LineQuadrature
         breaks = arc.breaks(mesh.points[mesh.unique_sides])
         inside = mesh.locate(arc.at(0.5 * (breaks[1:] + breaks[:-1]))[0]).elements
         on = inside >= 0
-        s, weights = _stations(breaks[:-1][on], breaks[1:][on], order)
+        piece, begin, end = divided(breaks[:-1][on], breaks[1:][on], partial(_along, arc), levels)
+        s, weights = _stations(begin, end, order)
         points, tangents = arc.at(s)
-        elements = np.repeat(inside[on], order)
+        elements = np.repeat(inside[on][piece], order)
         parts.append((elements, mesh.invert(elements, points), weights, points, tangents))
     return LineQuadrature(*(np.concatenate(items) for items in zip(*parts, strict=True)))
 
 
-def edge_quadrature(mesh: Mesh, triples: Ints, order: int = 3) -> LineQuadrature:
+def _along(arc: Arc, _: Ints, s: Floats) -> Floats:
+    return arc.at(s)[0]
+
+
+def edge_quadrature(mesh: Mesh, triples: Ints, order: int = 3, levels: Levels = ()) -> LineQuadrature:
     """Quadrature along sides of elements, as curved as they are.
 
     Parameters
@@ -160,6 +212,8 @@ def edge_quadrature(mesh: Mesh, triples: Ints, order: int = 3) -> LineQuadrature
         Corner, midside, corner of each side, such as ``mesh.edges["left"]``; tangents point from the first to the last.
     order : int
         Gauss points on each side.
+    levels : sequence of functions
+        Sides are divided where one of them changes its sign, see `signorini.quadrature.stepped`.
 
     Returns
     -------
@@ -180,14 +234,21 @@ def edge_quadrature(mesh: Mesh, triples: Ints, order: int = 3) -> LineQuadrature
     (2.0, [-1.0, -0.0])
     """
     elements, sides, forward = mesh.find_sides(triples)
-    count = len(triples)
-    t, weights = _stations(np.full(count, -1.0), np.ones(count), order)
     a, b = CORNERS[sides], CORNERS[(sides + 1) % 4]
     begin, end = np.where(forward[:, None], a, b), np.where(forward[:, None], b, a)
-    begin, end = np.repeat(begin, order, axis=0), np.repeat(end, order, axis=0)
-    elements = np.repeat(elements, order)
-    xi = 0.5 * (begin + end) + 0.5 * t[:, None] * (end - begin)
-    tangents = np.einsum("qda,qa->qd", mesh.jacobian(elements, xi), 0.5 * (end - begin))
+
+    def at(side: Ints, t: Floats) -> Floats:
+        return np.asarray(0.5 * (begin + end)[side] + 0.5 * t[:, None] * (end - begin)[side])
+
+    def positions(side: Ints, t: Floats) -> Floats:
+        return mesh.map(elements[side], at(side, t))
+
+    ones = np.ones(len(triples))
+    side, first, last = divided(-ones, ones, positions, levels)
+    t, weights = _stations(first, last, order)
+    side = np.repeat(side, order)
+    elements, xi = elements[side], at(side, t)
+    tangents = np.einsum("qda,qa->qd", mesh.jacobian(elements, xi), 0.5 * (end - begin)[side])
     speed = np.hypot(*tangents.T)
     return LineQuadrature(elements, xi, weights * speed, mesh.map(elements, xi), tangents / speed[:, None])
 
