@@ -22,7 +22,7 @@ fn plate(nx: usize, ny: usize, seed: u64) -> Plate {
     }
     let corner = |e: usize| 2 * (e / nx) * columns + 2 * (e % nx);
     let nodes = [0, 2, 2 * columns + 2, 2 * columns, 1, columns + 2, 2 * columns + 1, columns];
-    let elements = (0..nx * ny).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
+    let elements: Vec<_> = (0..nx * ny).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
     let at_points = (0..13 * elements.len()).map(|k| 0.2 + 0.02 * noise(k + 11)).collect();
     let thickness = Thickness::Varying { at_points, layered: Layered::default() };
     let material = Material { young: 1000.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };

@@ -57,6 +57,49 @@ fn bad_arrays_are_refused_by_name() {
     assert_eq!(refused(|p, _, _| p.iter_mut().for_each(|x| x[1] = 0.0)), PlateError::Inverted { element: 0 });
 }
 
+/// An element that is said to be layered, in the sections that its thickness has anyway.
+fn layered_alike(kind: Kind, change: impl FnOnce(&mut Layered)) -> Result<Plate, PlateError> {
+    let (points, elements) = grid(3, 2, 0.05);
+    let count = kind.points().len();
+    let at_points: Vec<f64> = (0..6 * count).map(|i| 0.1 + 0.001 * i as f64).collect();
+    let section = at_points[4 * count..5 * count].iter().map(|h| MATERIAL.section(*h)).collect();
+    let mut layered = Layered { element: vec![4], section };
+    change(&mut layered);
+    Plate::new(points, elements, Thickness::Varying { at_points, layered }, MATERIAL, kind, None)
+}
+
+#[test]
+fn layers_of_one_thickness_are_no_layers() {
+    for kind in [Kind::Mitc9, Kind::Q8r] {
+        let layered = layered_alike(kind, |_| ()).unwrap();
+        let plain = layered_alike(kind, |layers| *layers = Layered::default()).unwrap();
+        for e in 0..6 {
+            let (a, b) = (layered.element_stiffness(e), plain.element_stiffness(e));
+            let largest = b.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-13 * largest));
+        }
+        assert_eq!(layered.curvature_load([1.0, 2.0, 3.0]), plain.curvature_load([1.0, 2.0, 3.0]));
+    }
+}
+
+#[test]
+fn bad_layers_are_refused_by_name() {
+    let refused = |change: fn(&mut Layered)| layered_alike(Kind::Mitc9, change).err().expect("refused");
+    let short = refused(|layers| layers.section.truncate(12));
+    assert_eq!(short, PlateError::Length { what: "sections", found: 12, expected: 13 });
+    let bad: [fn(&mut Layered); 4] = [
+        |layers| layers.section[3].bending[0][0] = f64::NAN,
+        |layers| layers.section[3].bending[0][1] *= 1.001,
+        |layers| layers.section[3].bending[2][2] = 0.0,
+        |layers| layers.section[3].shear[1][1] *= -1.0,
+    ];
+    for change in bad {
+        assert_eq!(refused(change), PlateError::Range { what: "sections", index: 3 });
+    }
+    let outside = refused(|layers| layers.element[0] = 6);
+    assert_eq!(outside, PlateError::Range { what: "elements of sections", index: 0 });
+}
+
 #[test]
 fn bad_materials_and_frames_are_refused() {
     let made = |material: Material, frames: Option<Vec<[f64; 2]>>| {

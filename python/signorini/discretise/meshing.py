@@ -60,6 +60,8 @@ def _steps(model: Model, box: Box) -> Iterator[Drawing]:
     """Where expressions jump, as far as a mesh may follow it, within a box and what each acts on."""
     items: list[tuple[Support | Load | None, Expression | None]] = [(None, model.plate.thickness)]
     for support in model.support:
+        if support.area is None and (support.stiffness is None or support.at is not None):
+            continue  # it acts at nodes, or at points of its own
         items += [(support, value) for value in (support.stiffness, support.gap, support.settlement)]
     for load in model.load:
         items += [(load, value) for value in (load.pressure, load.line_load)]

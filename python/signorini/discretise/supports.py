@@ -147,7 +147,7 @@ def _acting(mesh: Mesh, shape: Plate, plate: _core.Plate, index: int, support: S
 
 
 def _steps(support: Support) -> list[Level]:
-    """Where an elastic support's stiffness, gap or settlement jumps; a rigid one has the same points whatever they are."""
+    """Where an elastic support's stiffness, gap or settlement jumps; the points of a rigid one are what they are."""
     formulas = (support.stiffness, support.gap, support.settlement) if support.stiffness is not None else ()
     return [level for formula in formulas if formula is not None for level in formula.levels if level.jumps]
 

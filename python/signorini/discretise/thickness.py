@@ -20,8 +20,14 @@ _RANGE = (1e-6, 10.0)
 _ORDER = 4
 """Gauss points a direction of the parts of an element that a step cuts: h³ of a linear thickness is exact."""
 
-_BESIDE = 1e-6
-"""How far beside a step its two thicknesses are looked up, over the element's size."""
+_BESIDE = 2e-3
+"""How far beside a step its two thicknesses are looked up, in reference coordinates: well off any curve's chord."""
+
+_SHORT = 1e-3
+"""Length of a piece of a step, over the element's size, below which it tells no direction."""
+
+_SOFTEST = 1e-9
+"""Least rigidity across a step over that along it: less would be lost in rounding where the step runs askew."""
 
 _SAME = 1e-9
 """Part of the thickness below which it does not jump, as of a formula that is continuous where its branches meet."""
@@ -100,14 +106,19 @@ class _Fronts:
 
 
 def _jumps(model: Model, mesh: Mesh, cut: Cut) -> _Fronts:
-    along = cut.fronts[:, 1] - cut.fronts[:, 0]
-    length = np.hypot(*along.T)
     size = np.sqrt(mesh.element_area[cut.front_elements])
-    long = length > _BESIDE * size
-    elements, along, length, size = (part[long] for part in (cut.front_elements, along, length, size))
+    ends = mesh.map(np.repeat(cut.front_elements, 2), cut.fronts.reshape(-1, 2)).reshape(-1, 2, 2)
+    along = ends[:, 1] - ends[:, 0]
+    length = np.hypot(*along.T)
+    long = length > _SHORT * size
+    elements, fronts, along, length = (part[long] for part in (cut.front_elements, cut.fronts, along, length))
     normals = np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None]
-    middle, beside = cut.fronts[long].mean(axis=1), _BESIDE * size[:, None] * normals
-    one, other = (model.plate.thickness(*(middle + side * beside).T) for side in (-1.0, 1.0))
+    ahead = fronts[:, 1] - fronts[:, 0]
+    beside = _BESIDE * np.column_stack([ahead[:, 1], -ahead[:, 0]]) / np.hypot(*ahead.T)[:, None]
+    one, other = (
+        model.plate.thickness(*mesh.map(elements, np.clip(fronts.mean(axis=1) + side * beside, -1.0, 1.0)).T)
+        for side in (-1.0, 1.0)
+    )
     step = np.abs(one - other)
     real = step > _SAME * np.maximum(one, other)
     return _Fronts(elements[real], normals[real], (step * length)[real])
@@ -139,7 +150,7 @@ def _quarter_means(xi: Floats, elements: Ints, cut: Cut, thickness: Floats) -> C
     place = 4 * np.searchsorted(elements, cut.elements[mine]) + quarter
     weights, thickness = cut.weights[mine], thickness[mine]
     signs = np.array([[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
-    around = (xi[:, None] * signs > -_BESIDE).all(axis=2)
+    around = (xi[:, None] * signs > -_SHORT).all(axis=2)
 
     def sums(power: int) -> Floats:
         by_quarter = np.bincount(place, weights * thickness**power, 4 * len(elements)).reshape(-1, 4)
@@ -159,5 +170,5 @@ def _mean_square(elements: Ints, fronts: _Fronts, vectors: Floats) -> Floats:
 
 def _laminate(along: Floats, inverse: Floats, plate: Floats, across: Floats) -> Floats:
     """Rigidities (k, p, d, d): the mean along the step; across it, the inverse of the mean of inverses."""
-    drop = along - 1.0 / inverse
+    drop = along - np.maximum(1.0 / inverse, _SOFTEST * along)
     return np.asarray(along[..., None, None] * plate - drop[..., None, None] * across[:, None])

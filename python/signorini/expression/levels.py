@@ -102,9 +102,10 @@ def _levels(node: ast.expr) -> Iterator[Level]:
             for left, right in pairwise(operands(node)):
                 yield from _level(_difference(left, right), True, _equal(left, right))
         case ast.Call(func=ast.Name(id="floor" | "ceil"), args=[inner]):
-            wave = ast.BinOp(ast.Name("pi"), ast.Mult(), inner)
+            wave = ast.Call(ast.Name("sin"), [ast.BinOp(ast.Name("pi"), ast.Mult(), inner)], [])
             curve = polynomial(inner)
-            yield from _level(ast.Call(ast.Name("sin"), [wave], []), True, [curve] if curve else [], whole=True)
+            # Straight where it is zero, so that straight steps are cut exactly.
+            yield from _level(ast.Call(ast.Name("asin"), [wave], []), True, [curve] if curve else [], whole=True)
         case ast.Call(func=ast.Name(id="sign"), args=[inner]):
             yield from _level(inner, True, _equal(inner, ast.Constant(0)))
         case ast.Call(func=ast.Name(id="abs"), args=[inner]):
@@ -144,7 +145,10 @@ def _equal(left: ast.expr, right: ast.expr) -> list[Polynomial]:
             case ast.Call(func=ast.Name(id="abs"), args=[inner]):
                 value = polynomial(inner)
                 return [] if value is None else [value - bound, value + bound]
-            case ast.Call(func=ast.Name(id="sqrt"), args=[inner]):
+            case (
+                ast.Call(func=ast.Name(id="sqrt"), args=[inner])
+                | ast.BinOp(left=inner, op=ast.Pow(), right=ast.Constant(value=0.5))
+            ):
                 value, square = polynomial(inner), bound * bound
                 return [] if value is None or square is None else [value - square]
             case ast.Call(func=ast.Name(id="hypot"), args=[a, b]):
