@@ -122,7 +122,9 @@ pub fn stiffness(kind: Kind, geometry: &Geometry, material: &Material, sections:
         (Kind::Mitc9, Sections::Constant(h)) => mitc9::stiffness(geometry, material, [h; 9]),
         (Kind::Mitc9, Sections::Varying(h)) => mitc9::stiffness(geometry, material, std::array::from_fn(|i| h[i])),
         (Kind::Mitc9, Sections::Layered(s)) => mitc9::layered_stiffness(geometry, std::array::from_fn(|i| s[i])),
-        (Kind::Q8r, _) => q8r::stiffness(geometry, std::array::from_fn(|i| sections.at(i, material))),
+        (Kind::Q8r, Sections::Constant(h)) => q8r::stiffness(geometry, material, [h; 4]),
+        (Kind::Q8r, Sections::Varying(h)) => q8r::stiffness(geometry, material, std::array::from_fn(|i| h[i])),
+        (Kind::Q8r, Sections::Layered(s)) => q8r::layered_stiffness(geometry, std::array::from_fn(|i| s[i])),
     }
 }
 

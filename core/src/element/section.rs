@@ -21,6 +21,14 @@ impl Material {
         self.shear_factor * self.young * thickness / (2.0 * (1.0 + self.poisson))
     }
 
+    /// [mxx, myy, mxy] conjugate to [κxx, κyy, 2κxy].
+    pub fn bending(&self, thickness: f64, curvature: [f64; 3]) -> [f64; 3] {
+        let d = self.bending_rigidity(thickness);
+        let nu = self.poisson;
+        let [x, y, twist] = curvature;
+        [d * (x + nu * y), d * (nu * x + y), d * 0.5 * (1.0 - nu) * twist]
+    }
+
     /// The section of a plate of one thickness.
     pub fn section(&self, thickness: f64) -> Section {
         let d = self.bending_rigidity(thickness);

@@ -136,8 +136,6 @@ def _equal(left: ast.expr, right: ast.expr) -> list[Polynomial]:
                 return [curve for value in values for curve in _equal(value, other)]
             case ast.BinOp(op=ast.Mult(), left=a, right=b) if _is_zero(other):
                 return _equal(a, other) + _equal(b, other)
-            case ast.UnaryOp(op=ast.USub(), operand=inner):
-                return _equal(inner, ast.UnaryOp(ast.USub(), other))
         bound = polynomial(other)
         if bound is None or not bound.is_constant:
             continue
