@@ -19,6 +19,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(lcp::lemke, module)?)?;
     module.add_class::<lcp::LcpSolution>()?;
     module.add_class::<plate::Plate>()?;
+    module.add_function(wrap_pyfunction!(plate::section_points, module)?)?;
     module.add_class::<contact::ContactProblem>()?;
     module.add_class::<solution::ContactSolution>()?;
     module.add_class::<solution::Reference>()?;

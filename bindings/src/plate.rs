@@ -1,16 +1,23 @@
 use crate::arrays::{SpringArrays, flags, indices, invalid, matrix, rows_of, sized, springs};
 use crate::threads::released;
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{
+    PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+    PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use signorini_core::assembly::{Numbering, assemble};
-use signorini_core::element::{DOFS, Kind, Material};
+use signorini_core::element::{DOFS, Kind, Layered, Material, Section, Thickness};
 use signorini_core::plate;
 use signorini_core::residual::{Displacement, internal_magnitude, openings, residual};
 use signorini_core::stress;
 use std::sync::Arc;
 
-/// A discretised plate: nodes (n, 2), 8-node elements (e, 8), nodal thickness (n,), material and element kind
-/// ("mitc9" or "q8r"); `frames` (n, 2), if given, holds cos and sin of every node's first rotation direction.
+/// A discretised plate: nodes (n, 2), 8-node elements (e, 8), thickness, material and element kind ("mitc9" or "q8r").
+///
+/// `thickness` is one number or that of every element (e, p) at its `section_points`. `layered`, if given, has the
+/// elements (k,), in increasing order, inside which the thickness jumps, and at their points the rigidities (k, p, 9):
+/// rows 11, 12, 13, 22, 23, 33 of those in bending and 11, 12, 22 of those in shear. `frames` (n, 2), if given, holds
+/// cos and sin of every node's first rotation direction.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct Plate {
     pub inner: Arc<plate::Plate>,
@@ -20,6 +27,60 @@ type Pair<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 type RowPair<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 type Stresses<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>);
 type Compressed<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
+
+#[derive(FromPyObject)]
+enum ThicknessArray<'py> {
+    Constant(f64),
+    Varying(PyReadonlyArray2<'py, f64>),
+}
+
+fn kind_of(name: &str) -> PyResult<Kind> {
+    match name {
+        "mitc9" => Ok(Kind::Mitc9),
+        "q8r" => Ok(Kind::Q8r),
+        other => Err(invalid(format!("unknown element kind '{other}'; there are mitc9 and q8r"))),
+    }
+}
+
+fn thickness_of(
+    kind: Kind,
+    elements: usize,
+    thickness: ThicknessArray<'_>,
+    layered: Option<(PyReadonlyArray1<'_, i64>, PyReadonlyArray3<'_, f64>)>,
+) -> PyResult<Thickness> {
+    let points = kind.points().len();
+    let at_points = match thickness {
+        ThicknessArray::Constant(_) if layered.is_some() => return Err(invalid("a constant thickness has no layers")),
+        ThicknessArray::Constant(thickness) => return Ok(Thickness::Constant(thickness)),
+        ThicknessArray::Varying(thickness) if thickness.shape() == [elements, points] => thickness,
+        ThicknessArray::Varying(other) => {
+            return Err(invalid(format!("thickness has shape {:?}; expected {:?}", other.shape(), [elements, points])));
+        }
+    };
+    let layered = layered.map_or(Ok(Layered::default()), |(which, rigidities)| {
+        let element = indices("the elements of sections", &which, elements)?;
+        if rigidities.shape() != [element.len(), points, 9] {
+            return Err(invalid(format!("sections must have shape {:?}", [element.len(), points, 9])));
+        }
+        let values: Vec<f64> = rigidities.as_array().iter().copied().collect();
+        Ok(Layered { element, section: values.chunks_exact(9).map(section).collect() })
+    })?;
+    Ok(Thickness::Varying { at_points: at_points.as_array().iter().copied().collect(), layered })
+}
+
+fn section(values: &[f64]) -> Section {
+    let v = values;
+    let bending = [[v[0], v[1], v[2]], [v[1], v[3], v[4]], [v[2], v[4], v[5]]];
+    Section { bending, shear: [[v[6], v[7]], [v[7], v[8]]] }
+}
+
+/// Reference points (p, 2) at which an element of a kind asks for its thickness: those of its stiffness, then the four
+/// at which moments and shears are sampled, which of q8r are the same.
+#[pyfunction]
+pub fn section_points<'py>(py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let points = kind_of(kind)?.points();
+    matrix(py, points.iter().flat_map(|&(xi, eta, _)| [xi, eta]).collect(), 2)
+}
 
 pub fn displacement(
     hi: &PyReadonlyArray1<'_, f64>,
@@ -32,24 +93,21 @@ pub fn displacement(
 #[pymethods]
 impl Plate {
     #[new]
-    #[pyo3(signature = (points, elements, thickness, young, poisson, shear_factor, kind, frames=None))]
+    #[pyo3(signature = (points, elements, thickness, young, poisson, shear_factor, kind, frames=None, layered=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
         points: PyReadonlyArray2<'_, f64>,
         elements: PyReadonlyArray2<'_, i64>,
-        thickness: PyReadonlyArray1<'_, f64>,
+        thickness: ThicknessArray<'_>,
         young: f64,
         poisson: f64,
         shear_factor: f64,
         kind: &str,
         frames: Option<PyReadonlyArray2<'_, f64>>,
+        layered: Option<(PyReadonlyArray1<'_, i64>, PyReadonlyArray3<'_, f64>)>,
     ) -> PyResult<Self> {
-        let kind = match kind {
-            "mitc9" => Kind::Mitc9,
-            "q8r" => Kind::Q8r,
-            other => return Err(invalid(format!("unknown element kind '{other}'; there are mitc9 and q8r"))),
-        };
+        let kind = kind_of(kind)?;
         let points = rows_of::<2, f64>("points", &points)?;
         let elements = rows_of::<8, i64>("elements", &elements)?
             .into_iter()
@@ -61,7 +119,7 @@ impl Plate {
                 Ok(out)
             })
             .collect::<PyResult<Vec<_>>>()?;
-        let thickness = sized("thickness", &thickness, points.len())?;
+        let thickness = thickness_of(kind, elements.len(), thickness, layered)?;
         let frames = frames.map(|f| rows_of::<2, f64>("frames", &f)).transpose()?;
         let material = Material { young, poisson, shear_factor };
         let inner = released(py, || plate::Plate::new(points, elements, thickness, material, kind, frames))?

@@ -3,7 +3,7 @@
 //! Dofs are (w, θ1, θ2) node by node. θ1, θ2 are θx, θy, or, at a node with a frame (c, s), the slopes along
 //! (c, s) and (−s, c), so that one of them can be held alone.
 
-use crate::element::{self, ALL_DOFS, Centre, DOFS, Geometry, Kind, Material, PACKED};
+use crate::element::{self, ALL_DOFS, Centre, DOFS, Geometry, Kind, Material, PACKED, Sections, Thickness};
 use rayon::prelude::*;
 
 /// What is wrong with the arrays of a plate.
@@ -38,7 +38,7 @@ impl std::error::Error for PlateError {}
 pub struct Plate {
     points: Vec<[f64; 2]>,
     elements: Vec<[usize; 8]>,
-    thickness: Vec<f64>,
+    pub thickness: Thickness,
     frames: Option<Vec<[f64; 2]>>,
     pub material: Material,
     pub kind: Kind,
@@ -49,21 +49,17 @@ pub struct Plate {
 impl Plate {
     /// Checks the arrays and computes every element matrix, in parallel.
     ///
-    /// `thickness` is nodal; `frames`, if any, holds (cos, sin) of every node's first rotation direction.
+    /// `frames`, if any, holds (cos, sin) of every node's first rotation direction.
     pub fn new(
         points: Vec<[f64; 2]>,
         elements: Vec<[usize; 8]>,
-        thickness: Vec<f64>,
+        thickness: Thickness,
         material: Material,
         kind: Kind,
         frames: Option<Vec<[f64; 2]>>,
     ) -> Result<Self, PlateError> {
         check_finite("points", points.iter().flatten())?;
-        check_finite("thickness", thickness.iter())?;
-        check_length("thickness", thickness.len(), points.len())?;
-        if let Some(index) = thickness.iter().position(|&h| h <= 0.0) {
-            return Err(PlateError::Range { what: "thickness", index });
-        }
+        check_thickness(&thickness, kind.points().len(), elements.len())?;
         let Material { young, poisson, shear_factor } = material;
         if !(young > 0.0 && young.is_finite() && poisson > -1.0 && poisson < 0.5) {
             return Err(PlateError::Range { what: "material", index: 0 });
@@ -90,7 +86,7 @@ impl Plate {
         }
         let mut stiffness = vec![0.0; PACKED * plate.elements.len()];
         let computed = stiffness.par_chunks_mut(PACKED).enumerate().map(|(e, out)| {
-            let found = element::stiffness(kind, &plate.geometry(e), &plate.material);
+            let found = element::stiffness(kind, &plate.geometry(e), &plate.material, plate.sections(e));
             out.copy_from_slice(&found.packed);
             found.centre
         });
@@ -136,10 +132,12 @@ impl Plate {
     pub fn geometry(&self, e: usize) -> Geometry {
         let nodes = &self.elements[e];
         let origin = self.points[nodes[0]];
-        Geometry {
-            at: nodes.map(|n| [self.points[n][0] - origin[0], self.points[n][1] - origin[1]]),
-            thickness: nodes.map(|n| self.thickness[n]),
-        }
+        Geometry { at: nodes.map(|n| [self.points[n][0] - origin[0], self.points[n][1] - origin[1]]) }
+    }
+
+    /// What an element is made of at its points.
+    pub fn sections(&self, e: usize) -> Sections<'_> {
+        self.thickness.of(self.kind, e)
     }
 
     pub fn centroid(&self, e: usize) -> [f64; 2] {
@@ -158,8 +156,7 @@ impl Plate {
                 high[a] = high[a].max(point[a]);
             }
         }
-        let thinnest = self.thickness.iter().fold(f64::INFINITY, |least, &h| least.min(h));
-        thinnest / (high[0] - low[0]).hypot(high[1] - low[1])
+        self.thickness.least() / (high[0] - low[0]).hypot(high[1] - low[1])
     }
 
     pub fn has_frames(&self) -> bool {
@@ -218,7 +215,7 @@ impl Plate {
         let mut centre = vec![0.0; 2 * self.elements.len()];
         for e in 0..self.elements.len() {
             let geometry = self.geometry(e);
-            let all = element::curvature_load(self.kind, &geometry, &self.material, curvature);
+            let all = element::curvature_load(self.kind, &geometry, &self.material, self.sections(e), curvature);
             let couples = [all[DOFS], all[DOFS + 1]];
             self.add_condensed(e, &all, &mut load);
             centre[2 * e] = couples[0];
@@ -240,6 +237,26 @@ impl Plate {
             }
         }
     }
+}
+
+fn check_thickness(thickness: &Thickness, points: usize, elements: usize) -> Result<(), PlateError> {
+    check_finite("thickness", thickness.all().iter())?;
+    if let Some(index) = thickness.all().iter().position(|&h| h <= 0.0) {
+        return Err(PlateError::Range { what: "thickness", index });
+    }
+    if let Thickness::Varying { at_points, layered } = thickness {
+        check_length("thickness", at_points.len(), points * elements)?;
+        check_length("sections", layered.section.len(), points * layered.element.len())?;
+        if let Some(index) = layered.section.iter().position(|section| !section.resists()) {
+            return Err(PlateError::Range { what: "sections", index });
+        }
+        let ordered = |i: usize| i == 0 || layered.element[i - 1] < layered.element[i];
+        let there = |i: usize| layered.element[i] < elements;
+        if let Some(index) = (0..layered.element.len()).find(|&i| !(ordered(i) && there(i))) {
+            return Err(PlateError::Range { what: "elements of sections", index });
+        }
+    }
+    Ok(())
 }
 
 fn check_finite<'a>(what: &'static str, values: impl Iterator<Item = &'a f64>) -> Result<(), PlateError> {

@@ -308,8 +308,9 @@ mod tests {
         let frames = (0..8).map(|i| [(0.3 * f64::from(i)).cos(), (0.3 * f64::from(i)).sin()]).collect();
         let material = crate::element::Material { young: 1e11, poisson: 0.3, shear_factor: 5.0 / 6.0 };
         let kind = crate::element::Kind::Mitc9;
+        let thickness = crate::element::Thickness::Constant(0.01);
         let plate =
-            Plate::new(points.to_vec(), vec![[0, 1, 2, 3, 4, 5, 6, 7]], vec![0.01; 8], material, kind, Some(frames));
+            Plate::new(points.to_vec(), vec![[0, 1, 2, 3, 4, 5, 6, 7]], thickness, material, kind, Some(frames));
         let plate = plate.unwrap();
         let mut displacement = Displacement::zeros(24);
         displacement.add_rigid(&plate, [0.37, 1.1], [1e3 / 3.0, 70.0 / 3.0, -1e2 / 7.0]);

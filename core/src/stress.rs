@@ -5,7 +5,7 @@
 //! meet there (Hinton & Campbell 1974).
 
 use crate::element::quadrature::GAUSS_2;
-use crate::element::{self, ALL_DOFS, DOFS, shape::NODES};
+use crate::element::{self, ALL_DOFS, DOFS, Section, shape::NODES};
 use crate::plate::Plate;
 use crate::residual::Displacement;
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ pub fn at_gauss_points(
 /// What the stresses at an element's Gauss points are made of, whatever its displacements.
 struct Samples {
     strain: [[[f64; ALL_DOFS]; 5]; 4],
-    thickness: [f64; 4],
+    sections: [Section; 4],
 }
 
 impl Samples {
@@ -38,7 +38,8 @@ impl Samples {
         let [low, high] = GAUSS_2.map(|(at, _)| at);
         let points = [(low, low), (high, low), (low, high), (high, high)];
         let strain = element::strain_matrices(plate.kind, &geometry, points);
-        Self { strain, thickness: points.map(|(xi, eta)| geometry.jacobian(xi, eta).thickness) }
+        let (sections, first) = (plate.sections(e), plate.kind.first_sample());
+        Self { strain, sections: std::array::from_fn(|i| sections.at(first + i, &plate.material)) }
     }
 
     fn stress(
@@ -58,12 +59,12 @@ impl Samples {
                 - inner.coupling[a].iter().zip(&strained).map(|(c, u)| c * u).sum::<f64>();
         }
         let mut out = [[0.0; 5]; 4];
-        for ((stress, rows), &thickness) in out.iter_mut().zip(&self.strain).zip(&self.thickness) {
+        for ((stress, rows), section) in out.iter_mut().zip(&self.strain).zip(&self.sections) {
             let strain = rows.map(|row| row.iter().zip(&all).map(|(b, u)| b * u).sum::<f64>());
             let elastic = [strain[0] - curvature[0], strain[1] - curvature[1], strain[2] - 2.0 * curvature[2]];
-            let moment = plate.material.bending(thickness, elastic);
-            let shear = plate.material.shear_rigidity(thickness);
-            *stress = [-moment[0], -moment[1], -moment[2], shear * strain[3], shear * strain[4]];
+            let [mx, my, mxy] = section.moment(elastic);
+            let [qx, qy] = section.shear_force([strain[3], strain[4]]);
+            *stress = [-mx, -my, -mxy, qx, qy];
         }
         out
     }

@@ -3,7 +3,7 @@ use faer::Mat;
 use proptest::prelude::*;
 use signorini_core::assembly::{HELD, LowerTriangle, Numbering, assemble};
 use signorini_core::cholesky::{Analysis, Factor, FactorError};
-use signorini_core::element::{DOFS, Kind, Material, packed};
+use signorini_core::element::{DOFS, Kind, Layered, Material, Thickness, packed};
 use signorini_core::ordering::nested_dissection;
 use signorini_core::plate::Plate;
 use signorini_core::residual::{Rows, Springs};
@@ -22,8 +22,9 @@ fn plate(nx: usize, ny: usize, seed: u64) -> Plate {
     }
     let corner = |e: usize| 2 * (e / nx) * columns + 2 * (e % nx);
     let nodes = [0, 2, 2 * columns + 2, 2 * columns, 1, columns + 2, 2 * columns + 1, columns];
-    let elements = (0..nx * ny).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
-    let thickness = (0..points.len()).map(|k| 0.2 + 0.02 * noise(k + 11)).collect();
+    let elements: Vec<_> = (0..nx * ny).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
+    let at_points = (0..13 * elements.len()).map(|k| 0.2 + 0.02 * noise(k + 11)).collect();
+    let thickness = Thickness::Varying { at_points, layered: Layered::default() };
     let material = Material { young: 1000.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
     Plate::new(points, elements, thickness, material, Kind::Mitc9, Some(frames)).unwrap()
 }

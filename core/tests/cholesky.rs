@@ -2,7 +2,7 @@
 
 use signorini_core::assembly::{Numbering, assemble};
 use signorini_core::cholesky::{Analysis, Factor};
-use signorini_core::element::{Kind, Material};
+use signorini_core::element::{Kind, Material, Thickness};
 use signorini_core::plate::Plate;
 use signorini_core::residual::{Rows, Springs};
 
@@ -20,7 +20,7 @@ fn strip(columns: usize, rows: usize) -> (Plate, Springs) {
     let elements: Vec<[usize; 8]> =
         (0..rows * columns).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
     let count = elements.len();
-    let thickness = vec![0.5; points.len()];
+    let thickness = Thickness::Constant(0.5);
     let material = Material { young: 100.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
     let plate = Plate::new(points, elements, thickness, material, Kind::Mitc9, None).unwrap();
     let coefficient = (0..count).map(|e| plate.interpolation_row(e, -1.0, -1.0, 0).0).collect();

@@ -2,7 +2,7 @@
 use proptest::prelude::*;
 use signorini_core::contact::interior_point::{InteriorPoint, interior_point};
 use signorini_core::contact::{Constraints, ContactProblem, Form, Outcome, Verdict};
-use signorini_core::element::{Kind, Material};
+use signorini_core::element::{Kind, Material, Thickness};
 use signorini_core::plate::Plate;
 use signorini_core::residual::{Displacement, Springs};
 use std::sync::Arc;
@@ -20,7 +20,7 @@ fn plate() -> Arc<Plate> {
     let corner = |e: usize| 2 * (e / SIZE) * columns + 2 * (e % SIZE);
     let nodes = [0, 2, 2 * columns + 2, 2 * columns, 1, columns + 2, 2 * columns + 1, columns];
     let elements = (0..SIZE * SIZE).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
-    let thickness = vec![0.2; points.len()];
+    let thickness = Thickness::Constant(0.2);
     let material = Material { young: 1000.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
     Arc::new(Plate::new(points, elements, thickness, material, Kind::Mitc9, None).unwrap())
 }

@@ -1,7 +1,7 @@
 //! Plates: what arrays they refuse, what they leave unstrained, and the arithmetic underneath.
 use proptest::prelude::*;
 use signorini_core::double_double::DoubleDouble;
-use signorini_core::element::{Kind, Material};
+use signorini_core::element::{Kind, Layered, Material, Thickness};
 use signorini_core::plate::{Plate, PlateError};
 use signorini_core::residual::{Displacement, Springs, residual};
 
@@ -34,21 +34,21 @@ fn grid(nx: usize, ny: usize, skew: f64) -> (Vec<[f64; 2]>, Vec<[usize; 8]>) {
 
 fn plate(kind: Kind, frames: Option<Vec<[f64; 2]>>) -> Plate {
     let (points, elements) = grid(3, 2, 0.05);
-    let thickness = vec![0.1; points.len()];
-    Plate::new(points, elements, thickness, MATERIAL, kind, frames).unwrap()
+    Plate::new(points, elements, Thickness::Constant(0.1), MATERIAL, kind, frames).unwrap()
 }
 
 fn refused(change: impl FnOnce(&mut Vec<[f64; 2]>, &mut Vec<[usize; 8]>, &mut Vec<f64>)) -> PlateError {
     let (mut points, mut elements) = grid(1, 1, 0.0);
-    let mut thickness = vec![0.1; points.len()];
-    change(&mut points, &mut elements, &mut thickness);
+    let mut at_points = vec![0.1; 13];
+    change(&mut points, &mut elements, &mut at_points);
+    let thickness = Thickness::Varying { at_points, layered: Layered::default() };
     Plate::new(points, elements, thickness, MATERIAL, Kind::Mitc9, None).err().expect("refused")
 }
 
 #[test]
 fn bad_arrays_are_refused_by_name() {
     let found = refused(|_, _, h| h.truncate(7));
-    assert_eq!(found, PlateError::Length { what: "thickness", found: 7, expected: 8 });
+    assert_eq!(found, PlateError::Length { what: "thickness", found: 7, expected: 13 });
     assert_eq!(refused(|p, _, _| p[1][1] = f64::NAN), PlateError::NotFinite { what: "points", index: 3 });
     assert_eq!(refused(|_, _, h| h[2] = f64::INFINITY), PlateError::NotFinite { what: "thickness", index: 2 });
     assert_eq!(refused(|_, _, h| h[5] = 0.0), PlateError::Range { what: "thickness", index: 5 });
@@ -57,12 +57,55 @@ fn bad_arrays_are_refused_by_name() {
     assert_eq!(refused(|p, _, _| p.iter_mut().for_each(|x| x[1] = 0.0)), PlateError::Inverted { element: 0 });
 }
 
+/// An element that is said to be layered, in the sections that its thickness has anyway.
+fn layered_alike(kind: Kind, change: impl FnOnce(&mut Layered)) -> Result<Plate, PlateError> {
+    let (points, elements) = grid(3, 2, 0.05);
+    let count = kind.points().len();
+    let at_points: Vec<f64> = (0..6 * count).map(|i| 0.1 + 0.001 * i as f64).collect();
+    let section = at_points[4 * count..5 * count].iter().map(|h| MATERIAL.section(*h)).collect();
+    let mut layered = Layered { element: vec![4], section };
+    change(&mut layered);
+    Plate::new(points, elements, Thickness::Varying { at_points, layered }, MATERIAL, kind, None)
+}
+
+#[test]
+fn layers_of_one_thickness_are_no_layers() {
+    for kind in [Kind::Mitc9, Kind::Q8r] {
+        let layered = layered_alike(kind, |_| ()).unwrap();
+        let plain = layered_alike(kind, |layers| *layers = Layered::default()).unwrap();
+        let alike = |a: &[f64], b: &[f64]| {
+            let largest = b.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
+            a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12 * largest)
+        };
+        assert!((0..6).all(|e| alike(layered.element_stiffness(e), plain.element_stiffness(e))));
+        let load = |plate: &Plate| plate.curvature_load([1.0, 2.0, 3.0]).0;
+        assert!(alike(&load(&layered), &load(&plain)));
+    }
+}
+
+#[test]
+fn bad_layers_are_refused_by_name() {
+    let refused = |change: fn(&mut Layered)| layered_alike(Kind::Mitc9, change).err().expect("refused");
+    let short = refused(|layers| layers.section.truncate(12));
+    assert_eq!(short, PlateError::Length { what: "sections", found: 12, expected: 13 });
+    let bad: [fn(&mut Layered); 4] = [
+        |layers| layers.section[3].bending[0][0] = f64::NAN,
+        |layers| layers.section[3].bending[0][1] *= 1.001,
+        |layers| layers.section[3].bending[2][2] = 0.0,
+        |layers| layers.section[3].shear[1][1] *= -1.0,
+    ];
+    for change in bad {
+        assert_eq!(refused(change), PlateError::Range { what: "sections", index: 3 });
+    }
+    let outside = refused(|layers| layers.element[0] = 6);
+    assert_eq!(outside, PlateError::Range { what: "elements of sections", index: 0 });
+}
+
 #[test]
 fn bad_materials_and_frames_are_refused() {
     let made = |material: Material, frames: Option<Vec<[f64; 2]>>| {
         let (points, elements) = grid(1, 1, 0.0);
-        let thickness = vec![0.1; points.len()];
-        Plate::new(points, elements, thickness, material, Kind::Q8r, frames).err()
+        Plate::new(points, elements, Thickness::Constant(0.1), material, Kind::Q8r, frames).err()
     };
     for (young, poisson) in [(0.0, 0.3), (-1.0, 0.3), (f64::NAN, 0.3), (1.0, 0.5), (1.0, -1.0)] {
         let found = made(Material { young, poisson, ..MATERIAL }, None);
@@ -91,9 +134,8 @@ proptest! {
     #[test]
     fn a_rigid_motion_leaves_no_residual(w in -64i32..64, x in -64i32..64, y in -64i32..64, q8r: bool) {
         let (points, elements) = grid(3, 2, 0.0);
-        let thickness = vec![0.1; points.len()];
         let kind = if q8r { Kind::Q8r } else { Kind::Mitc9 };
-        let plate = Plate::new(points.clone(), elements, thickness, MATERIAL, kind, None).unwrap();
+        let plate = Plate::new(points.clone(), elements, Thickness::Constant(0.1), MATERIAL, kind, None).unwrap();
         let (w, x, y) = (f64::from(w), f64::from(x), f64::from(y));
         let mut motion = Displacement::zeros(plate.dof_count());
         for (node, at) in points.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! What the fuzzers do with their bytes; core/tests/fuzz_corpus.rs does the same with the corpus.
 use signorini_core::contact::{Constraints, ContactProblem, ContactSolution, Form, Outcome};
-use signorini_core::element::{Kind, Material};
+use signorini_core::element::{Kind, Layered, Material, Thickness};
 use signorini_core::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from, parametric};
 use signorini_core::plate::Plate;
 use signorini_core::residual::{Rows, Springs};
@@ -84,12 +84,15 @@ pub fn contact(data: &[u8]) {
     if bytes.byte() > 250 {
         elements[0][bytes.below(8)] = bytes.below(20);
     }
-    let mut thickness = vec![0.2; points.len()];
-    if bytes.byte() > 240 {
-        thickness[bytes.below(13)] = bytes.number();
-    }
+    let odd = (bytes.byte() > 240).then(|| (bytes.below(13), bytes.number()));
     let material = Material { young: 1000.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
     let kind = if bytes.byte() & 1 == 0 { Kind::Mitc9 } else { Kind::Q8r };
+    let mut at_points = vec![0.2; 2 * kind.points().len()];
+    if let Some((index, value)) = odd {
+        let count = at_points.len();
+        at_points[index % count] = value;
+    }
+    let thickness = Thickness::Varying { at_points, layered: Layered::default() };
     let Ok(plate) = Plate::new(points, elements, thickness, material, kind, None) else { return };
     let plate = Arc::new(plate);
     let count = bytes.below(5);

@@ -14,6 +14,7 @@ _Form = Literal["dual", "stiffness"] | None
 __version__: str
 
 def serendipity(xi: _Floats) -> tuple[_Floats, _Floats]: ...
+def section_points(kind: str) -> _Floats: ...
 def lemke(
     matrix: _Floats,
     q: _Floats,
@@ -73,12 +74,13 @@ class Plate:
         cls,
         points: _Floats,
         elements: _Ints,
-        thickness: _Floats,
+        thickness: float | _Floats,
         young: float,
         poisson: float,
         shear_factor: float,
         kind: str,
         frames: _Floats | None = None,
+        layered: tuple[_Ints, _Floats] | None = None,
     ) -> Plate: ...
     @property
     def dof_count(self) -> int: ...

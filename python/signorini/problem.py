@@ -426,7 +426,7 @@ def _regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
     alone hold the plate, some rigid ones are there too, about as stiff as a plate under a point load.
     """
     contacts, material = found.contacts, found.model.material
-    thickness = float(found.thickness.max())
+    thickness = found.thickness.max()
     shear = found.model.plate.shear_factor * material.E * thickness / (2 * (1 + material.nu))
     with np.errstate(divide="ignore"):
         stiffness = np.where(contacts.compliance > 0, 1.0 / contacts.compliance, np.inf)

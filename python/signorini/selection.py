@@ -252,7 +252,7 @@ def _force(found: Discretisation, nodal: Floats, answer: Answer) -> float:
     forces = np.abs(nodal.reshape(-1, 3)).max(axis=0) / [1.0, size, size]
     bending = 0.0
     if not nodal.any():
-        bending = found.model.material.E * float(found.thickness.max()) ** 3 / 12 * float(np.abs(answer.hi[::3]).max())
+        bending = found.model.material.E * found.thickness.max() ** 3 / 12 * float(np.abs(answer.hi[::3]).max())
     return max(float(forces.max()), bending / size**2, float(np.abs(answer.reaction).max(initial=0.0))) or 1.0
 
 

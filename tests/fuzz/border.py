@@ -65,12 +65,20 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
     def residual(load, hi, lo, *spring):
         found.plate.residual(spring, load, hi, lo)
 
-    plate = [mesh.points, mesh.elements, found.thickness, material.E, material.nu, 5 / 6, "mitc9", held.frames]
+    thickness = np.full((len(mesh.elements), len(_core.section_points("mitc9"))), 0.3)
+    rigidities = np.tile([2.0, 0.6, 0.0, 2.0, 0.0, 0.7, 80.0, 0.0, 80.0], (1, thickness.shape[1], 1))
+    plate = [mesh.points, mesh.elements, thickness, material.E, material.nu, 5 / 6, "mitc9", held.frames]
+
+    def layered(*arguments):
+        *most, elements, rigidities = arguments
+        _core.Plate(*most, None, (elements, rigidities))
+
     spring = list(spring_arrays(found))
     centre = np.zeros(2 * len(mesh.elements))
     lcp = problem.lcp(load)
     return [
         (_core.Plate, plate),
+        (layered, [*plate[:7], np.array([2]), rigidities]),
         (found.plate.interpolation_rows, [rows.elements, np.zeros((len(rows), 2)), 0]),
         (found.plate.curvature_load, [np.array([0.1, 0.0, 0.2])]),
         (residual, [load, u, 1e-17 * u, *spring]),

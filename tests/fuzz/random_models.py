@@ -54,7 +54,24 @@ def model(rng: Random) -> Tables:
         _repeat(rng, tables["support"])
     if "combination" not in tables and rng.random() < 0.06:
         _balance(rng, tables, scale)
+    # Drawn last, so that a seed's other choices are what they were without it.
+    if rng.random() < 0.2:
+        _step(rng, tables)
     return tables
+
+
+def _step(rng: Random, tables: Tables) -> None:
+    """Let a number of the plate, a load or a support jump along a line or a circle."""
+    plate = tables["plate"]
+    items = [(plate, "thickness")] * 2
+    items += [(load, key) for load in tables["load"] for key in ("pressure", "line_load") if key in load]
+    items += [(s, key) for s in tables["support"] for key in ("stiffness", "gap", "settlement") if key in s]
+    (x, y), radius = _middle(rng, plate)
+    where = rng.choice(
+        [f"x < {x}", f"y >= {y}", f"x - {x} > 0.3*(y - {y})", f"(x - {x})**2 + (y - {y})**2 < {0.7 * radius}**2"]
+    )
+    item, key = rng.choice(items)
+    item[key] = f"({item[key]})*where({where}, {rng.choice([0.1, 0.5, 2.0, 5.0])}, 1)"
 
 
 def _plate(rng: Random) -> tuple[Tables, Tables]:

@@ -107,7 +107,8 @@ def condensed(element, nodes, thickness):
 
 
 def core_plate(element, nodes, thickness):
-    return _core.Plate(nodes, np.arange(8)[None], thickness, E, NU, KAPPA, element)
+    at_points = np.array([[shape(SERENDIPITY, at)[0] @ thickness for at in _core.section_points(element)]])
+    return _core.Plate(nodes, np.arange(8)[None], at_points, E, NU, KAPPA, element)
 
 
 def core_matrix(element, nodes, thickness):

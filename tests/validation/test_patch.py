@@ -36,7 +36,7 @@ class Patch:
         self.boundary = sorted({*(node for side in outer for node in side), *(middles[side] for side in outer)})
 
     def plate(self, element, thickness):
-        return _core.Plate(self.points, self.elements, np.full(len(self.points), thickness), E, NU, KAPPA, element)
+        return _core.Plate(self.points, self.elements, thickness, E, NU, KAPPA, element)
 
     def split(self):
         """Four elements for one, with sides that stay straight."""

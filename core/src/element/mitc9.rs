@@ -8,7 +8,7 @@ use super::quadrature::{GAUSS_3, square};
 use super::shape::{Shape, lagrange, serendipity};
 use std::sync::LazyLock;
 
-use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Stiffness, StrainMatrix, packed};
+use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Section, Stiffness, StrainMatrix, add_energy, packed};
 
 const TIES: usize = 5;
 const GAUSS: f64 = 0.577_350_269_189_625_8;
@@ -128,16 +128,19 @@ fn strain_matrix(geometry: &Geometry, rows: &[[[f64; ALL_DOFS]; TIES]; 2], xi: f
 }
 
 /// Bending by 3×3 points on the rotations; shear as a 10×10 form in the tied values; then the centre is condensed.
-pub fn stiffness(geometry: &Geometry, material: &Material) -> Stiffness {
+///
+/// `thickness` is that at the points.
+pub fn stiffness(geometry: &Geometry, material: &Material, thickness: [f64; 9]) -> Stiffness {
     let mut full = [[0.0; ALL_DOFS]; ALL_DOFS];
     let mut form = [[0.0; 2 * TIES]; 2 * TIES];
-    for point in GAUSS_POINTS.iter() {
+    for (point, thickness) in GAUSS_POINTS.iter().zip(thickness) {
         let (xi, eta) = (point.xi, point.eta);
         let jacobian = geometry.jacobian_of(point.shape);
         let scale = point.weight * jacobian.determinant;
-        add_bending(&mut full, &jacobian, scale, material, &point.rotation);
+        let rigidity = scale * material.bending_rigidity(thickness);
+        add_bending(&mut full, &jacobian, rigidity, material.poisson, &point.rotation);
 
-        let shear = scale * material.shear_rigidity(jacobian.thickness);
+        let shear = scale * material.shear_rigidity(thickness);
         let inv = &jacobian.inverse;
         let metric = |a: usize, b: usize| shear * (inv[0][a] * inv[0][b] + inv[1][a] * inv[1][b]);
         let weights = [interpolation(xi, eta), interpolation(eta, xi)];
@@ -161,16 +164,26 @@ pub fn stiffness(geometry: &Geometry, material: &Material) -> Stiffness {
     condense(&full)
 }
 
+/// The same for any sections at the points.
+pub fn layered_stiffness(geometry: &Geometry, sections: [Section; 9]) -> Stiffness {
+    let mut full = [[0.0; ALL_DOFS]; ALL_DOFS];
+    let rows = ties(geometry);
+    for (point, section) in GAUSS_POINTS.iter().zip(sections) {
+        let strain = strain_matrix(geometry, &rows, point.xi, point.eta);
+        let scale = point.weight * geometry.jacobian_of(point.shape).determinant;
+        add_energy(&strain, &section, ALL_DOFS, |i, j, energy| full[i][j] += scale * energy);
+    }
+    condense(&full)
+}
+
 fn add_bending(
     full: &mut [[f64; ALL_DOFS]; ALL_DOFS],
     jacobian: &super::Jacobian,
-    scale: f64,
-    material: &Material,
+    rigidity: f64,
+    nu: f64,
     rotation: &Shape<9>,
 ) {
     let gradient: [[f64; 2]; 9] = std::array::from_fn(|i| jacobian.physical(rotation.gradient[i]));
-    let rigidity = scale * material.bending_rigidity(jacobian.thickness);
-    let nu = material.poisson;
     let half = 0.5 * (1.0 - nu);
     for i in 0..9 {
         let r = if i < 8 { 3 * i + 1 } else { CENTRE };

@@ -6,10 +6,13 @@
 pub mod mitc9;
 pub mod q8r;
 pub mod quadrature;
+pub mod section;
 pub mod shape;
 
 use quadrature::{GAUSS_2, GAUSS_3, square};
+pub use section::{Layered, Material, Section, Sections, Thickness};
 use shape::{Shape, serendipity};
+use std::sync::LazyLock;
 
 /// Dofs that an element shows to the mesh.
 pub const DOFS: usize = 24;
@@ -32,39 +35,29 @@ pub enum Kind {
     Q8r,
 }
 
-/// Isotropic elasticity with a shear correction factor.
-#[derive(Clone, Copy, Debug)]
-pub struct Material {
-    pub young: f64,
-    pub poisson: f64,
-    pub shear_factor: f64,
-}
-
-impl Material {
-    /// D = Eh³/12(1−ν²).
-    pub fn bending_rigidity(&self, thickness: f64) -> f64 {
-        self.young * thickness.powi(3) / (12.0 * (1.0 - self.poisson * self.poisson))
+impl Kind {
+    /// Where an element asks for its section: reference points of its stiffness, weights included, then those at which
+    /// stress is sampled, without a weight; of q8r they are the same. ξ runs fastest in either.
+    pub fn points(self) -> &'static [(f64, f64, f64)] {
+        static MITC9: LazyLock<Vec<(f64, f64, f64)>> =
+            LazyLock::new(|| square(GAUSS_3).chain(square(GAUSS_2).map(|(xi, eta, _)| (xi, eta, 0.0))).collect());
+        static Q8R: LazyLock<Vec<(f64, f64, f64)>> = LazyLock::new(|| square(GAUSS_2).collect());
+        match self {
+            Self::Mitc9 => &MITC9,
+            Self::Q8r => &Q8R,
+        }
     }
 
-    /// S = κGh.
-    pub fn shear_rigidity(&self, thickness: f64) -> f64 {
-        self.shear_factor * self.young * thickness / (2.0 * (1.0 + self.poisson))
-    }
-
-    /// [mxx, myy, mxy] conjugate to [κxx, κyy, 2κxy].
-    pub fn bending(&self, thickness: f64, curvature: [f64; 3]) -> [f64; 3] {
-        let d = self.bending_rigidity(thickness);
-        let nu = self.poisson;
-        let [x, y, twist] = curvature;
-        [d * (x + nu * y), d * (nu * x + y), d * 0.5 * (1.0 - nu) * twist]
+    /// The first of the four points at which stress is sampled.
+    pub fn first_sample(self) -> usize {
+        self.points().len() - 4
     }
 }
 
-/// Coordinates, relative to the first node, and thickness at the eight nodes of one element.
+/// Coordinates, relative to the first node, of the eight nodes of one element.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry {
     pub at: [[f64; 2]; 8],
-    pub thickness: [f64; 8],
 }
 
 /// The map at one reference point.
@@ -75,7 +68,6 @@ pub struct Jacobian {
     /// ∂(ξ, η)/∂(x, y): inverse[a][b] takes a reference gradient's b-th part to the physical a-th.
     pub inverse: [[f64; 2]; 2],
     pub determinant: f64,
-    pub thickness: f64,
 }
 
 impl Geometry {
@@ -86,19 +78,17 @@ impl Geometry {
     /// The map where the shape functions are known already.
     pub fn jacobian_of(&self, shape: Shape<8>) -> Jacobian {
         let mut t = [[0.0; 2]; 2];
-        let mut thickness = 0.0;
         for i in 0..8 {
             for a in 0..2 {
                 for b in 0..2 {
                     t[a][b] += shape.gradient[i][a] * self.at[i][b];
                 }
             }
-            thickness += shape.value[i] * self.thickness[i];
         }
         let determinant = t[0][0] * t[1][1] - t[0][1] * t[1][0];
         let inverse =
             [[t[1][1] / determinant, -t[0][1] / determinant], [-t[1][0] / determinant, t[0][0] / determinant]];
-        Jacobian { shape, tangent: t, inverse, determinant, thickness }
+        Jacobian { shape, tangent: t, inverse, determinant }
     }
 }
 
@@ -127,10 +117,14 @@ pub struct Stiffness {
 }
 
 /// Stiffness of one element.
-pub fn stiffness(kind: Kind, geometry: &Geometry, material: &Material) -> Stiffness {
-    match kind {
-        Kind::Mitc9 => mitc9::stiffness(geometry, material),
-        Kind::Q8r => q8r::stiffness(geometry, material),
+pub fn stiffness(kind: Kind, geometry: &Geometry, material: &Material, sections: Sections) -> Stiffness {
+    match (kind, sections) {
+        (Kind::Mitc9, Sections::Constant(h)) => mitc9::stiffness(geometry, material, [h; 9]),
+        (Kind::Mitc9, Sections::Varying(h)) => mitc9::stiffness(geometry, material, std::array::from_fn(|i| h[i])),
+        (Kind::Mitc9, Sections::Layered(s)) => mitc9::layered_stiffness(geometry, std::array::from_fn(|i| s[i])),
+        (Kind::Q8r, Sections::Constant(h)) => q8r::stiffness(geometry, material, [h; 4]),
+        (Kind::Q8r, Sections::Varying(h)) => q8r::stiffness(geometry, material, std::array::from_fn(|i| h[i])),
+        (Kind::Q8r, Sections::Layered(s)) => q8r::layered_stiffness(geometry, std::array::from_fn(|i| s[i])),
     }
 }
 
@@ -139,6 +133,18 @@ pub fn strain_matrices<const N: usize>(kind: Kind, geometry: &Geometry, at: [(f6
     match kind {
         Kind::Mitc9 => mitc9::strain_matrices(geometry, at),
         Kind::Q8r => at.map(|(xi, eta)| q8r::strain_matrix(geometry, xi, eta)),
+    }
+}
+
+/// Adds bᵢᵀ C bⱼ for the first `count` dofs, i ≥ j.
+fn add_energy(strain: &StrainMatrix, section: &Section, count: usize, mut add: impl FnMut(usize, usize, f64)) {
+    for j in 0..count {
+        let [m0, m1, m2] = section.moment([strain[0][j], strain[1][j], strain[2][j]]);
+        let [q0, q1] = section.shear_force([strain[3][j], strain[4][j]]);
+        for i in j..count {
+            let bending = strain[0][i] * m0 + strain[1][i] * m1 + strain[2][i] * m2;
+            add(i, j, bending + strain[3][i] * q0 + strain[4][i] * q1);
+        }
     }
 }
 
@@ -155,33 +161,35 @@ pub fn rotation_functions(kind: Kind, xi: f64, eta: f64) -> [f64; 9] {
 }
 
 /// Work-equivalent forces of the stress-free curvature `[κxx, κyy, κxy]` over [`ALL_DOFS`]: ∫ Bᵀ D κ⁰.
-pub fn curvature_load(kind: Kind, geometry: &Geometry, material: &Material, curvature: [f64; 3]) -> [f64; ALL_DOFS] {
+pub fn curvature_load(
+    kind: Kind,
+    geometry: &Geometry,
+    material: &Material,
+    sections: Sections,
+    curvature: [f64; 3],
+) -> [f64; ALL_DOFS] {
     match kind {
-        Kind::Mitc9 => curvature_load_by(kind, geometry, material, curvature, points::<3, 9>(GAUSS_3)),
-        Kind::Q8r => curvature_load_by(kind, geometry, material, curvature, points::<2, 4>(GAUSS_2)),
+        Kind::Mitc9 => curvature_load_by::<9>(kind, geometry, material, sections, curvature),
+        Kind::Q8r => curvature_load_by::<4>(kind, geometry, material, sections, curvature),
     }
-}
-
-fn points<const N: usize, const M: usize>(rule: [(f64, f64); N]) -> [(f64, f64, f64); M] {
-    let mut all = square(rule);
-    std::array::from_fn(|_| all.next().expect("M = N²"))
 }
 
 fn curvature_load_by<const M: usize>(
     kind: Kind,
     geometry: &Geometry,
     material: &Material,
+    sections: Sections,
     curvature: [f64; 3],
-    rule: [(f64, f64, f64); M],
 ) -> [f64; ALL_DOFS] {
     let mut load = [0.0; ALL_DOFS];
+    let rule: [(f64, f64, f64); M] = std::array::from_fn(|i| kind.points()[i]);
     let strains = strain_matrices(kind, geometry, rule.map(|(xi, eta, _)| (xi, eta)));
-    for ((xi, eta, weight), strain) in rule.into_iter().zip(strains) {
-        let jacobian = geometry.jacobian(xi, eta);
-        let moment = material.bending(jacobian.thickness, [curvature[0], curvature[1], 2.0 * curvature[2]]);
+    for (point, ((xi, eta, weight), strain)) in rule.into_iter().zip(strains).enumerate() {
+        let determinant = geometry.jacobian(xi, eta).determinant;
+        let moment = sections.at(point, material).moment([curvature[0], curvature[1], 2.0 * curvature[2]]);
         for (i, f) in load.iter_mut().enumerate() {
             let work: f64 = (0..3).map(|a| strain[a][i] * moment[a]).sum();
-            *f += weight * jacobian.determinant * work;
+            *f += weight * determinant * work;
         }
     }
     load

@@ -1,7 +1,7 @@
 //! The 8-node serendipity plate element with uniform 2×2 integration (Hinton & Owen 1977), as the paper uses it.
 
 use super::quadrature::{GAUSS_2, square};
-use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Stiffness, StrainMatrix, packed};
+use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Section, Stiffness, StrainMatrix, add_energy, packed};
 
 /// κ = sym ∇θ and γ = ∇w − θ, all on the serendipity functions.
 pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
@@ -23,15 +23,16 @@ pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
 }
 
 /// ∫ Bᵀ C B by the 2×2 rule; there is no centre node.
-pub fn stiffness(geometry: &Geometry, material: &Material) -> Stiffness {
+///
+/// `thickness` is that at the points.
+pub fn stiffness(geometry: &Geometry, material: &Material, thickness: [f64; 4]) -> Stiffness {
     let mut full = [0.0; PACKED];
-    for (xi, eta, weight) in square(GAUSS_2) {
-        let jacobian = geometry.jacobian(xi, eta);
+    for ((xi, eta, weight), thickness) in square(GAUSS_2).zip(thickness) {
         let strain = strain_matrix(geometry, xi, eta);
-        let scale = weight * jacobian.determinant;
-        let shear = material.shear_rigidity(jacobian.thickness);
+        let scale = weight * geometry.jacobian(xi, eta).determinant;
+        let shear = material.shear_rigidity(thickness);
         for j in 0..DOFS {
-            let bending = material.bending(jacobian.thickness, [strain[0][j], strain[1][j], strain[2][j]]);
+            let bending = material.bending(thickness, [strain[0][j], strain[1][j], strain[2][j]]);
             for i in j..DOFS {
                 let mut energy = shear * (strain[3][i] * strain[3][j] + strain[4][i] * strain[4][j]);
                 for a in 0..3 {
@@ -40,6 +41,17 @@ pub fn stiffness(geometry: &Geometry, material: &Material) -> Stiffness {
                 full[packed(i, j)] += scale * energy;
             }
         }
+    }
+    Stiffness { packed: full, centre: Centre::default() }
+}
+
+/// The same for any sections at the points.
+pub fn layered_stiffness(geometry: &Geometry, sections: [Section; 4]) -> Stiffness {
+    let mut full = [0.0; PACKED];
+    for ((xi, eta, weight), section) in square(GAUSS_2).zip(sections) {
+        let strain = strain_matrix(geometry, xi, eta);
+        let scale = weight * geometry.jacobian(xi, eta).determinant;
+        add_energy(&strain, &section, DOFS, |i, j, energy| full[packed(i, j)] += scale * energy);
     }
     Stiffness { packed: full, centre: Centre::default() }
 }

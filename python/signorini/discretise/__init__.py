@@ -22,13 +22,11 @@ from signorini.discretise.places import located
 from signorini.discretise.redundancy import Repeated, that_can_act
 from signorini.discretise.rows import Floats, Rows
 from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
+from signorini.discretise.thickness import Thickness, thickness_of
 from signorini.errors import InputError
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
 from signorini.remade import Remade
-
-_THICKNESS = (1e-6, 10.0)
-"""Thickness over the plate's size: beyond, double precision holds no plate, or the plate is a block."""
 
 __all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "Rows", "Springs", "discretise"]
 
@@ -40,7 +38,7 @@ class Discretisation(Remade):
     model: Model
     mesh: Mesh
     plate: _core.Plate
-    thickness: Floats
+    thickness: Thickness
     plate_stiffness: PlateStiffness
     held: Held
     springs: Springs
@@ -134,9 +132,9 @@ def _discretise(model: Model) -> Discretisation:
     mesh = mesh_of(model)
     meshed = time.perf_counter()
     held = hold(model, mesh)
-    thickness = _thickness(model, mesh)
+    thickness = thickness_of(model, mesh)
     plate = _plate(model, mesh, thickness, held)
-    stiffness = PlateStiffness.of(model, mesh, thickness)
+    stiffness = PlateStiffness.of(model, mesh, thickness.at_points)
     springs, contacts = springs_and_contacts(model, mesh, plate, held.dofs, stiffness)
     contacts, repeated = that_can_act(model, mesh, held, contacts)
     cases = Cases(case_loads(model, mesh, plate, held), model.moving, mesh)
@@ -152,33 +150,19 @@ def _discretise(model: Model) -> Discretisation:
     )
 
 
-def _plate(model: Model, mesh: Mesh, thickness: Floats, held: Held) -> _core.Plate:
+def _plate(model: Model, mesh: Mesh, thickness: Thickness, held: Held) -> _core.Plate:
     material = model.material
     try:
         return _core.Plate(
             mesh.points,
             mesh.elements,
-            thickness,
+            thickness.for_core,
             material.E,
             material.nu,
             model.plate.shear_factor,
             model.plate.element,
             held.frames,
+            thickness.layered,
         )
     except ValueError as error:
         raise InputError(f"{error}. Change the mesh or the thickness.", place="plate") from None
-
-
-def _thickness(model: Model, mesh: Mesh) -> Floats:
-    """Thickness (n,) at the nodes, of a plate that is one."""
-    thickness = model.plate.thickness(*mesh.points.T, above=0.0, place="plate.thickness")
-    thinnest, thickest = _THICKNESS[0] * mesh.size, _THICKNESS[1] * mesh.size
-    wrong = (thickness < thinnest) | (thickness > thickest)
-    if wrong.any():
-        x, y = mesh.points[np.argmax(wrong)]
-        raise InputError(
-            f"Found the thickness {thickness[np.argmax(wrong)]:g} at [{x:g}, {y:g}]; on a plate {mesh.size:g} long it "
-            f"must be from {thinnest:g} to {thickest:g}. Are the units those of the plate's size?",
-            place="plate.thickness",
-        )
-    return thickness

@@ -42,8 +42,8 @@ class PlateStiffness:
 
     @classmethod
     def of(cls, model: Model, mesh: Mesh, thickness: Floats) -> Self:
-        """Take the thickness (n,) at nodes."""
-        h = thickness[mesh.elements].mean(axis=1)
+        """Take the thickness (ne, p) at the points of the elements' integrals, or (1, 1)."""
+        h = np.broadcast_to(thickness.mean(axis=1), len(mesh.elements))
         bending = model.material.E * h**3 / (12.0 * (1.0 - model.material.nu**2))
         shear = model.plate.shear_factor * model.material.E * h / (2.0 * (1.0 + model.material.nu))
         # sin(πx/a) sin(πy/a), with a² the element's area.

@@ -78,7 +78,7 @@ def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, 
         case "line_load":
             assert load.line_load is not None
             order = _GAUSS if load.line_load.is_constant else _GAUSS_VARYING
-            points = along_curve(mesh, model.plate, load, place, order)
+            points = along_curve(mesh, model.plate, load, place, order, levels=load.line_load.levels)
             force = load.line_load(*points.positions.T, place=f"{place}.line_load")
             push(mesh, nodal, points.elements, points.xi, points.weights * force)
         case "force":
@@ -105,7 +105,8 @@ def _press(
     key: str,
     factor: float = 1.0,
 ) -> None:
-    points = in_area(mesh, model.plate, area, place, _GAUSS if pressure.is_constant else _GAUSS_VARYING)
+    order = _GAUSS if pressure.is_constant else _GAUSS_VARYING
+    points = in_area(mesh, model.plate, area, place, order, levels=pressure.levels)
     force = factor * points.weights * pressure(*points.positions.T, place=f"{place}.{key}")
     push(mesh, nodal, points.elements, points.xi, force)
 

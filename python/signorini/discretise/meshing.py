@@ -6,11 +6,14 @@ import math
 from collections.abc import Iterator
 
 from signorini.discretise.places import curve, region
+from signorini.expression import Expression
+from signorini.expression.levels import Drawing
 from signorini.memory import require_memory
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import annulus, disc, rectangle
 from signorini.model import AnnulusPlate, DiscPlate, Load, MeshPlate, Model, RectanglePlate, Support
 from signorini.regions import Curve, Region
+from signorini.regions.outlines import Box, Point
 
 
 def mesh_of(model: Model) -> Mesh:
@@ -25,14 +28,16 @@ def mesh_of(model: Model) -> Mesh:
     require_memory(math.prod(plate.divisions(model.mesh)), "mesh")
     match plate:
         case RectanglePlate():
-            x_lines = [x for shape in _shapes(model) for x in shape.x_lines]
-            y_lines = [y for shape in _shapes(model) for y in shape.y_lines]
+            (x, y), (a, b) = plate.origin, plate.size
+            shapes = [*_shapes(model), *_steps(model, (x, y, x + a, y + b))]
+            x_lines = [line for shape in shapes for line in shape.x_lines]
+            y_lines = [line for shape in shapes for line in shape.y_lines]
             return rectangle(plate.origin, plate.size, plate.divisions(model.mesh), x_lines, y_lines)
         case DiscPlate():
-            radii = [r for shape in _shapes(model) for r in shape.radii(plate.center)]
+            radii = _radii(model, plate.center, plate.radius)
             return disc(plate.center, plate.radius, plate.divisions(model.mesh), plate.sector, radii)
         case AnnulusPlate():
-            radii = [r for shape in _shapes(model) for r in shape.radii(plate.center)]
+            radii = _radii(model, plate.center, plate.outer)
             divisions = plate.divisions(model.mesh)
             return annulus(plate.center, plate.inner, plate.outer, divisions, plate.sector, radii)
 
@@ -43,3 +48,30 @@ def _shapes(model: Model) -> Iterator[Region | Curve]:
         for shape in (region(item.area), curve(item)):
             if shape is not None:
                 yield shape
+
+
+def _radii(model: Model, center: Point, outer: float) -> list[float]:
+    (x, y), r = center, outer
+    steps = _steps(model, (x - r, y - r, x + r, y + r))
+    return [radius for shape in [*_shapes(model), *steps] for radius in shape.radii(center)]
+
+
+def _steps(model: Model, box: Box) -> Iterator[Drawing]:
+    """Where expressions jump, as far as a mesh may follow it, within a box and what each acts on."""
+    items: list[tuple[Support | Load | None, Expression | None]] = [(None, model.plate.thickness)]
+    for support in model.support:
+        if support.area is None and (support.stiffness is None or support.at is not None):
+            continue  # it acts at nodes, or at points of its own
+        items += [(support, value) for value in (support.stiffness, support.gap, support.settlement)]
+    for load in model.load:
+        items += [(load, value) for value in (load.pressure, load.line_load)]
+    for item, formula in items:
+        for level in formula.levels if formula is not None else ():
+            yield level.drawing(_within(item, box))
+
+
+def _within(item: Support | Load | None, box: Box) -> Box:
+    shape = None if item is None else region(item.area) or curve(item)
+    if shape is None:
+        return box
+    return tuple(f(a, b) for f, a, b in zip((max, max, min, min), box, shape.bounds, strict=True))  # type: ignore[return-value]

@@ -18,6 +18,7 @@ from signorini.quadrature import (
     edge_quadrature,
     off_plate,
 )
+from signorini.quadrature.stepped import OFF, Levels
 from signorini.regions import Circle, Curve, Polygon, Polyline, Rectangle, Region, Ring
 
 _SECTOR_SLACK = 1e-3
@@ -94,8 +95,10 @@ def mesh_edges(mesh: Mesh, item: Support | Load, place: str) -> Ints | None:
     return None if along is None else mesh.edges_along(along)
 
 
-def along_curve(mesh: Mesh, plate: Plate, item: Support | Load, place: str, order: int, at_ends: int = 0) -> Sampled:
-    """Gauss points of the item's edge, line or circle; weights are lengths.
+def along_curve(
+    mesh: Mesh, plate: Plate, item: Support | Load, place: str, order: int, at_ends: int = 0, levels: Levels = ()
+) -> Sampled:
+    """Gauss points of the item's edge, line or circle, divided where levels change sign; weights are lengths.
 
     If ``at_ends`` is not 0, so many points of Lobatto's rule on pieces at ends and corners.
 
@@ -106,19 +109,28 @@ def along_curve(mesh: Mesh, plate: Plate, item: Support | Load, place: str, orde
     """
     triples = mesh_edges(mesh, item, place)
     if triples is not None:
-        return _sampled(edge_quadrature(mesh, triples, order, at_ends > 0))
+        return _sampled(edge_quadrature(mesh, triples, order, at_ends > 0, levels))
     along = curve(item)
     assert along is not None  # an item on a curve has an edge, a line or a circle
-    points = curve_quadrature(mesh, along, order, at_ends)
+    points = curve_quadrature(mesh, along, order, at_ends, levels)
     key = "line" if item.line is not None else "circle"
     _require_on_plate(mesh, plate, along, points, f"The {key}", f"{place}.{key}")
     return _sampled(points)
 
 
 def in_area(
-    mesh: Mesh, plate: Plate, area: Area | str | None, place: str, order: int, to_outline: Bools | None = None
+    mesh: Mesh,
+    plate: Plate,
+    area: Area | str | None,
+    place: str,
+    order: int,
+    to_outline: Bools | None = None,
+    levels: Levels = (),
+    off: float = OFF,
 ) -> Quadrature:
-    """Quadrature of an area, in the elements (ne,) marked with points on its outline; weights are areas.
+    """Quadrature of an area, whose elements are cut where levels change sign; weights are areas.
+
+    Elements (ne,) marked have points on its outline.
 
     Raises
     ------
@@ -126,7 +138,7 @@ def in_area(
         If the area leaves the plate.
     """
     wanted = region(area)
-    points = area_quadrature(mesh, wanted, order, to_outline)
+    points = area_quadrature(mesh, wanted, order, to_outline, levels, off)
     if wanted is not None:
         _require_on_plate(mesh, plate, wanted, points, "The area", f"{place}.area")
     return points

@@ -13,6 +13,7 @@ from signorini.discretise.averages import STRIP, OutlinePoints, PlateStiffness, 
 from signorini.discretise.holds import holds_deflection, nodes_at
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area, located, mesh_edges
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
+from signorini.expression.levels import Level
 from signorini.mesh import Mesh
 from signorini.model import Model, Plate, Support
 
@@ -31,6 +32,9 @@ _SAME_PLACE = 1e-9
 _NONE = 1e-12
 """Coefficient of a row that counts as none."""
 _NOT_SHARED = np.full((0, 4), -1, np.int64)
+
+_OFF = 0.02
+"""How far a cut may lie from a curved step of a support, over an element's side: finer cuts are many contact points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +163,8 @@ def _acting(
         return found
     triples = mesh_edges(mesh, support, place)
     if support.stiffness is not None:
-        sampled = along_curve(mesh, shape, support, place, _GAUSS, _GAUSS + 1 if can_let_go(support) else 0)
+        at_ends = _GAUSS + 1 if can_let_go(support) else 0
+        sampled = along_curve(mesh, shape, support, place, _GAUSS, at_ends, _steps(support))
     elif triples is None:
         sampled = along_curve(mesh, shape, support, place, _GAUSS_RIGID, _GAUSS_RIGID if can_let_go(support) else 0)
         sampled = _once(mesh, sampled)
@@ -178,6 +183,12 @@ def _acting(
     return found
 
 
+def _steps(support: Support) -> list[Level]:
+    """Where an elastic support's stiffness, gap or settlement jumps; the points of a rigid one are what they are."""
+    formulas = (support.stiffness, support.gap, support.settlement) if support.stiffness is not None else ()
+    return [level for formula in formulas if formula is not None for level in formula.levels if level.jumps]
+
+
 def _on_area(
     mesh: Mesh,
     shape: Plate,
@@ -191,7 +202,8 @@ def _on_area(
     elastic, one_sided = support.stiffness is not None, can_let_go(support)
     # Where nodes hold the plate a point of the outline could do nothing.
     free_corners = np.asarray(~held[3 * mesh.elements[:, :4]].any(axis=1))
-    points = in_area(mesh, shape, support.area, place, _GAUSS, free_corners if elastic and one_sided else None)
+    to_outline = free_corners if elastic and one_sided else None
+    points = in_area(mesh, shape, support.area, place, _GAUSS, to_outline, _steps(support), _OFF)
     sampled = Sampled(points.elements, points.xi, points.weights, points.positions, np.zeros_like(points.positions))
     through = _Acting(_rows(plate, sampled, 0), sampled.positions, sampled.weights, False)
     covered = np.bincount(sampled.elements, minlength=len(mesh.elements)) > 0

@@ -136,7 +136,7 @@ impl ContactProblem {
         let slenderness = |e: usize| {
             let geometry = plate.geometry(e);
             let size = geometry.at.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
-            geometry.thickness[0] / size
+            plate.thickness.first(plate.kind, e) / size
         };
         let thinnest = points.element.iter().map(|&e| slenderness(e)).fold(f64::INFINITY, f64::min);
         let limit = f64::min(LONG_WAVE * thinnest * thinnest, 1.0);

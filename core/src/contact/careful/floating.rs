@@ -120,8 +120,7 @@ pub(super) fn rigid_part(plate: &Plate, nodal: &[f64]) -> [f64; 3] {
 
 /// D = Et³/12 of the thickest element.
 pub(super) fn rigidity(plate: &Plate) -> f64 {
-    let thickness = (0..plate.elements().len()).flat_map(|e| plate.geometry(e).thickness).fold(0.0, f64::max);
-    plate.material.young * thickness.powi(3) / 12.0
+    plate.material.young * plate.thickness.most().powi(3) / 12.0
 }
 
 /// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero.

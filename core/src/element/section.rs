@@ -1,0 +1,142 @@
+//! What a plate is made of at one point: its thickness, and the rigidities that follow from it.
+
+use super::Kind;
+
+/// Isotropic elasticity with a shear correction factor.
+#[derive(Clone, Copy, Debug)]
+pub struct Material {
+    pub young: f64,
+    pub poisson: f64,
+    pub shear_factor: f64,
+}
+
+impl Material {
+    /// D = Eh³/12(1−ν²).
+    pub fn bending_rigidity(&self, thickness: f64) -> f64 {
+        self.young * thickness.powi(3) / (12.0 * (1.0 - self.poisson * self.poisson))
+    }
+
+    /// S = κGh.
+    pub fn shear_rigidity(&self, thickness: f64) -> f64 {
+        self.shear_factor * self.young * thickness / (2.0 * (1.0 + self.poisson))
+    }
+
+    /// [mxx, myy, mxy] conjugate to [κxx, κyy, 2κxy].
+    pub fn bending(&self, thickness: f64, curvature: [f64; 3]) -> [f64; 3] {
+        let d = self.bending_rigidity(thickness);
+        let nu = self.poisson;
+        let [x, y, twist] = curvature;
+        [d * (x + nu * y), d * (nu * x + y), d * 0.5 * (1.0 - nu) * twist]
+    }
+
+    /// The section of a plate of one thickness.
+    pub fn section(&self, thickness: f64) -> Section {
+        let d = self.bending_rigidity(thickness);
+        let (coupled, twist) = (d * self.poisson, d * 0.5 * (1.0 - self.poisson));
+        let s = self.shear_rigidity(thickness);
+        Section { bending: [[d, coupled, 0.0], [coupled, d, 0.0], [0.0, 0.0, twist]], shear: [[s, 0.0], [0.0, s]] }
+    }
+}
+
+/// Rigidities: [mxx, myy, mxy] from [κxx, κyy, 2κxy] and [qx, qy] from [γx, γy].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Section {
+    pub bending: [[f64; 3]; 3],
+    pub shear: [[f64; 2]; 2],
+}
+
+impl Section {
+    pub fn moment(&self, curvature: [f64; 3]) -> [f64; 3] {
+        self.bending.map(|row| row[0] * curvature[0] + row[1] * curvature[1] + row[2] * curvature[2])
+    }
+
+    pub fn shear_force(&self, strain: [f64; 2]) -> [f64; 2] {
+        self.shear.map(|row| row[0] * strain[0] + row[1] * strain[1])
+    }
+
+    /// Whether every load meets resistance: both matrices symmetric, finite and positive definite.
+    pub fn resists(&self) -> bool {
+        let ([[a, b, c], [_, d, e], [_, _, f]], [[s, t], [_, u]]) = (self.bending, self.shear);
+        let symmetric = (0..3).all(|i| (0..i).all(|j| self.bending[i][j] == self.bending[j][i]));
+        let minor = a * d - b * b;
+        let determinant = f * minor - e * (a * e - b * c) + c * (b * e - c * d);
+        let finite = determinant.is_finite() && (s * u).is_finite();
+        finite && symmetric && self.shear[1][0] == t && a > 0.0 && minor > 0.0 && determinant > 0.0 && s > 0.0 && {
+            s * u > t * t
+        }
+    }
+}
+
+/// Thickness of a plate at its elements' points, see [`Kind::points`].
+#[derive(Clone, Debug)]
+pub enum Thickness {
+    Constant(f64),
+    Varying {
+        /// Element after element, its points in their order.
+        at_points: Vec<f64>,
+        layered: Layered,
+    },
+}
+
+/// Sections, at each of their points, of elements inside which the thickness jumps.
+#[derive(Clone, Debug, Default)]
+pub struct Layered {
+    /// In increasing order.
+    pub element: Vec<usize>,
+    pub section: Vec<Section>,
+}
+
+/// What one element is made of, at each of its points.
+#[derive(Clone, Copy, Debug)]
+pub enum Sections<'a> {
+    Constant(f64),
+    Varying(&'a [f64]),
+    Layered(&'a [Section]),
+}
+
+impl Sections<'_> {
+    pub fn at(&self, point: usize, material: &Material) -> Section {
+        match self {
+            Self::Constant(thickness) => material.section(*thickness),
+            Self::Varying(thickness) => material.section(thickness[point]),
+            Self::Layered(sections) => sections[point],
+        }
+    }
+}
+
+impl Thickness {
+    pub fn of(&self, kind: Kind, e: usize) -> Sections<'_> {
+        let count = kind.points().len();
+        match self {
+            Self::Constant(thickness) => Sections::Constant(*thickness),
+            Self::Varying { at_points, layered } => match layered.element.binary_search(&e) {
+                Ok(at) => Sections::Layered(&layered.section[count * at..count * (at + 1)]),
+                Err(_) => Sections::Varying(&at_points[count * e..count * (e + 1)]),
+            },
+        }
+    }
+
+    /// All there are; of an element whose thickness jumps those of its points.
+    pub fn all(&self) -> &[f64] {
+        match self {
+            Self::Constant(thickness) => std::slice::from_ref(thickness),
+            Self::Varying { at_points, .. } => at_points,
+        }
+    }
+
+    pub fn least(&self) -> f64 {
+        self.all().iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    pub fn most(&self) -> f64 {
+        self.all().iter().copied().fold(0.0, f64::max)
+    }
+
+    /// At the first point of an element.
+    pub fn first(&self, kind: Kind, e: usize) -> f64 {
+        match self {
+            Self::Constant(thickness) => *thickness,
+            Self::Varying { at_points, .. } => at_points[kind.points().len() * e],
+        }
+    }
+}

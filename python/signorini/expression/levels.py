@@ -1,0 +1,162 @@
+"""Where an expression is not smooth: the zeros of functions that its syntax tree names.
+
+A comparison jumps where its two sides are equal, ``floor`` and ``ceil`` where their argument is a whole number,
+``sign`` where it is zero; ``abs``, ``min`` and ``max`` have a kink there. Where a branch is not chosen these lines mean
+nothing, and do no harm.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import combinations, pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from signorini.expression.polynomial import Polynomial, polynomial
+from signorini.expression.tree import evaluate, operands
+
+_MOST_LINES = 200
+"""Steps of one floor or ceil that are drawn: no mesh follows more."""
+
+Box = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """Lines and circles at which an expression jumps: abscissae, ordinates, and circles as x, y, radius."""
+
+    x_lines: tuple[float, ...] = ()
+    y_lines: tuple[float, ...] = ()
+    circles: tuple[tuple[float, float, float], ...] = ()
+
+    def radii(self, center: tuple[float, float]) -> tuple[float, ...]:
+        """Radii of the circles around a point."""
+        return tuple(r for x, y, r in self.circles if math.dist(center, (x, y)) <= 1e-9 * r)
+
+    def __add__(self, other: Drawing) -> Drawing:
+        """Draw both."""
+        return Drawing(self.x_lines + other.x_lines, self.y_lines + other.y_lines, self.circles + other.circles)
+
+
+@dataclass(frozen=True)
+class Level:
+    """A function of x and y at whose zeros an expression jumps, or only has a kink."""
+
+    jumps: bool
+    _tree: ast.expr = field(repr=False)
+    _curves: tuple[Polynomial, ...] = field(repr=False)
+    """Polynomials whose zeros are those of the function, as far as it has such; of ``floor`` its argument."""
+    _whole: bool = field(repr=False)
+
+    def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values (q,) at points (q, 2), NaN where there is none."""
+        x, y = np.ascontiguousarray(points.T)
+        with np.errstate(all="ignore"):
+            return np.array(np.broadcast_to(evaluate(self._tree, x, y, strict=False), x.shape), dtype=np.float64)
+
+    def drawing(self, box: Box) -> Drawing:
+        """Straight lines along the axes, and circles, among the jumps in a box xmin, ymin, xmax, ymax."""
+        found = Drawing()
+        if self.jumps:
+            for curve in self._curves:
+                for shifted in _steps(curve, box) if self._whole else (curve,):
+                    found += Drawing(*shifted.zeros())
+        x0, y0, x1, y1 = box
+        x_lines = tuple(x for x in found.x_lines if x0 <= x <= x1)
+        return Drawing(x_lines, tuple(y for y in found.y_lines if y0 <= y <= y1), found.circles)
+
+
+def _steps(inner: Polynomial, box: Box) -> Iterator[Polynomial]:
+    """Yield what is zero where a linear function of x or y alone is a whole number."""
+    ends = [inner(x, y) for x in box[::2] for y in box[1::2]]
+    if inner.is_linear and max(ends) - min(ends) < _MOST_LINES:
+        for whole in range(math.ceil(min(ends)), math.floor(max(ends)) + 1):
+            yield inner - Polynomial.constant(whole)
+
+
+def levels(tree: ast.expr) -> tuple[Level, ...]:
+    """Every such function of a checked tree, each once, those that jump first.
+
+    Examples
+    --------
+    >>> from signorini.expression import Expression
+    >>> (step,) = Expression("where(x < 5, 0.1, 1)").levels
+    >>> step(np.array([[4.0, 0.0], [7.0, 0.0]])), step.drawing((0, 0, 10, 1)).x_lines
+    (array([-1.,  2.]), (5.0,))
+    """
+    found: dict[str, Level] = {}
+    for level in _levels(tree):
+        key = ast.dump(level._tree)
+        if key not in found or level.jumps:
+            found[key] = level
+    return tuple(sorted(found.values(), key=lambda level: not level.jumps))
+
+
+def _levels(node: ast.expr) -> Iterator[Level]:
+    match node:
+        case ast.Compare():
+            for left, right in pairwise(operands(node)):
+                yield from _level(_difference(left, right), True, _equal(left, right))
+        case ast.Call(func=ast.Name(id="floor" | "ceil"), args=[inner]):
+            wave = ast.Call(ast.Name("sin"), [ast.BinOp(ast.Name("pi"), ast.Mult(), inner)], [])
+            curve = polynomial(inner)
+            # Straight where it is zero, so that straight steps are cut exactly.
+            yield from _level(ast.Call(ast.Name("asin"), [wave], []), True, [curve] if curve else [], whole=True)
+        case ast.Call(func=ast.Name(id="sign"), args=[inner]):
+            yield from _level(inner, True, _equal(inner, ast.Constant(0)))
+        case ast.Call(func=ast.Name(id="abs"), args=[inner]):
+            yield from _level(inner, False)
+        case ast.Call(func=ast.Name(id="atan2"), args=[inner, _]):
+            yield from _level(inner, True)
+        case ast.Call(func=ast.Name(id="min" | "max"), args=values):
+            for left, right in combinations(values, 2):
+                yield from _level(_difference(left, right), False)
+    for operand in operands(node):
+        yield from _levels(operand)
+
+
+def _level(tree: ast.expr, jumps: bool, curves: list[Polynomial] | None = None, whole: bool = False) -> Iterator[Level]:
+    if any(isinstance(part, ast.Name) and part.id in ("x", "y") for part in ast.walk(tree)):
+        yield Level(jumps, tree, tuple(curves or ()), whole)
+
+
+def _difference(left: ast.expr, right: ast.expr) -> ast.expr:
+    return ast.BinOp(left, ast.Sub(), right)
+
+
+def _equal(left: ast.expr, right: ast.expr) -> list[Polynomial]:
+    """Polynomials whose zeros make up the places where two trees are equal, more or fewer."""
+    for one, other in ((left, right), (right, left)):
+        match one:
+            case ast.Call(func=ast.Name(id="min" | "max"), args=values):
+                return [curve for value in values for curve in _equal(value, other)]
+            case ast.BinOp(op=ast.Mult(), left=a, right=b) if _is_zero(other):
+                return _equal(a, other) + _equal(b, other)
+        bound = polynomial(other)
+        if bound is None or not bound.is_constant:
+            continue
+        match one:
+            case ast.Call(func=ast.Name(id="abs"), args=[inner]):
+                value = polynomial(inner)
+                return [] if value is None else [value - bound, value + bound]
+            case (
+                ast.Call(func=ast.Name(id="sqrt"), args=[inner])
+                | ast.BinOp(left=inner, op=ast.Pow(), right=ast.Constant(value=0.5))
+            ):
+                value, square = polynomial(inner), bound * bound
+                return [] if value is None or square is None else [value - square]
+            case ast.Call(func=ast.Name(id="hypot"), args=[a, b]):
+                p, q = polynomial(a), polynomial(b)
+                squares = [v * v if v else None for v in (p, q, bound)]
+                return [] if None in squares else [squares[0] + squares[1] - squares[2]]  # type: ignore[operator]
+    first, second = polynomial(left), polynomial(right)
+    return [] if first is None or second is None else [first - second]
+
+
+def _is_zero(node: ast.expr) -> bool:
+    value = polynomial(node)
+    return value is not None and value.is_constant and value(0.0, 0.0) == 0.0
