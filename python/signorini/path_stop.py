@@ -40,7 +40,7 @@ class Switch:
 
 @dataclass(frozen=True, eq=False)
 class PathStop:
-    """The path at one t. Between two stops all of it is linear in t, but for the extremes of the deflection.
+    """The path at one t. Between two stops all is linear in t, but for the extremes and the work.
 
     Parameters
     ----------
@@ -58,6 +58,8 @@ class PathStop:
     largest, smallest : float
         Extremes of the deflection over the nodes.
     largest_at, smallest_at : (x, y)
+    work, work_size : float
+        Sum of nodal loads times displacements, which is the same for all solutions of one load, and of the magnitudes.
     """
 
     t: float
@@ -71,6 +73,8 @@ class PathStop:
     smallest: float
     largest_at: tuple[float, float]
     smallest_at: tuple[float, float]
+    work: float
+    work_size: float
 
     @property
     def event(self) -> str:
@@ -99,10 +103,11 @@ def switches(found: Discretisation, points: Ints, answer: _core.ContactSolution)
 
 def path_stop(found: Discretisation, t: float, load: CaseLoad, points: Ints, answer: _core.ContactSolution) -> PathStop:
     """Reduce an answer to what the path keeps of it."""
-    deflection = (answer.hi + answer.lo)[::3]
+    displacement = answer.hi + answer.lo
+    deflection, works = displacement[::3], load.nodal * displacement
     imbalance = found.plate.residual(spring_arrays(found), load.nodal, answer.hi, answer.lo)
     held_force = np.where(found.held.dofs, imbalance - found.contact_rows.T @ answer.reaction, 0.0)
-    pull = found.springs.stiffness * (found.spring_rows @ (answer.hi + answer.lo) - found.springs.base)
+    pull = found.springs.stiffness * (found.spring_rows @ displacement - found.springs.base)
     supports = [
         support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
     ]
@@ -122,4 +127,6 @@ def path_stop(found: Discretisation, t: float, load: CaseLoad, points: Ints, ans
         float(deflection[least]),
         at[0],
         at[1],
+        float(works.sum()),
+        float(np.abs(works).sum()),
     )
