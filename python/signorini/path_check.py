@@ -8,7 +8,7 @@ import numpy as np
 
 from signorini.certificate import certify, least_deflection
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.path_stop import PathStop, path_stop
+from signorini.path_stop import PathStop, path_stop, resultants
 from signorini.problem import ContactProblem
 
 _TOLD = 1e-6
@@ -17,24 +17,25 @@ _SAME = 1e-6
 """Difference of deflections, over the largest, and of works, over the work, that is none."""
 _ROUNDED = 1e-12
 """Part of the magnitudes that a sum is made of below which it is their rounding."""
-_SAMPLES = 4
+_SAMPLES = 11
 """Parts of a path at whose ends it is compared with direct solutions."""
 
 
 def told(found: Discretisation, loads: tuple[CaseLoad, CaseLoad], stop: PathStop) -> bool:
-    """Whether the reactions at a stop balance the force of the load as such.
+    """Whether the reactions at a stop balance the force and the moments of the load as such.
 
     A certificate measures balance by all that the load is made of. Of a load without a resultant, as a curvature, that
     may be so much more than what presses the plate on its supports that the reactions are nothing but its rounding.
     """
-    weights = [load.nodal[::3].sum() for load in loads]
-    sizes = [np.abs(load.nodal).sum() for load in loads]
-    parts = [w * (abs(w) > _ROUNDED * size) for w, size in zip(weights, sizes, strict=True)]
-    size = abs(parts[0]) + stop.t * abs(parts[1])
+    parts = [resultants(found, load.nodal) for load in loads]
+    for part, load in zip(parts, loads, strict=True):
+        forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0)
+        part[np.abs(part) <= _ROUNDED * (forces + sum(couples) / found.mesh.size)] = 0.0
+    wanted, size = parts[0] + stop.t * parts[1], np.abs(parts[0]).max() + stop.t * np.abs(parts[1]).max()
     if size == 0.0:
         return True
-    missing = stop.reactions.sum() - (parts[0] + stop.t * parts[1])
-    return bool(abs(missing) <= _TOLD * max(size, np.abs(stop.reactions).max(initial=0.0)))
+    missing = np.abs(stop.resultants - wanted).max()
+    return bool(missing <= _TOLD * max(size, np.abs(stop.reactions).max(initial=0.0)))
 
 
 def confirmed(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stops: Sequence[PathStop]) -> int:

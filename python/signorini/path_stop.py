@@ -58,6 +58,8 @@ class PathStop:
     largest, smallest : float
         Extremes of the deflection over the nodes.
     largest_at, smallest_at : (x, y)
+    resultants : (3,) array
+        What all supports exert upwards: the force, and its two moments over the plate's size (see `resultants`).
     work, work_size : float
         Sum of nodal loads times displacements, which is the same for all solutions of one load, and of the magnitudes.
     """
@@ -73,6 +75,7 @@ class PathStop:
     smallest: float
     largest_at: tuple[float, float]
     smallest_at: tuple[float, float]
+    resultants: Floats
     work: float
     work_size: float
 
@@ -101,6 +104,12 @@ def switches(found: Discretisation, points: Ints, answer: _core.ContactSolution)
     )
 
 
+def resultants(found: Discretisation, nodal: Floats) -> Floats:
+    """Force of a nodal load (3n,), and its two moments over the plate's size."""
+    size = found.mesh.size
+    return np.asarray(np.einsum("ij,i->j", found.rigid_motions, nodal) / [1.0, size, size])
+
+
 def path_stop(found: Discretisation, t: float, load: CaseLoad, points: Ints, answer: _core.ContactSolution) -> PathStop:
     """Reduce an answer to what the path keeps of it."""
     displacement = answer.hi + answer.lo
@@ -127,6 +136,7 @@ def path_stop(found: Discretisation, t: float, load: CaseLoad, points: Ints, ans
         float(deflection[least]),
         at[0],
         at[1],
+        resultants(found, held_force + found.spring_rows.T @ pull + found.contact_rows.T @ answer.reaction),
         float(works.sum()),
         float(np.abs(works).sum()),
     )
