@@ -6,7 +6,12 @@ The models are those of tests/fuzz/random_models.py, with loads of two cases. Of
 - that it ends where reactions cease to balance the load, or goes on for ever as the direct solution says far out;
 - that inside of every segment the direct solution, by Lemke's algorithm or the active set in turn, is certified and has
   the same deflections, where these are unique;
-- that at every event some point that opens or closes pressed before or presses after, or is apart.
+- that at every event some point that opens or closes pressed before or presses after, or is apart;
+- that at stops the direct solution has the same extremes of deflection, where these are unique, and that the supports'
+  reactions add up to the load.
+
+Half of the models go to extremes: a load without a resultant, factors up to 1e8, supports that only a load far beyond
+any sense reaches, or a plate that rests on a rigid area under its weight. Such a path may be given up, but not wrong.
 
     python benchmarks/random_paths.py [--count 10000] [--first 0] [--processes 2]
     python benchmarks/random_paths.py --show SEED
@@ -41,13 +46,15 @@ _FAR = 1e-4
 """Of the limit, how far from it equilibrium must exist, or not."""
 _SAME = 1e-7
 """Largest difference of deflections, over the largest."""
+_BALANCED = 1e-5
+"""Part of the load's force, or of the largest reaction, that reactions at a stop may miss."""
 _MOST_FAULTS = 3
 _MOST_SEGMENTS = 12
 """Segments of a path that are compared with direct solutions."""
 
 
 def drawn(seed):
-    """A model with a case that is there and one that grows, and how far."""
+    """A model with a case that is there and one that grows, how far, and whether any of it is extreme."""
     rng = Random(seed)
     tables = random_models.model(rng)
     loads = tables["load"]
@@ -63,7 +70,12 @@ def drawn(seed):
     ]
     tables["solver"] = {"method": rng.choice(["auto", "auto", "lemke", "active_set"])}
     start = rng.choice(["G", "G", "G", None, "both"])
-    return tables, start, rng.choice(["Q", "Q", "less", "both"]), rng.choice([None, None, 3.0])
+    add, until = rng.choice(["Q", "Q", "less", "both"]), rng.choice([None, None, 3.0])
+    if rng.random() < 0.5:
+        return tables, start, add, until, False
+    tables.pop("output", None)
+    extreme(rng, tables)
+    return tables, start, add, rng.choice([until, None, 10.0 ** rng.uniform(-6, 15)]), True
 
 
 def unlike(load):
@@ -81,13 +93,36 @@ def shift(rng, tables):
     last |= {"case": "Q", "at": at} | ({"force": force} if rng.random() < 0.7 else {"moment": [force * size, 0.0]})
 
 
+def extreme(rng, tables):
+    """Loads without a resultant, at any scale, and supports that are far away."""
+    plate, size = tables["plate"], random_models._extent(tables["plate"])
+    factor = 10.0 ** rng.uniform(-8, 8) if rng.random() < 0.3 else 1.0
+    kind = rng.choice(["curvature", "curvature", "forces", "any"])
+    grows = [load for load in tables["load"] if load["case"] == "Q"]
+    if kind == "curvature":
+        parts = rng.choice([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [0.0, -2.0, 1.0], [0.0, 0.0, 1.0]])
+        grows = [{"case": "Q", "curvature": [factor * 1e-3 / size * part for part in parts]}]
+    elif kind == "forces" and plate["shape"] == "rectangle":
+        a, b = (random_models.point(rng, plate) for _ in range(2))
+        middle = [0.5 * (x + y) for x, y in zip(a, b, strict=True)]
+        stiffness = tables["material"]["E"] * float(str(plate["thickness"]).partition("*")[0]) ** 3
+        force = factor * 1e-4 * rng.choice([1.0, -1.0]) * stiffness / size
+        grows = [{"case": "Q", "at": at, "force": f * force} for at, f in ((a, 1.0), (middle, -2.0), (b, 1.0))]
+    tables["load"] = [load for load in tables["load"] if load["case"] != "Q"] + grows
+    if rng.random() < 0.3:
+        tables["support"] = [{"area": "all", "resists": "down"}]
+    for support in tables["support"]:
+        if "fix" not in support and rng.random() < 0.2:
+            support["gap"] = size * 10.0 ** rng.uniform(-3, 12)
+
+
 def balanced(found, load):
     return reactions_exist(found, load.nodal)
 
 
 def judged(seed):
     """What has become of one path, and what is wrong with it."""
-    tables, start, add, until = drawn(seed)
+    tables, start, add, until, wild = drawn(seed)
     try:
         model = validate(tables)
         plate = discretise(model)
@@ -100,13 +135,14 @@ def judged(seed):
         kind = "floats" if floats else "mechanism" if moves else "refused path"
         return Counter({kind: 1}), [] if floats or moves else [str(error)]
     except NotCertifiedError as error:
-        return Counter({"not certified": 1}), [f"not certified: {error}"] if alone(model, start) else []
+        wrong = not wild and alone(model, start)
+        return Counter({"not certified": 1}), [f"not certified: {error}"] if wrong else []
     except NoEquilibriumError as error:
         load = 0.0 * plate.cases["G"] if start is None else plate.cases["G"] + (start == "both") * plate.cases["Q"]
         wrong = balanced(plate, load) is True and "contradict" not in str(error)
         return Counter({"no start": 1}), [f"start refused: {error}"] if wrong else []
     outcomes = Counter({found.ending: 1, "events": len(found.events), "segments": len(found.segments)})
-    return outcomes, list(itertools.islice(faults(found, until), _MOST_FAULTS))
+    return outcomes, list(itertools.islice(faults(found, until, wild), _MOST_FAULTS))
 
 
 def alone(model, start):
@@ -119,11 +155,11 @@ def alone(model, start):
         return False
 
 
-def faults(found, until):
+def faults(found, until, wild):
     start, add = found._loads
     plate = found.problem.discretisation
     times = [stop.t for stop in found.stops]
-    if found.ending == "stopped":
+    if found.ending == "stopped" and not wild:
         yield f"stopped at {found.end:.9g}, limit {found.limit:.9g}"
     if not found.certificate.passed:
         yield f"certificate {found.certificate}"
@@ -144,41 +180,80 @@ def faults(found, until):
         and balanced(plate, start + 1e3 * (found.end or 1) * add) is False
     ):
         yield "goes on, but nothing balances a large t"
+    yield from wrong_stops(found)
     segments = found.segments
     picked = segments[:: max(1, len(segments) // _MOST_SEGMENTS)]
     for segment in (segment for segment in picked if not segment.jumps):
         a, b = segment.begin.t, segment.end.t
-        yield from differences(found, a + 0.37 * (b - a))
+        yield from differences(found, a + 0.37 * (b - a), wild)
     if found.ending == "no_more_events":
-        yield from differences(found, 7.0 * found.end)
+        yield from differences(found, 7.0 * found.end, wild)
     yield from idle(found)
 
 
-def differences(found, t):
+def differences(found, t, wild):
     """What the path shows at one t against the direct solution by another method."""
     plate, (start, add) = found.problem.discretisation, found._loads
     load = start + t * add
     try:
         at = found.at(t)
     except NotCertifiedError as error:
-        yield f"at t = {t:.9g}: {error}"
+        if not wild:
+            yield f"at t = {t:.9g}: {error}"
         return
-    other = found.problem.by("active_set" if found.problem.method == "lemke" and len(found.problem.gaps) else "lemke")
-    answer = other.solve(load)
-    judged = certify(plate, load, answer.hi, answer.lo, answer.reaction)
-    if not judged.passed:
-        answer = found.problem.solve(load)
-        judged = certify(plate, load, answer.hi, answer.lo, answer.reaction)
-    if not judged.passed:
-        yield f"direct solution at t = {t:.9g}: {judged}"
+    answer = direct_solution(found, load)
+    if answer is None:
+        yield f"no direct solution at t = {t:.9g}"
         return
     w, direct = at.deflection, (answer.hi + answer.lo)[::3]
+    scale = scale_of(plate, load, w, direct)
+    if scale and np.abs(w - direct).max() > _SAME * scale and pinned(found, answer):
+        yield f"t = {t:.9g}: deflections differ by {np.abs(w - direct).max() / scale:.1e}"
+
+
+def direct_solution(found, load):
+    """A certified answer of a load by itself, if possible by another method than the path's."""
+    plate, problem = found.problem.discretisation, found.problem
+    other = problem.by("active_set" if problem.method == "lemke" and len(problem.gaps) else "lemke")
+    for attempt in itertools.chain(other.attempts(), problem.attempts()):
+        answer = attempt.solve(load, lambda *now: None, None)
+        if answer.status == "solved" and certify(plate, load, answer.hi, answer.lo, answer.reaction).passed:
+            return answer
+    return None
+
+
+def scale_of(plate, load, *deflections):
+    """The largest deflection, or a millionth of that by which the load scales on the plate."""
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0)
     E, h, size = plate.model.material.E, plate.thickness.min(), plate.mesh.size
     least = 1e-6 * (forces + sum(couples) / size) * size**2 / (E * h**3 / 12)
-    scale = max(np.abs(w).max(), np.abs(direct).max(), least)
-    if scale and np.abs(w - direct).max() > _SAME * scale and pinned(found, answer):
-        yield f"t = {t:.9g}: deflections differ by {np.abs(w - direct).max() / scale:.1e}"
+    return max(least, *(np.abs(w).max() for w in deflections))
+
+
+def wrong_stops(found):
+    """Stops that are not what direct solutions say, or whose reactions do not balance the load."""
+    plate, (start, add) = found.problem.discretisation, found._loads
+    forces = [part.nodal[::3].sum() for part in (start, add)]
+    sums = [np.abs(part.nodal).sum() for part in (start, add)]
+    forces = [force if abs(force) > 1e-12 * size else 0.0 for force, size in zip(forces, sums, strict=True)]
+    jumps = {segment.begin.t for segment in found.segments if segment.jumps}
+    stops = [stop for stop in found.stops if stop.t not in jumps]
+    for stop in stops[:: -max(1, len(stops) // _MOST_SEGMENTS)]:
+        wanted, size = forces[0] + stop.t * forces[1], abs(forces[0]) + stop.t * abs(forces[1])
+        if size and abs(stop.reactions.sum() - wanted) > _BALANCED * max(size, np.abs(stop.reactions).max()):
+            yield f"at the stop t = {stop.t:.9g} supports bear {stop.reactions.sum():.6g} instead of {wanted:.6g}"
+        load = start + stop.t * add
+        if not load.nodal.any():
+            continue
+        answer = direct_solution(found, load)
+        if answer is None:
+            if stop.t < found.limit * (1 - _FAR):
+                yield f"no direct solution at the stop t = {stop.t:.9g}"
+            continue
+        w = (answer.hi + answer.lo)[::3]
+        apart = max(abs(w.max() - stop.largest), abs(w.min() - stop.smallest))
+        if apart > _SAME * scale_of(plate, load, w) and pinned(found, answer):
+            yield f"at the stop t = {stop.t:.9g} deflections differ by {apart / np.abs(w).max():.1e}"
 
 
 def pinned(found, answer):

@@ -1,9 +1,12 @@
 """Random small plates: each ends certified, or without an equilibrium that a linear program of its own confirms.
 
-The models are those of tests/fuzz/random_models.py. The judge here shares no code with the program's own check: it
-assembles the balance of every combination from the places of the supports and the resultants of the loads, held nodes
-and springs among the supports, and asks scipy.optimize.linprog for reactions. Verdicts that supports contradict each
-other are confirmed by a second program over the plate's deflections.
+Three of four models are those of tests/fuzz/random_models.py. The judge here shares no code with the program's own
+check: it assembles the balance of every combination from the places of the supports and the resultants of the loads,
+held nodes and springs among the supports, and asks scipy.optimize.linprog for reactions. Verdicts that supports
+contradict each other are confirmed by a second program over the plate's deflections.
+
+Every fourth is one of tests/fuzz/extreme_models.py, which bring judges of their own: closed forms, statics, finer
+meshes. Of those a refusal is an answer; none may be wrong.
 
     python benchmarks/random_plates.py [--count 100000] [--first 0] [--processes 2]
     python benchmarks/random_plates.py --show SEED
@@ -16,6 +19,7 @@ import argparse
 import json
 import multiprocessing
 import os
+import signal
 import sys
 import time
 from collections import Counter
@@ -27,6 +31,7 @@ from scipy.optimize import linprog
 from scipy.sparse import bmat, csr_array
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
+import extreme_models
 import random_models
 
 from signorini import InputError, NoEquilibriumError, NotCertifiedError, solve, validate
@@ -34,6 +39,10 @@ from signorini.discretise import discretise
 
 _NEAR = 1e-7
 """Part of the load within which the judge calls equilibrium marginal, and either verdict right."""
+_EXTREME = 4
+"""One of so many plates is an extreme one."""
+_PATIENCE = 120
+"""Seconds after which a plate of a few hundred dofs counts as never answered, on a machine with other work."""
 
 
 def balance(found, nodal):
@@ -110,6 +119,24 @@ def deflection_exists(found):
 
 def judged(seed):
     """Outcome of one model, and what is wrong with it."""
+    return judged_extreme(seed) if seed % _EXTREME == _EXTREME - 1 else judged_ordinary(seed)
+
+
+def judged_extreme(seed):
+    """The same of a model that brings its judge."""
+    model = extreme_models.extreme(Random(seed))
+    try:
+        result = extreme_models.solved(model.tables)
+        wrong = model.judge(result)
+    except (InputError, NotCertifiedError) as error:
+        return Counter({f"{model.kind} refused": 1}), [] if model.may_be_refused else [f"{model.kind}: {error}"]
+    return Counter({f"{model.kind} {'certified' if result else 'without equilibrium'}": 1}), [
+        f"{model.kind}: {line}" for line in wrong
+    ]
+
+
+def judged_ordinary(seed):
+    """The same of a model that a linear program judges."""
     tables = random_models.model(Random(seed))
     # Rows of a table keep no message each.
     tables["output"] = {"combinations": "each"}
@@ -149,11 +176,26 @@ def judged(seed):
     return outcomes, wrong
 
 
+def model_of(seed):
+    """The tables of the model that a seed draws."""
+    if seed % _EXTREME == _EXTREME - 1:
+        return extreme_models.extreme(Random(seed)).tables
+    return random_models.model(Random(seed))
+
+
+def _never(signum, frame):
+    raise TimeoutError(f"no answer after {_PATIENCE} s")
+
+
 def _one(seed):
+    signal.signal(signal.SIGALRM, _never)
+    signal.alarm(_PATIENCE)
     try:
         return seed, *judged(seed)
     except Exception as error:  # What a random model raises is what is looked for.
         return seed, Counter({"fault": 1}), [f"{type(error).__name__}: {error}"]
+    finally:
+        signal.alarm(0)
 
 
 def main():
@@ -165,7 +207,7 @@ def main():
     parser.add_argument("--check", action="store_true")
     given = parser.parse_args()
     if given.show is not None:
-        print(json.dumps(random_models.model(Random(given.show)), indent=1))
+        print(json.dumps(model_of(given.show), indent=1))
         print(*judged(given.show), sep="\n")
         return
     seeds = range(given.first, given.first + (100 if given.check else given.count))

@@ -23,7 +23,7 @@ LAYERS = (
     {"answer", "dependence", "leastnorm", "selection", "choice"}
     | {"tipping", "equilibrium", "stability", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
     {"supportpoints", "support_result", "probe_result", "notebook", "result", "combine", "together", "solve"}
-    | {"path_stop", "path_result", "path"},
+    | {"path_stop", "path_check", "path_result", "path"},
     {"tabulated", "output", "check"},
     {"__init__"},
     {"cli"},

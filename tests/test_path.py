@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from typer.testing import CliRunner
 import signorini
 from signorini import Model
 from signorini.cli import app
+from signorini.path_check import confirmed
 
 SLAB = """
 title = "Slab on pads"
@@ -135,6 +137,42 @@ def test_points_that_meet_the_soil_at_once_are_no_events_one_by_one(method) -> N
     assert [stop.t for stop in found.stops] == [0, 1]
     assert found.stops[0].closed == found.stops[0].counts
     assert found.at(1).deflection == pytest.approx(2e-3, rel=1e-9)
+
+
+def on_a_rigid_bed(curvature=(1e-3, 1e-3, 0.0), **more) -> Model:
+    return Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.1},
+        mesh={"divisions": [4, 4]},
+        support=[{"area": "all", "resists": "down"}],
+        load=[{"case": "G", "pressure": 2e3}, {"case": "Q", "curvature": list(curvature)}],
+        **more,
+    )
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_rounding_of_a_load_without_a_resultant_makes_no_events(method) -> None:
+    found = signorini.path(on_a_rigid_bed(solver={"method": method}), "G", "Q")
+    assert found.ending == "no_more_events" and found.end < 2
+    assert found.stops[-1].closed == [4]
+    assert [stop.reactions[0] for stop in found.stops] == pytest.approx([32e3] * len(found.stops), rel=1e-6)
+
+
+def test_a_path_ends_where_its_reactions_are_nothing_but_rounding() -> None:
+    found = signorini.path(on_a_rigid_bed(), "G", "Q", until=1e13)
+    assert found.ending == "stopped" and found.end < 2
+    assert [stop.reactions[0] for stop in found.stops] == pytest.approx([32e3] * len(found.stops), rel=1e-6)
+
+
+@pytest.mark.parametrize("wrong", [0, 2, 5])
+def test_a_path_ends_before_the_first_stop_that_a_direct_solution_contradicts(wrong: int) -> None:
+    found = signorini.path(on_a_rigid_bed(curvature=(0.0, 0.0, 1e-3)), "G", "Q")
+    stops = [
+        replace(stop, largest=750 * stop.largest + 1e-3, work=750 * stop.work + 1.0) if k >= wrong else stop
+        for k, stop in enumerate(found.stops)
+    ]
+    assert confirmed(found.problem, found._loads, found.stops) == len(found.stops) > 5
+    assert confirmed(found.problem, found._loads, stops) == wrong
 
 
 def test_a_path_that_begins_afloat_above_its_stops_is_followed_with_care() -> None:

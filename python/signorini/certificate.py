@@ -129,7 +129,7 @@ def certify(
         travel, idle = _UNSEEN * np.abs(contacts.distance), not load.nodal.any()
         length = _largest(
             hi[::3],
-            _NIL * _loaded_deflection(found, load.nodal),
+            least_deflection(found, load),
             _UNSEEN * _loaded_deflection(found, beside),
             travel if idle else 0.0,
             _UNSEEN * found.springs.base if idle else 0.0,
@@ -184,6 +184,11 @@ def certify(
         equilibrium_limit=_ratio(at_nodes, scale),
         balance_limit=_ratio(resultant, _largest(total, rest)),
     )
+
+
+def least_deflection(found: Discretisation, load: CaseLoad) -> float:
+    """Deflection below which that of a load is rounding."""
+    return _NIL * _loaded_deflection(found, load.nodal)
 
 
 def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:

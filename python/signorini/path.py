@@ -17,6 +17,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import no_equilibrium
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
 from signorini.model import Model
+from signorini.path_check import confirmed, told
 from signorini.path_result import Ending, Path, ahead, beside
 from signorini.path_stop import PathStop, path_stop
 from signorini.problem import ContactProblem, contact_problem
@@ -103,7 +104,7 @@ def path(
     traced: Path | None = None
     for way, careful in _ways(problem):
         if traced is None or traced.ending == "stopped":
-            other = _trace(way, (start, add), loads, until, (limit, reached), watcher, careful)
+            other = _trace(way, problem, (start, add), loads, until, (limit, reached), watcher, careful)
             traced = other if traced is None or (other is not None and other.end > traced.end) else traced
     if traced is None and supports_contradict(found):
         raise NoEquilibriumError(CONTRADICTION)
@@ -140,6 +141,7 @@ def _load(found: Discretisation, name: str | None, argument: str) -> CaseLoad:
 
 def _trace(
     problem: ContactProblem,
+    direct: ContactProblem,
     names: tuple[str | None, str],
     loads: tuple[CaseLoad, CaseLoad],
     until: float | None,
@@ -147,7 +149,7 @@ def _trace(
     watcher: Watcher,
     careful: bool,
 ) -> Path | None:
-    """Follow the path by one method, as far as its answers are certified; None if not even the first is.
+    """Follow the path by one method, as far as its answers are certified and confirmed; None if not at all.
 
     ``limits`` are those of the supports' outlines and of the contact points of the mesh.
     """
@@ -156,7 +158,7 @@ def _trace(
     sets: list[Bools] = []
     shown: list[Bools] = []
     pushing: list[Floats] = []
-    worst = {figure.name: 0.0 for figure in fields(Certificate)}
+    certificates: list[Certificate] = []
 
     def visit(t: float, points: Ints, solution: _core.ContactSolution) -> None:
         load = loads[0] + t * loads[1]
@@ -177,12 +179,14 @@ def _trace(
         answer, certificate = (
             certified(found, load, answer, beside(loads, t)) if answer.somehow else (answer, certificate)
         )
-        for name in worst:
-            worst[name] = max(worst[name], getattr(certificate, name))
         # Of points that repeat each other all open or close, not only the one that the path is followed with.
         shown.append(answer.closed)
         switched = np.flatnonzero(shown[-1] != shown[-2]) if len(shown) > 1 else points
-        stops.append(path_stop(found, t, load, points, switched, answer))
+        stop = path_stop(found, t, load, points, switched, answer)
+        if not told(found, loads, stop):
+            raise NotCertifiedError
+        certificates.append(certificate)
+        stops.append(stop)
         watcher(Progress(f"t = {t:.6g}, event {len(stops)}"))
 
     limit, asked = limits[0], np.inf if until is None else until
@@ -191,14 +195,19 @@ def _trace(
         ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, careful)
     except NotCertifiedError:
         ended = "unsolved"
-    if not stops:
+    count = confirmed(direct, loads, stops)
+    if count == 0:
         return None
+    whole = count == len(stops)
+    del stops[count:], certificates[count:]
     near_limit = stops[-1].t >= limit * (1 - _AT_LIMIT)
     ending: Ending = "stopped"
-    if ended == "unbounded":
+    if whole and ended == "unbounded":
         ending = "no_more_events"
-    elif ended != "too_many" and near_limit:
+    elif whole and ended != "too_many" and near_limit:
         ending = "no_equilibrium"
-    elif ended == "reached" and end == asked:
+    elif whole and ended == "reached" and end == asked:
         ending = "until"
-    return Path(*names, problem, tuple(stops), ending, limit, Certificate(**worst), loads, sets[0])
+    figures = [figure.name for figure in fields(Certificate)]
+    worst = Certificate(**{name: max(getattr(one, name) for one in certificates) for name in figures})
+    return Path(*names, problem, tuple(stops), ending, limit, worst, loads, sets[0])

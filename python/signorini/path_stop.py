@@ -41,7 +41,7 @@ class Switch:
 
 @dataclass(frozen=True, eq=False)
 class PathStop:
-    """The path at one t. Between two stops all of it is linear in t, but for the extremes of the deflection.
+    """The path at one t. Between two stops all is linear in t, but for the extremes and the work.
 
     Parameters
     ----------
@@ -59,6 +59,10 @@ class PathStop:
     largest, smallest : float
         Extremes of the deflection over the nodes.
     largest_at, smallest_at : (x, y)
+    resultants : (3,) array
+        What all supports exert upwards: the force, and its two moments over the plate's size (see `resultants`).
+    work, work_size : float
+        Sum of nodal loads times displacements, which is the same for all solutions of one load, and of the magnitudes.
     """
 
     t: float
@@ -72,6 +76,9 @@ class PathStop:
     smallest: float
     largest_at: tuple[float, float]
     smallest_at: tuple[float, float]
+    resultants: Floats
+    work: float
+    work_size: float
 
     @property
     def event(self) -> str:
@@ -98,14 +105,21 @@ def switches(found: Discretisation, points: Ints, answer: Answer) -> tuple[Switc
     )
 
 
+def resultants(found: Discretisation, nodal: Floats) -> Floats:
+    """Force of a nodal load (3n,), and its two moments over the plate's size."""
+    size = found.mesh.size
+    return np.asarray(np.einsum("ij,i->j", found.rigid_motions, nodal) / [1.0, size, size])
+
+
 def path_stop(
     found: Discretisation, t: float, load: CaseLoad, points: Ints, switched: Ints, answer: Answer
 ) -> PathStop:
     """Reduce an answer to what the path keeps of it; ``switched`` are the points that are said to open or close."""
-    deflection = (answer.hi + answer.lo)[::3]
+    displacement = answer.hi + answer.lo
+    deflection, works = displacement[::3], load.nodal * displacement
     imbalance = found.plate.residual(spring_arrays(found), load.nodal, answer.hi, answer.lo)
     held_force = np.where(found.held.dofs, imbalance - found.contact_rows.T @ answer.reaction, 0.0)
-    pull = found.springs.stiffness * (found.spring_rows @ (answer.hi + answer.lo) - found.springs.base)
+    pull = found.springs.stiffness * (found.spring_rows @ displacement - found.springs.base)
     supports = [
         support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
     ]
@@ -125,4 +139,7 @@ def path_stop(
         float(deflection[least]),
         at[0],
         at[1],
+        resultants(found, held_force + found.spring_rows.T @ pull + found.contact_rows.T @ answer.reaction),
+        float(works.sum()),
+        float(np.abs(works).sum()),
     )

@@ -5,9 +5,14 @@ use super::{PathLoad, SIGN};
 use crate::cholesky::FactorError;
 use crate::contact::problem::{ContactProblem, Factored};
 use crate::contact::solution::{ContactSolution, Outcome};
+use crate::residual::internal_magnitude;
 
 /// How far, over a segment's length, its refined end may be from where pivoting saw it.
 const MOVED: f64 = 1e-3;
+/// Gaps that change by less over a line, over the largest length, stay; so do reactions whose rounding is less.
+const STILL: f64 = 1e-10;
+/// Roundings of the plate's own forces that reactions differ by, over the root of how many dofs they add up from.
+const ROUNDINGS: f64 = 64.0;
 /// Reactions and gaps, over the largest of their kind, that are none.
 const NOTHING: f64 = 1e-14;
 /// Part of the loads that a load is the sum of which, as a scale, turns [`SIGN`] into their rounding.
@@ -20,6 +25,8 @@ pub(super) struct Line {
     /// Sizes of reactions and of gaps.
     pub force: f64,
     pub length: f64,
+    /// Change of a reaction, over their size, that rounding alone may bring between the two ends.
+    still: f64,
 }
 
 impl Line {
@@ -29,6 +36,13 @@ impl Line {
         let (value, size) =
             if solution.closed[i] { (solution.reaction[i], self.force) } else { (solution.gap[i], self.length) };
         if size > 0.0 { value / size } else { 0.0 }
+    }
+
+    /// How much a point's value falls from one end to the other; nothing where that is no more than rounding.
+    pub fn fall(&self, i: usize) -> f64 {
+        let fall = self.value(0, i) - self.value(1, i);
+        let still = if self.ends[0].closed[i] { self.still } else { STILL };
+        if fall.abs() > still { fall } else { 0.0 }
     }
 
     /// Largest change of the deflection between two t.
@@ -51,10 +65,9 @@ impl Line {
 
     /// Where the points that switch at the end of a segment reach zero; `None` if none does near its end.
     pub fn root(&self, switched: &[usize]) -> Option<f64> {
-        let fall = |i: usize| self.value(0, i) - self.value(1, i);
-        let near = switched.iter().copied().filter(|&i| self.value(1, i).abs() < MOVED * fall(i));
-        let first = near.max_by(|&a, &b| fall(a).total_cmp(&fall(b)))?;
-        Some(self.at[1] + self.value(1, first) / fall(first) * (self.at[1] - self.at[0]))
+        let near = switched.iter().copied().filter(|&i| self.value(1, i).abs() < MOVED * self.fall(i));
+        let first = near.max_by(|&a, &b| self.fall(a).total_cmp(&self.fall(b)))?;
+        Some(self.at[1] + self.value(1, first) / self.fall(first) * (self.at[1] - self.at[0]))
     }
 }
 
@@ -167,7 +180,10 @@ impl ContactProblem {
             force => force.max(UNSEEN * load.size(at[0])),
         };
         let length = f64::max(largest_length(&from), largest_length(&to));
-        Ok(Some(Line { at, ends: [from, to], force, length }))
+        let dofs = self.held.len() as f64;
+        let rounding = f64::EPSILON * internal_magnitude(&self.plate, &self.held, &to.displacement);
+        let still = STILL.max(ROUNDINGS * dofs.sqrt() * rounding / force);
+        Ok(Some(Line { at, ends: [from, to], force, length, still }))
     }
 
     /// Whether no reaction pulls and no gap is negative between two t.

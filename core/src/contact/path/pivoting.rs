@@ -1,6 +1,6 @@
 //! From basis to basis of the condensed points' LCP.
 
-use super::line::standing_on;
+use super::line::{Line, standing_on};
 use super::trail::{Trail, differing};
 use super::{PathEnd, PathLoad};
 use crate::cholesky::FactorError;
@@ -39,7 +39,10 @@ impl ContactProblem {
             if next.is_some() && line.as_ref().is_some_and(|line| line.travel(t, to) <= SAME * line.length) {
                 continue;
             }
-            let Some(line) = line.filter(|line| self.signs_hold_on(line, t, to.min(load.end))) else {
+            // An event that rounding alone brings is none, nor are those that pivots find beyond it.
+            let real =
+                |line: &Line| next.is_none_or(|next| differing(next, &sets[k]).into_iter().any(|i| line.fall(i) > 0.0));
+            let Some(line) = line.filter(|line| real(line) && self.signs_hold_on(line, t, to.min(load.end))) else {
                 return self.step_along(load, t, trail);
             };
             if !trail.leave(t, &line) {

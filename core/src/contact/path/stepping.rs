@@ -10,8 +10,6 @@ use crate::contact::solution::{ContactSolution, Outcome};
 
 /// Events nearer than this part of a step are one.
 const SAME: f64 = 1e-9;
-/// Reactions and gaps that fall by less over a step, over the largest of their kind, stay.
-const STILL: f64 = 1e-10;
 /// Times that points which move the wrong way from an event on are switched.
 const ROUNDS: usize = 20;
 /// How far beyond an event, over a step, a solve tells the contact set after it where switching does not.
@@ -110,12 +108,11 @@ impl ContactProblem {
     fn wrong(&self, line: &Line) -> Option<Vec<usize>> {
         let mut points = Vec::new();
         for i in self.one_sided() {
-            let (now, later) = (line.value(0, i), line.value(1, i));
+            let (now, fall) = (line.value(0, i), line.fall(i));
             if now < -SIGN {
                 return None;
             }
-            let fall = now - later;
-            if fall > STILL && now <= SAME * fall {
+            if fall > 0.0 && now <= SAME * fall {
                 points.push(i);
             }
         }
@@ -125,11 +122,11 @@ impl ContactProblem {
     /// The next t at which reactions or gaps fall to zero, infinite if none ever does, and whose do.
     fn next_event(&self, line: &Line, from: f64) -> (f64, Vec<usize>) {
         let span = line.at[1] - line.at[0];
-        let falls = |i: usize| (i, line.value(0, i), line.value(0, i) - line.value(1, i));
+        let falls = |i: usize| (i, line.value(0, i), line.fall(i));
         let roots: Vec<(f64, usize)> = self
             .one_sided()
             .map(falls)
-            .filter(|&(_, _, fall)| fall > STILL)
+            .filter(|&(_, _, fall)| fall > 0.0)
             .map(|(i, now, fall)| (from + span * (now / fall).max(0.0), i))
             .collect();
         let first = roots.iter().map(|(t, _)| *t).fold(f64::INFINITY, f64::min);

@@ -1,0 +1,318 @@
+"""Plates at the ends of what can be asked, each with a judge: a closed form, plain statics, or the same said otherwise.
+
+Ribbons, steps of thickness and of pressure, forces near the edge of a bed, supports that coincide, loads that balance
+themselves between stops, and stiffnesses from 1e-12 to 1e18 of the plate's. A judge shares no code with the program: it
+knows the plate's true answer, or compares two ways of saying one plate.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from random import Random
+from typing import Any
+
+import numpy as np
+
+from signorini import NoEquilibriumError, Result, solve, validate
+
+Tables = dict[str, Any]
+Judge = Callable[[Result | None], list[str]]
+"""What is wrong with a result; None where the program found no equilibrium."""
+
+_STRIP = 2e-2
+"""Part of a strip's deflection that a mesh of at least four elements may be off."""
+_PANEL = 4e-2
+"""The same of a slab with a thicker panel, beside a mesh three times as fine."""
+_SAME = 1e-6
+"""Part of the load, or of the deflection, by which two ways of saying one plate may differ."""
+_RIGID, _SOFT = 1e8, 1e-6
+"""Stiffness, over the plate's, from which on a support is as good as rigid, and below which the plate is."""
+_LIMIT = 1e-3
+"""Part of the deflection by which such a support may differ from its limit."""
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """A model as the tables of an input file, and what judges its result."""
+
+    kind: str
+    tables: Tables
+    judge: Judge
+    may_be_refused: bool = False
+    """Whether double precision may be too short for it."""
+
+
+def extreme(rng: Random) -> Extreme:
+    """Draw a model with its judge."""
+    return rng.choice([ribbon, stepped_strip, stepped_panel, near_the_edge, coincident, self_balanced, stiffness])(rng)
+
+
+def solved(tables: Tables) -> Result | None:
+    """Solve a model of one combination; None where it has no equilibrium."""
+    try:
+        return solve(validate(tables))["all"]
+    except NoEquilibriumError:
+        return None
+
+
+def ribbon(rng: Random) -> Extreme:
+    """Draw a long thin strip on two edges under a pressure, ν = 0: a beam."""
+    length = rng.choice([1.0, 1000.0, 0.02])
+    width, thickness = length * 10 ** rng.uniform(-3, 0), length * 10 ** rng.uniform(-6, -2)
+    young = rng.choice([1.0, 30e9])
+    pressure = 1e-3 * young * (thickness / length) ** 3
+    way = rng.choice([{"fix": "simple"}, {"resists": "down"}])
+    tables = {
+        "material": {"E": young, "nu": 0.0},
+        "plate": {"shape": "rectangle", "size": [length, width], "thickness": thickness},
+        "mesh": {"divisions": [rng.randint(4, 12), rng.randint(1, 6)]},
+        "support": [{"edge": ["left", "right"], **way}],
+        "load": [{"pressure": pressure}],
+        "probe": [{"at": [length / 2, width / 2]}],
+    }
+    bending = 5 * pressure * length**4 / (384 * young * thickness**3 / 12)
+    expected = bending + pressure * length**2 / 8 / (5 / 12 * young * thickness)
+    return Extreme("ribbon", tables, lambda result: _deflections(result, [expected], _STRIP), may_be_refused=True)
+
+
+def stepped_strip(rng: Random) -> Extreme:
+    """Draw a strip of two thicknesses under a pressure that may end, ν = 0: a beam of two parts."""
+    length, young = rng.choice([10.0, 0.3]), 30e9
+    divisions = rng.randint(10, 40)
+    # On a mesh line, or anywhere.
+    step, stop = (
+        rng.choice([rng.randint(1, divisions - 1) / divisions, rng.uniform(0.05, 0.95)]) * length for _ in "ab"
+    )
+    thin = length * 10 ** rng.uniform(-2.5, -1.5)
+    thick = thin * rng.uniform(1.2, 13)
+    if rng.random() < 0.5:
+        thin, thick = thick, thin
+    less = rng.choice(["<", "<="])
+    saying = rng.choice(
+        [f"where(x {less} {step!r}, {thin!r}, {thick!r})", f"{thick!r} + ({thin!r} - {thick!r})*(x {less} {step!r})"]
+    )
+    pressure = 1e-3 * young * (min(thin, thick) / length) ** 3
+    loaded = rng.random() < 0.5
+    at = [length * part for part in (0.25, 0.5, 0.8)]
+    tables = {
+        "material": {"E": young, "nu": 0.0},
+        "plate": {"shape": "rectangle", "size": [length, length / 10], "thickness": saying},
+        "mesh": {"divisions": [divisions, 1]},
+        "support": [{"edge": ["left", "right"], "fix": "simple"}],
+        "load": [{"pressure": f"where(x > {stop!r}, {pressure!r}, 0)" if loaded else pressure}],
+        "probe": [{"at": [[x, length / 20] for x in at]}],
+    }
+    expected = _beam(length, (step, thin, thick), (stop if loaded else 0.0, pressure), young, at)
+    return Extreme("stepped strip", tables, lambda result: _deflections(result, expected, _STRIP))
+
+
+def _beam(length: float, thickness: Any, load: Any, young: float, at: list[float]) -> list[float]:
+    """Deflections of a beam on two supports whose thickness steps, under a pressure that begins somewhere."""
+    step, left, right = thickness
+    begin, pressure = load
+    x = np.unique(np.concatenate([np.linspace(0, length, 20001), [step, begin]]))
+    h = np.where(0.5 * (x[1:] + x[:-1]) < step, left, right)
+    beyond = np.maximum(x - begin, 0.0)
+    at_left = pressure * (length - begin) ** 2 / (2 * length)
+    shear, moment = at_left - pressure * beyond, at_left * x - pressure * beyond**2 / 2
+    curvature = 0.5 * (moment[1:] + moment[:-1]) / (young * h**3 / 12)
+    strain = 0.5 * (shear[1:] + shear[:-1]) / (5 / 12 * young * h)
+    width = np.diff(x)
+    slope = np.append(0.0, np.cumsum(-curvature * width))
+    w = np.append(0.0, np.cumsum((0.5 * (slope[1:] + slope[:-1]) + strain) * width))
+    return [float(value) for value in np.interp(at, x, w - w[-1] * x / length)]
+
+
+def stepped_panel(rng: Random) -> Extreme:
+    """Draw a slab that is thicker or thinner within some outline; the judge is a mesh three times as fine."""
+    size = [10.0, rng.choice([10.0, 6.0])]
+    (x, y), r = [rng.uniform(0.35, 0.65) * s for s in size], rng.uniform(0.15, 0.3) * size[1]
+    within = rng.choice(
+        [
+            f"(abs(x - {x}) < {r}) and (abs(y - {y}) <= {r})",
+            f"(x - {x})**2 + (y - {y})**2 < {r * r}",
+            f"{rng.choice([0.3, 1, -2])}*(x - {x}) + (y - {y}) > 0",
+        ]
+    )
+    thickness = rng.choice([0.3, 0.1])
+    tables = {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {
+            "shape": "rectangle",
+            "size": size,
+            "thickness": f"where({within}, {thickness * rng.choice([0.5, 2.0])}, {thickness})",
+        },
+        "mesh": {"divisions": [rng.randint(9, 14), rng.randint(9, 14)]},
+        "support": [{"edge": ["left", "right", "bottom", "top"], **rng.choice([{"fix": "hard"}, {"fix": "clamped"}])}],
+        "load": [{"pressure": 1e3}],
+        "probe": [{"at": [[s * t for s in size] for t in (0.3, 0.5, 0.6)]}],
+    }
+
+    def judge(result: Result | None) -> list[str]:
+        fine = solved({**tables, "mesh": {"divisions": [3 * n for n in tables["mesh"]["divisions"]]}})
+        assert fine is not None, "a plate held all around has an equilibrium"
+        return _deflections(result, [probe.deflection for probe in fine.probes], _PANEL)
+
+    return Extreme("stepped panel", tables, judge)
+
+
+def near_the_edge(rng: Random) -> Extreme:
+    """Draw a bed under a part of a plate, and a single force within its outline or beside it."""
+    size = 10.0
+    polygon = [[2.0, 2.0], [8.5, 3.0], [7.0, 8.0], [3.0, 7.0]]
+    area, outline = rng.choice(
+        [
+            ("all", [[0.0, 0.0], [size, 0.0], [size, size], [0.0, size]]),
+            ({"rectangle": [1.3, 2.0, 8.1, 9.0]}, [[1.3, 2.0], [8.1, 2.0], [8.1, 9.0], [1.3, 9.0]]),
+            ({"polygon": polygon}, polygon),
+        ]
+    )
+    corners = np.array(outline)
+    ends = rng.choice(range(len(corners)))
+    one, other = corners[ends], corners[(ends + 1) % len(corners)]
+    inward = np.array([one[1] - other[1], other[0] - one[0]]) / math.dist(one, other)
+    beside = one + rng.uniform(0.1, 0.9) * (other - one)
+    # Outside the outline only where there is still plate.
+    distance = rng.choice([1.0, -1.0] if area != "all" else [1.0]) * 10 ** rng.uniform(-3, 0)
+    at = (beside + distance * inward).tolist()
+    held = distance > 0
+    bed: Tables = {"name": "bed", "area": area, "resists": "down"}
+    if rng.random() < 0.4:
+        bed["stiffness"] = 10 ** rng.uniform(6, 16)
+    divisions = rng.choice([4, 7, 10, 16])
+    tables = {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [size, size], "thickness": rng.choice([0.3, 1.0])},
+        "mesh": {"divisions": [divisions, divisions]},
+        "support": [bed],
+        "load": [{"force": 1e5, "at": at}],
+    }
+
+    def judge(result: Result | None) -> list[str]:
+        if (result is not None) != held:
+            return [f"a force {distance:.3g} inside the outline is {'held' if result else 'said to tip the plate'}"]
+        return [] if result is None else _close("reaction of the bed", result.reactions["bed"], 1e5, _SAME * 1e5)
+
+    return Extreme("near the edge", tables, judge)
+
+
+def coincident(rng: Random) -> Extreme:
+    """Draw supports that repeat each other; the judge says them in another order."""
+    corners = [[1.0, 1.0], [9.0, 1.0], [9.0, 9.0], [1.0, 9.0]]
+    middle = [rng.uniform(2, 8), rng.uniform(2, 8)]
+    ways = [{"resists": "down"}, {"resists": "both"}, {"resists": "down", "gap": 1e-5}]
+    supports = [{"name": "corners", "at": corners, "resists": "down"}]
+    for i in range(rng.randint(1, 3)):
+        place = rng.choice(
+            [
+                {"at": middle},
+                {"at": corners[:2]},
+                {"at": [corners[0], [9.0, 5.0]]},
+                {"line": [[1.0, 1.0], [9.0, 1.0]]},
+            ]
+        )
+        supports.append({"name": f"again {i}", **place, **rng.choice(ways)})
+        if rng.random() < 0.5:
+            supports.append({**supports[-1], "name": f"twice {i}"})
+    tables = {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [10.0, 10.0], "thickness": 0.3},
+        "mesh": {"divisions": [rng.randint(2, 8), rng.randint(2, 8)]},
+        "support": supports,
+        "load": [{"pressure": 2e3}, {"force": 1e5, "at": [rng.uniform(1, 9), rng.uniform(1, 9)]}],
+    }
+    return Extreme("coincident", tables, lambda result: _order(result, tables, rng, 3e5))
+
+
+def self_balanced(rng: Random) -> Extreme:
+    """Draw a load that is its own balance on a plate between stops, free to rest anywhere between."""
+    stops = [{"name": "floor", "at": [[1, 1], [9, 1], [9, 9], [1, 9]], "resists": "down", "gap": rng.choice([0, 0.5])}]
+    stops.append({"name": "ceiling", "at": [[5, 5], [1, 5]], "resists": "up", "gap": rng.choice([0.2, 0.5])})
+    if rng.random() < 0.3:
+        stops.append({"name": "pin", "at": [5, 5], "fix": "simple"})
+    size = rng.choice([1e3, 1e5])
+    tables = {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [10.0, 10.0], "thickness": 0.3},
+        "mesh": {"divisions": [rng.randint(2, 6), rng.randint(2, 6)]},
+        "support": stops,
+        "load": [
+            {"force": size, "at": [2, 5]},
+            {"force": -2 * size, "at": [5, 5]},
+            {"force": size, "at": [8, 5]},
+        ],
+    }
+    return Extreme("self-balanced", tables, lambda result: _order(result, tables, rng, size))
+
+
+def stiffness(rng: Random) -> Extreme:
+    """Draw supports far softer or far stiffer than the plate; the judge is the rigid support, or the rigid plate."""
+    size, thickness, young = 10.0, rng.choice([0.3, 0.03]), 30e9
+    own = young * thickness**3 / 12 / size**2
+    ratio = 10 ** rng.uniform(-12, 18)
+    place, share = rng.choice(
+        [
+            ({"at": [[1, 1], [9, 1], [9, 9], [1, 9]]}, 4.0),
+            ({"edge": ["left", "right"]}, 2 * size),
+            ({"area": "all"}, size**2),
+        ]
+    )
+    support = {"name": "bed", **place, "resists": rng.choice(["down", "down", "both"])}
+    pressure = 1e-2 * own / size
+    tables = {
+        "material": {"E": young, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [size, size], "thickness": thickness},
+        "mesh": {"divisions": [rng.randint(4, 12)] * 2},
+        "support": [{**support, "stiffness": ratio * own * 4.0 / share}],
+        "load": [{"pressure": pressure}, {"force": 20 * pressure, "at": [rng.uniform(3, 7), rng.uniform(3, 7)]}],
+        "probe": [{"at": [[5, 5], [2, 3]]}],
+    }
+
+    def judge(result: Result | None) -> list[str]:
+        load = 120 * pressure
+        wrong = [] if result is None else _close("reaction", result.reactions["bed"], load, _SAME * load)
+        if ratio > _RIGID:
+            rigid = solved({**tables, "support": [support]})
+            assert rigid is not None, "the force is amid the supports"
+            return wrong + _deflections(result, [probe.deflection for probe in rigid.probes], _LIMIT, load / own / 100)
+        if ratio < _SOFT and result is not None:
+            mean = 0.25 * sum(p.deflection for p in result.probe([(0, 0), (size, 0), (size, size), (0, size)]))
+            sunk = load / (4.0 * ratio * own)
+            # The load is not quite in the middle: the mean of the corners is the middle's of a rigid plate.
+            return wrong + _close("deflection", mean, sunk, _LIMIT * sunk)
+        return wrong if result is not None else ["no equilibrium for a force amid the supports"]
+
+    return Extreme("stiffness", tables, judge)
+
+
+def _order(result: Result | None, tables: Tables, rng: Random, load: float) -> list[str]:
+    """Compare with the same supports in another order, and perhaps by another method."""
+    shuffled = rng.sample(tables["support"], len(tables["support"]))
+    other = solved({**tables, "support": shuffled, "solver": {"method": rng.choice(["auto", "lemke", "active_set"])}})
+    if result is None or other is None:
+        return [] if result is other else ["an equilibrium in one order of the supports, none in another"]
+    wrong = _deflections(result, other.deflection.tolist(), _SAME, at=result.deflection.tolist())
+    for name, reaction in result.reactions.items():
+        wrong += _close(f"reaction of {name}", reaction, other.reactions[name], _SAME * load)
+    return wrong
+
+
+def _deflections(
+    result: Result | None, expected: list[float], part: float, least: float = 0.0, at: list[float] | None = None
+) -> list[str]:
+    """Compare deflections at the probes, or those given, with expected ones, by a part of the largest."""
+    if result is None:
+        return ["said to have no equilibrium"]
+    found = [probe.deflection for probe in result.probes] if at is None else at
+    size = max(*(abs(value) for value in [*expected, 0.0]), least)
+    apart = max(abs(a - b) for a, b in zip(found, expected, strict=True))
+    if apart <= part * size:
+        return []
+    worst = max(range(len(found)), key=lambda i: abs(found[i] - expected[i]))
+    return [f"deflection {found[worst]:.6g} where {expected[worst]:.6g} is right"]
+
+
+def _close(what: str, found: float, expected: float, within: float) -> list[str]:
+    return [] if abs(found - expected) <= within else [f"{what} {found:.6g} where {expected:.6g} is right"]
