@@ -153,7 +153,7 @@ def on_a_rigid_bed(curvature=(1e-3, 1e-3, 0.0), **more) -> Model:
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_rounding_of_a_load_without_a_resultant_makes_no_events(method) -> None:
     found = signorini.path(on_a_rigid_bed(solver={"method": method}), "G", "Q")
-    assert found.ending == "no_more_events" and found.end < 2
+    assert found.ending == "no_more_events" and found.end < 10
     assert found.stops[-1].closed == [4]
     assert [stop.reactions[0] for stop in found.stops] == pytest.approx([32e3] * len(found.stops), rel=1e-6)
 

@@ -206,7 +206,7 @@ impl Plate {
         motion: [f64; 3],
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
         let mut out = displacement(&hi, &lo, self.inner.dof_count())?;
-        py.detach(|| out.add_rigid(&self.inner, center, motion));
+        released(py, || out.add_rigid(&self.inner, center, motion))?;
         Ok((PyArray1::from_vec(py, out.hi), PyArray1::from_vec(py, out.lo)))
     }
 
