@@ -102,7 +102,7 @@ def support_result(
     area = None
     if support.area is not None:
         of_springs = found.springs.rows.elements[points.springs]
-        elements = np.concatenate([of_springs, found.contacts.rows.elements[points.rows[0]]])
+        elements = np.concatenate([of_springs, found.points.rows.elements[points.rows[0]]])
         deflection = (answer.hi + answer.lo)[::3]
         area = AreaContact(found.mesh, support, deflection, elements, points.weights, closed, reactions)
     return SupportResult(
