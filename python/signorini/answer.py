@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Self
 
 import numpy as np
@@ -73,6 +73,11 @@ class Answer:
     corrections: int
     not_unique: tuple[NotUnique, ...] = ()
     somehow: Self | None = None
+
+    @property
+    def in_turn(self) -> tuple[Self, ...]:
+        """The answer itself, then what stands where arithmetic does not carry the choice: what the solver came to."""
+        return (self,) if self.somehow is None else (self, replace(self.somehow, not_unique=self.not_unique))
 
     @classmethod
     def of(cls, found: Discretisation, solution: _core.ContactSolution) -> Self:

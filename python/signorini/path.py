@@ -11,7 +11,6 @@ import numpy as np
 from signorini import _core
 from signorini.answer import Answer
 from signorini.certificate import Certificate, certify
-from signorini.choice import certified
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import no_equilibrium
@@ -175,10 +174,12 @@ def _trace(
             yield from before
             yield from ahead(problem, loads, t, solution.closed)
 
-        answer = chosen(found, problem.freedom, load.nodal, answer, elsewhere)
-        answer, certificate = (
-            certified(found, load, answer, beside(loads, t)) if answer.somehow else (answer, certificate)
-        )
+        least = chosen(found, problem.freedom, load.nodal, answer, elsewhere)
+        for other in least.in_turn if least is not answer else ():
+            judged = certify(found, load, other.hi, other.lo, other.reaction, beside=beside(loads, t))
+            if judged.passed:
+                answer, certificate = other, judged
+                break
         # Of points that repeat each other all open or close, not only the one that the path is followed with.
         shown.append(answer.closed)
         switched = np.flatnonzero(shown[-1] != shown[-2]) if len(shown) > 1 else points

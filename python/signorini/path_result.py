@@ -12,7 +12,6 @@ import numpy as np
 from signorini import _core
 from signorini.answer import Answer
 from signorini.certificate import Certificate, certify
-from signorini.choice import certified
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError, NotCertifiedError
@@ -198,8 +197,12 @@ class Path(Remade):
         name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
         if not certificate.passed:
             raise NotCertifiedError(f'"{name}" is refused, its certificate {certificate}.')
-        answer = chosen(found, self.problem.freedom, load.nodal, answer, lambda: self._beside(t))
-        answer, certificate = certified(found, load, answer, made_of)
+        least = chosen(found, self.problem.freedom, load.nodal, answer, lambda: self._beside(t))
+        for other in least.in_turn if least is not answer else ():
+            judged = certify(found, load, other.hi, other.lo, other.reaction, beside=made_of)
+            if judged.passed:
+                answer, certificate = other, judged
+                break
         return Result.of(found, name, (self.problem.method,), load, answer, certificate)
 
 

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from signorini.answer import Answer
-from signorini.certificate import Certificate
-from signorini.choice import certified
+from signorini.certificate import Certificate, certify
 from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools
@@ -295,7 +294,10 @@ def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Tried:
             answer = attempt.solve(load, steps, closed)
             certificate = None
             if answer.status == "solved":
-                answer, certificate = certified(found, load, answer)
+                for turn in answer.in_turn:
+                    answer, certificate = turn, certify(found, load, turn.hi, turn.lo, turn.reaction)
+                    if certificate.passed:
+                        break
             elif answer.status == "no_equilibrium" and not consistent:
                 if supports_contradict(found):
                     return _Tried(list(methods), answer, None, contradiction=True)

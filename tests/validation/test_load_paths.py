@@ -6,7 +6,6 @@ from scipy.special import bei, beip, ber, berp, kei, keip, ker, kerp
 
 import signorini
 
-"""Distance of the outermost quadrature points from the edge of an element of size 1."""
 
 
 def test_a_heavy_strip_on_soil_lifts_off_at_its_closed_form_load() -> None:
