@@ -124,7 +124,7 @@ def _jumps(model: Model, mesh: Mesh, cut: Cut) -> _Fronts:
     ahead = fronts[:, 1] - fronts[:, 0]
     beside = _BESIDE * np.column_stack([ahead[:, 1], -ahead[:, 0]]) / np.hypot(*ahead.T)[:, None]
     one, other = (
-        model.plate.thickness(*mesh.map(elements, np.clip(fronts.mean(axis=1) + side * beside, -1.0, 1.0)).T)
+        _evaluated(model, mesh, mesh.map(elements, np.clip(fronts.mean(axis=1) + side * beside, -1.0, 1.0)))
         for side in (-1.0, 1.0)
     )
     step = np.abs(one - other)
