@@ -7,7 +7,6 @@ from scipy.special import bei, beip, ber, berp, kei, keip, ker, kerp
 import signorini
 
 
-
 def test_a_heavy_strip_on_soil_lifts_off_at_its_closed_form_load() -> None:
     """A long beam under a force P sinks by Pβ/2k e^{−βx}(cos βx + sin βx) (Hetényi 1946), least at βx = π.
 
