@@ -10,9 +10,9 @@ use std::sync::LazyLock;
 
 use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Stiffness, StrainMatrix, packed};
 
-const TIES: usize = 5;
+pub(super) const TIES: usize = 5;
 const GAUSS: f64 = 0.577_350_269_189_625_8;
-const CENTRE: usize = DOFS;
+pub(super) const CENTRE: usize = DOFS;
 
 /// Where component `a` (0: γξ, 1: γη) is tied on the edges: along its own direction at ±1/√3, across at ±1.
 fn tying_point(component: usize, tie: usize) -> (f64, f64) {
@@ -127,49 +127,78 @@ fn strain_matrix(geometry: &Geometry, rows: &[[[f64; ALL_DOFS]; TIES]; 2], xi: f
     strain
 }
 
-/// Bending by 3×3 points on the rotations; shear as a 10×10 form in the tied values; then the centre is condensed.
-pub fn stiffness(geometry: &Geometry, material: &Material) -> Stiffness {
-    let mut full = [[0.0; ALL_DOFS]; ALL_DOFS];
-    let mut form = [[0.0; 2 * TIES]; 2 * TIES];
-    for point in GAUSS_POINTS.iter() {
-        let (xi, eta) = (point.xi, point.eta);
-        let jacobian = geometry.jacobian_of(point.shape);
-        let scale = point.weight * jacobian.determinant;
-        add_bending(&mut full, &jacobian, scale, material, &point.rotation);
+/// One of the 3×3 points: what bending there is made of.
+pub(super) struct Point {
+    /// Gradients of the nine rotation functions in x and y.
+    pub(super) gradient: [[f64; 2]; 9],
+    /// Weight times the area that the point stands for.
+    pub(super) scale: f64,
+    pub(super) thickness: f64,
+}
 
-        let shear = scale * material.shear_rigidity(jacobian.thickness);
-        let inv = &jacobian.inverse;
-        let metric = |a: usize, b: usize| shear * (inv[0][a] * inv[0][b] + inv[1][a] * inv[1][b]);
-        let weights = [interpolation(xi, eta), interpolation(eta, xi)];
-        for a in 0..2 {
-            for b in 0..=a {
-                let g = metric(a, b);
-                for s in 0..TIES {
-                    for t in 0..TIES {
-                        form[a * TIES + s][b * TIES + t] += g * weights[a][s] * weights[b][t];
+/// An element with bending and shear apart: bending at the 3×3 points, shear as a form in the ten tied values.
+pub(super) struct Apart {
+    pub(super) points: [Point; 9],
+    pub(super) form: [[f64; 2 * TIES]; 2 * TIES],
+    pub(super) rows: [[f64; ALL_DOFS]; 2 * TIES],
+}
+
+impl Apart {
+    pub(super) fn of(geometry: &Geometry, material: &Material) -> Self {
+        let mut form = [[0.0; 2 * TIES]; 2 * TIES];
+        let points = std::array::from_fn(|k| {
+            let station = &GAUSS_POINTS[k];
+            let (xi, eta) = (station.xi, station.eta);
+            let jacobian = geometry.jacobian_of(station.shape);
+            let scale = station.weight * jacobian.determinant;
+            let shear = scale * material.shear_rigidity(jacobian.thickness);
+            let inv = &jacobian.inverse;
+            let metric = |a: usize, b: usize| shear * (inv[0][a] * inv[0][b] + inv[1][a] * inv[1][b]);
+            let weights = [interpolation(xi, eta), interpolation(eta, xi)];
+            for a in 0..2 {
+                for b in 0..=a {
+                    let g = metric(a, b);
+                    for s in 0..TIES {
+                        for t in 0..TIES {
+                            form[a * TIES + s][b * TIES + t] += g * weights[a][s] * weights[b][t];
+                        }
                     }
                 }
             }
+            let gradient = station.rotation.gradient.map(|gradient| jacobian.physical(gradient));
+            Point { gradient, scale, thickness: jacobian.thickness }
+        });
+        for s in 0..TIES {
+            for t in 0..TIES {
+                form[s][TIES + t] = form[TIES + t][s];
+            }
         }
+        let [along, across] = ties(geometry);
+        let rows = std::array::from_fn(|t| if t < TIES { along[t] } else { across[t - TIES] });
+        Self { points, form, rows }
     }
-    for s in 0..TIES {
-        for t in 0..TIES {
-            form[s][TIES + t] = form[TIES + t][s];
+
+    /// Bending alone over all dofs, lower triangle.
+    pub(super) fn bending(&self, material: &Material) -> [[f64; ALL_DOFS]; ALL_DOFS] {
+        let mut full = [[0.0; ALL_DOFS]; ALL_DOFS];
+        for point in &self.points {
+            add_bending(&mut full, point, material);
         }
+        full
     }
-    add_shear(&mut full, &form, &ties(geometry));
+}
+
+/// Bending by 3×3 points on the rotations; shear as a 10×10 form in the tied values; then the centre is condensed.
+pub fn stiffness(geometry: &Geometry, material: &Material) -> Stiffness {
+    let apart = Apart::of(geometry, material);
+    let mut full = apart.bending(material);
+    add_shear(&mut full, &apart.form, &apart.rows);
     condense(&full)
 }
 
-fn add_bending(
-    full: &mut [[f64; ALL_DOFS]; ALL_DOFS],
-    jacobian: &super::Jacobian,
-    scale: f64,
-    material: &Material,
-    rotation: &Shape<9>,
-) {
-    let gradient: [[f64; 2]; 9] = std::array::from_fn(|i| jacobian.physical(rotation.gradient[i]));
-    let rigidity = scale * material.bending_rigidity(jacobian.thickness);
+fn add_bending(full: &mut [[f64; ALL_DOFS]; ALL_DOFS], point: &Point, material: &Material) {
+    let gradient = &point.gradient;
+    let rigidity = point.scale * material.bending_rigidity(point.thickness);
     let nu = material.poisson;
     let half = 0.5 * (1.0 - nu);
     for i in 0..9 {
@@ -186,12 +215,11 @@ fn add_bending(
     }
 }
 
-fn add_shear(
+pub(super) fn add_shear(
     full: &mut [[f64; ALL_DOFS]; ALL_DOFS],
     form: &[[f64; 2 * TIES]; 2 * TIES],
-    rows: &[[[f64; ALL_DOFS]; TIES]; 2],
+    rows: &[[f64; ALL_DOFS]; 2 * TIES],
 ) {
-    let rows: [&[f64; ALL_DOFS]; 2 * TIES] = std::array::from_fn(|t| &rows[t / TIES][t % TIES]);
     let mut product = [[0.0; ALL_DOFS]; 2 * TIES];
     for s in 0..2 * TIES {
         for t in 0..2 * TIES {
@@ -212,7 +240,7 @@ fn add_shear(
 }
 
 /// Eliminates the two centre rotations; only the lower triangle of `full` is read.
-fn condense(full: &[[f64; ALL_DOFS]; ALL_DOFS]) -> Stiffness {
+pub(super) fn condense(full: &[[f64; ALL_DOFS]; ALL_DOFS]) -> Stiffness {
     let [a, b, d] = [full[CENTRE][CENTRE], full[CENTRE + 1][CENTRE], full[CENTRE + 1][CENTRE + 1]];
     let determinant = a * d - b * b;
     let compliance = [[d / determinant, -b / determinant], [-b / determinant, a / determinant]];

@@ -7,6 +7,7 @@ pub mod mitc9;
 pub mod q8r;
 pub mod quadrature;
 pub mod shape;
+pub mod thin;
 
 use quadrature::{GAUSS_2, GAUSS_3, square};
 use shape::{Shape, serendipity};

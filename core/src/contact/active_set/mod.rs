@@ -55,6 +55,8 @@ const SETTLED: f64 = 1e-13;
 /// Steps on one set that leave this part of the imbalance, one after another, that end it: what is left is rounding.
 const SLOW: f64 = 0.8;
 const STALLS: usize = 3;
+/// So many on unchanged sets without a new least imbalance, up and down, end it as well.
+const LASTING: usize = 12;
 /// What rounding leaves at most, in the thinnest plates; where it stalls above, supports contradict each other.
 const ROUNDING: f64 = 1e-3;
 /// Imbalance, over the largest nodal force, up to which multipliers are renewed.
@@ -242,6 +244,7 @@ impl Descent<'_> {
         let mut stalled = 0;
         let mut since_settled = 0;
         let mut before = f64::INFINITY;
+        let (mut lasting, mut lowest) = (0, f64::INFINITY);
         // Without a load nothing may push in the end, so forces count from those of the settlements at the start.
         let least = if self.load.iter().all(|&f| f == 0.0) { self.largest_push() } else { 0.0 };
         for step in 1..=NEWTON {
@@ -280,6 +283,7 @@ impl Descent<'_> {
                     self.springs = self.problem.active.softened(self.limit);
                     self.balance();
                     before = f64::INFINITY;
+                    (lasting, lowest) = (0, f64::INFINITY);
                 }
                 closed = self.stretch.iter().map(|&s| s > 0.0).collect();
             }
@@ -296,11 +300,13 @@ impl Descent<'_> {
                     return Ok(Outcome::Solved);
                 }
                 stalled = if unchanged && worst > SLOW * before { stalled + 1 } else { 0 };
-                if stalled == STALLS {
+                if stalled == STALLS || lasting == LASTING {
                     let rounding = worst <= ROUNDING * force;
                     return Ok(if rounding { Outcome::Solved } else { Outcome::Unsolved });
                 }
                 before = worst;
+                lasting = if worst <= SLOW * lowest { 0 } else { lasting + usize::from(unchanged) };
+                lowest = f64::min(lowest, worst);
             }
         }
         Ok(Outcome::Unsolved)
