@@ -20,7 +20,8 @@ LAYERS = (
     {"expression"},
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
-    {"tipping", "equilibrium", "stability", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
+    {"tipping", "equilibrium", "stability", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"}
+    | {"slenderness", "refusal"},
     {"supportpoints", "support_result", "probe_result", "notebook", "result", "combine", "together", "solve"}
     | {"path_stop", "path_result", "path"},
     {"tabulated", "output", "check"},

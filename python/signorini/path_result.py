@@ -17,6 +17,7 @@ from signorini.model import Model
 from signorini.notebook import path_table
 from signorini.path_stop import PathStop
 from signorini.problem import ContactProblem
+from signorini.refusal import refusal
 from signorini.result import Result
 
 if TYPE_CHECKING:
@@ -181,7 +182,7 @@ class Path:
             certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
         name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
         if not certificate.passed:
-            raise NotCertifiedError(f'"{name}" is refused, its certificate {certificate}.')
+            raise NotCertifiedError(refusal(name, found, answer, certificate))
         return Result.of(found, name, (self.problem.method,), load, answer, certificate)
 
 

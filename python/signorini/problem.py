@@ -16,6 +16,7 @@ from signorini.equilibrium import RigidFreedom, restraining_points, rigid_freedo
 from signorini.errors import InputError, SignoriniError
 from signorini.memory import require_memory_for_points
 from signorini.model import Model
+from signorini.slenderness import of_shape
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array, csr_array
@@ -304,11 +305,11 @@ def _factored(found: Discretisation, freedom: RigidFreedom, method: Method) -> C
                 'Take element = "mitc9" or a finer mesh.',
                 place="plate.element",
             ) from None
-        raise InputError(
-            f"The stiffness matrix cannot be factored: {error}. The plate's parts are too unlike for double precision: "
-            "see that the thickness, the elements' sides and the stiffnesses of the supports do not differ wildly.",
-            place="plate",
-        ) from None
+        why = of_shape(found) or (
+            "The plate's parts are too unlike for double precision: see that the thickness, the elements' sides and "
+            "the stiffnesses of the supports do not differ wildly."
+        )
+        raise InputError(f"The stiffness matrix cannot be factored: {error}. {why}", place="plate") from None
     except MemoryError:
         raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
     return ContactProblem(found, freedom, core, method)
