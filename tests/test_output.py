@@ -78,6 +78,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                         "tension_limit",
                         "equilibrium_limit",
                         "balance_limit",
+                        "rounding",
                         "passed",
                     ]
                 ),

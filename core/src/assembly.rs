@@ -102,6 +102,8 @@ struct NodeColumns<'a> {
     attached: &'a [Vec<usize>],
     bedding: &'a [[f64; 36]],
     incidence: &'a Incidence,
+    /// Whether thin elements are left out.
+    thick_only: bool,
     node: usize,
     slot: Vec<usize>,
     neighbours: Vec<usize>,
@@ -115,6 +117,7 @@ impl<'a> NodeColumns<'a> {
         attached: &'a [Vec<usize>],
         bedding: &'a [[f64; 36]],
         incidence: &'a Incidence,
+        thick_only: bool,
     ) -> Self {
         let slot = vec![usize::MAX; plate.node_count()];
         Self {
@@ -123,6 +126,7 @@ impl<'a> NodeColumns<'a> {
             attached,
             bedding,
             incidence,
+            thick_only,
             node: usize::MAX,
             slot,
             neighbours: Vec::new(),
@@ -153,6 +157,9 @@ impl<'a> NodeColumns<'a> {
         self.block.clear();
         self.block.resize(self.neighbours.len(), [[0.0; 3]; 3]);
         for &(e, local) in self.incidence.of(node) {
+            if self.thick_only && self.plate.is_thin(e) {
+                continue;
+            }
             let lower = self.plate.element_stiffness(e);
             for (i, &n) in self.plate.elements()[e].iter().enumerate() {
                 let block = &mut self.block[self.slot[n]];
@@ -210,11 +217,26 @@ fn into_frames(block: &mut [[f64; 3]; 3], row: Option<[f64; 2]>, column: Option<
 
 /// Assembles K with springs and bedding added (over the deflections of each element, packed; empty without), in parallel over columns; the sums do not depend on the number of threads.
 pub fn assemble(plate: &Plate, springs: &Springs, bedding: &[[f64; 36]], numbering: &Numbering) -> LowerTriangle {
+    assemble_some(plate, springs, bedding, numbering, false)
+}
+
+/// As [`assemble`], without thin elements and bedding; where those are the entries stand, as zeros.
+pub fn assemble_thick(plate: &Plate, springs: &Springs, numbering: &Numbering) -> LowerTriangle {
+    assemble_some(plate, springs, &[], numbering, true)
+}
+
+fn assemble_some(
+    plate: &Plate,
+    springs: &Springs,
+    bedding: &[[f64; 36]],
+    numbering: &Numbering,
+    thick_only: bool,
+) -> LowerTriangle {
     const CHUNK: usize = 4096;
     let incidence = Incidence::new(plate);
     let attached = attached_springs(plate, springs);
     let columns = numbering.len();
-    let start = || NodeColumns::new(plate, springs, &attached, bedding, &incidence);
+    let start = || NodeColumns::new(plate, springs, &attached, bedding, &incidence, thick_only);
     let below = |node: usize, column: usize| {
         (0..3).filter(move |&a| {
             let row = numbering.column[3 * node + a];

@@ -3,6 +3,8 @@
 //! Dofs are (w, θ1, θ2) node by node. θ1, θ2 are θx, θy, or, at a node with a frame (c, s), the slopes along
 //! (c, s) and (−s, c), so that one of them can be held alone.
 
+use crate::double_double::DoubleDouble;
+use crate::element::thin::{self, Mixed, Strains};
 use crate::element::{self, ALL_DOFS, Centre, DOFS, Geometry, Kind, Material, PACKED, Sections, Thickness};
 use rayon::prelude::*;
 
@@ -35,6 +37,10 @@ impl std::fmt::Display for PlateError {
 
 impl std::error::Error for PlateError {}
 
+/// Size of the plate over its thickness, times the ratio of an element's sides, from which on nodal forces are formed from
+/// strains: those of the element's matrix would be wrong by this squared times the precision, over 1e-10 of the load.
+const THIN: f64 = 2e3;
+
 pub struct Plate {
     points: Vec<[f64; 2]>,
     elements: Vec<[usize; 8]>,
@@ -44,6 +50,7 @@ pub struct Plate {
     pub kind: Kind,
     stiffness: Vec<f64>,
     centres: Vec<Centre>,
+    thin: Vec<bool>,
 }
 
 impl Plate {
@@ -79,19 +86,34 @@ impl Plate {
                 return Err(PlateError::NoSuchNode { element, node });
             }
         }
-        let mut plate =
-            Self { points, elements, thickness, frames, material, kind, stiffness: Vec::new(), centres: Vec::new() };
+        let mut plate = Self {
+            points,
+            elements,
+            thickness,
+            frames,
+            material,
+            kind,
+            stiffness: Vec::new(),
+            centres: Vec::new(),
+            thin: Vec::new(),
+        };
         if let Some(element) = (0..plate.elements.len()).into_par_iter().find_first(|&e| plate.is_inverted(e)) {
             return Err(PlateError::Inverted { element });
         }
         let mut stiffness = vec![0.0; PACKED * plate.elements.len()];
+        let size = plate.size();
         let computed = stiffness.par_chunks_mut(PACKED).enumerate().map(|(e, out)| {
-            let found = element::stiffness(kind, &plate.geometry(e), &plate.material, plate.sections(e));
-            out.copy_from_slice(&found.packed);
-            found.centre
+            let (geometry, sections) = (plate.geometry(e), plate.sections(e));
+            let thinnest = plate.thickness.least_of(kind, e);
+            let found = element::stiffness(kind, &geometry, &plate.material, sections);
+            let thin = kind == Kind::Mitc9 && thin::slenderness(&geometry, thinnest, size) > THIN;
+            let softer =
+                thin.then(|| thin::factored_stiffness(&geometry, &plate.material, sections, thinnest)).flatten();
+            out.copy_from_slice(softer.as_ref().unwrap_or(&found.packed));
+            (found.centre, thin)
         });
-        let centres = computed.collect();
-        (plate.stiffness, plate.centres) = (stiffness, centres);
+        let (centres, thin) = computed.unzip();
+        (plate.stiffness, plate.centres, plate.thin) = (stiffness, centres, thin);
         Ok(plate)
     }
 
@@ -119,9 +141,41 @@ impl Plate {
         &self.elements
     }
 
-    /// Packed lower triangle of one element, in x and y (frames not applied).
+    /// Packed lower triangle of one element, in x and y (frames not applied); of a thin one a matrix to precondition with,
+    /// which has its own shear only where that leaves digits to bending.
     pub fn element_stiffness(&self, e: usize) -> &[f64] {
         &self.stiffness[PACKED * e..PACKED * (e + 1)]
+    }
+
+    /// Whether an element's forces are to be formed from its strains, since those of its matrix would be rounding.
+    pub fn is_thin(&self, e: usize) -> bool {
+        self.thin[e]
+    }
+
+    pub fn has_thin(&self) -> bool {
+        self.thin.contains(&true)
+    }
+
+    /// Strains of a thin element from displacements without its rigid motion.
+    pub fn strains(&self, e: usize, stripped: &[DoubleDouble; DOFS]) -> Strains<'_> {
+        Strains::of(&self.geometry(e), &self.material, self.sections(e), &self.centres[e], stripped)
+    }
+
+    /// Bending and shear of a thin element apart, in the nodes' frames.
+    pub fn mixed(&self, e: usize) -> Mixed {
+        let mut mixed =
+            Mixed::of(&self.geometry(e), &self.material, self.sections(e), self.thickness.least_of(self.kind, e));
+        let turn = |row: &mut [f64; ALL_DOFS]| {
+            let nodal = row.first_chunk_mut().expect("dofs of nodes come first");
+            self.into_frames(e, nodal);
+        };
+        mixed.rows.iter_mut().for_each(turn);
+        if self.frames.is_some() {
+            mixed.bending.iter_mut().for_each(turn);
+            mixed.bending = transposed(&mixed.bending);
+            mixed.bending.iter_mut().for_each(turn);
+        }
+        mixed
     }
 
     /// What brings an element's centre rotations back.
@@ -148,6 +202,11 @@ impl Plate {
 
     /// Least thickness over the diagonal of the plate's bounding box.
     pub fn slenderness(&self) -> f64 {
+        self.thickness.least() / self.size()
+    }
+
+    /// Diagonal of the plate's bounding box.
+    fn size(&self) -> f64 {
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
         for point in &self.points {
@@ -156,7 +215,7 @@ impl Plate {
                 high[a] = high[a].max(point[a]);
             }
         }
-        self.thickness.least() / (high[0] - low[0]).hypot(high[1] - low[1])
+        (high[0] - low[0]).hypot(high[1] - low[1])
     }
 
     pub fn has_frames(&self) -> bool {
@@ -257,6 +316,10 @@ fn check_thickness(thickness: &Thickness, points: usize, elements: usize) -> Res
         }
     }
     Ok(())
+}
+
+fn transposed<const N: usize>(matrix: &[[f64; N]; N]) -> [[f64; N]; N] {
+    std::array::from_fn(|i| std::array::from_fn(|j| matrix[j][i]))
 }
 
 fn check_finite<'a>(what: &'static str, values: impl Iterator<Item = &'a f64>) -> Result<(), PlateError> {

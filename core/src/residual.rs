@@ -1,7 +1,8 @@
 //! The refined residual: nodal forces out of balance, from displacements carried as double-doubles.
 //!
 //! Each element's rigid motion (its first node's deflection and rotations) is stripped in double-double before the
-//! element matrix multiplies what is left, so that a thin plate's large rigid part costs no digits.
+//! element matrix multiplies what is left, so that a thin plate's large rigid part costs no digits. Of elements so thin
+//! that rounding of the matrix itself would resist bending, the strains are formed instead (`element::thin`).
 
 use crate::double_double::DoubleDouble;
 use crate::element::{DOFS, packed};
@@ -73,20 +74,25 @@ impl Displacement {
 
     /// The element's displacements in x and y with its first node's rigid motion taken off.
     pub fn strained(&self, plate: &Plate, e: usize) -> [f64; DOFS] {
+        self.stripped(plate, e).map(DoubleDouble::value)
+    }
+
+    /// As [`Displacement::strained`], with all digits.
+    pub fn stripped(&self, plate: &Plate, e: usize) -> [DoubleDouble; DOFS] {
         let nodes = &plate.elements()[e];
         let first = plate.point(nodes[0]);
         let origin = self.at(3 * nodes[0]);
         let slope = self.slopes(plate, nodes[0]);
-        let mut out = [0.0; DOFS];
+        let mut out = [DoubleDouble::default(); DOFS];
         for i in 1..8 {
             let point = plate.point(nodes[i]);
             // Where the nodes are to the last bit: a rigid motion must not strain by what their differences round off.
             let along = |k: usize| slope[k].times_sum(DoubleDouble::from(point[k]) - DoubleDouble::from(first[k]));
             let rigid = along(0) + along(1);
-            out[3 * i] = (self.at(3 * nodes[i]) - origin - rigid).value();
+            out[3 * i] = self.at(3 * nodes[i]) - origin - rigid;
             let here = self.slopes(plate, nodes[i]);
-            out[3 * i + 1] = (here[0] - slope[0]).value();
-            out[3 * i + 2] = (here[1] - slope[1]).value();
+            out[3 * i + 1] = here[0] - slope[0];
+            out[3 * i + 2] = here[1] - slope[1];
         }
         out
     }
@@ -158,8 +164,11 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
         .into_par_iter()
         .with_min_len(CHUNK)
         .map(|e| {
-            let strained = displacement.strained(plate, e);
-            let mut force = internal_force(plate.element_stiffness(e), &strained);
+            let mut force = if plate.is_thin(e) {
+                plate.strains(e, &displacement.stripped(plate, e)).nodal()
+            } else {
+                internal_force(plate.element_stiffness(e), &displacement.strained(plate, e))
+            };
             plate.into_frames(e, &mut force);
             force
         })
@@ -186,7 +195,15 @@ pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64
         let [p, q] = [vector[3 * node + 1], vector[3 * node + 2]];
         plate.frame(node).map_or([p, q], |[c, s]| [c * p - s * q, s * p + c * q])
     };
+    // Thin elements alone ask for it.
+    let exact = match plate.has_thin() {
+        true => Displacement { hi: vector.to_vec(), lo: vec![0.0; vector.len()] },
+        false => Displacement::default(),
+    };
     let one = |e: usize| {
+        if plate.is_thin(e) {
+            return plate.strains(e, &exact.stripped(plate, e)).twice_the_energy();
+        }
         let nodes = &plate.elements()[e];
         let at = plate.geometry(e).at;
         let (origin, slope) = (vector[3 * nodes[0]], slopes(nodes[0]));
@@ -211,22 +228,17 @@ pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64
     plate_alone.max(0.0) + (0..springs.rows.len()).map(spring).sum::<f64>()
 }
 
-/// Largest Σ|K_e||u_e| over the dofs that are not held: what rounding in [`residual`] is relative to.
+/// Largest Σ|K_e||u_e|, of thin elements of what their strains take, over the dofs that are not held: what rounding in
+/// [`residual`] is relative to.
 pub fn internal_magnitude(plate: &Plate, held: &[bool], displacement: &Displacement) -> f64 {
     let mut sum = vec![0.0; plate.dof_count()];
     for (e, nodes) in plate.elements().iter().enumerate() {
-        let strained = displacement.strained(plate, e).map(f64::abs);
-        let lower = plate.element_stiffness(e);
-        let mut part = [0.0; DOFS];
-        for i in 0..DOFS {
-            let mut across = 0.0;
-            for j in 0..i {
-                let k = lower[packed(i, 0) + j].abs();
-                across += k * strained[j];
-                part[j] += k * strained[i];
-            }
-            part[i] += across + lower[packed(i, i)].abs() * strained[i];
-        }
+        let stripped = displacement.stripped(plate, e);
+        let part = if plate.is_thin(e) {
+            plate.strains(e, &stripped).magnitude()
+        } else {
+            magnitude(plate.element_stiffness(e), &stripped.map(|u| u.value().abs()))
+        };
         for (i, &node) in nodes.iter().enumerate() {
             for a in 0..3 {
                 sum[3 * node + a] += part[3 * i + a];
@@ -234,6 +246,21 @@ pub fn internal_magnitude(plate: &Plate, held: &[bool], displacement: &Displacem
         }
     }
     sum.iter().zip(held).filter(|(_, held)| !**held).fold(0.0, |worst, (value, _)| worst.max(*value))
+}
+
+/// |K_e| times magnitudes of displacements.
+fn magnitude(lower: &[f64], strained: &[f64; DOFS]) -> [f64; DOFS] {
+    let mut part = [0.0; DOFS];
+    for i in 0..DOFS {
+        let mut across = 0.0;
+        for j in 0..i {
+            let k = lower[packed(i, 0) + j].abs();
+            across += k * strained[j];
+            part[j] += k * strained[i];
+        }
+        part[i] += across + lower[packed(i, i)].abs() * strained[i];
+    }
+    part
 }
 
 /// distance − row·u for rows over the dofs of elements, their coefficients (m, 24) one after the other, in double-double.

@@ -19,6 +19,7 @@ from signorini.model import Model
 from signorini.notebook import path_table
 from signorini.path_stop import PathStop
 from signorini.problem import ContactProblem
+from signorini.refusal import refusal
 from signorini.remade import Remade
 from signorini.result import Result
 from signorini.selection import chosen
@@ -196,7 +197,7 @@ class Path(Remade):
             certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
         name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
         if not certificate.passed:
-            raise NotCertifiedError(f'"{name}" is refused, its certificate {certificate}.')
+            raise NotCertifiedError(refusal(name, found, answer, certificate))
         least = chosen(found, self.problem.freedom, load.nodal, answer, lambda: self._beside(t))
         for other in least.in_turn if least is not answer else ():
             judged = certify(found, load, other.hi, other.lo, other.reaction, beside=made_of)

@@ -21,6 +21,7 @@ from signorini.memory import require_memory_for_points
 from signorini.model import Model
 from signorini.remade import Remade
 from signorini.selection import chosen
+from signorini.slenderness import of_shape
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array, csr_array
@@ -410,11 +411,11 @@ def _core_problem(
                 'Take element = "mitc9" or a finer mesh.',
                 place="plate.element",
             ) from None
-        raise InputError(
-            f"The stiffness matrix cannot be factored: {error}. The plate's parts are too unlike for double precision: "
-            "see that the thickness, the elements' sides and the stiffnesses of the supports do not differ wildly.",
-            place="plate",
-        ) from None
+        why = of_shape(found) or (
+            "The plate's parts are too unlike for double precision: see that the thickness, the elements' sides and "
+            "the stiffnesses of the supports do not differ wildly."
+        )
+        raise InputError(f"The stiffness matrix cannot be factored: {error}. {why}", place="plate") from None
     except MemoryError:
         raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
 

@@ -18,8 +18,10 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, Method, Steps, contact_problem
 from signorini.progress import Progress, Watcher
+from signorini.refusal import refusal
 from signorini.remade import Remade
 from signorini.result import Result, unsolved_result
+from signorini.slenderness import of_shape
 from signorini.stability import CONTRADICTION, nearest_limit, supports_contradict, why_none
 from signorini.together import mean_load, solve_several
 
@@ -268,13 +270,13 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
         return unsolved_result(found, combination.name, CONTRADICTION), spent
     if tried.certificate is None:
-        raise NotCertifiedError(
-            f'Combination "{combination.name}" has no answer that could be certified: rounding decides which of its '
-            "supports are in contact. Take a finer mesh or fewer supports that nearly repeat each other, or give the "
-            "rigid ones a stiffness."
+        why = of_shape(found) or (
+            "Rounding decides which of its supports are in contact. Take a finer mesh or fewer supports that nearly "
+            "repeat each other, or give the rigid ones a stiffness."
         )
+        raise NotCertifiedError(f'Combination "{combination.name}" has no answer that could be certified. {why}')
     if not tried.certificate.passed:
-        raise NotCertifiedError(f'Combination "{combination.name}" is refused, its certificate {tried.certificate}.')
+        raise NotCertifiedError("Combination " + refusal(combination.name, found, tried.answer, tried.certificate))
     return Result.of(found, combination.name, tried.methods, load, tried.answer, tried.certificate), spent
 
 

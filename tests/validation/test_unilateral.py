@@ -167,29 +167,23 @@ def thin(support, thickness):
     return result.probes[0].deflection * thickness**3 / 12 / (1 - 0.3**2), result
 
 
-BALANCE = {1e-3: 1e-10, 2e-4: 1e-9, 1e-4: 1e-9, 1e-5: 1e-7}
-"""h/a, and how well the reactions have to balance the load."""
+THICKNESSES = (1e-3, 2e-4, 1e-4, 1e-5)
+"""h/a."""
 
 
 class TestThinPlates:
     """231,363 dofs, h/a from 1e-3 to 1e-5: what double precision would lose, the refined residual brings back."""
 
     def check(self, result, thickness):
-        assert result.reactions["edges"] == pytest.approx(1.0, abs=BALANCE[thickness])
+        assert result.reactions["edges"] == pytest.approx(1.0, abs=1e-10)
         certificate = result.certificate
-        assert certificate.passed
+        assert certificate.passed and not certificate.limited
         # At h/a = 1e-5 it is rounding that decides about a few points at the edge of contact.
         signs = 1e-12 if thickness > 1e-5 else 1e-9
         assert max(certificate.penetration, certificate.tension, certificate.complementarity) < signs
-        if thickness >= 2e-4:
-            assert not certificate.limited
-            assert max(certificate.equilibrium, certificate.balance) < 1e-8
-        if thickness == 1e-5:
-            assert certificate.limited
-            assert "arithmetic limits" in str(certificate)
 
     def test_clamped(self):
-        for thickness in BALANCE:
+        for thickness in THICKNESSES:
             deflection, result = thin({"fix": "clamped"}, thickness)
             assert deflection == pytest.approx(0.00126532, rel=1e-4)
             self.check(result, thickness)
@@ -201,7 +195,7 @@ class TestThinPlates:
         this mesh sees a third. The thin limit itself has converged on 80 × 80.
         """
         found = {}
-        for thickness in BALANCE:
+        for thickness in THICKNESSES:
             found[thickness], result = thin({"resists": "down"}, thickness)
             self.check(result, thickness)
         limit = found[1e-5]

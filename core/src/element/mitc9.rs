@@ -8,11 +8,11 @@ use super::quadrature::{GAUSS_3, square};
 use super::shape::{Shape, lagrange, serendipity};
 use std::sync::LazyLock;
 
-use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Section, Stiffness, StrainMatrix, add_energy, packed};
+use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Section, Sections, Stiffness, StrainMatrix, packed};
 
-const TIES: usize = 5;
+pub(super) const TIES: usize = 5;
 const GAUSS: f64 = 0.577_350_269_189_625_8;
-const CENTRE: usize = DOFS;
+pub(super) const CENTRE: usize = DOFS;
 
 /// Where component `a` (0: γξ, 1: γη) is tied on the edges: along its own direction at ±1/√3, across at ±1.
 fn tying_point(component: usize, tie: usize) -> (f64, f64) {
@@ -127,84 +127,101 @@ fn strain_matrix(geometry: &Geometry, rows: &[[[f64; ALL_DOFS]; TIES]; 2], xi: f
     strain
 }
 
-/// Bending by 3×3 points on the rotations; shear as a 10×10 form in the tied values; then the centre is condensed.
-///
-/// `thickness` is that at the points.
-pub fn stiffness(geometry: &Geometry, material: &Material, thickness: [f64; 9]) -> Stiffness {
-    let mut full = [[0.0; ALL_DOFS]; ALL_DOFS];
-    let mut form = [[0.0; 2 * TIES]; 2 * TIES];
-    for (point, thickness) in GAUSS_POINTS.iter().zip(thickness) {
-        let (xi, eta) = (point.xi, point.eta);
-        let jacobian = geometry.jacobian_of(point.shape);
-        let scale = point.weight * jacobian.determinant;
-        let rigidity = scale * material.bending_rigidity(thickness);
-        add_bending(&mut full, &jacobian, rigidity, material.poisson, &point.rotation);
+/// One of the 3×3 points: what bending there is made of.
+pub(super) struct Point {
+    /// Gradients of the nine rotation functions in x and y.
+    pub(super) gradient: [[f64; 2]; 9],
+    /// Weight times the area that the point stands for.
+    pub(super) scale: f64,
+    pub(super) section: Section,
+}
 
-        let shear = scale * material.shear_rigidity(thickness);
-        let inv = &jacobian.inverse;
-        let metric = |a: usize, b: usize| shear * (inv[0][a] * inv[0][b] + inv[1][a] * inv[1][b]);
-        let weights = [interpolation(xi, eta), interpolation(eta, xi)];
-        for a in 0..2 {
-            for b in 0..=a {
-                let g = metric(a, b);
-                for s in 0..TIES {
-                    for t in 0..TIES {
-                        form[a * TIES + s][b * TIES + t] += g * weights[a][s] * weights[b][t];
+/// An element with bending and shear apart: bending at the 3×3 points, shear as a form in the ten tied values.
+pub(super) struct Apart {
+    pub(super) points: [Point; 9],
+    pub(super) form: [[f64; 2 * TIES]; 2 * TIES],
+    pub(super) rows: [[f64; ALL_DOFS]; 2 * TIES],
+}
+
+impl Apart {
+    pub(super) fn of(geometry: &Geometry, material: &Material, sections: Sections) -> Self {
+        let mut form = [[0.0; 2 * TIES]; 2 * TIES];
+        let points = std::array::from_fn(|k| {
+            let station = &GAUSS_POINTS[k];
+            let (xi, eta) = (station.xi, station.eta);
+            let jacobian = geometry.jacobian_of(station.shape);
+            let scale = station.weight * jacobian.determinant;
+            let section = sections.at(k, material);
+            let inv = &jacobian.inverse;
+            let metric = |a: usize, b: usize| {
+                let [x, y] = section.shear_force([inv[0][b], inv[1][b]]);
+                scale * (inv[0][a] * x + inv[1][a] * y)
+            };
+            let weights = [interpolation(xi, eta), interpolation(eta, xi)];
+            for a in 0..2 {
+                for b in 0..=a {
+                    let g = metric(a, b);
+                    for s in 0..TIES {
+                        for t in 0..TIES {
+                            form[a * TIES + s][b * TIES + t] += g * weights[a][s] * weights[b][t];
+                        }
                     }
                 }
             }
+            let gradient = station.rotation.gradient.map(|gradient| jacobian.physical(gradient));
+            Point { gradient, scale, section }
+        });
+        for s in 0..TIES {
+            for t in 0..TIES {
+                form[s][TIES + t] = form[TIES + t][s];
+            }
         }
+        let [along, across] = ties(geometry);
+        let rows = std::array::from_fn(|t| if t < TIES { along[t] } else { across[t - TIES] });
+        Self { points, form, rows }
     }
-    for s in 0..TIES {
-        for t in 0..TIES {
-            form[s][TIES + t] = form[TIES + t][s];
+
+    /// Bending alone over all dofs, lower triangle.
+    pub(super) fn bending(&self) -> [[f64; ALL_DOFS]; ALL_DOFS] {
+        let mut full = [[0.0; ALL_DOFS]; ALL_DOFS];
+        for point in &self.points {
+            add_bending(&mut full, point);
         }
+        full
     }
-    add_shear(&mut full, &form, &ties(geometry));
+}
+
+/// Bending by 3×3 points on the rotations; shear as a 10×10 form in the tied values; then the centre is condensed.
+pub fn stiffness(geometry: &Geometry, material: &Material, sections: Sections) -> Stiffness {
+    let apart = Apart::of(geometry, material, sections);
+    let mut full = apart.bending();
+    add_shear(&mut full, &apart.form, &apart.rows);
     condense(&full)
 }
 
-/// The same for any sections at the points.
-pub fn layered_stiffness(geometry: &Geometry, sections: [Section; 9]) -> Stiffness {
-    let mut full = [[0.0; ALL_DOFS]; ALL_DOFS];
-    let rows = ties(geometry);
-    for (point, section) in GAUSS_POINTS.iter().zip(sections) {
-        let strain = strain_matrix(geometry, &rows, point.xi, point.eta);
-        let scale = point.weight * geometry.jacobian_of(point.shape).determinant;
-        add_energy(&strain, &section, ALL_DOFS, |i, j, energy| full[i][j] += scale * energy);
-    }
-    condense(&full)
-}
-
-fn add_bending(
-    full: &mut [[f64; ALL_DOFS]; ALL_DOFS],
-    jacobian: &super::Jacobian,
-    rigidity: f64,
-    nu: f64,
-    rotation: &Shape<9>,
-) {
-    let gradient: [[f64; 2]; 9] = std::array::from_fn(|i| jacobian.physical(rotation.gradient[i]));
-    let half = 0.5 * (1.0 - nu);
+fn add_bending(full: &mut [[f64; ALL_DOFS]; ALL_DOFS], point: &Point) {
+    let gradient = &point.gradient;
     for i in 0..9 {
         let r = if i < 8 { 3 * i + 1 } else { CENTRE };
-        let [xi_, yi] = gradient[i].map(|g| rigidity * g);
+        let [x, y] = gradient[i].map(|g| point.scale * g);
+        // Moments of either slope of the node.
+        let (first, second) = (point.section.moment([x, 0.0, y]), point.section.moment([0.0, y, x]));
         for j in 0..=i {
             let c = if j < 8 { 3 * j + 1 } else { CENTRE };
-            let [xj, yj] = gradient[j];
-            full[r][c] += xi_ * xj + half * yi * yj;
-            full[r][c + 1] += nu * xi_ * yj + half * yi * xj;
-            full[r + 1][c] += nu * yi * xj + half * xi_ * yj;
-            full[r + 1][c + 1] += yi * yj + half * xi_ * xj;
+            let [x, y] = gradient[j];
+            full[r][c] += first[0] * x + first[2] * y;
+            full[r][c + 1] += first[1] * y + first[2] * x;
+            full[r + 1][c] += second[0] * x + second[2] * y;
+            full[r + 1][c + 1] += second[1] * y + second[2] * x;
         }
     }
 }
 
-fn add_shear(
+pub(super) fn add_shear(
     full: &mut [[f64; ALL_DOFS]; ALL_DOFS],
     form: &[[f64; 2 * TIES]; 2 * TIES],
-    rows: &[[[f64; ALL_DOFS]; TIES]; 2],
+    rows: &[[f64; ALL_DOFS]; 2 * TIES],
 ) {
-    let rows: [&[f64; ALL_DOFS]; 2 * TIES] = std::array::from_fn(|t| &rows[t / TIES][t % TIES]);
     let mut product = [[0.0; ALL_DOFS]; 2 * TIES];
     for s in 0..2 * TIES {
         for t in 0..2 * TIES {
@@ -225,7 +242,7 @@ fn add_shear(
 }
 
 /// Eliminates the two centre rotations; only the lower triangle of `full` is read.
-fn condense(full: &[[f64; ALL_DOFS]; ALL_DOFS]) -> Stiffness {
+pub(super) fn condense(full: &[[f64; ALL_DOFS]; ALL_DOFS]) -> Stiffness {
     let [a, b, d] = [full[CENTRE][CENTRE], full[CENTRE + 1][CENTRE], full[CENTRE + 1][CENTRE + 1]];
     let determinant = a * d - b * b;
     let compliance = [[d / determinant, -b / determinant], [-b / determinant, a / determinant]];

@@ -8,6 +8,7 @@ pub mod q8r;
 pub mod quadrature;
 pub mod section;
 pub mod shape;
+pub mod thin;
 
 use quadrature::{GAUSS_2, GAUSS_3, square};
 pub use section::{Layered, Material, Section, Sections, Thickness};
@@ -119,9 +120,7 @@ pub struct Stiffness {
 /// Stiffness of one element.
 pub fn stiffness(kind: Kind, geometry: &Geometry, material: &Material, sections: Sections) -> Stiffness {
     match (kind, sections) {
-        (Kind::Mitc9, Sections::Constant(h)) => mitc9::stiffness(geometry, material, [h; 9]),
-        (Kind::Mitc9, Sections::Varying(h)) => mitc9::stiffness(geometry, material, std::array::from_fn(|i| h[i])),
-        (Kind::Mitc9, Sections::Layered(s)) => mitc9::layered_stiffness(geometry, std::array::from_fn(|i| s[i])),
+        (Kind::Mitc9, sections) => mitc9::stiffness(geometry, material, sections),
         (Kind::Q8r, Sections::Constant(h)) => q8r::stiffness(geometry, material, [h; 4]),
         (Kind::Q8r, Sections::Varying(h)) => q8r::stiffness(geometry, material, std::array::from_fn(|i| h[i])),
         (Kind::Q8r, Sections::Layered(s)) => q8r::layered_stiffness(geometry, std::array::from_fn(|i| s[i])),

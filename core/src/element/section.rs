@@ -132,6 +132,17 @@ impl Thickness {
         self.all().iter().copied().fold(0.0, f64::max)
     }
 
+    /// Least of an element's points.
+    pub fn least_of(&self, kind: Kind, e: usize) -> f64 {
+        match self {
+            Self::Constant(thickness) => *thickness,
+            Self::Varying { at_points, .. } => {
+                let count = kind.points().len();
+                at_points[count * e..count * (e + 1)].iter().copied().fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+
     /// At the first point of an element.
     pub fn first(&self, kind: Kind, e: usize) -> f64 {
         match self {

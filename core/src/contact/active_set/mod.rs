@@ -57,6 +57,8 @@ const NEARLY: f64 = 1e3;
 /// Steps on one set that leave this part of the imbalance, one after another, that end it: what is left is rounding.
 const SLOW: f64 = 0.8;
 const STALLS: usize = 3;
+/// So many on unchanged sets without a new least imbalance, up and down, end it as well.
+const LASTING: usize = 12;
 /// What rounding leaves at most, in the thinnest plates; where it stalls above, supports contradict each other.
 const ROUNDING: f64 = 1e-3;
 /// Imbalance, over the largest nodal force, up to which multipliers are renewed.
@@ -245,6 +247,7 @@ impl Descent<'_> {
         let mut since_settled = 0;
         let mut far = false;
         let mut before = f64::INFINITY;
+        let (mut lasting, mut lowest) = (0, f64::INFINITY);
         // Without a load nothing may push in the end, so forces count from those of the settlements at the start.
         let least = if self.load.iter().all(|&f| f == 0.0) { self.largest_push() } else { 0.0 };
         for step in 1..=NEWTON {
@@ -285,6 +288,7 @@ impl Descent<'_> {
                     self.springs = self.problem.active.softened(self.limit);
                     self.balance();
                     before = f64::INFINITY;
+                    (lasting, lowest) = (0, f64::INFINITY);
                 }
                 closed = self.stretch.iter().map(|&s| s > 0.0).collect();
             }
@@ -303,15 +307,17 @@ impl Descent<'_> {
                 // Points that neither push nor gape may change sides for ever; what is out of balance tells nothing more.
                 let idle = unchanged || worst <= NEARLY * SETTLED * force;
                 stalled = if idle && worst > SLOW * before { stalled + 1 } else { 0 };
-                if stalled == STALLS {
+                if stalled == STALLS || lasting == LASTING {
                     if worst <= ROUNDING * force {
                         return Ok(Outcome::Solved);
                     }
-                    if !started || far {
+                    if !started || far || lasting == LASTING {
                         return Ok(Outcome::Unsolved);
                     }
                 }
                 before = worst;
+                lasting = if worst <= SLOW * lowest { 0 } else { lasting + usize::from(unchanged) };
+                lowest = f64::min(lowest, worst);
             }
         }
         Ok(Outcome::Unsolved)

@@ -10,6 +10,7 @@ mod floating;
 mod krylov;
 mod proximal;
 mod saddle;
+mod shears;
 mod steps;
 
 use super::active_set::Progress;

@@ -6,10 +6,11 @@
 //! ```
 //!
 //! Condensed onto points that nearly repeat each other, P = GK⁻¹Gᵀ holds what tells them apart squared; here it stands
-//! as it is (Benzi, Golub & Liesen 2005, section 5).
+//! as it is (Benzi, Golub & Liesen 2005, section 5). So are the shear forces of thin elements ([`Shears`]).
 
 use super::Careful;
-use crate::assembly::{HELD, assemble};
+use super::shears::Shears;
+use crate::assembly::{HELD, assemble_thick};
 use crate::contact::problem::ContactProblem;
 use crate::double_double::DoubleDouble;
 use faer::Mat;
@@ -27,7 +28,7 @@ const REFINEMENTS: usize = 4;
 /// The system of one contact state, factored.
 pub(super) struct Saddle {
     factor: Lu<usize, f64>,
-    /// Closed points, one a row behind the free dofs.
+    /// Closed points, one a row behind the free dofs; behind them what thin elements have inside.
     points: Vec<usize>,
     /// Lower triangle of the system, each entry with its row and column.
     entries: Vec<(usize, usize, f64)>,
@@ -42,20 +43,28 @@ impl Saddle {
         let (plate, constraints, numbering) = (&problem.plate, &problem.constraints, &problem.numbering);
         let points: Vec<usize> = (0..closed.len()).filter(|&i| closed[i]).collect();
         let free = numbering.len();
-        let stiffness = assemble(plate, &problem.springs, &[], numbering);
-        let mut unit = vec![1.0; free + points.len()];
-        let mut entries = Vec::with_capacity(2 * stiffness.value.len());
+        let behind = free + points.len();
+        let stiffness = assemble_thick(plate, &problem.springs, numbering);
+        let shears = Shears::of(plate, numbering, behind);
+        let mut unit = vec![1.0; behind];
+        unit.extend(shears.unit);
+        let mut entries = Vec::with_capacity(2 * stiffness.value.len() + shears.entries.len());
         for column in 0..free {
             for at in stiffness.column_start[column]..stiffness.column_start[column + 1] {
                 let (row, mut value) = (stiffness.row[at], stiffness.value[at]);
                 if row == column {
                     let bed = if numbering.dof[row] % 3 == 0 { careful.bed } else { 0.0 };
-                    value += bed.max(SUMS * value);
-                    unit[row] = 1.0 / value.sqrt();
+                    let own = value + shears.stiffness[row];
+                    let least = bed.max(SUMS * own);
+                    value += least;
+                    unit[row] = 1.0 / (own + least).sqrt();
                 }
-                entries.push((row, column, value));
+                if value != 0.0 {
+                    entries.push((row, column, value));
+                }
             }
         }
+        entries.extend(shears.entries);
         for (at, &point) in points.iter().enumerate() {
             let row = free + at;
             let mut largest = 0.0_f64;
@@ -93,6 +102,7 @@ impl Saddle {
         let mut right = problem.gather(imbalance);
         let free = right.len();
         right.extend(self.points.iter().map(|&point| remaining[point]));
+        right.resize(self.unit.len(), 0.0);
         right.iter_mut().zip(&self.unit).for_each(|(value, unit)| *value *= unit);
         let mut unknown = vec![0.0; right.len()];
         let mut left = right.clone();

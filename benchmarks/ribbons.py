@@ -1,0 +1,99 @@
+"""Random ribbons: long narrow thin plates on a few elements, against the closed form of the beam that they are.
+
+Width over length from 1e-3 to 1, thickness over length from 1e-6 to 1e-2, both log-uniform; the short edges held, or
+supported from below only; a pressure, or a curvature that the plate would take on its own. Without lateral contraction
+the plate on two such edges is a beam exactly; with nu = 0.3 it is one within a percent up to a tenth as wide as long.
+Double precision cannot tell bending from shear of the worst of them: an answer must be within 2 % or refused.
+
+    python benchmarks/ribbons.py [--samples 700] [--seed 1]
+    python benchmarks/ribbons.py --check        40, and fails where one that is certified is wrong
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import sys
+
+import numpy as np
+
+from signorini import Model, solve
+from signorini.errors import SignoriniError
+
+WRONG = 0.02
+"""Error of a certified deflection that fails: what four quadratic elements along a beam are within, many times over."""
+
+
+def ribbon(seed, number):
+    """One ribbon as keywords of `Model`, and its deflection at the middle."""
+    rng = np.random.default_rng((seed, number))
+    length = 10.0 ** rng.uniform(-1, 3)
+    nu = float(rng.choice([0.0, 0.3]))
+    width = length * 10.0 ** rng.uniform(-3, -1 if nu else 0)
+    thickness = length * 10.0 ** rng.uniform(-6, -2)
+    young = 10.0 ** rng.uniform(3, 11)
+    edges = {"edge": ["left", "right"]} | ({"fix": "simple"} if rng.random() < 0.5 else {"resists": "down"})
+    turned = rng.random() < 0.25
+    if turned:
+        edges["edge"] = ["bottom", "top"]
+    size, divisions = [length, width], [int(rng.integers(4, 9)), int(rng.choice([1, 2, 4]))]
+    # A plate that bows off its edges is held by one-sided ones against a pressure only.
+    curved = edges.get("fix") == "simple" and rng.random() < 0.3
+    load = 10.0 ** rng.uniform(-3, 3)
+    if curved:
+        load *= 1e-3 / length
+        along, across = load, -nu * load
+        loads = {"curvature": [across, along, 0.0] if turned else [along, across, 0.0]}
+        exact = -load * length**2 / 8
+    else:
+        loads = {"pressure": load}
+        shear = 5 / 6 * young * thickness / (2 * (1 + nu))
+        exact = load * length**4 * 5 / 384 / (young * thickness**3 / 12) + load * length**2 / (8 * shear)
+    if turned:
+        size, divisions = size[::-1], divisions[::-1]
+    model = {
+        "material": {"E": young, "nu": nu},
+        "plate": {"shape": "rectangle", "size": size, "thickness": thickness},
+        "mesh": {"divisions": divisions},
+        "support": [{"name": "edges", **edges}],
+        "load": [loads],
+        "probe": [{"at": [size[0] / 2, size[1] / 2]}],
+    }
+    return model, exact
+
+
+def judged(seed, number):
+    """What became of one ribbon, its error where there is an answer, and the certificate or the reason."""
+    model, exact = ribbon(seed, number)
+    try:
+        result = solve(Model(**model))["all"]
+    except SignoriniError as refusal:
+        return "refused", 0.0, f"{type(refusal).__name__}: {refusal}"
+    error = abs(result.probes[0].deflection / exact - 1)
+    return "limited" if result.certificate.limited else "certified", error, str(result.certificate)
+
+
+def main():
+    """Judge all samples; 1 if one that is certified is wrong."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--samples", type=int, default=700)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--check", action="store_true")
+    parser.add_argument("--verbose", action="store_true", help="say what every refused or wrong one is")
+    given = parser.parse_args()
+    counts, worst, wrong = collections.Counter(), collections.defaultdict(float), 0
+    for number in range(40 if given.check else given.samples):
+        verdict, error, words = judged(given.seed, number)
+        counts[verdict] += 1
+        worst[verdict] = max(worst[verdict], error)
+        wrong += error > WRONG
+        if error > WRONG or (given.verbose and verdict == "refused"):
+            size = ribbon(given.seed, number)[0]
+            print(f"{number}: {verdict}, wrong by {error:.3g}; {words}\n    {size}")
+    for verdict, count in counts.items():
+        print(f"{verdict}: {count}" + (f", wrong by at most {worst[verdict]:.2g}" if verdict != "refused" else ""))
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,265 @@
+//! Thin mitc9 elements with bending and shear apart.
+//!
+//! In the sum of both, bending is lost: shear is (ℓ/h)² times stiffer, and rounding of its entries resists any bending.
+//! Here the strains are formed first, with double-double accuracy, and forces from them: rounding is then relative to the
+//! true moments and shears.
+
+use super::mitc9::{Apart, CENTRE, TIES, add_shear, condense};
+use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Sections};
+use crate::double_double::DoubleDouble;
+
+/// Tied shears of an element.
+pub const SHEARS: usize = 2 * TIES;
+
+/// Corrections of the condensed centre rotations; each leaves rounding of the one before.
+const CENTRE_CORRECTIONS: usize = 2;
+
+/// So much stiffer in shear than in bending over the element a matrix keeps less than four digits of bending.
+const BENDING_LOST: f64 = 1e12;
+
+/// How much stiffer than in bending over the element's length a shear that only preconditions is; fewer where the other
+/// direction is shorter, since bending over that is stiffer by the fourth power of the sides' ratio. At least the second.
+const SOFT_SHEAR: f64 = 1e11;
+const LEAST_SHEAR: f64 = 10.0;
+
+/// Lengths of an element along ξ and η, at its middle.
+fn lengths(geometry: &Geometry) -> [f64; 2] {
+    geometry.jacobian(0.0, 0.0).tangent.map(|[x, y]| 2.0 * x.hypot(y))
+}
+
+/// The longer side over the shorter.
+fn aspect(geometry: &Geometry) -> f64 {
+    let [a, b] = lengths(geometry);
+    a.max(b) / a.min(b)
+}
+
+/// By how much rounding of an element's forces grows from its matrix, as the root: the plate's size over the thickness,
+/// times the ratio of the element's sides.
+pub fn slenderness(geometry: &Geometry, thinnest: f64, size: f64) -> f64 {
+    aspect(geometry) * size / thinnest
+}
+
+/// Stiffness against bending over the element of each tied shear, as if the plate bent to the tied values.
+fn bending_of_shears(geometry: &Geometry, material: &Material, thinnest: f64) -> [f64; SHEARS] {
+    let [a, b] = lengths(geometry);
+    let rigidity = material.bending_rigidity(thinnest) * a * b;
+    std::array::from_fn(|t| rigidity / if t < TIES { a.powi(4) } else { b.powi(4) })
+}
+
+/// The matrix that a factor is made of where bending would be lost in that of the element: with softer shear.
+pub fn factored_stiffness(
+    geometry: &Geometry,
+    material: &Material,
+    sections: Sections,
+    thinnest: f64,
+) -> Option<[f64; PACKED]> {
+    let ([a, b], aspect) = (lengths(geometry), aspect(geometry));
+    let ratio = material.shear_rigidity(thinnest) * a.max(b).powi(2) / material.bending_rigidity(thinnest);
+    if ratio * aspect * aspect <= BENDING_LOST {
+        return None;
+    }
+    let soft = (SOFT_SHEAR / aspect.powi(4)).max(LEAST_SHEAR);
+    let apart = Apart::of(geometry, material, sections);
+    let springs = bending_of_shears(geometry, material, thinnest).map(|k| 1.0 / (soft * k));
+    let mut sum = inverse(&apart.form);
+    (0..SHEARS).for_each(|t| sum[t][t] += springs[t]);
+    let mut full = apart.bending();
+    add_shear(&mut full, &inverse(&sum), &apart.rows);
+    Some(condense(&full).packed)
+}
+
+/// Bending and shear of an element over all dofs, for equations in which the shear forces are unknown too.
+pub struct Mixed {
+    /// Bending alone.
+    pub bending: [[f64; ALL_DOFS]; ALL_DOFS],
+    /// The tied shears.
+    pub rows: [[f64; ALL_DOFS]; SHEARS],
+    /// Tied shears under their forces, symmetric.
+    pub compliance: [[f64; SHEARS]; SHEARS],
+    /// What forces of the tied shears would be if the element bent to them.
+    pub unit: [f64; SHEARS],
+}
+
+impl Mixed {
+    pub fn of(geometry: &Geometry, material: &Material, sections: Sections, thinnest: f64) -> Self {
+        let apart = Apart::of(geometry, material, sections);
+        let lower = apart.bending();
+        Self {
+            bending: std::array::from_fn(|i| std::array::from_fn(|j| lower[i.max(j)][i.min(j)])),
+            compliance: inverse(&apart.form),
+            rows: apart.rows,
+            unit: bending_of_shears(geometry, material, thinnest),
+        }
+    }
+}
+
+/// Inverse of a symmetric positive definite matrix, scaled to a diagonal of 1 and by Cholesky's factors.
+fn inverse(form: &[[f64; SHEARS]; SHEARS]) -> [[f64; SHEARS]; SHEARS] {
+    let unit: [f64; SHEARS] = std::array::from_fn(|t| 1.0 / form[t][t].sqrt());
+    let mut lower = [[0.0; SHEARS]; SHEARS];
+    for i in 0..SHEARS {
+        for j in 0..=i {
+            let inner: f64 = (0..j).map(|k| lower[i][k] * lower[j][k]).sum();
+            let left = form[i][j] * unit[i] * unit[j] - inner;
+            lower[i][j] = if i == j { left.sqrt() } else { left / lower[j][j] };
+        }
+    }
+    let mut out = [[0.0; SHEARS]; SHEARS];
+    for column in 0..SHEARS {
+        let mut x = [0.0; SHEARS];
+        for i in 0..SHEARS {
+            let inner: f64 = (0..i).map(|k| lower[i][k] * x[k]).sum();
+            x[i] = (f64::from(u8::from(i == column)) - inner) / lower[i][i];
+        }
+        for i in (0..SHEARS).rev() {
+            let inner: f64 = (i + 1..SHEARS).map(|k| lower[k][i] * x[k]).sum();
+            x[i] = (x[i] - inner) / lower[i][i];
+        }
+        (0..SHEARS).for_each(|i| out[i][column] = x[i] * unit[i] * unit[column]);
+    }
+    // Rounding must not tell the halves apart.
+    std::array::from_fn(|i| std::array::from_fn(|j| out[i.max(j)][i.min(j)]))
+}
+
+/// Strains of an element, and the forces that they take.
+pub struct Strains<'a> {
+    apart: Apart,
+    centre: &'a Centre,
+    /// κxx, κyy, 2κxy at the 3×3 points, and their moments times what each point stands for.
+    curvature: [[f64; 3]; 9],
+    moment: [[f64; 3]; 9],
+    /// The tied shears and their forces.
+    shear: [f64; SHEARS],
+    force: [f64; SHEARS],
+}
+
+impl<'a> Strains<'a> {
+    /// Of displacements from which the element's rigid motion is taken.
+    pub fn of(
+        geometry: &Geometry,
+        material: &Material,
+        sections: Sections,
+        centre: &'a Centre,
+        displacement: &[DoubleDouble; DOFS],
+    ) -> Self {
+        let apart = Apart::of(geometry, material, sections);
+        let mut all = [DoubleDouble::default(); ALL_DOFS];
+        all[..DOFS].copy_from_slice(displacement);
+        for (a, coupling) in centre.coupling.iter().enumerate() {
+            let sum: f64 = coupling.iter().zip(displacement).map(|(c, u)| c * u.value()).sum();
+            all[CENTRE + a] = DoubleDouble::from(-sum);
+        }
+        let mut curvature = [[DoubleDouble::default(); 3]; 9];
+        for (curvature, point) in curvature.iter_mut().zip(&apart.points) {
+            for (i, &gradient) in point.gradient.iter().enumerate() {
+                let first = if i < 8 { 3 * i + 1 } else { CENTRE };
+                add_curvature(curvature, gradient, [all[first], all[first + 1]]);
+            }
+        }
+        let mut shear = apart.rows.map(|row| {
+            let mut sum = DoubleDouble::default();
+            row.iter().zip(all).filter(|(c, _)| **c != 0.0).for_each(|(c, u)| add_product(&mut sum, *c, u));
+            sum
+        });
+        let none = ([[0.0; 3]; 9], [0.0; SHEARS]);
+        let mut strains = Self { apart, centre, curvature: none.0, moment: none.0, shear: none.1, force: none.1 };
+        strains.take(&curvature, &shear);
+        for _ in 0..CENTRE_CORRECTIONS {
+            let couple = strains.centre_couple();
+            let turn: [f64; 2] =
+                std::array::from_fn(|a| -(centre.compliance[a][0] * couple[0] + centre.compliance[a][1] * couple[1]));
+            for (curvature, point) in curvature.iter_mut().zip(&strains.apart.points) {
+                add_curvature(curvature, point.gradient[8], turn.map(DoubleDouble::from));
+            }
+            for (shear, row) in shear.iter_mut().zip(&strains.apart.rows) {
+                shear.add_product(row[CENTRE], turn[0]);
+                shear.add_product(row[CENTRE + 1], turn[1]);
+            }
+            strains.take(&curvature, &shear);
+        }
+        strains
+    }
+
+    fn take(&mut self, curvature: &[[DoubleDouble; 3]; 9], shear: &[DoubleDouble; SHEARS]) {
+        self.curvature = curvature.map(|all| all.map(DoubleDouble::value));
+        self.shear = shear.map(DoubleDouble::value);
+        for ((moment, curvature), point) in self.moment.iter_mut().zip(&self.curvature).zip(&self.apart.points) {
+            *moment = point.section.moment(*curvature).map(|m| point.scale * m);
+        }
+        self.force = self.apart.form.map(|row| row.iter().zip(&self.shear).map(|(f, g)| f * g).sum());
+    }
+
+    /// What is out of balance at the centre.
+    fn centre_couple(&self) -> [f64; 2] {
+        let mut couple = [0.0; 2];
+        for (row, force) in self.apart.rows.iter().zip(&self.force) {
+            couple[0] += row[CENTRE] * force;
+            couple[1] += row[CENTRE + 1] * force;
+        }
+        for (point, [xx, yy, xy]) in self.apart.points.iter().zip(&self.moment) {
+            let [x, y] = point.gradient[8];
+            couple[0] += x * xx + y * xy;
+            couple[1] += y * yy + x * xy;
+        }
+        couple
+    }
+
+    /// The nodal forces.
+    pub fn nodal(&self) -> [f64; DOFS] {
+        let mut out = [0.0; DOFS];
+        for (row, force) in self.apart.rows.iter().zip(&self.force) {
+            out.iter_mut().zip(row).for_each(|(out, c)| *out += c * force);
+        }
+        for (point, [xx, yy, xy]) in self.apart.points.iter().zip(&self.moment) {
+            for (i, [x, y]) in point.gradient[..8].iter().enumerate() {
+                out[3 * i + 1] += x * xx + y * xy;
+                out[3 * i + 2] += y * yy + x * xy;
+            }
+        }
+        // What the corrections have left at the centre goes where condensation would put it.
+        let couple = self.centre_couple();
+        for (j, out) in out.iter_mut().enumerate() {
+            *out -= self.centre.coupling[0][j] * couple[0] + self.centre.coupling[1][j] * couple[1];
+        }
+        out
+    }
+
+    /// Sums of the magnitudes that [`Strains::nodal`] is made of.
+    pub fn magnitude(&self) -> [f64; DOFS] {
+        let mut out = [0.0; DOFS];
+        for (row, form) in self.apart.rows.iter().zip(&self.apart.form) {
+            let force: f64 = form.iter().zip(&self.shear).map(|(f, g)| (f * g).abs()).sum();
+            out.iter_mut().zip(row).for_each(|(out, c)| *out += (c * force).abs());
+        }
+        for (point, moment) in self.apart.points.iter().zip(&self.moment) {
+            let [xx, yy, xy] = moment.map(f64::abs);
+            for (i, gradient) in point.gradient[..8].iter().enumerate() {
+                let [x, y] = gradient.map(f64::abs);
+                out[3 * i + 1] += x * xx + y * xy;
+                out[3 * i + 2] += y * yy + x * xy;
+            }
+        }
+        out
+    }
+
+    /// Twice the strain energy.
+    pub fn twice_the_energy(&self) -> f64 {
+        let bending =
+            self.moment.iter().flatten().zip(self.curvature.iter().flatten()).map(|(m, k)| m * k).sum::<f64>();
+        bending + self.force.iter().zip(&self.shear).map(|(q, g)| q * g).sum::<f64>()
+    }
+}
+
+/// Adds coefficient · u.
+fn add_product(sum: &mut DoubleDouble, coefficient: f64, u: DoubleDouble) {
+    sum.add_product(coefficient, u.hi);
+    sum.lo += coefficient * u.lo;
+}
+
+/// Adds what one node's slopes curve.
+fn add_curvature([xx, yy, xy]: &mut [DoubleDouble; 3], [x, y]: [f64; 2], [along_x, along_y]: [DoubleDouble; 2]) {
+    add_product(xx, x, along_x);
+    add_product(yy, y, along_y);
+    add_product(xy, y, along_x);
+    add_product(xy, x, along_y);
+}
