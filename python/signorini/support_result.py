@@ -29,7 +29,8 @@ class SupportResult:
         Total force, positive when it pushes the plate up.
     positions : (k, 2) array
         Where it acts; reactions (k,), remaining gaps (k,) and states (k,) of these points follow. Springs and held
-        nodes are always closed.
+        nodes are always closed. A point of a rigid area, or of one as good as that, is an element, and its position
+        the centre of what pushes there.
     weights : (k,) array
         Length or area that each point stands for; 1 at a point.
     area : AreaContact or None
@@ -113,7 +114,7 @@ def support_result(
         support.name,
         describe(support),
         float(reactions.sum()),
-        points.positions,
+        points.centres(found, answer.shared),
         reactions,
         points.gaps(answer.gap),
         closed,

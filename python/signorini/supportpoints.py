@@ -10,6 +10,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini.discretise import Discretisation
+from signorini.discretise.averages import STRIP
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Support
 
@@ -71,7 +72,7 @@ class SupportPoints:
         points = contacts.pick(rows[0])
         elements, places, weight, shares = points.rows.elements, points.positions, points.weights, None
         if (points.shared >= 0).any():
-            elements, shares = _shares(points.shared)
+            elements, shares = _shares(points.shared, points.weights)
             # An element is where its mean is, which comes before points that it shares.
             places = places[shares.indices[shares.indptr[:-1]]]
             weight = shares @ weight
@@ -99,6 +100,20 @@ class SupportPoints:
             acting = (self.shares @ acting.reshape(-1, acting.shape[-1]).T).T.reshape(*acting.shape[:-1], -1)
         return np.asarray(np.concatenate([fixed, acting], axis=-1)[..., self.order])
 
+    def centres(self, found: Discretisation, reaction: Floats) -> Floats:
+        """Where the force of every point acts (p, 2), given the contacts' (m,): in an element nearer to what pushes."""
+        if self.shares is None:
+            return self.positions
+        pushing = np.abs(reaction[self.rows]).sum(axis=0)
+        force = self.shares @ pushing
+        moment = self.shares @ (pushing[:, None] * found.points.positions[self.rows[0]])
+        own = self.positions[np.argsort(self.order)][self.fixed :]
+        acting = np.where(force[:, None] > 0, moment / np.where(force > 0, force, 1.0)[:, None], own)
+        inward = own - acting
+        way = np.hypot(*inward.T)[:, None]
+        acting += inward * np.minimum(1.0, _INWARD * found.mesh.size / np.where(way > 0, way, 1.0))
+        return np.asarray(np.concatenate([self.positions[np.argsort(self.order)][: self.fixed], acting])[self.order])
+
     def gaps(self, gap: Floats) -> Floats:
         """What is left of the travel (..., p) of every point, from that of contacts (..., m); 0 of repeated ones."""
         gap = _with(gap, self.rows, 0.0)
@@ -125,16 +140,26 @@ def _with(values: Floats | Bools, rows: Ints, repeated: float) -> Any:
     return np.concatenate([values, behind], axis=-1) if more else values
 
 
-def _shares(shared: Ints) -> tuple[Ints, csr_array]:
-    """Elements (e,), and the share (e, c) of each in contact points that stand for parts of some (c, 4)."""
-    point, _ = np.nonzero(shared >= 0)
-    elements, element = np.unique(shared[shared >= 0], return_inverse=True)
-    share = 1.0 / np.bincount(point, minlength=len(shared))[point]
+def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
+    """Elements (e,), and the share (e, c) of each in contact points that stand for parts of some (c, 4).
+
+    They share by area, so that a point on the outline presses as hard in a sliver as beside it.
+    """
+    point, place = np.nonzero(shared >= 0)
+    elements, element = np.unique(shared[point, place], return_inverse=True)
+    several = np.bincount(element, minlength=len(elements)) - 1
+    # The mean of an element comes before the points on the outline, which have taken their parts of its area.
+    mean = np.full(len(elements), len(shared))
+    np.minimum.at(mean, element, point)
+    area = weights[mean] / (1.0 - STRIP * several)
+    share = area[element] / np.bincount(point, area[element], len(shared))[point]
     order = np.lexsort((point, element))
     start = np.searchsorted(element[order], np.arange(len(elements) + 1))
     return elements, csr_array((share[order], point[order], start), shape=(len(elements), len(shared)))
 
 
+_INWARD = 3e-10
+"""Part of the plate's size by which an element's point is kept within the element: corners are of several."""
 _KNOWN: WeakKeyDictionary[Discretisation, dict[int, SupportPoints]] = WeakKeyDictionary()
 
 

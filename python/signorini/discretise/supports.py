@@ -87,7 +87,7 @@ class ContactPoints(_Table):
 
     ``direction`` is +1 where the support pushes the plate up and −1 where it holds it down (its row is turned round);
     ``slope`` marks two-sided points that hold a slope instead of the deflection. ``shared`` (m, 4) names the elements
-    of which points of an averaged area stand for part, in equal shares; −1 where there is none.
+    of which points of an averaged area stand for part, by their areas; −1 where there is none.
     """
 
     distance: Floats
@@ -290,13 +290,13 @@ def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: O
     rows, positions, shared = rows[free], found.positions[free], found.shared[free]
     area = np.bincount(acting.rows.elements, acting.weights, len(mesh.elements)).astype(np.float64)
     some = shared >= 0
-    each = STRIP * np.where(some, area[shared], np.inf).min(axis=1, initial=np.inf)
-    given = np.bincount(shared[some], np.repeat(each, some.sum(axis=1)), len(area))
+    parts = np.where(some, STRIP * area[shared], 0.0)
+    given = np.bincount(shared[some], parts[some], len(area))
     kept = 1.0 - given[acting.rows.elements] / area[acting.rows.elements]
     return _Acting(
         Rows.join([acting.rows, rows]),
         np.concatenate([acting.positions, positions]),
-        np.concatenate([kept * acting.weights, each * some.sum(axis=1)]),
+        np.concatenate([kept * acting.weights, parts.sum(axis=1)]),
         False,
         None if acting.shared is None else np.concatenate([acting.shared, shared]),
     )
