@@ -176,3 +176,29 @@ def test_neither_order_nor_number_of_threads_changes_a_bit(tmp_path):
         rows = zip(*table.values(), strict=True)
         found.append(dict(zip(table["combination"], rows, strict=True)))
     assert len(found[0]) == 40 and found[0] == found[1]
+
+
+BITS = """
+import hashlib, signorini
+model = signorini.Model(
+    material={"E": 30e9, "nu": 0.2},
+    plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+    mesh={"divisions": [48, 48]},
+    support=[{"area": "all", "resists": "down", "stiffness": 1e7}],
+    load=[{"pressure": 1e3}, {"at": [9, 8.5], "force": -2e5}, {"at": [2, 3], "force": 2e6}],
+)
+print(hashlib.sha256(signorini.solve(model)["all"].deflection.tobytes()).hexdigest())
+"""
+
+
+def test_a_slab_on_soil_has_the_same_bits_on_any_number_of_threads():
+    found = [
+        subprocess.run(
+            [sys.executable, "-c", BITS],
+            check=True,
+            capture_output=True,
+            env={**os.environ, "RAYON_NUM_THREADS": threads},
+        ).stdout
+        for threads in "123"
+    ]
+    assert found[0] and found[0] == found[1] == found[2]

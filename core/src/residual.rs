@@ -7,6 +7,7 @@
 use crate::double_double::DoubleDouble;
 use crate::element::{DOFS, packed};
 use crate::plate::Plate;
+use crate::superposition::sum_in_order;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -223,7 +224,7 @@ pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64
         }
         sum
     };
-    let plate_alone: f64 = (0..plate.elements().len()).into_par_iter().with_min_len(CHUNK).map(one).sum();
+    let plate_alone = sum_in_order(plate.elements().len(), CHUNK, one);
     let spring = |row: usize| springs.stiffness[row] * springs.rows.dot(plate, row, vector).powi(2);
     plate_alone.max(0.0) + (0..springs.rows.len()).map(spring).sum::<f64>()
 }

@@ -23,6 +23,14 @@ pub fn superpose(coefficients: &[f64], vectors: &[f64], count: usize) -> Vec<f64
     out
 }
 
+/// Sum of `count` terms, computed side by side and added in their order: the same bits on any number of threads.
+///
+/// `least` is how many terms are worth a thread.
+pub fn sum_in_order(count: usize, least: usize, term: impl Fn(usize) -> f64 + Send + Sync) -> f64 {
+    let terms: Vec<f64> = (0..count).into_par_iter().with_min_len(least).map(term).collect();
+    terms.iter().sum()
+}
+
 struct Superpose<'a> {
     sum: &'a mut [f64],
     row: &'a [f64],
@@ -218,6 +226,17 @@ mod tests {
             (seed >> 33) as f64 / (1u64 << 30) as f64 - 1.0
         };
         (0..count).map(|_| next()).collect()
+    }
+
+    #[test]
+    fn a_sum_has_the_same_bits_on_any_number_of_threads() {
+        let terms = numbers(100_000, 5);
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| sum_in_order(terms.len(), 1024, |i| terms[i])).to_bits()
+        };
+        let one = on(1);
+        assert!((2..5).all(|threads| on(threads) == one));
     }
 
     #[test]

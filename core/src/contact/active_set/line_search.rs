@@ -3,7 +3,7 @@
 use super::Descent;
 use super::direction::{Direction, PLAIN, dot};
 use crate::residual::twice_the_energy;
-use rayon::prelude::*;
+use crate::superposition::sum_in_order;
 
 /// The slope that ends the search, over the slope at its start.
 const FLAT: f64 = 1e-3;
@@ -31,12 +31,8 @@ impl Descent<'_> {
         let elastic = self.elastic_curvature(direction, change);
         let start = -dot(&direction.nodal, &self.step.imbalance);
         let slope = |t: f64| -> f64 {
-            let springs: f64 = (0..change.len())
-                .into_par_iter()
-                .with_min_len(4096)
-                .map(|i| k[i] * ((stretch[i] + t * change[i]).max(0.0) - stretch[i].max(0.0)) * change[i])
-                .sum();
-            start + t * elastic + springs
+            let one = |i: usize| k[i] * ((stretch[i] + t * change[i]).max(0.0) - stretch[i].max(0.0)) * change[i];
+            start + t * elastic + sum_in_order(change.len(), 4096, one)
         };
         let (mut low, mut high) = (0.0, 1.0);
         if !(start < 0.0) {
