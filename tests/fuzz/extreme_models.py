@@ -29,6 +29,8 @@ _SAME = 1e-6
 """Part of the load, or of the deflection, by which two ways of saying one plate may differ."""
 _RIGID, _SOFT = 1e8, 1e-6
 """Stiffness, over the plate's, from which on a support is as good as rigid, and below which the plate is."""
+_SOFTEST_BED = 1e-8
+"""The same of beds: double precision holds no plate and its bed together below."""
 _LIMIT = 1e-3
 """Part of the deflection by which such a support may differ from its limit."""
 
@@ -284,7 +286,8 @@ def stiffness(rng: Random) -> Extreme:
             return wrong + _close("deflection", mean, sunk, _LIMIT * sunk)
         return wrong if result is not None else ["no equilibrium for a force amid the supports"]
 
-    return Extreme("stiffness", tables, judge)
+    # On a bed of less, a plate sinks a million times its size.
+    return Extreme("stiffness", tables, judge, may_be_refused="area" in place and ratio < _SOFTEST_BED)
 
 
 def _order(result: Result | None, tables: Tables, rng: Random, load: float) -> list[str]:
