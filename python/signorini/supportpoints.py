@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
@@ -87,7 +88,9 @@ class SupportPoints:
         """Upward force (..., p) of every point, from those of the fixed ones (..., h + s) and of contacts (..., m)."""
         acting = (self.direction * reaction[..., self.rows]).sum(axis=-2)
         if self.shares is not None:
-            acting = (self.shares @ acting.reshape(-1, acting.shape[-1]).T).T.reshape(*acting.shape[:-1], -1)
+            leading = acting.shape[:-1]
+            together = acting.reshape(math.prod(leading), acting.shape[-1])
+            acting = (self.shares @ together.T).T.reshape(*leading, self.shares.shape[0])
         return np.asarray(np.concatenate([fixed, acting], axis=-1)[..., self.order])
 
     def centres(self, found: Discretisation, reaction: Floats) -> Floats:

@@ -53,7 +53,7 @@ class PlateStiffness:
 
 @dataclass(frozen=True, eq=False)
 class OutlinePoints:
-    """Points on the hull of an area: positions (v, 2), and up to four elements (v, 4) that share each by area; else −1."""
+    """Points on the hull of an area: positions (v, 2), and up to four elements (v, 4) that share each; else −1."""
 
     positions: Floats
     shared: Ints
