@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -97,7 +98,9 @@ class SupportPoints:
         acting = (self.direction * reaction[..., self.rows]).sum(axis=-2)
         fixed = fixed * np.concatenate([self.share, np.ones(len(self.springs))])
         if self.shares is not None:
-            acting = (self.shares @ acting.reshape(-1, acting.shape[-1]).T).T.reshape(*acting.shape[:-1], -1)
+            leading = acting.shape[:-1]
+            together = acting.reshape(math.prod(leading), acting.shape[-1])
+            acting = (self.shares @ together.T).T.reshape(*leading, self.shares.shape[0])
         return np.asarray(np.concatenate([fixed, acting], axis=-1)[..., self.order])
 
     def centres(self, found: Discretisation, reaction: Floats) -> Floats:
