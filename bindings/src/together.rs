@@ -5,7 +5,6 @@ use crate::plate::Plate;
 use crate::solution::{ContactSolution, Reference};
 use numpy::{PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use std::sync::Arc;
 
 /// Solves many loads (k, 3n) side by side by an active set, beginning with the reference if there is one.
 ///
@@ -28,8 +27,8 @@ pub fn solve_together(
     if problem.inner.active.is_empty() {
         return Err(invalid("there is no active set"));
     }
-    if reference.is_some_and(|reference| !Arc::ptr_eq(&reference.of, &problem.inner)) {
-        return Err(invalid("the reference is of another problem"));
+    if let Some(reference) = reference {
+        problem.require_own(&reference.of, "the reference")?;
     }
     let (loads, reference) = (rows_of(&loads), reference.map(|reference| &reference.inner));
     let mut raised = None;
@@ -44,7 +43,7 @@ pub fn solve_together(
     let solved = py.detach(|| problem.inner.solve_together(reference, &loads, &held_value, &mut watch)).map_err(failed);
     match raised {
         Some(error) => Err(error),
-        None => Ok(solved?.into_iter().map(|inner| ContactSolution { inner }).collect()),
+        None => Ok(solved?.into_iter().map(|inner| problem.solution(inner)).collect()),
     }
 }
 
@@ -57,5 +56,6 @@ pub fn solution_stresses<'py>(
     curvatures: PyReadonlyArray2<'_, f64>,
     couples: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    stresses(py, plate, solutions.iter().map(|s| &s.inner.displacement).collect(), &curvatures, &couples)
+    let found = solutions.iter().map(|s| (&*s.plate, &s.inner.displacement)).collect();
+    stresses(py, plate, found, &curvatures, &couples)
 }
