@@ -8,15 +8,18 @@ use numpy::{
 };
 use pyo3::prelude::*;
 use signorini_core::contact::{self, Verdict};
+use signorini_core::plate;
 use signorini_core::residual::Displacement;
 use signorini_core::stress::{Strained, smoothed_together};
 use signorini_core::superposition::{self, Envelope};
+use std::sync::Arc;
 
 /// What the plate does under one load case, or at one contact point, alone: displacements (3n,) as two doubles,
 /// reactions and displacements (m,) of the contact points.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct Response {
     inner: contact::Response,
+    of: Arc<contact::ContactProblem>,
 }
 
 #[pymethods]
@@ -38,7 +41,7 @@ impl Response {
 
     /// The same without its displacements, which the contact problem does not read.
     fn at_points(&self) -> Self {
-        Self { inner: at_points(self) }
+        Self { inner: at_points(self), of: self.of.clone() }
     }
 
     #[getter]
@@ -51,6 +54,7 @@ impl Response {
 #[pyclass(frozen, module = "signorini._core")]
 pub struct CombinedCases {
     inner: contact::CombinedCases,
+    of: Arc<contact::ContactProblem>,
     cases: usize,
 }
 
@@ -88,7 +92,7 @@ pub fn rest_response(
 ) -> PyResult<Response> {
     let held_value = sized("held_value", &held_value, problem.inner.plate.dof_count())?;
     let inner = released(py, || problem.inner.rest_response(&held_value))?.map_err(failed)?;
-    Ok(Response { inner })
+    Ok(Response { inner, of: problem.inner.clone() })
 }
 
 /// The responses to nodal loads (k, 3n), held dofs and bases at zero.
@@ -103,7 +107,7 @@ pub fn load_responses(
     }
     let loads = rows(&loads);
     let found = released(py, || problem.inner.load_responses(&loads))?.map_err(failed)?;
-    Ok(found.into_iter().map(|inner| Response { inner }).collect())
+    Ok(found.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
 }
 
 /// The responses to one unit of the own action of contact points `first` to `end`, the last excluded.
@@ -114,7 +118,7 @@ pub fn point_responses(problem: &ContactProblem, py: Python<'_>, first: usize, e
         return Err(invalid(format!("there are {count} contact points, not {end}")));
     }
     let found = released(py, || problem.inner.point_responses(first..end))?.map_err(failed)?;
-    Ok(found.into_iter().map(|inner| Response { inner }).collect())
+    Ok(found.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
 }
 
 /// Condenses load cases for `combine`, from the responses at rest, of the cases and of the points.
@@ -130,12 +134,18 @@ pub fn combined_cases(
     if points.len() != count {
         return Err(invalid(format!("{} responses for {count} contact points", points.len())));
     }
+    for (what, responses) in [("the cases", &cases), ("the points", &points)] {
+        for response in responses {
+            problem.require_own(&response.of, &format!("a response of {what}"))?;
+        }
+    }
+    problem.require_own(&rest.of, "the response at rest")?;
     let rest = at_points(&rest);
     let cases: Vec<_> = cases.iter().map(|case| at_points(case)).collect();
     let points: Vec<_> = points.iter().map(|point| at_points(point)).collect();
     let number = cases.len();
     let inner = released(py, || problem.inner.combined_cases(rest, cases, &points))?;
-    Ok(CombinedCases { inner, cases: number })
+    Ok(CombinedCases { inner, of: problem.inner.clone(), cases: number })
 }
 
 /// Solves combinations of factors (k, c), each by itself and all in parallel.
@@ -149,6 +159,7 @@ pub fn combine<'py>(
     cases: PyRef<'_, CombinedCases>,
     factors: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Combined<'py>> {
+    problem.require_own(&cases.of, "what the cases share")?;
     if factors.shape()[1] != cases.cases {
         return Err(invalid(format!("factors must have {} columns", cases.cases)));
     }
@@ -185,18 +196,25 @@ pub fn response_stresses<'py>(
     curvatures: PyReadonlyArray2<'_, f64>,
     couples: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    stresses(py, plate, responses.iter().map(|r| &r.inner.displacement).collect(), &curvatures, &couples)
+    if responses.iter().any(|response| response.inner.displacement.hi.is_empty()) {
+        return Err(invalid("a response at points has no displacements"));
+    }
+    let found = responses.iter().map(|r| (&*r.of.plate, &r.inner.displacement)).collect();
+    stresses(py, plate, found, &curvatures, &couples)
 }
 
-/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of several displacements.
+/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of several displacements, each with the plate that is displaced.
 pub fn stresses<'py>(
     py: Python<'py>,
     plate: &Plate,
-    displacements: Vec<&Displacement>,
+    displacements: Vec<(&plate::Plate, &Displacement)>,
     curvatures: &PyReadonlyArray2<'_, f64>,
     couples: &PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let (number, nodes) = (displacements.len(), plate.inner.node_count());
+    if displacements.iter().any(|(of, _)| !std::ptr::eq(*of, &*plate.inner)) {
+        return Err(invalid("a displacement is of another plate"));
+    }
     let curvatures = rows_of::<3, f64>("curvatures", curvatures)?;
     if curvatures.len() != number || couples.shape() != [number, 2 * plate.inner.elements().len()] {
         return Err(invalid("curvatures (b, 3) and couples (b, 2e) must have a row for every displacement"));
@@ -206,7 +224,7 @@ pub fn stresses<'py>(
         .iter()
         .zip(curvatures)
         .zip(&couples)
-        .map(|((displacement, curvature), couples)| Strained { displacement, curvature, couples })
+        .map(|(((_, displacement), curvature), couples)| Strained { displacement, curvature, couples })
         .collect();
     let nodal = released(py, || smoothed_together(&plate.inner, &strained))?;
     let values = nodal.into_iter().flat_map(|stress| stress.into_flattened()).collect();

@@ -51,8 +51,20 @@ fn form_of(name: &str) -> PyResult<Form> {
     }
 }
 
+impl ContactProblem {
+    /// Refuses what another problem has made: equal sizes would hide it.
+    pub fn require_own(&self, of: &Arc<contact::ContactProblem>, what: &str) -> PyResult<()> {
+        if Arc::ptr_eq(of, &self.inner) { Ok(()) } else { Err(invalid(format!("{what} is of another problem"))) }
+    }
+
+    pub fn solution(&self, inner: contact::ContactSolution) -> ContactSolution {
+        ContactSolution { inner, plate: self.inner.plate.clone() }
+    }
+}
+
 /// Runs a solve with the interpreter released; what `progress` raises, or a signal, ends it.
 fn watched(
+    problem: &ContactProblem,
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
     solve: impl Send + FnOnce(&mut dyn FnMut(Progress) -> bool) -> Result<contact::ContactSolution, FactorError>,
@@ -61,7 +73,7 @@ fn watched(
         Some(progress) => progress.call1(py, (now.step, now.changing, now.residual)).map(|_| ()),
         None => py.check_signals(),
     };
-    Ok(ContactSolution { inner: told(py, tell, solve)?.map_err(failed)? })
+    Ok(problem.solution(told(py, tell, solve)?.map_err(failed)?))
 }
 
 #[pymethods]
@@ -125,7 +137,7 @@ impl ContactProblem {
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
         let form = form.map(form_of).transpose()?;
-        watched(py, progress, |watch| self.inner.solve(&load, &held_value, form, max_pivots, watch))
+        watched(self, py, progress, |watch| self.inner.solve(&load, &held_value, form, max_pivots, watch))
     }
 
     /// Solves one load by proximal steps in which an increment of reaction meets at least a part of the plate's own
@@ -151,7 +163,7 @@ impl ContactProblem {
         if !(part > 0.0 && part.is_finite()) {
             return Err(invalid("part must be positive and finite"));
         }
-        watched(py, progress, |watch| {
+        watched(self, py, progress, |watch| {
             Ok(self.inner.solve_carefully(&load, &held_value, part, closed.as_deref(), watch))
         })
     }
@@ -169,10 +181,8 @@ impl ContactProblem {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        if !Arc::ptr_eq(&reference.of, &self.inner) {
-            return Err(invalid("the reference is of another problem"));
-        }
-        watched(py, progress, |watch| self.inner.solve_near(&reference.inner, &load, &held_value, watch))
+        self.require_own(&reference.of, "the reference")?;
+        watched(self, py, progress, |watch| self.inner.solve_near(&reference.inner, &load, &held_value, watch))
     }
 
     /// Solves one load and factors its contact set, for others to begin with; None without an active set or a solution.
@@ -202,7 +212,7 @@ impl ContactProblem {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        watched(py, progress, |watch| self.inner.solve_by_interior_point(&load, &held_value, watch))
+        watched(self, py, progress, |watch| self.inner.solve_by_interior_point(&load, &held_value, watch))
     }
 
     /// Displacements, reactions and gaps under one load on a contact set (m,) that is given, signs as they come.
@@ -219,7 +229,7 @@ impl ContactProblem {
         let points = self.inner.order.condensed.len() + self.inner.order.active.len();
         let closed = flags("closed", &closed, points)?;
         let inner = released(py, || self.inner.solve_on(&load, &held_value, &closed))?.map_err(failed)?;
-        Ok(ContactSolution { inner })
+        Ok(self.solution(inner))
     }
 
     /// Follows the load start + t add from t = 0 to `end`, and says how that ended: "reached", "unbounded" (no more
@@ -249,7 +259,7 @@ impl ContactProblem {
         }
         let load = PathLoad { start: &start, add: &add, held_value: &held_value, end, careful };
         let tell = |py: Python<'_>, (t, switched, inner): (f64, Vec<i64>, contact::ContactSolution)| {
-            visit.call1(py, (t, PyArray1::from_vec(py, switched), ContactSolution { inner })).map(|_| ())
+            visit.call1(py, (t, PyArray1::from_vec(py, switched), self.solution(inner))).map(|_| ())
         };
         let ended = told(py, tell, |show| {
             let mut show =

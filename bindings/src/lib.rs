@@ -1,5 +1,7 @@
 //! Python face of `signorini-core`: conversions and nothing else.
 
+#![forbid(unsafe_code)]
+
 mod arrays;
 mod combinations;
 mod contact;

@@ -1,6 +1,7 @@
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use signorini_core::contact::{self, Outcome};
+use signorini_core::plate;
 use std::sync::Arc;
 
 /// One load's solution with its contact set factored; see `ContactProblem.reference`.
@@ -14,6 +15,7 @@ pub struct Reference {
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactSolution {
     pub inner: contact::ContactSolution,
+    pub plate: Arc<plate::Plate>,
 }
 
 #[pymethods]

@@ -6,7 +6,6 @@ use crate::solution::{ContactSolution, Reference};
 use crate::threads::told;
 use numpy::{PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use std::sync::Arc;
 
 /// Solves many loads (k, 3n) side by side by an active set, beginning with the reference if there is one.
 ///
@@ -29,8 +28,8 @@ pub fn solve_together(
     if problem.inner.active.is_empty() {
         return Err(invalid("there is no active set"));
     }
-    if reference.is_some_and(|reference| !Arc::ptr_eq(&reference.of, &problem.inner)) {
-        return Err(invalid("the reference is of another problem"));
+    if let Some(reference) = reference {
+        problem.require_own(&reference.of, "the reference")?;
     }
     let (loads, reference) = (rows_of(&loads), reference.map(|reference| &reference.inner));
     let tell = |py: Python<'_>, (): ()| match &progress {
@@ -38,7 +37,7 @@ pub fn solve_together(
         None => py.check_signals(),
     };
     let solved = told(py, tell, |tell| problem.inner.solve_together(reference, &loads, &held_value, &mut || tell(())))?;
-    Ok(solved.map_err(failed)?.into_iter().map(|inner| ContactSolution { inner }).collect())
+    Ok(solved.map_err(failed)?.into_iter().map(|inner| problem.solution(inner)).collect())
 }
 
 /// As `response_stresses`, of solutions.
@@ -50,5 +49,6 @@ pub fn solution_stresses<'py>(
     curvatures: PyReadonlyArray2<'_, f64>,
     couples: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    stresses(py, plate, solutions.iter().map(|s| &s.inner.displacement).collect(), &curvatures, &couples)
+    let found = solutions.iter().map(|s| (&*s.plate, &s.inner.displacement)).collect();
+    stresses(py, plate, found, &curvatures, &couples)
 }

@@ -3,6 +3,8 @@
 //! Signs: z and the deflection point down; loads are positive down; a reaction is positive when it pushes the plate
 //! up; moments are positive when they sag; rotations are slopes, θx ≈ ∂w/∂x.
 
+#![forbid(unsafe_code)]
+
 pub mod assembly;
 pub mod cholesky;
 pub mod contact;

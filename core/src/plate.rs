@@ -11,6 +11,8 @@ use rayon::prelude::*;
 /// What is wrong with the arrays of a plate.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlateError {
+    /// There is no element.
+    Empty,
     /// An array has the wrong length.
     Length { what: &'static str, found: usize, expected: usize },
     /// A number is not finite.
@@ -26,6 +28,7 @@ pub enum PlateError {
 impl std::fmt::Display for PlateError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            Self::Empty => write!(f, "a plate has at least one element"),
             Self::Length { what, found, expected } => write!(f, "{what} has length {found}; expected {expected}"),
             Self::NotFinite { what, index } => write!(f, "{what} is not finite at index {index}"),
             Self::Range { what, index } => write!(f, "{what} is out of range at index {index}"),
@@ -65,6 +68,9 @@ impl Plate {
         kind: Kind,
         frames: Option<Vec<[f64; 2]>>,
     ) -> Result<Self, PlateError> {
+        if elements.is_empty() {
+            return Err(PlateError::Empty);
+        }
         check_finite("points", points.iter().flatten())?;
         check_thickness(&thickness, kind.points().len(), elements.len())?;
         let Material { young, poisson, shear_factor } = material;

@@ -1,4 +1,5 @@
-"""Calls across the border to Rust with arrays that are wrong: lengths, NaN, indices, strides, the same array twice.
+"""Calls across the border to Rust with arguments that are wrong: lengths, NaN, indices, strides, the same array twice,
+objects that another problem has made.
 
     python tests/fuzz/border.py [--count 100000] [--first 0]
 
@@ -26,7 +27,7 @@ _REALS = [np.nan, np.inf, -np.inf, 0.0, -0.0, -1.0, 1e300, -1e300, 1e-300, 5e-32
 _WHOLES = [-1, -(2**63), 2**63 - 1, 10**9, 0, 7, 8, 20, 21]
 
 
-def example() -> tuple[ContactProblem, Discretisation]:
+def example(points: int = 2) -> tuple[ContactProblem, Discretisation]:
     """A small problem with every kind of array: held slopes in frames, springs, one-sided and two-sided points."""
     problem = contact_problem(
         Model(
@@ -37,13 +38,29 @@ def example() -> tuple[ContactProblem, Discretisation]:
                 {"edge": "rim", "fix": "hard"},
                 {"at": [[0.7, 0.6]], "stiffness": 5.0},
                 {"at": [[0.4, 0.9]], "fix": "simple"},
-                {"at": [[0.9, 0.3], [0.3, 0.2]], "resists": "down", "gap": 0.01},
+                {"at": [[0.9, 0.3], [0.3, 0.2], [0.2, 0.5]][:points], "resists": "down", "gap": 0.01},
                 {"area": {"rectangle": [0.1, 0.1, 0.4, 0.4]}, "resists": "down", "stiffness": 9.0},
             ],
             load=[{"pressure": 1.0}],
         )
     )
     return problem, problem.discretisation
+
+
+def made(problem: ContactProblem, found: Discretisation) -> list[Any]:
+    """What belongs to a problem: core, plate, a response and lists of them, what cases share, a reference, solutions."""
+    core, load, held = problem.core, found.cases["load"].nodal, found.held.values
+    rest, points = _core.rest_response(core, held), _core.point_responses(core, 0, len(problem.gaps))
+    cases = _core.load_responses(core, load[None])
+    shared = _core.combined_cases(core, rest, cases, points)
+    active = problem.by("active_set").core
+    return [core, found.plate, rest, cases, points, shared, active.reference(load, held), [core.solve(load, held)]]
+
+
+def strangers() -> list[Any]:
+    """What problems of the same size, larger and smaller have made, and responses without displacements."""
+    found = [thing for points in (2, 3, 1) for thing in made(*example(points))]
+    return [*found, *([thing.at_points()] for thing in found if isinstance(thing, _core.Response))]
 
 
 def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable[..., Any], list[Any]]]:
@@ -76,7 +93,24 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
     spring = list(spring_arrays(found))
     centre = np.zeros(2 * len(mesh.elements))
     lcp = problem.lcp(load)
+    core, _, rest, cases, points, shared, reference, solved = made(problem, found)
+    active = problem.by("active_set").core
+    one, count = np.ones((1, 1)), len(rows)
+    stressed = [found.plate, cases, np.zeros((1, 3)), centre[None]]
     return [
+        (_core.combined_cases, [core, rest, cases, points]),
+        (_core.combine, [core, shared, one]),
+        (_core.response_stresses, stressed),
+        (_core.solution_stresses, [found.plate, solved, *stressed[2:]]),
+        (active.solve_near, [reference, load, held.values]),
+        (_core.solve_together, [active, reference, load[None], held.values]),
+        (_core.rest_response, [core, held.values]),
+        (_core.load_responses, [core, load[None]]),
+        (_core.point_responses, [core, 0, count]),
+        (core.solve_on, [load, held.values, np.ones(count, np.bool_)]),
+        (core.path, [0 * load, load, held.values, 2.0, lambda *stop: None]),
+        (found.plate.openings, [rows.elements, rows.coefficients, contacts.distance, u, u]),
+        (_core.superpose, [one, u[None]]),
         (_core.Plate, plate),
         (layered, [*plate[:7], np.array([2]), rigidities]),
         (found.plate.interpolation_rows, [rows.elements, np.zeros((len(rows), 2)), 0]),
@@ -94,13 +128,15 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
     ]
 
 
-def spoilt(rng: Random, arguments: list[Any]) -> list[Any]:
-    """The arguments with one to three of them wrong."""
+def spoilt(rng: Random, arguments: list[Any], others: list[Any]) -> list[Any]:
+    """The arguments with one to three of them wrong; some are of others' making."""
     arguments = [argument.copy() if isinstance(argument, np.ndarray) else argument for argument in arguments]
     for _ in range(rng.choice([1, 1, 2, 3])):
         at = rng.randrange(len(arguments))
         if isinstance(arguments[at], np.ndarray):
             arguments[at] = rng.choice([_value, _value, _value, _length, _strides, _kind])(rng, arguments[at])
+        elif (like := [other for other in others if type(other) is type(arguments[at])]) and rng.random() < 0.8:
+            arguments[at] = rng.choice(like)
         else:
             arguments[at] = rng.choice([None, -1, 0, 2**62, 3, "stiffness", "", "ö", np.nan, 1e308, [], arguments[0]])
         if rng.random() < 0.1:
@@ -143,14 +179,14 @@ def _kind(rng: Random, array: np.ndarray) -> np.ndarray:
         return array.astype(kind)
 
 
-def fault(seed: int, entries: list[tuple[Callable[..., Any], list[Any]]]) -> str:
+def fault(seed: int, entries: list[tuple[Callable[..., Any], list[Any]]], others: list[Any]) -> str:
     """What one seed's call does that it must not; empty if nothing."""
     rng = Random(seed)
     call, arguments = rng.choice(entries)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            call(*spoilt(rng, arguments))
+            call(*spoilt(rng, arguments, others))
     except ORDINARY:
         pass
     except BaseException as error:  # pyo3's PanicException is none of Exception's.
@@ -163,9 +199,9 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100_000)
     parser.add_argument("--first", type=int, default=0)
     given = parser.parse_args()
-    entries, failures = calls(*example()), 0
+    entries, others, failures = calls(*example()), strangers(), 0
     for seed in range(given.first, given.first + given.count):
-        if found := fault(seed, entries):
+        if found := fault(seed, entries, others):
             failures += 1
             print(f"seed {seed}: {found}", flush=True)
     print(f"{given.count} calls from seed {given.first}, {failures} failures")
