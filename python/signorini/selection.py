@@ -79,7 +79,10 @@ def doubtful(found: Discretisation, freedom: RigidFreedom, reaction: Floats, gap
     several = np.zeros(len(reaction), np.bool_)
     dependence = Dependence.of(found)
     if len(dependence.points):
-        travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(found.contacts.distance).max()
+        # Where every point is closed gaps are rounding, of what the reactions bend the plate by.
+        rigidity = found.model.material.E * found.thickness.max() ** 3 / 12 / found.mesh.size**2
+        bent = np.abs(reaction).sum(axis=1) / rigidity
+        travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(found.contacts.distance).max() + bent
         touching = gap[:, dependence.points] <= _DOUBTFUL * travel[:, None]
         groups = np.zeros((len(dependence.points), len(dependence.even)))
         groups[np.arange(len(groups)), dependence.group] = 1.0
