@@ -194,7 +194,10 @@ SMALL = [case for case in REACTIONS if "area" not in case and "edge twice" not i
 @pytest.mark.parametrize("case", SMALL)
 def test_reactions_are_the_least_that_a_general_solver_finds(case):
     problem = contact_problem(model_of(*CASES[case], solver={"method": "active_set"}))
-    answer = problem.solve(problem.discretisation.cases["load"])
+    load = problem.discretisation.cases["load"]
+    # Not every way settles on supports that repeat each other exactly.
+    answers = (attempt.solve(load, lambda *now: None, None) for attempt in problem.attempts())
+    answer = next(answer for answer in answers if answer.status == "solved")
     if not len(answer.shared):
         pytest.skip("nodes alone are held")
     wanted = least_reactions(problem, answer)
