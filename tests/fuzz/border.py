@@ -48,7 +48,7 @@ def example(points: int = 2) -> tuple[ContactProblem, Discretisation]:
 
 
 def made(problem: ContactProblem, found: Discretisation) -> list[Any]:
-    """What belongs to a problem: core, plate, a response and lists of them, what cases share, a reference, solutions."""
+    """What belongs to a problem: core, plate, responses, what cases share, a reference, solutions."""
     core, load, held = problem.core, found.cases["load"].nodal, found.held.values
     rest, points = _core.rest_response(core, held), _core.point_responses(core, 0, len(problem.gaps))
     cases = _core.load_responses(core, load[None])

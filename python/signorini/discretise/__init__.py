@@ -11,6 +11,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini import _core
+from signorini.arguments import made_by
 from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
 from signorini.discretise.loads import CaseLoad, case_loads
@@ -110,6 +111,7 @@ def discretise(model: Model) -> Discretisation:
     >>> print(round(found.cases["load"].nodal[::3].sum(), 6))
     40000.0
     """
+    made_by(model, Model, "Make one with signorini.Model(...) or signorini.load(file).", "model")
     try:
         return _discretise(model)
     except InputError as error:
