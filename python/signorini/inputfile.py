@@ -38,6 +38,8 @@ def load(path: str | os.PathLike[str]) -> Model:
     InputError
         If the file cannot be read or is not a model; every problem is named with its place and line.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"found {path!r}; it must be the path of an input file.", place="path")
     text = _read(path)
     source = os.path.basename(path)
     lines = functools.cache(lambda: Lines(text))

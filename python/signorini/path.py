@@ -8,7 +8,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from signorini import _core
+from signorini import _core, arguments
 from signorini.answer import Answer
 from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad, Discretisation, discretise
@@ -80,7 +80,10 @@ def path(
     watcher = progress or (lambda now: None)
     watcher(Progress(stage="mesh"))
     found = discretise(model)
+    if add is None:
+        raise InputError("found None; it must be the name of the load that grows.", place="add")
     loads = _load(found, start, "start"), _load(found, add, "add")
+    until = None if until is None else arguments.number(until, "until")
     if until is not None and not 0 < until < np.inf:
         raise InputError(f"found {until:g}; it must be a finite number greater than 0.", place="until")
     if not loads[1].nodal.any():
@@ -128,6 +131,7 @@ def _load(found: Discretisation, name: str | None, argument: str) -> CaseLoad:
     """The load of a case or, if there is none of that name, of a combination."""
     if name is None:
         return 0.0 * next(iter(found.cases.values()))
+    arguments.name(name, "load case or combination", argument)
     if name in found.cases:
         return found.cases[name]
     combinations = found.model.effective_combinations if found.model.combination else ()

@@ -11,6 +11,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.answer import Answer
+from signorini.arguments import number
 from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
@@ -174,6 +175,7 @@ class Path(Remade):
         NotCertifiedError
             If the answer fails its certificate.
         """
+        t = number(t, "t")
         open_ended = self.ending == "no_more_events"
         if not (0 <= t <= self.end or (open_ended and self.end < t < np.inf)):
             raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{self.end:.12g}'}.")

@@ -12,6 +12,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.answer import Answer
+from signorini.arguments import known, made_by, number, vector
 from signorini.dependence import repeats_itself
 from signorini.discretise import CaseLoad, ContactPoints, Discretisation, discretise
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -33,6 +34,9 @@ Steps: TypeAlias = Callable[[int, int, float], object]
 """Called with a step's number, the contact points it changed and its relative imbalance; what it raises ends it."""
 
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
+_METHODS: tuple[Method, ...] = ("lemke", "active_set", "interior_point")
+_LOAD = "Take discretisation.load(combination) or one of discretisation.cases."
+"""How to come by a load with its nodal forces and curvatures."""
 
 _YIELDING = (1e-6, 1e-9, 1e-11, 1e-13, 1e-15)
 """Parts of the plate's own compliance that are tried, each from the contact set of the one before; see `Attempt`."""
@@ -161,9 +165,15 @@ class ContactProblem(Remade):
         return self.discretisation.contacts.compliance
 
     def load(self, combination: str) -> Floats:
-        """Nodal load (3n,) of a combination."""
+        """Nodal load (3n,) of a combination.
+
+        Raises
+        ------
+        InputError
+            If there is none of that name.
+        """
         found = {c.name: c for c in self.discretisation.model.effective_combinations}
-        return self.discretisation.load(found[combination]).nodal
+        return self.discretisation.load(found[known(combination, found, "combination", "combination")]).nodal
 
     def lcp(self, load: Floats, form: Form = "auto") -> Lcp:
         """Pose the LCP of one nodal load (3n,).
@@ -175,6 +185,8 @@ class ContactProblem(Remade):
 
         Raises
         ------
+        InputError
+            If the load is not 3n finite numbers, or there is no such form.
         SignoriniError
             If there is no "stiffness" form: rigid points repeat each other, and no reactions belong to some gaps.
 
@@ -199,6 +211,8 @@ class ContactProblem(Remade):
         >>> posed.gap_is_z.tolist(), gap.tolist(), bool(np.isclose(reaction, refined.reaction).all())
         ([True], [0.0], True)
         """
+        load = vector(load, self.discretisation.dof_count, "load")
+        known(form, _FORMS, "form", "form", "The LCP")
         core = self.condensed.core
         posed = Lcp(*core.lcp(load, self.discretisation.held.values, None if form == "auto" else form))
         if not np.isfinite(posed.M).all() or (form == "stiffness" and repeats_itself(self.discretisation)):
@@ -231,6 +245,8 @@ class ContactProblem(Remade):
 
         Raises
         ------
+        InputError
+            If the load is not 3n finite numbers.
         SignoriniError
             If K has no inverse: one-sided supports, or two-sided points between nodes, alone hold the plate.
         """
@@ -240,6 +256,7 @@ class ContactProblem(Remade):
                 'this plate. Take lcp(load, "stiffness") or lcp(load, "dual"), which takes a few gaps among its '
                 "unknowns."
             )
+        load = vector(load, self.discretisation.dof_count, "load")
         held = self.discretisation.held.values
         matrix, q, _, _ = self._bare.lcp(load, held, "dual")
         return matrix, -q
@@ -261,6 +278,7 @@ class ContactProblem(Remade):
 
     def by(self, method: Method) -> ContactProblem:
         """Pose the same problem for another method; it is factored when it is first asked for."""
+        known(method, _METHODS, "method", "method", "A contact problem")
         if method not in self._others:
             self._others[method] = _factored(self.discretisation, self.freedom, method)
         return self._others[method]
@@ -271,6 +289,7 @@ class ContactProblem(Remade):
         Its solution is found here. Any load has the same answer, sooner or later; without an active set, or a solution,
         and beside points that hold both ways, nothing changes.
         """
+        load = vector(load, self.discretisation.dof_count, "load")
         if self.method != "active_set" or self.discretisation.contacts.two_sided.any():
             return self
         return replace(self, reference=self.core.reference(load, self.discretisation.held.values))
@@ -306,6 +325,8 @@ class ContactProblem(Remade):
 
         ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set.
         """
+        made_by(load, CaseLoad, _LOAD, "load")
+        known(form, _FORMS, "form", "form", "The LCP")
         held = self.discretisation.held.values
         if self.method == "interior_point":
             solution = self.core.solve_by_interior_point(load.nodal, held, progress=progress)
@@ -324,6 +345,9 @@ class ContactProblem(Remade):
         that nearly repeat each other then share what rounding would decide, and a plate on the brink stays where it is.
         ``closed`` (m,) is a contact set to begin with; ``progress`` is called after every step.
         """
+        made_by(load, CaseLoad, _LOAD, "load")
+        if not 0.0 < number(part, "part") < np.inf:
+            raise InputError(f"found {part:g}; it must be a finite number greater than 0.", place="part")
         held = self.discretisation.held.values
         return self._chosen(load, self.condensed.core.solve_carefully(load.nodal, held, part, closed, progress))
 

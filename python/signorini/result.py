@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Literal, Self, TypeAlias
 
 import numpy as np
 
+from signorini import arguments
 from signorini.answer import Answer, NotUnique
+from signorini.arguments import known
 from signorini.certificate import Certificate
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
-from signorini.errors import InputError, unknown
+from signorini.errors import InputError
 from signorini.mesh import Location, Mesh
 from signorini.model import Model
 from signorini.notebook import supports_table
@@ -159,7 +161,7 @@ class Result(Remade):
         Raises
         ------
         InputError
-            If a point is not on the plate.
+            If a point is not on the plate, or none at all.
         """
         positions, where = self._located(points)
         fields = np.column_stack(list(self.fields.values()))
@@ -191,7 +193,7 @@ class Result(Remade):
         return total_pressure(self.supports, self._located(points)[1])
 
     def _located(self, points: Points) -> tuple[Floats, Location]:
-        positions = np.atleast_2d(np.asarray(points, dtype=np.float64))
+        positions = arguments.points(points)
         where = self.mesh.locate(positions)
         if not where.inside.all():
             x, y = positions[np.argmin(where.inside)]
@@ -215,13 +217,14 @@ class Result(Remade):
         """
         from signorini.plot import contour, pressure, supports
 
+        known(field, [*self.fields, "pressure"], "field", "field", "This result")
+        if ax is not None and not hasattr(ax, "tricontourf"):
+            raise InputError(f"found {ax!r}; it must be axes of matplotlib, or None for new ones.", place="ax")
         title = ", ".join(part for part in (self.model.title, self.name) if part)
         plate = (self.mesh.points, self.mesh.elements)
         if field == "pressure":
             ax = pressure(*plate, pressure_layers(self), ax=ax, label=field, title=title)
             return supports(support_marks(self), ax, areas=False)
-        if field not in self.fields:
-            raise InputError(unknown("field", field, [*self.fields, "pressure"], "This result"))
         ax = contour(*plate, self.fields[field], ax=ax, label=field, title=title)
         return supports(support_marks(self), ax)
 

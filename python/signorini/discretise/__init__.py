@@ -12,6 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini import _core
+from signorini.arguments import made_by
 from signorini.discretise.averages import PlateStiffness
 from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
@@ -120,6 +121,7 @@ def discretise(model: Model) -> Discretisation:
     >>> print(round(found.cases["load"].nodal[::3].sum(), 6))
     40000.0
     """
+    made_by(model, Model, "Make one with signorini.Model(...) or signorini.load(file).", "model")
     try:
         return _discretise(model)
     except InputError as error:

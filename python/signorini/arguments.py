@@ -1,0 +1,90 @@
+"""Arguments of functions in Python, checked as an input file's values are."""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from collections.abc import Collection
+
+import numpy as np
+from numpy.typing import NDArray
+
+from signorini.errors import InputError, unknown
+
+
+def number(value: object, place: str) -> float:
+    """A real number as a float, infinite or NaN too.
+
+    Examples
+    --------
+    >>> number("3", "until")
+    Traceback (most recent call last):
+    signorini.errors.InputError: until: found '3'; it must be a number.
+    """
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    if not isinstance(value, int | float | np.integer | np.floating):
+        raise InputError(f"found {reprlib.repr(value)}; it must be a number.", place=place)
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
+def points(value: object, place: str = "points") -> NDArray[np.float64]:
+    """Positions (q, 2) of a point, or of any number of them.
+
+    Examples
+    --------
+    >>> points((1, 2)).shape, points([]).shape
+    ((1, 2), (0, 2))
+    """
+    found = _array(value)
+    if found is not None and found.shape in ((0,), (2,)):
+        found = found.reshape(-1, 2)
+    if found is None or found.ndim != 2 or found.shape[1] != 2:
+        raise InputError(
+            f"found {reprlib.repr(value)}; it must be a point [x, y] or a sequence of them, all numbers.", place=place
+        )
+    return found
+
+
+def vector(value: object, length: int, place: str) -> NDArray[np.float64]:
+    """A vector of finite numbers of some length."""
+    found = _array(value)
+    if found is None or found.shape != (length,):
+        what = reprlib.repr(value) if found is None else f"an array of shape {found.shape}"
+        raise InputError(f"found {what}; it must be {length} numbers, one a dof.", place=place)
+    if not np.isfinite(found).all():
+        at = int(np.argmin(np.isfinite(found)))
+        raise InputError(f"found {found[at]} at index {at}; all numbers must be finite.", place=place)
+    return found
+
+
+def name(value: object, kind: str, place: str) -> str:
+    """The name of something."""
+    if not isinstance(value, str):
+        raise InputError(f"found {reprlib.repr(value)}; it must be the name of a {kind}.", place=place)
+    return value
+
+
+def known(value: object, allowed: Collection[str], kind: str, place: str, owner: str = "This model") -> str:
+    """One of some names."""
+    found = name(value, kind, place)
+    if found not in allowed:
+        raise InputError(unknown(kind, found, allowed, owner), place=place)
+    return found
+
+
+def made_by(value: object, kind: type, advice: str, place: str) -> None:
+    """Refuse what is not of a class; the advice says how to come by one."""
+    if not isinstance(value, kind):
+        raise InputError(f"found {reprlib.repr(value)}; it must be a {kind.__name__}. {advice}", place=place)
+
+
+def _array(value: object) -> NDArray[np.float64] | None:
+    """Numbers as an array, or None where there are others."""
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        return None

@@ -1,0 +1,101 @@
+"""Wrong arguments in Python are refused in words, as wrong input is; none ends in a traceback of another kind."""
+
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import signorini
+from signorini import InputError, Model, contact_problem, path, solve
+
+NAN = float("nan")
+POINTS = "it must be a point [x, y] or a sequence of them"
+MODEL = "it must be a Model. Make one with signorini.Model(...) or signorini.load(file)."
+
+
+@pytest.fixture(scope="module")
+def slab() -> SimpleNamespace:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        mesh={"divisions": [2, 2]},
+        support=[{"area": "all", "resists": "down", "stiffness": 1e7}, {"at": [1, 1], "resists": "down"}],
+        load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": 1e3, "at": [1, 1]}],
+    )
+    problem = contact_problem(model)
+    return SimpleNamespace(
+        model=model,
+        result=solve(model)["all"],
+        path=path(model, "G", "Q", until=2),
+        problem=problem,
+        load=problem.load("all"),
+    )
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda s: s.result.probe([(1, 2, 3)]), f"points: found [(1, 2, 3)]; {POINTS}"),
+        (lambda s: s.result.probe("x"), f"points: found 'x'; {POINTS}"),
+        (lambda s: s.result.probe(None), f"points: found None; {POINTS}"),
+        (lambda s: s.result.probe([(1, 2), (1,)]), f"points: found [(1, 2), (1,)]; {POINTS}"),
+        (lambda s: s.result.probe(np.zeros((2, 2, 2))), POINTS),
+        (lambda s: s.result.probe([NAN, 1]), "The point [nan, 1] is not on the plate"),
+        (lambda s: s.result.pressure([(1, 2, 3)]), f"points: found [(1, 2, 3)]; {POINTS}"),
+        (lambda s: s.result.pressure([1j, 1]), f"points: found [1j, 1]; {POINTS}"),
+        (lambda s: s.result.plot("zz"), "field: Unknown field 'zz'. This result has: deflection, mx"),
+        (lambda s: s.result.plot(3), "field: found 3; it must be the name of a field"),
+        (lambda s: s.result.plot([]), "field: found []; it must be the name of a field"),
+        (lambda s: s.result.plot(ax=3), "ax: found 3; it must be axes of matplotlib"),
+        (lambda s: path(3, "G", "Q"), f"model: found 3; {MODEL}"),
+        (lambda s: path(s.model, 3, "Q"), "start: found 3; it must be the name of a load case or combination"),
+        (lambda s: path(s.model, [], "Q"), "start: found []; it must be the name"),
+        (lambda s: path(s.model, "G", None), "add: found None; it must be the name of the load that grows"),
+        (lambda s: path(s.model, "G", {}), "add: found {}; it must be the name"),
+        (lambda s: path(s.model, "G", "Q", until="3"), "until: found '3'; it must be a number"),
+        (lambda s: path(s.model, "G", "Q", until=[]), "until: found []; it must be a number"),
+        (lambda s: path(s.model, "G", "Q", until=NAN), "until: found nan; it must be a finite number"),
+        (lambda s: path(s.model, "G", "Q", until=10**400), "until: found inf; it must be a finite number"),
+        (lambda s: s.path.at("x"), "t: found 'x'; it must be a number"),
+        (lambda s: s.path.at(None), "t: found None; it must be a number"),
+        (lambda s: s.path.at(NAN), "t is nan; the path goes from 0 to 2"),
+        (lambda s: s.problem.load("zz"), "combination: Unknown combination 'zz'. This model has: all."),
+        (lambda s: s.problem.load([]), "combination: found []; it must be the name of a combination"),
+        (lambda s: s.problem.lcp(s.load * NAN), "load: found nan at index 0; all numbers must be finite"),
+        (lambda s: s.problem.lcp(s.load[:3]), "load: found an array of shape (3,); it must be 63 numbers, one a dof"),
+        (lambda s: s.problem.lcp(s.load[None]), "load: found an array of shape (1, 63); it must be 63 numbers"),
+        (lambda s: s.problem.lcp("x"), "load: found 'x'; it must be 63 numbers"),
+        (lambda s: s.problem.lcp(s.load, "zz"), "form: Unknown form 'zz'. The LCP has: auto, dual, stiffness."),
+        (lambda s: s.problem.lcp(s.load, 3), "form: found 3; it must be the name of a form"),
+        (lambda s: s.problem.near(s.load[:3]), "load: found an array of shape (3,)"),
+        (lambda s: s.problem.by("zz"), "method: Unknown method 'zz'."),
+        (lambda s: s.problem.solve(s.load), "it must be a CaseLoad. Take discretisation.load(combination)"),
+        (lambda s: s.problem.solve(s.problem.discretisation.cases["G"], "zz"), "form: Unknown form 'zz'."),
+        (lambda s: s.problem.solve_carefully(3, 1e-9), "load: found 3; it must be a CaseLoad."),
+        (lambda s: s.problem.solve_carefully(s.problem.discretisation.cases["G"], NAN), "part: found nan; it must be"),
+        (lambda s: solve(3), f"model: found 3; {MODEL}"),
+        (lambda s: solve(None), f"model: found None; {MODEL}"),
+        (lambda s: contact_problem({}), f"model: found {{}}; {MODEL}"),
+        (lambda s: signorini.load(3), "path: found 3; it must be the path of an input file"),
+        (lambda s: signorini.load(None), "path: found None; it must be the path of an input file"),
+        (lambda s: signorini.validate(None), "found nothing; it must be a table"),
+        (lambda s: Model(foo=3), "material: 'material' is missing"),
+    ],
+)
+def test_wrong_arguments_are_refused_in_words(slab: SimpleNamespace, call, message: str) -> None:
+    with np.errstate(invalid="ignore"), pytest.raises(InputError, match=re.escape(message)):
+        call(slab)
+
+
+def test_no_points_have_no_results(slab: SimpleNamespace) -> None:
+    assert slab.result.probe([]) == [] and slab.result.probe(np.zeros((0, 2))) == []
+    assert slab.result.pressure([]).shape == (0,)
+
+
+def test_a_load_may_be_any_sequence_of_numbers(slab: SimpleNamespace) -> None:
+    wanted = slab.problem.lcp(slab.load)
+    for load in (slab.load.tolist(), np.repeat(slab.load, 2)[::2]):
+        assert np.array_equal(slab.problem.lcp(load).q, wanted.q)
+    assert slab.problem.lcp(np.zeros(63, int)).q.shape == wanted.q.shape
+    assert slab.path.at(np.array(1)).name == slab.path.at(1.0).name
