@@ -21,6 +21,8 @@ Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 
 _ON_PLATE = 1e-9
+_ROUNDINGS = 16.0
+"""Of a coordinate, on the way from corners to an area."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,9 +190,12 @@ def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature) -> floa
     >>> round(off_plate(mesh, patch, area_quadrature(mesh, patch)), 12)
     1.0
     """
+    # Where an outline is, is known to the rounding of coordinates.
+    apart = _ROUNDINGS * float(np.finfo(float).eps) * float(np.abs(mesh.points).max())
     if isinstance(where, Ring | Polyline):
-        measure, slack = where.length, 0.0
+        measure, slack = where.length, apart
     else:
-        measure, slack = where.area, mesh.round_outline_area
+        x0, y0, x1, y1 = where.bounds
+        measure, slack = where.area, mesh.round_outline_area + apart * (x1 - x0 + y1 - y0)
     missing = measure - quadrature.total
     return missing if missing > _ON_PLATE * measure + slack else 0.0
