@@ -27,13 +27,17 @@ _SECTOR_SLACK = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """Points (q, 2) of the plate with their elements, reference points, weights (1, length or area) and tangents."""
+    """Points (q, 2) of the plate with their elements, reference points, weights (1, length or area) and tangents.
+
+    ``within`` (q, 2) is where formulas that jump are evaluated: at the point, or beside it in what it stands for.
+    """
 
     elements: Ints
     xi: Floats
     weights: Floats
     positions: Floats
     tangents: Floats
+    within: Floats
 
 
 def region(area: Area | str | None) -> Region | None:
@@ -75,7 +79,7 @@ def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: str) -> Samp
             f"y = {low[1]:g} to {high[1]:g}. Move the point onto the plate.",
             place=f"{place}.at",
         )
-    return Sampled(where.elements, where.xi, np.ones(len(positions)), positions, np.zeros_like(positions))
+    return Sampled(where.elements, where.xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
 
 
 def mesh_edges(mesh: Mesh, item: Support | Load, place: str) -> Ints | None:
@@ -161,7 +165,7 @@ def _require_on_plate(
 
 
 def _sampled(points: LineQuadrature) -> Sampled:
-    return Sampled(points.elements, points.xi, points.weights, points.positions, points.tangents)
+    return Sampled(points.elements, points.xi, points.weights, points.positions, points.tangents, points.within)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Self
 
 import numpy as np
@@ -16,6 +16,7 @@ from signorini.discretise.rows import Bools, Floats, Ints, Rows
 from signorini.expression.levels import Level
 from signorini.mesh import Mesh
 from signorini.model import Model, Plate, Support
+from signorini.quadrature.stepped import INSIDE
 
 _GAUSS = 3
 _GAUSS_RIGID = 2
@@ -23,11 +24,9 @@ _GAUSS_RIGID = 2
 _STIFF = 1e3
 """Stiffness of a bed, over the plate's between elements, from which the plate lies on their means. Points within them
 then outnumber what can answer them, and settle ever more slowly; what is left of the deflection is that of the mesh."""
-_RIGID = 1e12
-"""Stiffness, over the plate's in shear, from which nothing of it is left in double precision."""
 STIFFEST_SPRING = 1e8
-"""Stiffness of a spring that holds both ways, over the plate's in shear, beyond which it makes no difference to eight
-digits, and in K would drown the plate's own."""
+"""Stiffness of a spring, over the plate's in shear, beyond which it makes no difference to eight digits. In K it would
+drown the plate's own; one that lets go is rigid, or its force would be that of penetrations that are rounding."""
 _SAME_PLACE = 1e-9
 _NONE = 1e-12
 """Coefficient of a row that counts as none."""
@@ -103,13 +102,19 @@ class ContactPoints(_Table):
 
 @dataclass(frozen=True, eq=False)
 class _Acting:
-    """Points of one support with the rows that they act through."""
+    """Points of one support with the rows that they act through, and where formulas that jump are evaluated."""
 
     rows: Rows
     positions: Floats
+    within: Floats
     weights: Floats
     slope: bool
     shared: Ints | None = None
+
+    @classmethod
+    def of(cls, rows: Rows, sampled: Sampled, slope: bool = False) -> Self:
+        """Rows of points of the plate."""
+        return cls(rows, sampled.positions, sampled.within, sampled.weights, slope)
 
 
 def springs_and_contacts(
@@ -157,9 +162,9 @@ def _acting(
         between_nodes = nodes_at(mesh, sampled) < 0
         if holds_deflection(support) or not deflection:
             sampled = _pick(sampled, between_nodes)
-        found = [_Acting(_rows(plate, sampled, 0), sampled.positions, sampled.weights, False)] if deflection else []
+        found = [_Acting.of(_rows(plate, sampled, 0), sampled)] if deflection else []
         if "slope" in support.fixed:
-            found += [_Acting(_rows(plate, sampled, part), sampled.positions, sampled.weights, True) for part in (1, 2)]
+            found += [_Acting.of(_rows(plate, sampled, part), sampled, slope=True) for part in (1, 2)]
         return found
     triples = mesh_edges(mesh, support, place)
     if support.stiffness is not None:
@@ -173,13 +178,14 @@ def _acting(
     else:
         on = edge_nodes(mesh, triples)
         where = mesh.locate(mesh.points[on.nodes])
-        sampled = Sampled(where.elements, where.xi, on.weights, mesh.points[on.nodes], np.zeros((len(on.nodes), 2)))
-    found = [_Acting(_rows(plate, sampled, 0), sampled.positions, sampled.weights, False)] if deflection else []
+        at = mesh.points[on.nodes]
+        sampled = Sampled(where.elements, where.xi, on.weights, at, np.zeros_like(at), at)
+    found = [_Acting.of(_rows(plate, sampled, 0), sampled)] if deflection else []
     tx, ty = sampled.tangents.T
     for component, directions in (("slope", (ty, -tx)), ("twist", (tx, ty))):
         if component in support.fixed:
             rows = _along(plate, sampled, *directions)
-            found.append(_Acting(rows, sampled.positions, sampled.weights, True))
+            found.append(_Acting.of(rows, sampled, slope=True))
     return found
 
 
@@ -204,13 +210,14 @@ def _on_area(
     free_corners = np.asarray(~held[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
     points = in_area(mesh, shape, support.area, place, _GAUSS, to_outline, _steps(support), _OFF)
-    sampled = Sampled(points.elements, points.xi, points.weights, points.positions, np.zeros_like(points.positions))
-    through = _Acting(_rows(plate, sampled, 0), sampled.positions, sampled.weights, False)
+    no_tangents, within = np.zeros_like(points.positions), mesh.map(points.elements, INSIDE * points.xi)
+    sampled = Sampled(points.elements, points.xi, points.weights, points.positions, no_tangents, within)
+    through = _Acting.of(_rows(plate, sampled, 0), sampled)
     covered = np.bincount(sampled.elements, minlength=len(mesh.elements)) > 0
-    if not one_sided:
-        return through if elastic else _means(through)
+    if elastic and not one_sided:
+        return through
     if support.stiffness is not None:
-        stiffness = support.stiffness(*sampled.positions.T, above=0.0, place=f"{place}.stiffness")
+        stiffness = support.stiffness(*within.T, above=0.0, place=f"{place}.stiffness")
         if (stiffness < _STIFF * of_elements.in_waves[sampled.elements]).all():
             tips = missing_corners(mesh, shape, support, covered, through.positions)
             return _with(mesh, plate, held, through, tips)
@@ -222,18 +229,19 @@ def _springs_or_contacts(
 ) -> Springs | list[ContactPoints]:
     place = f"support[{index + 1}]"
     positions, weights, count = acting.positions, acting.weights, len(acting.rows)
-    settlement = np.zeros(count) if acting.slope else support.settlement(*positions.T, place=f"{place}.settlement")
-    gap = support.gap(*positions.T, at_least=0.0, place=f"{place}.gap")
+    at = acting.within if _steps(support) else positions
+    settlement = np.zeros(count) if acting.slope else support.settlement(*at.T, place=f"{place}.settlement")
+    gap = support.gap(*at.T, at_least=0.0, place=f"{place}.gap")
     who = np.full(count, index, dtype=np.int64)
     compliance = np.zeros(count)
     two_way = support.fix is not None or support.resists == "both"
     if support.stiffness is not None:
         shear = of_elements.in_shear[acting.rows.elements]
-        stiffness = weights * support.stiffness(*positions.T, above=0.0, place=f"{place}.stiffness")
+        stiffness = weights * support.stiffness(*at.T, above=0.0, place=f"{place}.stiffness")
         if two_way and not gap.any():
             stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
             return Springs(acting.rows, stiffness, settlement, positions, weights, who)
-        compliance = np.where(stiffness < _RIGID * shear, 1.0 / stiffness, 0.0)
+        compliance = np.where(stiffness < STIFFEST_SPRING * shear, 1.0 / stiffness, 0.0)
     pushes_up = (1.0, gap + settlement)
     holds_down = (-1.0, gap - settlement)
     shared = np.full((count, 4), -1, np.int64) if acting.shared is None else acting.shared
@@ -278,16 +286,19 @@ def _means(through: _Acting) -> _Acting:
         return np.stack([np.bincount(inverse, through.weights * column) / area for column in values.T], axis=1)
 
     shared = np.column_stack([elements, np.full((len(elements), 3), -1)])
-    return _Acting(Rows(elements, mean(through.rows.coefficients)), mean(through.positions), area, False, shared)
+    middle = mean(through.positions)
+    return _Acting(Rows(elements, mean(through.rows.coefficients)), middle, middle, area, False, shared)
 
 
 def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: OutlinePoints) -> _Acting:
     """Give points on the outline a part of what the support has in the elements that share them."""
     where = found.shared[:, 0]
-    coefficients, _ = plate.interpolation_rows(where, mesh.invert(where, found.positions), 0)
+    xi = mesh.invert(where, found.positions)
+    coefficients, _ = plate.interpolation_rows(where, xi, 0)
     rows = Rows(where, coefficients)
     free = np.asarray(((np.abs(rows.coefficients) > _NONE) & ~held[rows.dofs(mesh.elements)]).any(axis=1))
     rows, positions, shared = rows[free], found.positions[free], found.shared[free]
+    within = mesh.map(where, INSIDE * xi)[free]
     area = np.bincount(acting.rows.elements, acting.weights, len(mesh.elements)).astype(np.float64)
     some = shared >= 0
     parts = np.where(some, STRIP * area[shared], 0.0)
@@ -296,6 +307,7 @@ def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: O
     return _Acting(
         Rows.join([acting.rows, rows]),
         np.concatenate([acting.positions, positions]),
+        np.concatenate([acting.within, within]),
         np.concatenate([kept * acting.weights, parts.sum(axis=1)]),
         False,
         None if acting.shared is None else np.concatenate([acting.shared, shared]),
@@ -309,7 +321,7 @@ def _once(mesh: Mesh, sampled: Sampled) -> Sampled:
     )
     order = np.sort(first)
     weights = np.bincount(point.ravel(), sampled.weights).astype(np.float64)[point.ravel()]
-    once = Sampled(sampled.elements, sampled.xi, weights, sampled.positions, sampled.tangents)
+    once = replace(sampled, weights=weights)
     return _pick(once, np.isin(np.arange(len(weights)), order))
 
 

@@ -14,7 +14,7 @@ from signorini.quadrature.arcs import Arc, arcs_of
 from signorini.quadrature.areas import Quadrature
 from signorini.quadrature.breaks import divided
 from signorini.quadrature.rules import gauss, lobatto
-from signorini.quadrature.stepped import Levels
+from signorini.quadrature.stepped import INSIDE, Levels
 from signorini.regions import Curve, Ring
 
 Floats = npt.NDArray[np.float64]
@@ -27,9 +27,14 @@ _KINK = 0.1
 
 @dataclass(frozen=True, eq=False)
 class LineQuadrature(Quadrature):
-    """Quadrature along lines, with the unit tangent (q, 2) at each point."""
+    """Quadrature along lines, with the unit tangent (q, 2) at each point.
+
+    ``within`` (q, 2) is a place beside each point that is inside its piece, where a formula has the piece's own value
+    even if the point is where it jumps.
+    """
 
     tangents: Floats
+    within: Floats
 
     @property
     def normals(self) -> Floats:
@@ -76,8 +81,9 @@ def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0,
         at_end = ((begin == breaks[0]) | (end == breaks[-1])) & (at_ends > 0 and not isinstance(curve, Ring))
         s, weights, part = _stations(begin, end, at_end, gauss(order), lobatto(max(at_ends - 1, 1)))
         points, tangents = arc.at(s)
+        within, _ = arc.at(_inward(s, begin[part], end[part]))
         elements = inside[on][piece][part]
-        parts.append((elements, mesh.invert(elements, points), weights, points, tangents))
+        parts.append((elements, mesh.invert(elements, points), weights, points, tangents, within))
     return LineQuadrature(*(np.concatenate(items) for items in zip(*parts, strict=True)))
 
 
@@ -135,11 +141,17 @@ def edge_quadrature(
     side, first, last = divided(-ones, ones, positions, levels)
     at_end = _at_ends(mesh, triples)[side] & to_ends
     t, weights, part = _stations(first, last, at_end, gauss(order), lobatto(order))
+    within = positions(side[part], _inward(t, first[part], last[part]))
     side = side[part]
     elements, xi = elements[side], at(side, t)
     tangents = np.einsum("qda,qa->qd", mesh.jacobian(elements, xi), 0.5 * (end - begin)[side])
     speed = np.hypot(*tangents.T)
-    return LineQuadrature(elements, xi, weights * speed, mesh.map(elements, xi), tangents / speed[:, None])
+    return LineQuadrature(elements, xi, weights * speed, mesh.map(elements, xi), tangents / speed[:, None], within)
+
+
+def _inward(t: Floats, begin: Floats, end: Floats) -> Floats:
+    middle = 0.5 * (begin + end)
+    return np.asarray(middle + INSIDE * (t - middle))
 
 
 def _at_ends(mesh: Mesh, triples: Ints) -> Bools:

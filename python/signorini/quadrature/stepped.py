@@ -31,8 +31,8 @@ OFF = 1e-4
 """How far a cut may lie from a curved step, over the side of the element."""
 
 _DEEPEST = 7
-_INSIDE = 1.0 - 1e-6
-"""Where elements are looked at: a step along their sides is no step inside."""
+INSIDE = 1.0 - 1e-6
+"""How far from the middle elements and pieces are looked at: a step along their sides is no step inside."""
 
 _PARTED = 0.4863
 """Where parts are quartered: not in the middle, where steps are wont to run, and would be met on neither side."""
@@ -77,7 +77,7 @@ def _beyond(circle: Floats, points: Floats) -> Floats:
 def crossed(mesh: Mesh, elements: Ints, levels: Levels) -> Bools:
     """Which of the elements (k,) each of the levels changes its sign in: (levels, k)."""
     found = np.zeros((len(levels), len(elements)), dtype=bool)
-    stations = _INSIDE * _square(_SEEN)
+    stations = INSIDE * _square(_SEEN)
     shapes = serendipity(stations)[0]
     step = _CHUNK // len(stations)
     for start in range(0, len(elements) if len(levels) else 0, step):
@@ -158,7 +158,7 @@ def cut_by(
 
 def _planes(mesh: Mesh, owner: Ints, boxes: Floats, levels: Levels, count: int) -> tuple[Bools, Floats, Floats]:
     """Whether levels change sign in boxes (c, l), planes c₀ + c₁ξ + c₂η like them (c, l, 3), and how far off."""
-    stations, shape = _INSIDE * _square(count), (len(owner), len(levels))
+    stations, shape = INSIDE * _square(count), (len(owner), len(levels))
     changes, planes, bent = np.zeros(shape, dtype=bool), np.zeros((*shape, 3)), np.zeros(shape)
     terms = np.column_stack([np.ones(len(stations)), stations])
     fit = np.linalg.pinv(terms)
