@@ -233,13 +233,15 @@ def scale_of(plate, load, *deflections):
 def wrong_stops(found):
     """Stops that are not what direct solutions say, or whose reactions do not balance the load."""
     plate, (start, add) = found.problem.discretisation, found._loads
-    forces = [part.nodal[::3].sum() for part in (start, add)]
-    sums = [np.abs(part.nodal).sum() for part in (start, add)]
-    forces = [force if abs(force) > 1e-12 * size else 0.0 for force, size in zip(forces, sums, strict=True)]
+    motions = plate.rigid_motions / [1.0, plate.mesh.size, plate.mesh.size]
+    resultants = [part.nodal @ motions for part in (start, add)]
+    for resultant, part in zip(resultants, (start, add), strict=True):
+        resultant[np.abs(resultant) <= 1e-12 * (np.abs(part.nodal) @ np.abs(motions)).max()] = 0.0
     jumps = {segment.begin.t for segment in found.segments if segment.jumps}
     stops = [stop for stop in found.stops if stop.t not in jumps]
     for stop in stops[:: -max(1, len(stops) // _MOST_SEGMENTS)]:
-        wanted, size = forces[0] + stop.t * forces[1], abs(forces[0]) + stop.t * abs(forces[1])
+        wanted = resultants[0][0] + stop.t * resultants[1][0]
+        size = np.abs(resultants[0]).max() + stop.t * np.abs(resultants[1]).max()
         if size and abs(stop.reactions.sum() - wanted) > _BALANCED * max(size, np.abs(stop.reactions).max()):
             yield f"at the stop t = {stop.t:.9g} supports bear {stop.reactions.sum():.6g} instead of {wanted:.6g}"
         load = start + stop.t * add

@@ -195,8 +195,9 @@ class Path(Remade):
             answers: list[_core.ContactSolution] = []
             nodal = self._loads[0].nodal, self._loads[1].nodal
             self.problem.core.path(*nodal, found.held.values, t, lambda t, points, answer: answers.append(answer))
-            answer = Answer.of(found, answers[-1])
-            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
+            if answers:
+                answer = Answer.of(found, answers[-1])
+                certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
         name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
         if not certificate.passed:
             raise NotCertifiedError(refusal(name, found, answer, certificate))

@@ -89,7 +89,7 @@ impl Floating {
 }
 
 /// Middle and size of the box around a plate.
-pub(super) fn extent(plate: &Plate) -> ([f64; 2], f64) {
+pub(in crate::contact) fn extent(plate: &Plate) -> ([f64; 2], f64) {
     let over = |k: usize, choose: fn(f64, f64) -> f64, start: f64| {
         (0..plate.node_count()).map(|node| plate.point(node)[k]).fold(start, choose)
     };

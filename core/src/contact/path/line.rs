@@ -3,16 +3,17 @@
 use super::trail::differing;
 use super::{PathLoad, SIGN};
 use crate::cholesky::FactorError;
+use crate::contact::careful::extent;
 use crate::contact::problem::{ContactProblem, Factored};
 use crate::contact::solution::{ContactSolution, Outcome};
-use crate::residual::internal_magnitude;
+use crate::residual::{Displacement, Springs, residual};
 
 /// How far, over a segment's length, its refined end may be from where pivoting saw it.
 const MOVED: f64 = 1e-3;
 /// Gaps that change by less over a line, over the largest length, stay; so do reactions whose rounding is less.
 const STILL: f64 = 1e-10;
-/// Roundings of the plate's own forces that reactions differ by, over the root of how many dofs they add up from.
-const ROUNDINGS: f64 = 64.0;
+/// Times that what the plate's own forces are out of balance by, which is their rounding, may be in one reaction.
+const SHARE: f64 = 64.0;
 /// Reactions and gaps, over the largest of their kind, that are none.
 const NOTHING: f64 = 1e-14;
 /// Part of the loads that a load is the sum of which, as a scale, turns [`SIGN`] into their rounding.
@@ -180,10 +181,22 @@ impl ContactProblem {
             force => force.max(UNSEEN * load.size(at[0])),
         };
         let length = f64::max(largest_length(&from), largest_length(&to));
-        let dofs = self.held.len() as f64;
-        let rounding = f64::EPSILON * internal_magnitude(&self.plate, &self.held, &to.displacement);
-        let still = STILL.max(ROUNDINGS * dofs.sqrt() * rounding / force);
+        let rounding = f64::max(self.unbalanced(&from), self.unbalanced(&to));
+        let still = STILL.max(SHARE * rounding / force);
         Ok(Some(Line { at, ends: [from, to], force, length, still }))
+    }
+
+    /// Largest resultant of the plate's own forces, couples over its size: rounding, since it has none.
+    fn unbalanced(&self, solution: &ContactSolution) -> f64 {
+        let (plate, dofs) = (&self.plate, self.held.len());
+        let own = residual(plate, &Springs::default(), &vec![0.0; dofs], &solution.displacement);
+        let (middle, size) = extent(plate);
+        let work = |motion: [f64; 3]| {
+            let mut rigid = Displacement::zeros(dofs);
+            rigid.add_rigid(plate, middle, motion);
+            rigid.hi.iter().zip(&own).map(|(u, f)| u * f).sum::<f64>().abs()
+        };
+        [[1.0, 0.0, 0.0], [0.0, 1.0 / size, 0.0], [0.0, 0.0, 1.0 / size]].map(work).into_iter().fold(0.0, f64::max)
     }
 
     /// Whether no reaction pulls and no gap is negative between two t.
