@@ -161,6 +161,8 @@ def test_what_cannot_be_generated_is_refused_with_its_place(combination, says):
     [
         ("", "has no header"),
         ("name,G\n", "has a header but no rows"),
+        ("G,Q\n1.35,1\n", 'begins with "G"; it must begin with "name"'),
+        ("name,G\na,1_000\n", 'has "1_000" under "G"; it must be a number.'),
         ("name,G,G\na,1,1\n", 'names the load case "G" twice'),
         ("name,G\na,1,2\n", "line 2 of f.csv has 2 factors; the header names 1 cases."),
         ("name,G\na,x\n", 'line 2 of f.csv has "x" under "G"; it must be a number.'),

@@ -328,7 +328,7 @@ def test_contact_points_that_cannot_fit_are_refused(slab: Path, monkeypatch: pyt
     monkeypatch.setattr("signorini.memory.available", lambda: 2e8)
     done = CliRunner().invoke(app, ["solve", str(slab)])
     assert done.exit_code == 2
-    assert "slab.toml:7: support: The problem of 1,600 contact points that need condensing takes about 0.5 GB" in (
+    assert "slab.toml:7: support: The problem of 1,760 contact points that need condensing takes about 0.6 GB" in (
         done.stderr
     )
     assert 'enough for about 960. Leave solver.method at "auto", which condenses fewer.' in done.stderr

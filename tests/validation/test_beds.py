@@ -180,6 +180,50 @@ def test_springs_of_any_stiffness_are_certified_and_end_rigid(where: dict, resis
     assert reactions[4:] == pytest.approx([reactions[3]] * 2, rel=1e-7)
 
 
+@pytest.mark.parametrize(
+    "where",
+    [
+        [{"line": [[2.3, y], [3.6, y]]} for y in (0.5, 3.5)],
+        [{"area": {"rectangle": [2.3, y, 3.6, y + 0.5]}} for y in (0.4, 3.1)],
+    ],
+    ids=["lines", "areas"],
+)
+@pytest.mark.parametrize("less", ["<", "<="])
+def test_a_stiffness_that_steps_at_a_mesh_line_steps_there_for_points_on_it(where: list[dict], less: str) -> None:
+    """Statics of a rigid plate on two stiffnesses along x: forces k·w and k·w·x balance 10 kN at 2.75."""
+    resists = {"resists": "down", "stiffness": f"1e5*where(x {less} 3, 1, 0.01)"}
+    model = Model(
+        material={"E": 30e14, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [5, 4], "thickness": 1},
+        mesh={"divisions": [5, 4]},
+        support=[{**place, **resists} for place in where],
+        load=[{"force": 1e4, "at": [2.75, 2]}],
+    )
+    width = 0.5 if "area" in where[0] else 1.0
+    parts = [(2 * width * 1e5 * k, a, b) for k, a, b in ((1.0, 2.3, 3.0), (0.01, 3.0, 3.6))]
+    zeroth, first, second = (sum(k * (b**n - a**n) / n for k, a, b in parts) for n in (1, 2, 3))
+    w, slope = np.linalg.solve([[zeroth, first], [first, second]], [1e4, 2.75e4])
+    found = signorini.solve(model)["all"].probe([(x, 2) for x in (0, 3, 5)])
+    assert [probe.deflection for probe in found] == pytest.approx([w + slope * x for x in (0, 3, 5)], rel=1e-4)
+
+
+def test_a_rigid_area_an_element_wide_holds_the_plate_against_turning() -> None:
+    """As a pair that pushes and pulls does, on any mesh; a cantilever's end goes down by little more than qL⁴/8D."""
+    deflections = []
+    for resists, n in ((["both"], 1), (["down", "up"], 1), (["both"], 4)):
+        model = Model(
+            material={"E": 30e9, "nu": 0.0},
+            plate={"shape": "rectangle", "size": [4, 3], "thickness": 0.3},
+            mesh={"divisions": [4 * n, 3 * n]},
+            support=[{"area": {"rectangle": [0, 0, 1, 3]}, "resists": way} for way in resists],
+            load=[{"pressure": 1e3}],
+        )
+        deflections.append(signorini.solve(model)["all"].probe([(4, 1.5)])[0].deflection)
+    one, pair, fine = deflections
+    assert one == pytest.approx(pair, rel=1e-6)
+    assert fine == pytest.approx(1e3 * 3**4 / 8 / (30e9 * 0.3**3 / 12), rel=0.08)
+
+
 def test_points_on_the_outline_leave_pressures_as_well_answered_as_means_alone() -> None:
     """Inf-sup: the least part of the work of pressures, on a mesh four times finer, that the mesh itself answers."""
     from scipy.linalg import eigh

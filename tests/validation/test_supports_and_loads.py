@@ -268,7 +268,8 @@ def test_a_sector_with_symmetric_sides_is_the_whole_disc(support, sector):
     inside = np.hypot(x, y) < 0.999
     found = whole.probe(part.mesh.points[inside])
     deflection = np.array([probe.deflection for probe in found])
-    assert part.deflection[inside] == pytest.approx(deflection, abs=1e-10 * np.abs(deflection).max())
+    # Where a ring ends, at a sector's sides, Lobatto's rule takes the place of Gauss's; on arcs they differ by this.
+    assert part.deflection[inside] == pytest.approx(deflection, abs=1e-9 * np.abs(deflection).max())
     assert part.reactions["ring"] * 360 / sector == pytest.approx(whole.reactions["ring"], rel=1e-10)
 
 

@@ -50,7 +50,12 @@ def read_factor_table(value: object) -> FactorTable | None:
         raise ValueError(f"{path} is not a CSV file: {error}.") from None
     if not lines or len(lines[0]) < 2:
         raise ValueError(f'{path} has no header; its first line must be "name" and the load cases, set off by commas.')
-    columns = tuple(cell.strip() for cell in lines[0][1:])
+    first, *columns = (cell.strip() for cell in lines[0])
+    if first != "name":
+        raise ValueError(
+            f'the header of {path} begins with {describe(first)}; it must begin with "name", the column of the '
+            "combinations' names, before the load cases."
+        )
     for index, case in enumerate(columns):
         if not case or case in columns[:index]:
             what = f'names the load case "{case}" twice' if case else "has a column without a load case"
@@ -60,10 +65,10 @@ def read_factor_table(value: object) -> FactorTable | None:
         if not any(cell.strip() for cell in line):
             continue
         names.append(_name(line[0], path, number))
-        rows.append(_row(line[1:], columns, path, number))
+        rows.append(_row(line[1:], tuple(columns), path, number))
     if not rows:
         raise ValueError(f"{path} has a header but no rows.")
-    return FactorTable(str(value), columns, tuple(names), tuple(rows))
+    return FactorTable(str(value), tuple(columns), tuple(names), tuple(rows))
 
 
 def _name(text: str, path: Path, number: int) -> str:
@@ -79,7 +84,9 @@ def _row(cells: list[str], columns: tuple[str, ...], path: Path, number: int) ->
     factors = []
     for case, cell in zip(columns, cells, strict=True):
         try:
-            factor = float(cell) if cell.strip() else 0.0
+            # float() would take 1_000 and the digits of every script.
+            plain = cell.isascii() and "_" not in cell
+            factor = 0.0 if not cell.strip() else float(cell) if plain else float("nan")
         except ValueError:
             factor = float("nan")
         if not abs(factor) <= LARGEST:
