@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 import signorini
 from signorini import Model
 from signorini.cli import app
+from signorini.output import path_json
 from signorini.path_check import confirmed
 
 SLAB = """
@@ -249,3 +250,21 @@ load = [{ case = "G", force = 1, at = [0, 0.5] }, { case = "Q", force = 1, at = 
     assert words in shown.output
     found = signorini.path(signorini.load(file), "G", "Q", until=2)
     assert words in found._repr_html_() and found._repr_html_().count("<tr>") == 1 + len(found.stops)
+
+
+def test_a_path_says_where_more_answers_than_one_are_right() -> None:
+    """Two of four bearings stay under a force on the diagonal, and the plate may turn about the line through them."""
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+        mesh={"divisions": [8, 8]},
+        support=[{"name": "bearings", "at": [[1, 1], [9, 1], [9, 9], [1, 9]], "resists": "down"}],
+        load=[{"case": "G", "pressure": 2e3}, {"case": "Q", "force": 1e4, "at": [0.2, 0.2]}],
+    )
+    found = signorini.path(model, "G", "Q")
+    ((begin, end, one),) = found.not_unique
+    assert (begin, end, one.what) == (found.events[0].t, found.end, "deflection")
+    assert one == found.at(0.5 * (begin + end)).not_unique[0]
+    assert not found.at(0.5 * begin).not_unique
+    (told,) = path_json(found)["not_unique"]
+    assert (told["begin"], told["end"], told["motion"]) == (begin, end, one.motion)

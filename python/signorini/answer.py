@@ -31,11 +31,17 @@ class NotUnique:
     supports: tuple[str, ...] = ()
     motion: str = ""
 
+    @property
+    def otherwise(self) -> str:
+        """What else would be as right."""
+        if self.what == "reactions":
+            return f"reactions of {', '.join(self.supports)} could be shared otherwise"
+        return f"the plate could rest elsewhere, {self.motion}"
+
     def __str__(self) -> str:
         """Say it in a line."""
-        if self.what == "reactions":
-            return f"reactions of {', '.join(self.supports)} could be shared otherwise; the least are shown"
-        return f"the plate could rest elsewhere, {self.motion}; the least deflection is shown"
+        shown = "the least are shown" if self.what == "reactions" else "the least deflection is shown"
+        return f"{self.otherwise}; {shown}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from signorini.path_result import Ending, Path, ahead, beside
 from signorini.path_stop import PathStop, path_stop
 from signorini.problem import ContactProblem, contact_problem
 from signorini.progress import Progress, Watcher
-from signorini.selection import chosen
+from signorini.selection import chosen, doubtful
 from signorini.stability import CONTRADICTION, floats, largest_factor, supports_contradict
 
 _NAMED = 20
@@ -162,6 +162,8 @@ def _trace(
     shown: list[Bools] = []
     pushing: list[Floats] = []
     certificates: list[Certificate] = []
+    doubts: list[int] = []
+    before: list[tuple[float, Answer]] = []
 
     def visit(t: float, points: Ints, solution: _core.ContactSolution) -> None:
         load = loads[0] + t * loads[1]
@@ -172,10 +174,15 @@ def _trace(
         if not certificate.passed:
             raise NotCertifiedError
         pushing[:] = [*pushing[-1:], answer.reaction]
-        before = tuple(pushing)
+        neighbours = tuple(pushing)
+        for earlier, its in before:
+            amid = (0.5 * (its.reaction + answer.reaction)[None], 0.5 * (its.gap + answer.gap)[None])
+            if earlier < t and doubtful(found, problem.freedom, *amid).any():
+                doubts.append(len(stops) - 1)
+        before[:] = [(t, answer)]
 
         def elsewhere() -> Iterator[Floats]:
-            yield from before
+            yield from neighbours
             yield from ahead(problem, loads, t, solution.closed)
 
         least = chosen(found, problem.freedom, load.nodal, answer, elsewhere)
@@ -215,4 +222,5 @@ def _trace(
         ending = "until"
     figures = [figure.name for figure in fields(Certificate)]
     worst = Certificate(**{name: max(getattr(one, name) for one in certificates) for name in figures})
-    return Path(*names, problem, tuple(stops), ending, limit, worst, loads, sets[0])
+    doubted = tuple(index for index in doubts if index < len(stops) - 1)
+    return Path(*names, problem, tuple(stops), ending, limit, worst, loads, sets[0], doubted)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from signorini import _core
-from signorini.answer import Answer
+from signorini.answer import Answer, NotUnique
 from signorini.arguments import number
 from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad
@@ -84,6 +84,8 @@ class Path(Remade):
     certificate: Certificate
     _loads: tuple[CaseLoad, CaseLoad]
     _first: Bools
+    _doubtful: tuple[int, ...] = ()
+    """Segments on which more answers than one may be right."""
 
     @property
     def model(self) -> Model:
@@ -114,6 +116,24 @@ class Path(Remade):
             closed[begin.points] ^= True
             found.append(Segment(begin, end, closed))
         return tuple(found)
+
+    @cached_property
+    def not_unique(self) -> tuple[tuple[float, float, NotUnique], ...]:
+        """Where more answers than one are right: from one t to another, and what could be otherwise.
+
+        The stops show an answer that leads on, `at` the least one.
+        """
+        found, stretches = self.problem.discretisation, list[tuple[float, float, NotUnique]]()
+        for segment in (self.segments[index] for index in self._doubtful):
+            load = self._loads[0] + 0.5 * (segment.begin.t + segment.end.t) * self._loads[1]
+            solution = self.problem.core.solve_on(load.nodal, found.held.values, segment.closed)
+            answer = chosen(found, self.problem.freedom, load.nodal, Answer.of(found, solution))
+            for one in answer.not_unique:
+                before = [stretch for stretch in stretches if stretch[1:] == (segment.begin.t, one)]
+                begin = before[0][0] if before else segment.begin.t
+                stretches = [stretch for stretch in stretches if stretch not in before]
+                stretches.append((begin, segment.end.t, one))
+        return tuple(stretches)
 
     def words(self, index: int) -> str:
         """Say what happens at a stop."""

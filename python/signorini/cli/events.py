@@ -11,6 +11,8 @@ from signorini.path_stop import PathStop
 
 _MOST_EVENTS = 40
 """Events printed; of more the first and last halves of these."""
+_MOST_STRETCHES = 3
+"""Stretches with more answers than one that are printed."""
 _MOST_COLUMNS = 6
 """Supports with a column of their own; of more the reactions are in one."""
 
@@ -38,6 +40,10 @@ def print_path(console: Console, path: Path) -> None:
         rows.add_row(f"{stop.t:.9g}", Text(path.words(index)), number(stop.largest), *cells)
     console.print(rows)
     console.print(Text(_ending(path)))
+    for begin, end, one in path.not_unique[:_MOST_STRETCHES]:
+        console.print(Text(f"From t = {begin:.9g} to {end:.9g} {one.otherwise}: more answers than one are right."))
+    if len(path.not_unique) > _MOST_STRETCHES:
+        console.print(f"So on {len(path.not_unique) - _MOST_STRETCHES} more stretches, all in path.json.")
     unit = f" in {units.force}" if units.force and apart else ""
     of_all = "" if apart else f" of {', '.join(names)},"
     console.print(f"reactions{unit}{of_all} positive up")

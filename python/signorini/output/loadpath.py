@@ -53,6 +53,7 @@ def path_json(path: Path) -> dict[str, Any]:
         "end": path.end,
         "limit": None if np.isinf(path.limit) else path.limit,
         "certificate": {**asdict(path.certificate), "passed": path.certificate.passed},
+        "not_unique": [{"begin": begin, "end": end, **asdict(one)} for begin, end, one in path.not_unique],
         "events": [
             {"t": stop.t, "support": switch.support, "at": list(switch.at), "change": switch.change}
             for stop in path.events
