@@ -18,6 +18,9 @@ use std::sync::Arc;
 /// elements (k,), in increasing order, inside which the thickness jumps, and at their points the rigidities (k, p, 9):
 /// rows 11, 12, 13, 22, 23, 33 of those in bending and 11, 12, 22 of those in shear. `frames` (n, 2), if given, holds
 /// cos and sin of every node's first rotation direction.
+/// Displacements as the sum of two arrays of doubles.
+type HighAndLow<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
 #[pyclass(frozen, module = "signorini._core")]
 pub struct Plate {
     pub inner: Arc<plate::Plate>,
@@ -204,7 +207,7 @@ impl Plate {
         lo: PyReadonlyArray1<'_, f64>,
         center: [f64; 2],
         motion: [f64; 3],
-    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+    ) -> PyResult<HighAndLow<'py>> {
         let mut out = displacement(&hi, &lo, self.inner.dof_count())?;
         released(py, || out.add_rigid(&self.inner, center, motion))?;
         Ok((PyArray1::from_vec(py, out.hi), PyArray1::from_vec(py, out.lo)))
