@@ -1,11 +1,14 @@
 """Faults planted in right answers, which the certificate has to find; and right answers that it must not refuse."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
-from signorini import Model
+from signorini import Model, solve
+from signorini import path as follow
 from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.problem import contact_problem
@@ -218,3 +221,26 @@ def test_loads_that_cancel_leave_none() -> None:
     """A plate afloat: what rounding leaves of its weight and of the water's pressure must not carry it away."""
     right = answer(MODELS["bearings"], [{"pressure": 0.3}, {"pressure": -0.1}, {"pressure": -0.2}])
     assert not right.load.nodal.any() and not right.reaction.any() and right.judged().passed
+
+
+STIFF_BED = [{"name": "bed", "at": CORNERS, "resists": "both", "stiffness": 1.5e14}]
+"""Each spring gives by less than the rounding of the nodes around it."""
+
+
+def test_forces_of_stiff_springs_between_nodes_are_reported_as_certified() -> None:
+    result = solve(model(STIFF_BED))["all"]
+    assert result.reactions["bed"] == pytest.approx(110.0, rel=1e-10)
+    assert result.supports[0].reactions.sum() == pytest.approx(110.0, rel=1e-10)
+
+
+def test_so_are_those_of_many_combinations(tmp_path: Path) -> None:
+    many = [{"name": f"c{k}", "factors": {"load": 1.0 + k}} for k in range(20)]
+    solve(model(STIFF_BED, combination=many), table=tmp_path / "t.parquet")
+    reactions = pq.read_table(tmp_path / "t.parquet").to_pydict()["reaction:bed"]
+    assert reactions == pytest.approx([110.0 * (1 + k) for k in range(20)], rel=1e-10)
+
+
+def test_so_are_those_of_a_path() -> None:
+    stops = follow(model(STIFF_BED), None, "load", until=1.0)
+    assert stops.at(1.0).reactions["bed"] == pytest.approx(110.0, rel=1e-10)
+    assert stops.stops[-1].reactions == pytest.approx([110.0], rel=1e-10)

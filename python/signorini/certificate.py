@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.discretise.rows import Bools, Floats, Rows
+from signorini.discretise.rows import Bools, Floats
 from signorini.problem import spring_arrays
 
 TOLERANCE = 1e-8
@@ -157,9 +157,7 @@ def certify(
         pressing = _largest(scale, force)
         reacting, away = np.abs(force) / (pressing or 1.0), np.abs(gap) / lengths
         both = np.max([np.minimum(reacting, away), *(np.where(those, away, reacting) for those in closed)], axis=0)
-        springs = found.springs
-        pull = springs.stiffness * _beyond(found, springs.rows, hi, lo, springs.base)
-        against = at_holds + found.spring_rows.T @ pull + found.contact_rows.T @ reaction
+        against = at_holds + found.spring_rows.T @ found.spring_forces(hi, lo) + found.contact_rows.T @ reaction
         out_of_balance, total = _balance(found, load.nodal, against)
         figures = {
             "penetration": _largest(
@@ -223,19 +221,16 @@ def _pushes(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> 
 
     Those that nearly repeat each other push against each other, and their forces are carried as doubles.
     """
-    springs = found.springs
-    pull = springs.stiffness * _beyond(found, springs.rows, hi, lo, springs.base)
-    return np.asarray(abs(found.contact_rows).T @ np.abs(reaction) + abs(found.spring_rows).T @ np.abs(pull))
+    pull = np.abs(found.spring_forces(hi, lo))
+    return np.asarray(abs(found.contact_rows).T @ np.abs(reaction) + abs(found.spring_rows).T @ pull)
 
 
 def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
     contacts = found.contacts
-    return contacts.compliance * reaction - _beyond(found, contacts.rows, hi, lo, contacts.distance)
-
-
-def _beyond(found: Discretisation, rows: Rows, hi: Floats, lo: Floats, start: Floats) -> Floats:
-    """Rows (m, 24) of the displacements less ``start`` (m,), in extended precision."""
-    return -found.plate.openings(rows.elements, rows.coefficients, start, hi, lo)
+    rows = contacts.rows
+    return contacts.compliance * reaction + found.plate.openings(
+        rows.elements, rows.coefficients, contacts.distance, hi, lo
+    )
 
 
 def _balance(found: Discretisation, nodal: Floats, against: Floats) -> tuple[float, float]:

@@ -111,8 +111,7 @@ class Result(Remade):
         if found.held.dofs.any():
             imbalance = found.plate.residual(spring_arrays(found), load.nodal, hi, lo)
             held_force = np.where(found.held.dofs, imbalance - spread, 0.0)
-        springs = found.springs
-        pull = springs.stiffness * (found.spring_rows @ (hi + lo) - springs.base)
+        pull = found.spring_forces(hi, lo)
         nodal_reaction = held_force + spread + found.spring_rows.T @ pull
         supports = tuple(
             support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))

@@ -125,7 +125,7 @@ class _Measured:
         spread = found.contact_rows.T @ reaction
         imbalance = found.plate.residual(springs, load.nodal, hi, lo) - spread
         at_holds = np.where(found.held.dofs, imbalance, 0.0)
-        pull = found.springs.stiffness * (found.spring_rows @ displacement - springs[3])
+        pull = found.spring_forces(hi, lo, springs[3])
         on_plate = at_holds + spread + found.spring_rows.T @ pull
         kept = [every[:, FIELDS.index(name)] for name in self._names]
         if self._names:

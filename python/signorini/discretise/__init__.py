@@ -72,6 +72,16 @@ class Discretisation(Remade):
         """Springs' rows (m, 3n)."""
         return self.springs.rows.matrix(self.mesh.elements, self.dof_count)
 
+    def spring_forces(self, hi: Floats, lo: Floats, base: Floats | None = None) -> Floats:
+        """Upward forces (s,) of springs at displacements (3n,), whose bases (s,) are those of the model unless given.
+
+        Stretches are summed in extended precision: a stiff spring between nodes moves by the rounding of theirs.
+        """
+        springs = self.springs
+        at_rest = springs.base if base is None else base
+        rows = springs.rows
+        return -springs.stiffness * self.plate.openings(rows.elements, rows.coefficients, at_rest, hi, lo)
+
     @cached_property
     def rigid_motions(self) -> Floats:
         """Nodal vectors (3n, 3) of the rigid motions w = 1, w = x − x0, w = y − y0 about the plate's middle."""
