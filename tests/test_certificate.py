@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from signorini import Model, solve
+from signorini import InputError, Model, solve
 from signorini import path as follow
 from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad, Discretisation
@@ -244,3 +244,24 @@ def test_so_are_those_of_a_path() -> None:
     stops = follow(model(STIFF_BED), None, "load", until=1.0)
     assert stops.at(1.0).reactions["bed"] == pytest.approx(110.0, rel=1e-10)
     assert stops.stops[-1].reactions == pytest.approx([110.0], rel=1e-10)
+
+
+@pytest.mark.parametrize("thickness", [1.0, 0.1, 0.01, 0.002])
+@pytest.mark.parametrize("fix", ["edges", "corners"])
+def test_a_mechanism_of_q8r_that_no_support_holds_has_no_answer(thickness: float, fix: str) -> None:
+    # Alone, its factor may have a pivot of rounding, of either sign; the load need not work on the mechanism.
+    corners = [[0, 0], [10, 0], [0, 10], [10, 10]]
+    support = (
+        {"edge": ["left", "right", "top", "bottom"], "fix": "simple"}
+        if fix == "edges"
+        else {"at": corners, "resists": "down"}
+    )
+    plate = Model(
+        material={"E": 30e6, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [10, 10], "thickness": thickness, "element": "q8r"},
+        mesh={"divisions": [1, 1]},
+        support=[support],
+        load=[{"pressure": 1.0}],
+    )
+    with pytest.raises(InputError, match='bends in some shapes without resistance.*"mitc9"'):
+        solve(plate)

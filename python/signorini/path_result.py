@@ -220,7 +220,7 @@ class Path(Remade):
                 certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
         name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
         if not certificate.passed:
-            raise NotCertifiedError(refusal(name, found, answer, certificate))
+            raise NotCertifiedError(refusal(name, found, load, answer, certificate))
         least = chosen(found, self.problem.freedom, load.nodal, answer, lambda: self._beside(t))
         for other in least.in_turn if least is not answer else ():
             judged = certify(found, load, other.hi, other.lo, other.reaction, beside=made_of)

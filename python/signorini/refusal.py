@@ -6,12 +6,15 @@ import numpy as np
 
 from signorini.answer import Answer
 from signorini.certificate import CERTIFIABLE, Certificate, forces_at_nodes
-from signorini.discretise import Discretisation
+from signorini.discretise import CaseLoad, Discretisation
 from signorini.slenderness import of_shape
 
+_PUSHING = 100.0
+"""Sum of reactions, over that of the loads, from which supports push against each other more than they carry."""
 
-def refusal(name: str, found: Discretisation, answer: Answer, certificate: Certificate) -> str:
-    """Say why the answer of a load of that name is refused, and what to do.
+
+def refusal(name: str, found: Discretisation, load: CaseLoad, answer: Answer, certificate: Certificate) -> str:
+    """Say why the answer to a load of that name is refused, and what to do.
 
     Examples
     --------
@@ -29,25 +32,35 @@ def refusal(name: str, found: Discretisation, answer: Answer, certificate: Certi
     >>> found, load = problem.discretisation, problem.discretisation.cases["load"]
     >>> answer = problem.solve(load)
     >>> wrong = certify(found, load, 2 * answer.hi, answer.lo, answer.reaction)
-    >>> print(refusal("all", found, answer, wrong).partition("Double precision ")[2])
+    >>> print(refusal("all", found, load, answer, wrong).partition("Double precision ")[2])
     cannot tell bending of the element at [2000, 0.5], whose sides are 4000 and 1 (4000 to 1) at a thickness of 0.2: \
 bending across it is stiffer by the fourth power of that ratio. Take elements at most 1000 times as long as they are \
 wide: 4 times as many along their longer sides, or fewer across; or calculate a beam.
     """
-    why = of_shape(found) or _of_supports(found, answer)
     vain = ""
+    why = [of_shape(found) or _of_supports(found, load, answer)]
     if certificate.rounding > CERTIFIABLE:
         vain = (
             f" Rounding may be {certificate.rounding:.0e} of the forces that act; over {CERTIFIABLE:g} of them it "
             "certifies nothing."
         )
-    return f'"{name}" is refused, its certificate {certificate}.{vain}{" " if why else ""}{why}'
+        why.append(_of_element(found))
+    return (
+        f'"{name}" is refused, its certificate {certificate}.{vain}{"".join(f" {reason}" for reason in why if reason)}'
+    )
 
 
-def _of_supports(found: Discretisation, answer: Answer) -> str:
-    """Say that supports push against each other, where their forces outweigh those in the plate."""
+def _of_element(found: Discretisation) -> str:
+    if found.model.plate.element != "q8r":
+        return ""
+    return 'Elements of q8r bend in some shapes with hardly any resistance: "mitc9" may do better.'
+
+
+def _of_supports(found: Discretisation, load: CaseLoad, answer: Answer) -> str:
+    """Say that supports push against each other, where that takes much more than the loads."""
     internal, pushes = forces_at_nodes(found, answer.hi, answer.lo, answer.reaction)
-    if not pushes > internal:
+    pressed = np.abs(answer.reaction).sum()
+    if not (pushes > internal or pressed > _PUSHING * np.abs(load.nodal[::3]).sum() > 0.0):
         return ""
     where = found.mesh.points[int(np.abs(found.contact_rows.T @ np.abs(answer.reaction)).argmax()) // 3]
     return (

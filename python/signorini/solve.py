@@ -276,7 +276,8 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
         )
         raise NotCertifiedError(f'Combination "{combination.name}" has no answer that could be certified. {why}')
     if not tried.certificate.passed:
-        raise NotCertifiedError("Combination " + refusal(combination.name, found, tried.answer, tried.certificate))
+        why = refusal(combination.name, found, load, tried.answer, tried.certificate)
+        raise NotCertifiedError(f"Combination {why}")
     return Result.of(found, combination.name, tried.methods, load, tried.answer, tried.certificate), spent
 
 
