@@ -263,5 +263,5 @@ def test_a_mechanism_of_q8r_that_no_support_holds_has_no_answer(thickness: float
         support=[support],
         load=[{"pressure": 1.0}],
     )
-    with pytest.raises(InputError, match='bends in some shapes without resistance.*"mitc9"'):
+    with pytest.raises(InputError, match=r'bends in some shapes without resistance.*"mitc9"'):
         solve(plate)
