@@ -4,7 +4,7 @@ use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::perm::Perm;
 use faer::{Conj, Mat, MatMut, Par};
 
-use super::ratio_test::PIVOT_TOLERANCE;
+use super::tolerances;
 
 /// From this order on dense operations are worth all of rayon's threads.
 pub(super) const PARALLEL_ORDER: usize = 400;
@@ -31,7 +31,7 @@ impl Factors {
         let mut memory = MemBuffer::new(scratch);
         let stack = MemStack::new(&mut memory);
         factor::lu_in_place(lu.as_mut(), &mut forward, &mut backward, parallelism, stack, Default::default());
-        let regular = (0..order).all(|i| lu[(i, i)].abs() > PIVOT_TOLERANCE);
+        let regular = (0..order).all(|i| lu[(i, i)].abs() > tolerances::PIVOT);
         let permutation = Perm::new_checked(forward.into(), backward.into(), order);
         regular.then_some(Self { lu, permutation, parallelism })
     }

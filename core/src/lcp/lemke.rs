@@ -1,8 +1,9 @@
 //! Lemke's algorithm with the lexicographic ratio test.
 use super::problem::{Lcp, LcpError, LcpSolution, LcpStatus};
-use super::ratio_test::{first_row, leaving_row};
+use super::ratio_test::{Singular, choose, first_row};
 use super::scaling::{CoveredLcp, Scaling};
 use super::tableau::Tableau;
+use super::tolerances;
 
 /// What may be chosen.
 #[derive(Clone, Copy, Debug, Default)]
@@ -68,9 +69,6 @@ pub fn lemke_from(lcp: &Lcp, options: &LemkeOptions, basis: &[bool]) -> Result<L
 /// How often the path may be taken up again at the basis of a cold start whose freshly solved values are infeasible.
 const RESTARTS: usize = 4;
 
-/// The relative tolerance at which a ray of a warm start counts as a proof.
-const PROOF_TOLERANCE: f64 = 1e-10;
-
 fn solve(lcp: &Lcp, options: &LemkeOptions, warm: Option<&[bool]>) -> Result<LcpSolution, LcpError> {
     if let Some(covering) = options.covering {
         check_covering(lcp, covering)?;
@@ -120,7 +118,7 @@ fn solve(lcp: &Lcp, options: &LemkeOptions, warm: Option<&[bool]>) -> Result<Lcp
                 scaling.unscale_z(&mut ray);
                 let largest = ray.iter().fold(0.0_f64, |a, x| a.max(*x));
                 ray.iter_mut().for_each(|x| *x /= largest);
-                if cold || lcp.infeasibility(&ray)?.holds(PROOF_TOLERANCE) {
+                if cold || lcp.infeasibility(&ray)?.holds(tolerances::PROOF) {
                     return Ok(unsolved(lcp.order(), LcpStatus::Ray, pivots, Some(ray)));
                 }
             }
@@ -158,9 +156,6 @@ struct Path {
     pivots: usize,
 }
 
-/// Exchanges a tableau must be old for a doubtful pivot to be worth recomputing it.
-const RECOMPUTE_AGE: usize = 16;
-
 /// Follows the almost complementary path from the slacks' basis.
 fn follow_path(problem: &CoveredLcp, limit: usize) -> Path {
     let order = problem.order();
@@ -177,28 +172,13 @@ fn follow_path(problem: &CoveredLcp, limit: usize) -> Path {
     for pivots in 1..=limit {
         let left = tableau.exchange(row, entering);
         if left == tableau.artificial() {
-            let exchanged = (0..order).map(|i| !tableau.is_basic(i)).collect();
-            return Path { end: End::Complementary(exchanged), pivots };
+            return Path { end: End::Complementary(tableau.complementary_basis()), pivots };
         }
         entering = tableau.complement(left);
-        row = loop {
-            tableau.choose(entering);
-            let leaving = leaving_row(&tableau, &mut tied);
-            let trusted_age = match &leaving {
-                Some(leaving) if leaving.doubtful => RECOMPUTE_AGE,
-                Some(_) => usize::MAX,
-                None => 1,
-            };
-            if tableau.age < trusted_age {
-                match leaving {
-                    Some(leaving) => break leaving.row,
-                    None => return Path { end: End::Ray(tableau.direction(entering)), pivots },
-                }
-            }
-            match tableau.recomputed(problem) {
-                Some(fresh) => tableau = fresh,
-                None => return Path { end: End::Stopped, pivots },
-            }
+        row = match choose(&mut tableau, problem, entering, &mut tied) {
+            Ok(Some(row)) => row,
+            Ok(None) => return Path { end: End::Ray(tableau.direction(entering)), pivots },
+            Err(Singular) => return Path { end: End::Stopped, pivots },
         };
     }
     Path { end: End::Stopped, pivots: limit }

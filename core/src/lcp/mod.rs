@@ -12,6 +12,7 @@
 //! | `factors` | LU factors of a block, which know when it is singular |
 //! | `tableau` | the condensed tableau and its delayed updates |
 //! | `kernels` | inner loops, compiled for the widest registers the machine turns out to have |
+//! | `tolerances` | every tolerance, and what it is relative to |
 //! | `ratio_test` | which variable leaves: the lexicographic rule and its tolerances |
 
 mod factors;
@@ -23,6 +24,7 @@ mod problem;
 mod ratio_test;
 mod scaling;
 mod tableau;
+mod tolerances;
 
 pub use lemke::{LemkeOptions, default_max_pivots, lemke, lemke_from};
 pub use parametric::{ParametricEnd, ParametricPath, ParametricSegment, parametric};

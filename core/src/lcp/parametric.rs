@@ -1,8 +1,9 @@
 //! Parametric linear complementarity: every basis that solves w = Mz + q + t d as t grows from zero.
 use super::problem::{Lcp, LcpError};
-use super::ratio_test::{PIVOT_TOLERANCE, leaving_row};
+use super::ratio_test::choose;
 use super::scaling::{CoveredLcp, Scaling};
 use super::tableau::Tableau;
+use super::tolerances;
 
 /// How a parametric path ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,12 +34,6 @@ pub struct ParametricPath {
     pub end: ParametricEnd,
     pub pivots: usize,
 }
-
-/// Steps of t, relative to the larger of 1 (with q and d scaled to about 1) and t, that are none: one event.
-const SAME: f64 = 1e-10;
-
-/// Exchanges a tableau must be old for the end of a path, or a doubtful pivot, to be worth recomputing it.
-const RECOMPUTE_AGE: usize = 16;
 
 /// Follows w = Mz + q + t d, w ≥ 0, z ≥ 0, zᵀw = 0, from t = 0, where `basis` (true where z_i is basic) solves it, to `end`.
 ///
@@ -99,28 +94,15 @@ fn follow(mut problem: CoveredLcp, origin: &[bool], unit: f64, end: f64, path: &
     let mut from = 0.0;
     let mut tied = Vec::new();
     loop {
-        let leaving = loop {
-            tableau.choose(entering);
-            let leaving = leaving_row(&tableau, &mut tied);
-            let trusted_age = match &leaving {
-                Some(leaving) if leaving.doubtful => RECOMPUTE_AGE,
-                Some(_) => usize::MAX,
-                None => 1,
-            };
-            if tableau.age < trusted_age {
-                break leaving;
-            }
-            match tableau.recomputed(&problem) {
-                Some(fresh) => tableau = fresh,
-                None => return path.end = ParametricEnd::Stopped,
-            }
+        let Ok(leaving) = choose(&mut tableau, &problem, entering, &mut tied) else {
+            return path.end = ParametricEnd::Stopped;
         };
         // The basis between here and the next event: the entering variable is in it, t is not.
         let basic = |i: usize| tableau.is_basic(order + i) || entering == order + i;
         let basis: Vec<bool> = (0..order).map(|i| origin[i] != basic(i)).collect();
         let Some(leaving) = leaving else {
             let grows = match tableau.row_of(parameter) {
-                Some(row) => tableau.column[row] > PIVOT_TOLERANCE * largest(&tableau.column),
+                Some(row) => tableau.column[row] > tolerances::PIVOT * largest(&tableau.column),
                 None => true,
             };
             path.end = if grows { ParametricEnd::Reached } else { ParametricEnd::Infeasible };
@@ -132,13 +114,13 @@ fn follow(mut problem: CoveredLcp, origin: &[bool], unit: f64, end: f64, path: &
         if path.pivots == limit {
             return path.end = ParametricEnd::Stopped;
         }
-        let left = tableau.exchange(leaving.row, entering);
+        let left = tableau.exchange(leaving, entering);
         path.pivots += 1;
         let Some(row) = tableau.row_of(parameter) else {
             return path.end = ParametricEnd::Stopped;
         };
         let to = tableau.values[row];
-        let least = SAME * to.abs().max(1.0);
+        let least = tolerances::SAME_EVENT * to.abs().max(1.0);
         if to < from - least {
             return path.end = ParametricEnd::Stopped;
         }

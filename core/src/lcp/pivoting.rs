@@ -5,12 +5,8 @@ use super::factors::Factors;
 use super::kernels::vectorized;
 use super::scaling::CoveredLcp;
 use super::tableau::Tableau;
+use super::tolerances;
 use crate::double_double::DoubleDouble;
-
-/// A basis is infeasible if one of its variables is below minus this, relative to the largest z for a z, and for w_i to
-/// |q_i| + Σ_j |M_ij z_j| + √(|M_ii| Σ_j |q_j z_j|), whose root bounds |(Mz)_i| for a semidefinite M. What is above, but
-/// negative, is rounding and becomes zero.
-const FEASIBILITY_TOLERANCE: f64 = 1e-11;
 
 impl CoveredLcp<'_> {
     /// The problem as it reads with z_i and w_i exchanged wherever `basis` is true, with covering vector e; None if the
@@ -48,7 +44,7 @@ impl CoveredLcp<'_> {
         let mut z = vec![0.0; order];
         basic.iter().zip(&solution).for_each(|(&i, x)| z[i] = *x);
         let largest = z.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-        if !largest.is_finite() || z.iter().any(|&x| x < -FEASIBILITY_TOLERANCE * largest || x.is_nan()) {
+        if !largest.is_finite() || z.iter().any(|&x| x < -tolerances::FEASIBILITY * largest || x.is_nan()) {
             return None;
         }
         z.iter_mut().for_each(|x| *x = x.max(0.0));
@@ -66,7 +62,7 @@ impl CoveredLcp<'_> {
             }
             let slack = self.q[i] + product * self.units[i];
             let size = self.q[i].abs() + size * self.units[i] + (self.entry(i, i).abs() * work).sqrt();
-            if slack < -FEASIBILITY_TOLERANCE * size || slack.is_nan() {
+            if slack < -tolerances::FEASIBILITY * size || slack.is_nan() {
                 return None;
             }
             w[i] = slack.max(0.0);

@@ -4,32 +4,23 @@
 //! falls at every pivot and no basis returns. The coefficients of ε, ε², … in the basic variables are the columns of
 //! the initial basis: minus the tableau's column where slack j is nonbasic, a unit vector where it is basic.
 use super::kernels::{LANES, largest_size, vectorized};
+use super::scaling::CoveredLcp;
 use super::tableau::Tableau;
-
-/// A pivot must exceed this times the larger of 1 and its column's largest entry (the problem is scaled to entries of
-/// about 1): below it an entry counts as zero.
-pub(super) const PIVOT_TOLERANCE: f64 = 1e-11;
-
-/// A pivot this small relative to its column is recomputed from the problem itself before it is used.
-const DOUBT: f64 = 1e-8;
-
-/// Two ratios are equal if, at the smaller, the other's basic variable is within this of zero, relative to the larger
-/// of 1 and the variable's value before the step.
-const TIE_TOLERANCE: f64 = 1e-10;
+use super::tolerances;
 
 /// The row of the first pivot, where the artificial variable enters: the lexicographic minimum of (q_i, e_i) / d_i,
 /// which is the last of the rows at which q_i / d_i is least.
 pub(super) fn first_row(values: &[f64], covering: &[f64]) -> usize {
     let ratios = || values.iter().zip(covering).map(|(q, d)| q / d);
     let least = ratios().fold(f64::INFINITY, f64::min);
-    let tied = values.iter().zip(covering).rposition(|(q, d)| q - least * d <= TIE_TOLERANCE * q.abs().max(1.0));
+    let tied = values.iter().zip(covering).rposition(|(q, d)| q - least * d <= tolerances::TIE * q.abs().max(1.0));
     tied.unwrap_or(0)
 }
 
 /// A leaving row and whether its pivot is small enough to be doubted.
-pub(super) struct Leaving {
-    pub(super) row: usize,
-    pub(super) doubtful: bool,
+struct Leaving {
+    row: usize,
+    doubtful: bool,
 }
 
 /// The row that leaves when the variable of `column` grows from zero; None if nothing stops it.
@@ -37,13 +28,13 @@ pub(super) struct Leaving {
 /// The artificial variable leaves whenever it can: the basis is then complementary, which is all that is asked.
 ///
 /// `tied` is room to work in.
-pub(super) fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
+fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
     let (values, column) = (&tableau.values, &tableau.column);
     let largest = vectorized(
         #[inline(always)]
         || {
             let largest = largest_size(column).max(1.0);
-            let least = -PIVOT_TOLERANCE * largest;
+            let least = -tolerances::PIVOT * largest;
             let step = least_ratio(values, column, least);
             find_tied(values, column, least, step, tied);
             largest
@@ -53,7 +44,36 @@ pub(super) fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Le
         Some(&i) => i,
         None => lexicographic_minimum(tableau, tied)?,
     };
-    Some(Leaving { row, doubtful: -column[row] < DOUBT * largest })
+    Some(Leaving { row, doubtful: -column[row] < tolerances::DOUBTFUL_PIVOT * largest })
+}
+
+/// Exchanges a tableau must be old for the end of a path, or a doubtful pivot, to be worth recomputing it.
+const RECOMPUTE_AGE: usize = 16;
+
+/// A basis that rounding made singular.
+pub(super) struct Singular;
+
+/// Chooses the variable that enters and the row that leaves; None if nothing stops it. A pivot that is small, or the end
+/// of a path, is believed only of a tableau computed lately.
+pub(super) fn choose(
+    tableau: &mut Tableau,
+    problem: &CoveredLcp,
+    entering: usize,
+    tied: &mut Vec<usize>,
+) -> Result<Option<usize>, Singular> {
+    loop {
+        tableau.choose(entering);
+        let leaving = leaving_row(tableau, tied);
+        let trusted_age = match &leaving {
+            Some(leaving) if leaving.doubtful => RECOMPUTE_AGE,
+            Some(_) => usize::MAX,
+            None => 1,
+        };
+        if tableau.age < trusted_age {
+            return Ok(leaving.map(|leaving| leaving.row));
+        }
+        *tableau = tableau.recomputed(problem).ok_or(Singular)?;
+    }
 }
 
 fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usize> {
@@ -67,7 +87,7 @@ fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usi
             None => {
                 let ratios: Vec<f64> = tied.iter().map(|&i| tableau.entry(i, slack) / column[i]).collect();
                 let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
-                let bound = least + TIE_TOLERANCE * least.abs().max(1.0);
+                let bound = least + tolerances::TIE * least.abs().max(1.0);
                 let mut ratio = ratios.iter();
                 tied.retain(|_| ratio.next().is_some_and(|r| *r <= bound));
             }
@@ -95,7 +115,7 @@ fn least_ratio(values: &[f64], column: &[f64], least: f64) -> f64 {
 fn find_tied(values: &[f64], column: &[f64], least: f64, step: f64, tied: &mut Vec<usize>) {
     let reaches = |value: f64, a: f64| {
         let size = if value.abs() > 1.0 { value.abs() } else { 1.0 };
-        (a < least) & (value + step * a <= TIE_TOLERANCE * size)
+        (a < least) & (value + step * a <= tolerances::TIE * size)
     };
     tied.clear();
     for (chunk, (values, column)) in values.chunks_exact(LANES).zip(column.chunks_exact(LANES)).enumerate() {

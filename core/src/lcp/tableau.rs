@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use super::factors::{Factors, PARALLEL_ORDER, parallelism};
 use super::kernels::{LANES, subtract_multiples};
-use super::ratio_test::PIVOT_TOLERANCE;
 use super::scaling::CoveredLcp;
+use super::tolerances;
 
 /// Rank-one terms that are collected before the base is touched.
 const BLOCK: usize = 32;
@@ -171,7 +171,7 @@ impl Tableau {
 
     /// The direction of all variables but the artificial one as `entering`, the variable of `column`, grows.
     pub(super) fn direction(&self, entering: usize) -> Vec<f64> {
-        let least = PIVOT_TOLERANCE * self.column.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
+        let least = tolerances::PIVOT * self.column.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
         let mut direction = vec![0.0; 2 * self.order + 1];
         direction[entering] = 1.0;
         for (&variable, &a) in self.row_variable.iter().zip(&self.column) {
@@ -248,6 +248,11 @@ impl Tableau {
             self.swap_variables(r, s);
         }
         true
+    }
+
+    /// True where slack and complement have changed places.
+    pub(super) fn complementary_basis(&self) -> Vec<bool> {
+        (0..self.order).map(|slack| !self.is_basic(slack)).collect()
     }
 
     /// T without the artificial variable's column, row-major, that column, and the values; meant for a tableau with no
