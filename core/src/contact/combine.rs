@@ -4,14 +4,14 @@
 //! solves the equations of the contact state found with the refined responses. Each is computed from its factors alone,
 //! so that neither order nor number of threads changes a bit.
 
-use super::condense::{Drive, Form, PosedLcp};
+mod on_set;
+
+use super::condense::{Drive, Form, FreeMotions, PosedLcp};
 use super::problem::ContactProblem;
 use super::responses::Response;
 use super::solve::{ROUNDING, SIGN};
-use crate::double_double::DoubleDouble;
-use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke_from};
-use faer::Mat;
-use faer::linalg::solvers::Solve;
+use crate::lcp::{Lcp, LcpFamily, LcpStatus, LemkeOptions, lemke};
+use on_set::OnSet;
 use rayon::prelude::*;
 
 /// How a combination ended.
@@ -36,25 +36,26 @@ pub struct Combined {
     pub pivots: usize,
 }
 
-/// What the combinations of some load cases share. Rows are contact points, columns cases or points.
+/// What the combinations of some load cases share.
 pub struct CombinedCases {
     form: Form,
-    /// The LCP of the plate at rest, before its free motions are imposed, and the part of q of each case.
+    /// The LCP of the plate at rest, q before its free motions are imposed, and the part of q of each case.
     lcp: PosedLcp,
+    motions: FreeMotions,
     q: Vec<Vec<f64>>,
+    /// Nothing if there is no basis to begin with.
+    family: Option<LcpFamily>,
+    on_set: OnSet,
     distance: Vec<f64>,
     rest: Response,
     cases: Vec<Response>,
-    moved: Mat<f64>,
-    reaction: Mat<f64>,
-    start: Vec<bool>,
 }
 
 impl ContactProblem {
     /// Condenses load cases, given as their responses, for [`ContactProblem::combine`].
     ///
-    /// The displacements of the responses are not read. The basis from which every LCP starts is that of all cases at
-    /// factor 1.
+    /// The displacements of the responses are not read. Every LCP starts from the basis, and every contact set from the
+    /// factor, of all cases at factor 1, or of no contact if these have no equilibrium.
     pub fn combined_cases(&self, rest: Response, cases: Vec<Response>, points: &[Response]) -> CombinedCases {
         let count = self.constraints.rows.len();
         let form = self.base.condensed.better_form();
@@ -64,18 +65,18 @@ impl ContactProblem {
             let sum = Sum { moved: response.moved.clone(), reaction: response.reaction.clone(), ..Sum::default() };
             self.base.condensed.posed(form, &sum.drive(form, remaining), &still)
         };
-        let lcp = pose(&rest, &distance);
+        let mut lcp = pose(&rest, &distance);
         let q = cases.iter().map(|case| pose(case, &still).q).collect();
-        let column = |of: fn(&Response) -> &[f64]| Mat::from_fn(count, points.len(), |i, j| of(&points[j])[i]);
-        let moved = column(|point| &point.moved);
-        let reaction = column(|point| &point.reaction);
-        let mut shared = CombinedCases { form, lcp, q, distance, rest, cases, moved, reaction, start: Vec::new() };
-        let slacks = vec![false; shared.lcp.q.len()];
-        let all = vec![1.0; shared.cases.len()];
-        let (_, posed) = self.pose_combination(&shared, &all);
-        let found =
-            Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| lemke_from(&lcp, &LemkeOptions::default(), &slacks));
-        shared.start = found.map_or(slacks, |solution| solution.basis);
+        let motions = self.base.condensed.impose_motions(&mut lcp);
+        let on_set = OnSet::new(&self.base.condensed, form, points);
+        let mut shared = CombinedCases { form, lcp, motions, q, family: None, on_set, distance, rest, cases };
+        let (_, q) = shared.pose(&vec![1.0; shared.cases.len()]);
+        let posed = Lcp::new(&shared.lcp.matrix, &q).ok();
+        let found = posed.and_then(|lcp| Some((lcp, lemke(&lcp, &LemkeOptions::default()).ok()?)));
+        if let Some((lcp, all)) = found {
+            shared.family = LcpFamily::new(&lcp, &all.basis).ok().flatten();
+            shared.on_set.begin_with(self.base.condensed.closed_points(&shared.lcp, &all.basis));
+        }
         shared
     }
 
@@ -84,19 +85,8 @@ impl ContactProblem {
         factors.par_iter().with_min_len(16).map(|row| self.combine_one(shared, row)).collect()
     }
 
-    fn pose_combination(&self, shared: &CombinedCases, factors: &[f64]) -> (Sum, PosedLcp) {
-        let sum = shared.sum(factors);
-        let mut q = shared.lcp.q.clone();
-        for (part, &factor) in shared.q.iter().zip(factors).filter(|(_, factor)| **factor != 0.0) {
-            q.iter_mut().zip(part).for_each(|(total, value)| *total += factor * value);
-        }
-        let drive = sum.drive(shared.form, &shared.distance);
-        let posed = self.base.condensed.balanced(PosedLcp { q, ..shared.lcp.clone() }, &drive);
-        (sum, posed)
-    }
-
     fn combine_one(&self, shared: &CombinedCases, factors: &[f64]) -> Combined {
-        let (sum, posed) = self.pose_combination(shared, factors);
+        let (sum, q) = shared.pose(factors);
         let count = sum.moved.len();
         let mut pivots = 0;
         let mut basis = Vec::new();
@@ -108,10 +98,10 @@ impl ContactProblem {
             closed: vec![false; count],
             pivots,
         };
-        if !posed.q.is_empty() {
-            let found = Lcp::new(&posed.matrix, &posed.q)
-                .and_then(|lcp| lemke_from(&lcp, &LemkeOptions::default(), &shared.start));
-            let Ok(found) = found else { return ended(Verdict::Doubtful, 0) };
+        if !q.is_empty() {
+            let Some(Ok(found)) = shared.family.as_ref().map(|family| family.solve(&q)) else {
+                return ended(Verdict::Doubtful, 0);
+            };
             pivots = found.pivots;
             match found.status {
                 LcpStatus::Solved => basis = found.basis,
@@ -119,12 +109,12 @@ impl ContactProblem {
                 LcpStatus::PivotLimit => return ended(Verdict::Doubtful, pivots),
             }
         }
-        let closed = self.base.condensed.closed_points(&posed, &basis);
+        let closed = self.base.condensed.closed_points(&shared.lcp, &basis);
         let travel = match shared.form {
             Form::Dual => sum.moved.iter().fold(0.0, |a: f64, b| a.max(b.abs())),
             Form::Stiffness => 0.0,
         };
-        match self.state_of_sum(shared, &sum, &closed) {
+        match shared.on_set.solve(&closed, &shared.distance, &sum.moved, &sum.reaction) {
             Some((factor, reaction, gap)) => {
                 let settled = self.certain(&reaction, &gap, travel);
                 let verdict = if settled { Verdict::Solved } else { Verdict::Doubtful };
@@ -132,70 +122,6 @@ impl ContactProblem {
             }
             None => ended(Verdict::Doubtful, pivots),
         }
-    }
-
-    /// Factors of the points' responses, reactions and gaps in one contact state; `None` if its equations are singular.
-    ///
-    /// Closed points have y − C·reaction = distance, open ones reaction = 0.
-    fn state_of_sum(
-        &self,
-        shared: &CombinedCases,
-        sum: &Sum,
-        closed: &[bool],
-    ) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
-        let count = closed.len();
-        let (compliance, carried) = (&self.base.condensed.compliance, &self.base.condensed.regularization);
-        let (y, r) = (&shared.moved, &shared.reaction);
-        let right = |i: usize| {
-            if closed[i] {
-                shared.distance[i] - sum.moved[i] + compliance[i] * sum.reaction[i]
-            } else {
-                -sum.reaction[i]
-            }
-        };
-        let entry = |i: usize, j: usize| if closed[i] { y[(i, j)] - compliance[i] * r[(i, j)] } else { r[(i, j)] };
-        // Equations in which one factor stands alone.
-        let alone = |i: usize| match (shared.form, closed[i]) {
-            (Form::Stiffness, true) => (compliance[i] == 0.0).then_some(1.0),
-            (Form::Stiffness, false) => None,
-            (Form::Dual, true) => self.base.condensed.absorbed(i).then_some(compliance[i]),
-            (Form::Dual, false) => (carried[i] == 0.0).then_some(-1.0),
-        };
-        let mut x = vec![0.0; count];
-        let mut unknown = Vec::new();
-        for i in 0..count {
-            match alone(i) {
-                Some(lever) => x[i] = right(i) / lever,
-                None => unknown.push(i),
-            }
-        }
-        if !unknown.is_empty() {
-            let size = unknown.len();
-            let matrix = Mat::from_fn(size, size, |p, q| entry(unknown[p], unknown[q]));
-            let factors = matrix.partial_piv_lu();
-            if (0..size).any(|p| factors.U()[(p, p)] == 0.0 || !factors.U()[(p, p)].is_finite()) {
-                return None;
-            }
-            // The second pass corrects the first by what it leaves, summed in double-double.
-            for _ in 0..2 {
-                let mut left = Mat::from_fn(size, 1, |p, _| {
-                    let mut rest = DoubleDouble::from(right(unknown[p]));
-                    (0..count).for_each(|j| rest.add_product(-entry(unknown[p], j), x[j]));
-                    rest.value()
-                });
-                factors.solve_in_place(left.as_mut());
-                unknown.iter().enumerate().for_each(|(p, &i)| x[i] += left[(p, 0)]);
-            }
-        }
-        let total = |of: &Mat<f64>, own: f64, i: usize| {
-            let mut sum = DoubleDouble::from(own);
-            (0..count).for_each(|j| sum.add_product(of[(i, j)], x[j]));
-            sum.value()
-        };
-        let reaction = (0..count).map(|i| if closed[i] { total(r, sum.reaction[i], i) } else { 0.0 }).collect();
-        let gap =
-            (0..count).map(|i| if closed[i] { 0.0 } else { shared.distance[i] - total(y, sum.moved[i], i) }).collect();
-        Some((x, reaction, gap))
     }
 
     /// Whether every reaction pushes and every gap is open, beyond rounding.
@@ -234,6 +160,17 @@ impl Sum {
 }
 
 impl CombinedCases {
+    /// The cases of a combination together, and the q of its LCP.
+    fn pose(&self, factors: &[f64]) -> (Sum, Vec<f64>) {
+        let sum = self.sum(factors);
+        let mut q = self.lcp.q.clone();
+        for (part, &factor) in self.q.iter().zip(factors).filter(|(_, factor)| **factor != 0.0) {
+            q.iter_mut().zip(part).for_each(|(total, value)| *total += factor * value);
+        }
+        self.motions.balance(&mut q, &sum.drive(self.form, &self.distance));
+        (sum, q)
+    }
+
     fn sum(&self, factors: &[f64]) -> Sum {
         let of = |part: fn(&Response) -> &[f64], size: fn(f64) -> f64| {
             let mut total = part(&self.rest).to_vec();

@@ -19,6 +19,8 @@ mod flexibility;
 mod rigid;
 mod stiffness;
 
+pub(super) use rigid::FreeMotions;
+
 use faer::Mat;
 use faer::linalg::solvers::{Llt, PartialPivLu};
 use std::sync::OnceLock;

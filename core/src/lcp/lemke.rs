@@ -112,12 +112,7 @@ fn solve(lcp: &Lcp, options: &LemkeOptions, warm: Option<&[bool]>) -> Result<Lcp
                 start = Some(basis).filter(|_| !cold_start_left);
             }
             End::Ray(direction) => {
-                let (slack, complement) = direction.split_at(lcp.order());
-                let mut ray: Vec<f64> =
-                    (0..lcp.order()).map(|i| if origin[i] { slack[i] } else { complement[i] }).collect();
-                scaling.unscale_z(&mut ray);
-                let largest = ray.iter().fold(0.0_f64, |a, x| a.max(*x));
-                ray.iter_mut().for_each(|x| *x /= largest);
+                let ray = scaling.unscaled_ray(origin, &direction);
                 if cold || lcp.infeasibility(&ray)?.holds(tolerances::PROOF) {
                     return Ok(unsolved(lcp.order(), LcpStatus::Ray, pivots, Some(ray)));
                 }
@@ -142,7 +137,7 @@ fn check_covering(lcp: &Lcp, covering: &[f64]) -> Result<(), LcpError> {
 }
 
 /// Where a path ends.
-enum End {
+pub(super) enum End {
     /// At a complementary basis: true where slack and complement have changed places.
     Complementary(Vec<bool>),
     /// On a ray, with the direction of the slacks, then of their complements.
@@ -151,13 +146,13 @@ enum End {
     Stopped,
 }
 
-struct Path {
-    end: End,
-    pivots: usize,
+pub(super) struct Path {
+    pub(super) end: End,
+    pub(super) pivots: usize,
 }
 
 /// Follows the almost complementary path from the slacks' basis.
-fn follow_path(problem: &CoveredLcp, limit: usize) -> Path {
+pub(super) fn follow_path(problem: &CoveredLcp, limit: usize) -> Path {
     let order = problem.order();
     if problem.q.iter().all(|&q| q >= 0.0) {
         return Path { end: End::Complementary(vec![false; order]), pivots: 0 };

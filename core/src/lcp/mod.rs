@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `problem` | the problem, its solution, its statuses, and what judges a solution without the solver's help |
 //! | `lemke` | Lemke's algorithm, cold or from a given complementary basis |
+//! | `family` | many problems with one M |
 //! | `parametric` | every basis of w = Mz + q + t d as t grows |
 //! | `scaling` | the powers of two that make tolerances relative |
 //! | `pivoting` | principal pivotal transforms and the freshly solved basic solution |
@@ -16,6 +17,7 @@
 //! | `ratio_test` | which variable leaves: the lexicographic rule and its tolerances |
 
 mod factors;
+mod family;
 mod kernels;
 mod lemke;
 mod parametric;
@@ -26,6 +28,7 @@ mod scaling;
 mod tableau;
 mod tolerances;
 
+pub use family::{LcpBasis, LcpFamily};
 pub use lemke::{LemkeOptions, default_max_pivots, lemke, lemke_from};
 pub use parametric::{ParametricEnd, ParametricPath, ParametricSegment, parametric};
 pub use problem::{InfeasibilityProof, Lcp, LcpError, LcpSolution, LcpStatus, Residuals};

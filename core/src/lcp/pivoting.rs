@@ -27,47 +27,11 @@ impl CoveredLcp<'_> {
         Some(CoveredLcp { matrix: matrix.into(), units: vec![1.0; self.order()].into(), q, covering })
     }
 
-    /// z and w at a complementary basis, from an LU factorization and a step of iterative refinement whose residual is
-    /// summed in double-double; None if the basis is singular or infeasible.
+    /// z and w at a complementary basis; None if it is singular or infeasible. What is negative by rounding becomes zero.
     pub(super) fn basic_solution(&self, basis: &[bool]) -> Option<(Vec<f64>, Vec<f64>)> {
-        let order = self.order();
-        let basic = indices(basis);
-        let count = basic.len();
-        let block = self.principal_block(&basic);
-        let factors = Factors::of(&block)?;
-        let right: Vec<f64> = basic.iter().map(|&i| -self.q[i]).collect();
-        let mut solution = right.clone();
-        factors.solve_in_place(MatMut::from_column_major_slice_mut(&mut solution, count, 1));
-        let mut correction = residual(&block, &solution, &right);
-        factors.solve_in_place(MatMut::from_column_major_slice_mut(&mut correction, count, 1));
-        solution.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
-        let mut z = vec![0.0; order];
-        basic.iter().zip(&solution).for_each(|(&i, x)| z[i] = *x);
-        let largest = z.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-        if !largest.is_finite() || z.iter().any(|&x| x < -tolerances::FEASIBILITY * largest || x.is_nan()) {
-            return None;
-        }
-        z.iter_mut().for_each(|x| *x = x.max(0.0));
-
-        let work: f64 = basic.iter().map(|&j| self.q[j].abs() * z[j]).sum();
-        let scaled: Vec<f64> = basic.iter().map(|&j| z[j] * self.units[j]).collect();
-        let mut w = vec![0.0; order];
-        for i in (0..order).filter(|&i| !basis[i]) {
-            let row = &self.matrix[i * order..(i + 1) * order];
-            let (mut product, mut size) = (0.0, 0.0);
-            for (&j, x) in basic.iter().zip(&scaled) {
-                let term = row[j] * x;
-                product += term;
-                size += term.abs();
-            }
-            let slack = self.q[i] + product * self.units[i];
-            let size = self.q[i].abs() + size * self.units[i] + (self.entry(i, i).abs() * work).sqrt();
-            if slack < -tolerances::FEASIBILITY * size || slack.is_nan() {
-                return None;
-            }
-            w[i] = slack.max(0.0);
-        }
-        Some((z, w))
+        let BasicValues { mut z, mut w, feasible } = Basis::of(self, basis)?.values(self)?;
+        z.iter_mut().chain(&mut w).for_each(|x| *x = x.max(0.0));
+        feasible.then_some((z, w))
     }
 
     /// M′_αα for the indices α; by eight rows at a time, because M lies by rows and the block by columns.
@@ -87,6 +51,70 @@ impl CoveredLcp<'_> {
     }
 }
 
+/// The basic columns of a complementary basis, factored.
+pub(super) struct Basis {
+    basis: Vec<bool>,
+    basic: Vec<usize>,
+    block: Mat<f64>,
+    factors: Factors,
+}
+
+/// z and w at a complementary basis, signs as they come.
+pub(super) struct BasicValues {
+    pub(super) z: Vec<f64>,
+    pub(super) w: Vec<f64>,
+    /// Whether no sign is wrong by more than rounding.
+    pub(super) feasible: bool,
+}
+
+impl Basis {
+    /// None if it is singular.
+    pub(super) fn of(problem: &CoveredLcp, basis: &[bool]) -> Option<Self> {
+        let basic = indices(basis);
+        let block = problem.principal_block(&basic);
+        let factors = Factors::of(&block)?;
+        Some(Self { basis: basis.to_vec(), basic, block, factors })
+    }
+
+    /// z and w, after a step of iterative refinement whose residual is summed in double-double; None beyond f64.
+    pub(super) fn values(&self, problem: &CoveredLcp) -> Option<BasicValues> {
+        let (order, basic) = (problem.order(), &self.basic);
+        let solve = |vector: &mut [f64]| {
+            self.factors.solve_in_place(MatMut::from_column_major_slice_mut(vector, basic.len(), 1));
+        };
+        let right: Vec<f64> = basic.iter().map(|&i| -problem.q[i]).collect();
+        let mut solution = right.clone();
+        solve(&mut solution);
+        let mut correction = residual(&self.block, &solution, &right);
+        solve(&mut correction);
+        solution.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
+        if solution.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let largest = solution.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+        let mut feasible = solution.iter().all(|&x| x >= -tolerances::FEASIBILITY * largest);
+        let mut z = vec![0.0; order];
+        basic.iter().zip(&solution).for_each(|(&i, x)| z[i] = *x);
+
+        let work: f64 = basic.iter().map(|&j| (problem.q[j] * z[j]).abs()).sum();
+        let scaled: Vec<f64> = basic.iter().map(|&j| z[j] * problem.units[j]).collect();
+        let mut w = vec![0.0; order];
+        for i in (0..order).filter(|&i| !self.basis[i]) {
+            let row = &problem.matrix[i * order..(i + 1) * order];
+            let (mut product, mut size) = (0.0, 0.0);
+            for (&j, x) in basic.iter().zip(&scaled) {
+                let term = row[j] * x;
+                product += term;
+                size += term.abs();
+            }
+            w[i] = problem.q[i] + product * problem.units[i];
+            let size = problem.q[i].abs() + size * problem.units[i] + (problem.entry(i, i).abs() * work).sqrt();
+            feasible &= w[i] >= -tolerances::FEASIBILITY * size;
+        }
+        Some(BasicValues { z, w, feasible })
+    }
+}
+
 /// right − block · x, summed in double-double, column by column so that no sum waits for itself.
 fn residual(block: &Mat<f64>, x: &[f64], right: &[f64]) -> Vec<f64> {
     let (mut high, mut low) = (right.to_vec(), vec![0.0; right.len()]);
@@ -96,7 +124,7 @@ fn residual(block: &Mat<f64>, x: &[f64], right: &[f64]) -> Vec<f64> {
             for (j, x) in x.iter().enumerate() {
                 for ((hi, lo), a) in high.iter_mut().zip(&mut low).zip(block.col_as_slice(j)) {
                     let mut sum = DoubleDouble { hi: *hi, lo: *lo };
-                    sum.add_product(-a, *x);
+                    sum.add_product_fused(-a, *x);
                     (*hi, *lo) = (sum.hi, sum.lo);
                 }
             }

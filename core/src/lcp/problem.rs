@@ -128,6 +128,17 @@ impl<'a> Lcp<'a> {
         Ok(Self { matrix, q })
     }
 
+    /// As [`Lcp::new`], with a matrix that another problem has had.
+    pub(super) fn with_matrix_of(matrix: &'a [f64], q: &'a [f64]) -> Result<Self, LcpError> {
+        if matrix.len() != q.len() * q.len() {
+            return Err(LcpError::MatrixLength { found: matrix.len(), order: q.len() });
+        }
+        match first_not_finite(q) {
+            Some(index) => Err(LcpError::Entry { name: "q", index, value: q[index] }),
+            None => Ok(Self { matrix, q }),
+        }
+    }
+
     /// The number m of complementary pairs.
     pub fn order(&self) -> usize {
         self.q.len()

@@ -22,6 +22,15 @@ impl CoveredLcp<'_> {
         self.matrix[i * self.order() + j] * self.units[i] * self.units[j]
     }
 
+    pub(super) fn into_owned(self) -> CoveredLcp<'static> {
+        CoveredLcp {
+            matrix: Cow::Owned(self.matrix.into_owned()),
+            units: Cow::Owned(self.units.into_owned()),
+            q: self.q,
+            covering: self.covering,
+        }
+    }
+
     /// Row i of M′.
     pub(super) fn copy_row(&self, i: usize, target: &mut [f64]) {
         let row = &self.matrix[i * self.order()..(i + 1) * self.order()];
@@ -67,10 +76,7 @@ impl Scaling {
             }
             diagonal.iter_mut().zip(&largest).for_each(|(d, a)| *d = (*d * even_factor(*a)).clamp(LEAST, MOST));
         }
-        let scaled = || lcp.q().iter().zip(&diagonal).map(|(a, d)| a * d);
-        // Slack that is far from used up, a wide gap say, must not hide the rest.
-        let short = power_of_two(scaled().filter(|a| *a < 0.0).map(f64::abs));
-        let load = if scaled().any(|a| a < 0.0) { short } else { power_of_two(scaled()) };
+        let load = load_of(lcp.q(), &diagonal);
         Self { diagonal, load }
     }
 
@@ -85,7 +91,7 @@ impl Scaling {
         CoveredLcp {
             matrix: Cow::Borrowed(lcp.matrix()),
             units: Cow::Borrowed(d),
-            q: lcp.q().iter().zip(d).map(|(a, di)| a * di / self.load).collect(),
+            q: self.scale_q(lcp.q()),
             covering: cover,
         }
     }
@@ -98,6 +104,23 @@ impl Scaling {
         (scaled, self.load / size)
     }
 
+    /// D q/σ, with the σ of this q.
+    pub(super) fn scale_q(&self, q: &[f64]) -> Vec<f64> {
+        let load = load_of(q, &self.diagonal);
+        q.iter().zip(&self.diagonal).map(|(a, d)| a * d / load).collect()
+    }
+
+    /// The z-direction of a ray from a basis, its largest entry one.
+    pub(super) fn unscaled_ray(&self, origin: &[bool], direction: &[f64]) -> Vec<f64> {
+        let (slack, complement) = direction.split_at(origin.len());
+        let mut ray: Vec<f64> =
+            origin.iter().enumerate().map(|(i, &basic)| if basic { slack[i] } else { complement[i] }).collect();
+        self.unscale_z(&mut ray);
+        let largest = ray.iter().fold(0.0_f64, |a, x| a.max(*x));
+        ray.iter_mut().for_each(|x| *x /= largest);
+        ray
+    }
+
     pub(super) fn unscale_z(&self, z: &mut [f64]) {
         z.iter_mut().zip(&self.diagonal).for_each(|(x, d)| *x *= d * self.load);
     }
@@ -105,6 +128,14 @@ impl Scaling {
     pub(super) fn unscale_w(&self, w: &mut [f64]) {
         w.iter_mut().zip(&self.diagonal).for_each(|(x, d)| *x *= self.load / d);
     }
+}
+
+/// σ: about the largest entry of Dq below zero, or, without one, above. Slack that is far from used up, a wide gap say,
+/// must not hide the rest.
+fn load_of(q: &[f64], diagonal: &[f64]) -> f64 {
+    let scaled = || q.iter().zip(diagonal).map(|(a, d)| a * d);
+    let short = power_of_two(scaled().filter(|a| *a < 0.0).map(f64::abs));
+    if scaled().any(|a| a < 0.0) { short } else { power_of_two(scaled()) }
 }
 
 /// The largest |D_i M_ij D_j| in row or column i, for every i.

@@ -18,20 +18,39 @@ const SUM: f64 = 1e-14;
 /// A stiffness of which the projection leaves less than this part was rounding.
 const LEFT: f64 = 1e-6;
 
+/// The free motions in an LCP, as far as they do not depend on the load.
+pub(in crate::contact) struct FreeMotions {
+    /// N_J, and N_J(N_JᵀN_J)⁻¹.
+    moves: Mat<f64>,
+    dual: Mat<f64>,
+    /// Σ_c |M_rc| over J, before the motions are imposed.
+    held: Vec<f64>,
+    /// S itself keeps its soft modes, and q what goes with them, better than a projection does.
+    projected: bool,
+}
+
 impl Condensed {
     /// The LCP with the free motions imposed: M_JJ ← QM_JJQ with Q = I − N_J(N_JᵀN_J)⁻¹N_Jᵀ, and M_OJ, q_J moved by the
     /// least that satisfies their equations.
     pub(in crate::contact) fn balanced(&self, mut lcp: PosedLcp, drive: &Drive) -> PosedLcp {
+        let motions = self.impose_motions(&mut lcp);
+        motions.balance(&mut lcp.q, drive);
+        lcp
+    }
+
+    /// Imposes the free motions on M, which no load has a part in.
+    pub(in crate::contact) fn impose_motions(&self, lcp: &mut PosedLcp) -> FreeMotions {
         let free = self.moves.ncols();
         let order = lcp.q.len();
         let inside = lcp.gap_is_z.iter().filter(|&&gap| gap).count();
-        let length = drive.displacement.iter().chain(&drive.remaining).fold(0.0, |a: f64, b| a.max(b.abs()));
-        lcp.q[inside..].iter_mut().filter(|gap| gap.abs() <= ROUNDING * length).for_each(|gap| *gap = 0.0);
-        if free == 0 {
-            return lcp;
-        }
         let moves = |r: usize, k: usize| self.moves[(lcp.point[r], k)];
         let n = Mat::from_fn(inside, free, moves);
+        let sum = |r: usize| lcp.matrix[r * order..r * order + inside].iter().map(|m| m.abs()).sum();
+        let held = (0..inside).map(sum).collect();
+        let projected = order > inside || self.stiffness.is_none();
+        if free == 0 {
+            return FreeMotions { dual: n.clone(), moves: n, held, projected };
+        }
         let gram = n.transpose() * &n;
         let dual = gram.partial_piv_lu().solve(n.transpose()).transpose().to_owned();
 
@@ -52,23 +71,8 @@ impl Condensed {
                 }
             }
         }
-
-        let mut missing = drive.work.clone();
-        for (k, missing) in missing.iter_mut().enumerate() {
-            *missing -= (0..inside).map(|r| n[(r, k)] * lcp.q[r]).sum::<f64>();
-        }
-        // S itself keeps its soft modes, and q what goes with them, better than a projection does.
-        let imposed = order > inside || self.stiffness.is_none();
         for r in 0..inside {
-            if imposed {
-                lcp.q[r] += (0..free).map(|k| dual[(r, k)] * missing[k]).sum::<f64>();
-            }
-            let size: f64 = (0..free).map(|k| dual[(r, k)].abs() * drive.work_size[k]).sum();
-            let held: f64 = lcp.matrix[r * order..r * order + inside].iter().map(|m| m.abs() * length).sum();
-            if lcp.q[r].abs() <= ROUNDING * size + SUM * held {
-                lcp.q[r] = 0.0;
-            }
-            for c in (0..inside).filter(|_| imposed) {
+            for c in (0..inside).filter(|_| projected) {
                 let even = 0.5 * (within[(r, c)] + within[(c, r)]);
                 lcp.matrix[r * order + c] = if loose[r] || loose[c] { 0.0 } else { even };
             }
@@ -77,7 +81,7 @@ impl Condensed {
                 lcp.matrix[r * order + inside + c] = -across[(c, r)];
             }
         }
-        lcp
+        FreeMotions { moves: n, dual, held, projected }
     }
 
     /// Displacements of the points without the free motion nearest to them, which no reaction answers.
@@ -90,5 +94,30 @@ impl Condensed {
         let motion = (n.transpose() * n).partial_piv_lu().solve(n.transpose() * &column);
         let rest = column - n * motion;
         (0..moved.len()).map(|i| rest[(i, 0)]).collect()
+    }
+}
+
+impl FreeMotions {
+    /// Imposes on q that the reactions of the posed state balance the load; what is rounding of either becomes zero.
+    pub(in crate::contact) fn balance(&self, q: &mut [f64], drive: &Drive) {
+        let (inside, free) = (self.moves.nrows(), self.moves.ncols());
+        let length = drive.displacement.iter().chain(&drive.remaining).fold(0.0, |a: f64, b| a.max(b.abs()));
+        q[inside..].iter_mut().filter(|gap| gap.abs() <= ROUNDING * length).for_each(|gap| *gap = 0.0);
+        if free == 0 {
+            return;
+        }
+        let mut missing = drive.work.clone();
+        for (k, missing) in missing.iter_mut().enumerate() {
+            *missing -= (0..inside).map(|r| self.moves[(r, k)] * q[r]).sum::<f64>();
+        }
+        for r in 0..inside {
+            if self.projected {
+                q[r] += (0..free).map(|k| self.dual[(r, k)] * missing[k]).sum::<f64>();
+            }
+            let size: f64 = (0..free).map(|k| self.dual[(r, k)].abs() * drive.work_size[k]).sum();
+            if q[r].abs() <= ROUNDING * size + SUM * self.held[r] * length {
+                q[r] = 0.0;
+            }
+        }
     }
 }

@@ -1,0 +1,111 @@
+//! Many problems with one M: what does not depend on q is done once.
+use std::borrow::Cow;
+
+use super::lemke::{End, default_max_pivots, follow_path};
+use super::pivoting::Basis;
+use super::problem::{Lcp, LcpError, LcpStatus};
+use super::scaling::{CoveredLcp, Scaling};
+use super::tolerances;
+
+/// The problems w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0 of one M, pivoted onto a complementary basis from which each path starts.
+///
+/// # Example
+/// ```
+/// use signorini_core::lcp::{Lcp, LcpError, LcpFamily, LcpStatus};
+///
+/// let (matrix, q) = ([2.0, 1.0, 1.0, 2.0], [-5.0, -6.0]);
+/// let family = LcpFamily::new(&Lcp::new(&matrix, &q)?, &[true, true])?;
+/// let family = family.expect("M is regular there");
+/// let found = family.solve(&[-5.0, 1.0])?;
+/// assert_eq!((found.status, found.basis, found.pivots), (LcpStatus::Solved, vec![true, false], 1));
+/// # Ok::<(), LcpError>(())
+/// ```
+pub struct LcpFamily {
+    scaling: Scaling,
+    /// Scaled, at the slacks' basis; q is of no account.
+    scaled: CoveredLcp<'static>,
+    origin: Vec<bool>,
+    basis: Basis,
+    /// M as it reads at that basis.
+    pivoted: Vec<f64>,
+}
+
+/// The complementary basis at which a path ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LcpBasis {
+    pub status: LcpStatus,
+    /// True where z_i is basic, so that w_i = 0; all false unless solved.
+    pub basis: Vec<bool>,
+    pub pivots: usize,
+}
+
+impl LcpFamily {
+    /// The family of a problem, whose q is of no account but for its scale; None if `basis` (true where z_i is basic) is
+    /// singular.
+    ///
+    /// # Errors
+    /// When `basis` does not have m entries.
+    pub fn new(lcp: &Lcp, basis: &[bool]) -> Result<Option<Self>, LcpError> {
+        lcp.check_length("basis", basis.len())?;
+        let scaling = Scaling::of(lcp);
+        let scaled = scaling.scale(lcp, None).into_owned();
+        let (Some(factored), Some(pivoted)) = (Basis::of(&scaled, basis), scaled.pivoted(basis)) else {
+            return Ok(None);
+        };
+        Ok(Some(Self {
+            scaling,
+            scaled,
+            origin: basis.to_vec(),
+            basis: factored,
+            pivoted: pivoted.matrix.into_owned(),
+        }))
+    }
+
+    /// Follows Lemke's path of one q from the family's basis.
+    ///
+    /// The basis is that of the last tableau and not solved afresh: whoever asks judges what it stands for. Ended neither
+    /// at a solution nor with a ray that proves that there is none, the status is [`LcpStatus::PivotLimit`].
+    ///
+    /// # Errors
+    /// When `q` does not have m entries, or one is not finite.
+    pub fn solve(&self, q: &[f64]) -> Result<LcpBasis, LcpError> {
+        let lcp = Lcp::with_matrix_of(&self.scaled.matrix, q)?;
+        let order = q.len();
+        let ended = |status, basis, pivots| Ok(LcpBasis { status, basis, pivots });
+        let stopped = |pivots| ended(LcpStatus::PivotLimit, vec![false; order], pivots);
+        let problem = CoveredLcp {
+            matrix: Cow::Borrowed(&self.scaled.matrix),
+            units: Cow::Borrowed(&self.scaled.units),
+            q: self.scaling.scale_q(q),
+            covering: Vec::new(),
+        };
+        let Some(at_origin) = self.basis.values(&problem) else { return stopped(0) };
+        if at_origin.feasible {
+            return ended(LcpStatus::Solved, self.origin.clone(), 0);
+        }
+        let values =
+            at_origin.z.iter().zip(&at_origin.w).zip(&self.origin).map(|((z, w), &basic)| if basic { *z } else { *w });
+        let ones = vec![1.0; order];
+        let pivoted = CoveredLcp {
+            matrix: Cow::Borrowed(&self.pivoted),
+            units: Cow::Borrowed(&ones),
+            q: values.collect(),
+            covering: ones.clone(),
+        };
+        let path = follow_path(&pivoted, default_max_pivots(order));
+        match path.end {
+            End::Complementary(exchanged) => {
+                let basis = self.origin.iter().zip(&exchanged).map(|(a, b)| a != b).collect();
+                ended(LcpStatus::Solved, basis, path.pivots)
+            }
+            End::Ray(direction) => {
+                let ray = self.scaling.unscaled_ray(&self.origin, &direction);
+                match lcp.infeasibility(&ray)?.holds(tolerances::PROOF) {
+                    true => ended(LcpStatus::Ray, vec![false; order], path.pivots),
+                    false => stopped(path.pivots),
+                }
+            }
+            End::Stopped => stopped(path.pivots),
+        }
+    }
+}
