@@ -268,3 +268,22 @@ def test_a_path_says_where_more_answers_than_one_are_right() -> None:
     assert not found.at(0.5 * begin).not_unique
     (told,) = path_json(found)["not_unique"]
     assert (told["begin"], told["end"], told["motion"]) == (begin, end, one.motion)
+
+
+ROUND_BED = """
+material = { E = 30e9, nu = 0.2 }
+plate = { shape = "rectangle", size = [10, 10], thickness = 0.3 }
+mesh = { divisions = [4, 4] }
+support = [{ area = { circle = { center = [5, 5], radius = 4.3 } }, resists = "down", stiffness = 3e7 }]
+load = [{ case = "G", force = 1e5, at = [5, 5] }, { case = "Q", force = 1e5, at = [9.3847, 6.0123] }]
+"""
+
+
+def test_where_a_coarse_mesh_ends_short_of_an_outline_the_path_says_so(tmp_path: Path) -> None:
+    file = tmp_path / "bed.toml"
+    file.write_text(ROUND_BED)
+    found = signorini.path(signorini.load(file), "G", "Q")
+    assert found.ending == "stopped" and found.ends_with_the_mesh
+    assert found.end == pytest.approx(found.mesh_limit, rel=1e-6) and found.mesh_limit < 0.99 * found.limit
+    result = run("path", file, "--from", "G", "--add", "Q")
+    assert result.exit_code == 4 and "but not at the contact points of this mesh" in " ".join(result.output.split())

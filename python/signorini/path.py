@@ -17,7 +17,7 @@ from signorini.equilibrium import no_equilibrium
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
 from signorini.model import Model
 from signorini.path_check import confirmed, told
-from signorini.path_result import Ending, Path, ahead, beside
+from signorini.path_result import AT_LIMIT, Ending, Path, ahead, beside
 from signorini.path_stop import PathStop, path_stop
 from signorini.problem import ContactProblem, contact_problem
 from signorini.progress import Progress, Watcher
@@ -26,8 +26,6 @@ from signorini.stability import CONTRADICTION, floats, largest_factor, supports_
 
 _NAMED = 20
 """Combinations that a message names."""
-_AT_LIMIT = 1e-6
-"""Distance from the limit of equilibrium, over the limit, that is none: the last contact sets barely hold the plate."""
 
 
 def path(
@@ -105,9 +103,10 @@ def path(
     )
     traced: Path | None = None
     for way, careful in _ways(problem):
-        if traced is None or traced.ending == "stopped":
-            other = _trace(way, problem, (start, add), loads, until, (limit, reached), watcher, careful)
-            traced = other if traced is None or (other is not None and other.end > traced.end) else traced
+        other = _trace(way, problem, (start, add), loads, until, (limit, reached), watcher, careful)
+        traced = other if traced is None or (other is not None and other.end > traced.end) else traced
+        if traced is not None and (traced.ending != "stopped" or traced.ends_with_the_mesh):
+            break
     if traced is None and supports_contradict(found):
         raise NoEquilibriumError(CONTRADICTION)
     if traced is None:
@@ -212,7 +211,7 @@ def _trace(
         return None
     whole = count == len(stops)
     del stops[count:], certificates[count:]
-    near_limit = stops[-1].t >= limit * (1 - _AT_LIMIT)
+    near_limit = stops[-1].t >= limit * (1 - AT_LIMIT)
     ending: Ending = "stopped"
     if whole and ended == "unbounded":
         ending = "no_more_events"
@@ -223,4 +222,4 @@ def _trace(
     figures = [figure.name for figure in fields(Certificate)]
     worst = Certificate(**{name: max(getattr(one, name) for one in certificates) for name in figures})
     doubted = tuple(index for index in doubts if index < len(stops) - 1)
-    return Path(*names, problem, tuple(stops), ending, limit, worst, loads, sets[0], doubted)
+    return Path(*names, problem, tuple(stops), ending, *limits, worst, loads, sets[0], doubted)

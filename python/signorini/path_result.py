@@ -28,6 +28,9 @@ from signorini.selection import chosen
 if TYPE_CHECKING:
     from signorini.plot import Figure
 
+AT_LIMIT = 1e-6
+"""Distance from the limit of equilibrium, over the limit, that is none: the last contact sets barely hold the plate."""
+
 Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
 
@@ -68,9 +71,11 @@ class Path(Remade):
         At t = 0, at every event, and at the end.
     ending : str
         Why it ends: "until", the t asked for; "no_more_events", however large t; "no_equilibrium", from there on;
-        "stopped", where arithmetic no longer tells the contact set.
+        "stopped", where arithmetic no longer tells the contact set, or at ``mesh_limit``.
     limit : float
         The largest t for which reactions balance the load; infinite if there is none.
+    mesh_limit : float
+        The same for reactions at the contact points of this mesh, which are within the supports' outlines.
     certificate : Certificate
         The worst of every figure over all stops.
     """
@@ -81,6 +86,7 @@ class Path(Remade):
     stops: tuple[PathStop, ...]
     ending: Ending
     limit: float
+    mesh_limit: float
     certificate: Certificate
     _loads: tuple[CaseLoad, CaseLoad]
     _first: Bools
@@ -101,6 +107,11 @@ class Path(Remade):
     def end(self) -> float:
         """The t of the last stop; the last segment goes on for ever if there are no more events."""
         return self.stops[-1].t
+
+    @property
+    def ends_with_the_mesh(self) -> bool:
+        """Whether it stops where the mesh's points, but not yet the supports' outlines, cease to balance the load."""
+        return self.ending == "stopped" and self.end >= self.mesh_limit * (1 - AT_LIMIT)
 
     @property
     def events(self) -> tuple[PathStop, ...]:

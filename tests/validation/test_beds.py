@@ -42,6 +42,27 @@ def test_a_force_anywhere_on_a_bed_is_balanced(at: tuple[float, float], n: int, 
     assert result.reactions["bed"] == pytest.approx(1e5, rel=1e-9)
 
 
+TIPPING = {
+    "a round bed": (17, {"circle": {"center": [5, 5], "radius": 2.5}}, (7.5, 5)),
+    "a corner": (10, "all", (0, 0)),
+    "an edge": (10, "all", (0, 4.25)),
+    "a polygon's corner": (17, {"polygon": POLYGON}, (9.4, 8.8)),
+    "a polygon's side": (17, {"polygon": POLYGON}, (0.3 + 0.3 * 8.8, 0.2 + 0.3 * 0.5)),
+}
+
+
+@pytest.mark.parametrize("inside", [0, 1e-9, 1e-5])
+@pytest.mark.parametrize("stiffness", [2e5, 3e7, 1e9, 1e13])
+@pytest.mark.parametrize("where", TIPPING)
+def test_on_the_verge_of_tipping_an_active_set_settles_by_itself(where: str, stiffness: float, inside: float) -> None:
+    n, area, outline = TIPPING[where]
+    at = [x + inside * (5 - x) for x in outline]
+    asked = bed(n, {"force": 1e5, "at": at}, area, stiffness).model_dump(exclude_unset=True)
+    result = signorini.solve(Model(**asked | {"solver": {"method": "active_set"}}))["all"]
+    assert result.unsettled == () and result.certificate.passed
+    assert result.reactions["bed"] == pytest.approx(1e5, rel=1e-9)
+
+
 @pytest.mark.parametrize(("n", "at"), [(24, [0.01, 5]), (9, [10, 10])])
 def test_a_force_near_the_edge_of_a_rigid_bed_or_in_its_corner_is_balanced(n: int, at: list[float]) -> None:
     result = signorini.solve(bed(n, {"force": 1e5, "at": at}))["all"]

@@ -182,10 +182,13 @@ def path(
         print_path(_stdout(), found)
         _stdout().print(f"Written to {visible(directory)}{os.sep}")
         if found.ending == "stopped":
-            raise NotCertifiedError(
-                f"the path was followed to t = {found.end:.6g} only; beyond, rounding decides which points are in "
-                "contact. Take a finer mesh, or give rigid supports a stiffness."
-            )
+            why = "rounding decides which points are in contact. Take a finer mesh, or give rigid supports a stiffness"
+            if found.ends_with_the_mesh:
+                why = (
+                    f"to t = {found.limit:.6g}, reactions on the outlines of the supports balance the load, but not at "
+                    "the contact points of this mesh. Take a finer mesh there"
+                )
+            raise NotCertifiedError(f"the path was followed to t = {found.end:.6g} only; beyond, {why}.")
 
 
 @app.command()

@@ -78,6 +78,7 @@ impl ContactProblem {
             step: Step::default(),
             rounding: 0.0,
             imposed: Some(given.to_vec()),
+            floating: None,
         };
         let (outcome, left) = descent.settle(given, least)?;
         let factored = descent.own.take();

@@ -7,6 +7,8 @@ use crate::superposition::sum_in_order;
 
 /// The slope that ends the search, over the slope at its start.
 const FLAT: f64 = 1e-3;
+/// At most so many times the length is doubled.
+const DOUBLINGS: usize = 60;
 
 impl Descent<'_> {
     /// vᵀKv without the points.
@@ -27,9 +29,13 @@ impl Descent<'_> {
         if !direction.free && (0..change.len()).all(kept) {
             return 1.0;
         }
-        let k = &self.springs.stiffness;
         let elastic = self.elastic_curvature(direction, change);
-        let start = -dot(&direction.nodal, &self.step.imbalance);
+        self.least_energy(-dot(&direction.nodal, &self.step.imbalance), elastic, change)
+    }
+
+    /// How far along a change of the stretches the energy falls, from its slope and the plate's curvature; 0 if it does not.
+    pub(super) fn least_energy(&self, start: f64, elastic: f64, change: &[f64]) -> f64 {
+        let (k, stretch) = (&self.springs.stiffness, &self.stretch);
         let slope = |t: f64| -> f64 {
             let one = |i: usize| k[i] * ((stretch[i] + t * change[i]).max(0.0) - stretch[i].max(0.0)) * change[i];
             start + t * elastic + sum_in_order(change.len(), 4096, one)
@@ -43,10 +49,14 @@ impl Descent<'_> {
             return 1.0;
         }
         let mut doublings = 0;
-        while at_high < 0.0 && doublings < 200 {
+        while at_high < 0.0 && doublings < DOUBLINGS {
             (low, high) = (high, 2.0 * high);
             at_high = slope(high);
             doublings += 1;
+        }
+        if at_high < 0.0 {
+            // No point ever ends it: the load has work left by rounding only.
+            return 0.0;
         }
         let mut at_low = slope(low);
         for _ in 0..60 {

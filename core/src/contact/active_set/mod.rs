@@ -9,6 +9,7 @@
 
 mod direction;
 mod fixed;
+mod floating;
 mod line_search;
 mod points;
 mod push;
@@ -24,6 +25,7 @@ use crate::cholesky::FactorError;
 use crate::plate::Plate;
 use crate::residual::internal_magnitude;
 use direction::Direction;
+use floating::Floating;
 use together::{Desk, at_once};
 
 /// One Newton step, to whoever watches.
@@ -124,6 +126,8 @@ struct Descent<'a> {
     step: Step,
     /// Points that are closed whatever their stretch, and all others open, where the set is not to be found.
     imposed: Option<Vec<bool>>,
+    /// Where the points alone hold the plate.
+    floating: Option<Floating>,
     /// Rounding of the internal forces, below which an imbalance says nothing.
     rounding: f64,
 }
@@ -194,6 +198,7 @@ impl ContactProblem {
             multiplier,
             step: Step::default(),
             imposed: None,
+            floating: Floating::of(self, load),
             rounding: 0.0,
         };
         match start.and_then(|start| start.balanced) {
@@ -261,12 +266,18 @@ impl Descent<'_> {
                 self.balance();
                 closed = self.stretch.iter().map(|&s| s > 0.0).collect();
             }
+            let mut settled = self.rounding;
+            if step > 1 && self.drift() {
+                closed = self.stretch.iter().map(|&s| s > 0.0).collect();
+                // What is left would only send a loose plate away.
+                settled = settled.max(SETTLED * self.problem.largest_force(self.load, &self.solution));
+            }
             let tolerance = match (same, since_settled < PATIENT) {
                 (true, _) => TIGHT,
                 (false, true) => LOOSE,
                 (false, false) => FIRM,
             };
-            let direction = match self.step.worst <= self.rounding {
+            let direction = match self.step.worst <= settled {
                 true => Direction::zeros(self.load.len(), self.solution.reaction.len()),
                 false => self.direction(&closed, tolerance).await?,
             };
@@ -382,12 +393,18 @@ impl Descent<'_> {
         Ok(())
     }
 
+    fn stretched(&mut self) {
+        self.stretch = self.problem.active.overlap(&self.problem.plate, &self.solution.displacement);
+        for (i, stretch) in self.stretch.iter_mut().enumerate() {
+            *stretch += self.springs.softening[i] * self.multiplier[i];
+        }
+    }
+
     fn balance(&mut self) {
+        self.stretched();
         let (problem, points) = (self.problem, &self.problem.active);
         let mut imbalance = problem.imbalance(self.load, &self.solution.displacement, &self.solution.reaction);
-        self.stretch = points.overlap(&problem.plate, &self.solution.displacement);
         for i in 0..points.len() {
-            self.stretch[i] += self.springs.softening[i] * self.multiplier[i];
             let pushing = self.pushing(i);
             if pushing != 0.0 {
                 points.scatter(&problem.plate, i, -self.springs.stiffness[i] * pushing, &mut imbalance);
