@@ -24,7 +24,7 @@ Judge = Callable[[Result | None], list[str]]
 _STRIP = 2e-2
 """Part of a strip's deflection that a mesh of at least four elements may be off."""
 _CUT = 6e-2
-"""The same where a step of the thickness cuts an element: 3.8 % for a step to a seventh near an end, on eleven elements."""
+"""The same where a step cuts an element: 3.8 % for a step to a seventh near an end, on eleven elements."""
 _PANEL = 4e-2
 """The same of a slab with a thicker panel, beside a mesh three times as fine."""
 _SAME = 1e-6
