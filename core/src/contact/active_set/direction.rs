@@ -3,12 +3,47 @@
 //!
 //! Gould, Hribar & Nocedal (2001) for the preconditioner with two-sided points held.
 
-use super::Descent;
+use super::descent::Descent;
 use crate::cholesky::FactorError;
 use crate::contact::refinement::Step;
 use crate::residual::twice_the_energy;
 
+/// Conjugate gradients on their way to a direction.
+pub(super) struct ConjugateGradients {
+    closed: Vec<bool>,
+    /// Points whose springs the factor carries otherwise than the set has them, and by how much.
+    differing: Vec<(usize, f64)>,
+    tolerance: f64,
+    /// Length of the residual that ends them.
+    enough: f64,
+    /// Whether a factor of the set is to take over after so many steps, or else the direction is taken as it is.
+    patient: bool,
+    most: usize,
+    steps: usize,
+    residual: Vec<f64>,
+    total: Direction,
+    ahead: Direction,
+    /// Of the last residual and its preconditioned one.
+    product: f64,
+}
+
+impl ConjugateGradients {
+    /// What is to be preconditioned next.
+    pub(super) fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+}
+
+/// What a step of conjugate gradients came to.
+pub(super) enum Followed {
+    On,
+    /// There have been too many; a factor of the set would be better.
+    Impatient,
+    Found(Direction),
+}
+
 /// A displacement, the force that the factored matrix has for it, and what it adds to two-sided points' reactions.
+#[derive(Default)]
 pub(super) struct Direction {
     pub nodal: Vec<f64>,
     pub force: Vec<f64>,
@@ -60,17 +95,49 @@ impl Direction {
 }
 
 impl Descent<'_> {
-    /// The direction whose residual is `tolerance` of the imbalance, or rounding; the present set is factored if that takes long.
-    pub(super) async fn direction(&mut self, closed: &[bool], tolerance: f64) -> Result<Direction, FactorError> {
-        let patience = if self.desk.is_some() && self.own.is_none() { SHARED * PATIENCE } else { PATIENCE };
-        if let Some(found) = self.conjugate_gradients(closed, tolerance, Some(patience)).await? {
-            return Ok(found);
+    /// Begins to seek the direction whose residual is `tolerance` of the imbalance, or rounding.
+    pub(super) fn gradients(&self, closed: &[bool], tolerance: f64, patient: bool) -> ConjugateGradients {
+        let most = match (patient, self.shares()) {
+            (true, true) => SHARED * PATIENCE,
+            (true, false) => PATIENCE,
+            (false, _) => GRADIENTS,
+        };
+        let residual = self.step.imbalance.clone();
+        let (size, reactions) = (residual.len(), self.solution.reaction.len());
+        ConjugateGradients {
+            closed: closed.to_vec(),
+            differing: self.differing(closed),
+            tolerance,
+            enough: f64::max(tolerance * dot(&residual, &residual).sqrt(), self.rounding),
+            patient,
+            most,
+            steps: 0,
+            residual,
+            total: Direction::zeros(size, reactions),
+            ahead: Direction::zeros(size, reactions),
+            product: f64::INFINITY,
         }
-        if self.refactor(closed)? {
+    }
+
+    /// The same direction from a factor of its set, as far as that can be factored.
+    pub(super) fn refactored(&mut self, gradients: ConjugateGradients) -> Result<ConjugateGradients, FactorError> {
+        if self.refactor(&gradients.closed)? {
             self.solution.factorizations += 1;
         }
-        let found = self.conjugate_gradients(closed, tolerance, None).await?;
-        Ok(found.unwrap_or_else(|| unreachable!("without patience there is an answer")))
+        Ok(self.gradients(&gradients.closed, gradients.tolerance, false))
+    }
+
+    /// The direction whose residual is `tolerance` of the imbalance, or rounding; the set is factored if that takes long.
+    pub(super) fn direction(&mut self, closed: &[bool], tolerance: f64) -> Result<Direction, FactorError> {
+        let mut gradients = self.gradients(closed, tolerance, true);
+        loop {
+            let along = self.precondition(&gradients.residual)?;
+            match self.follow(&mut gradients, along) {
+                Followed::On => {}
+                Followed::Impatient => gradients = self.refactored(gradients)?,
+                Followed::Found(direction) => return Ok(direction),
+            }
+        }
     }
 
     /// Factors the present set, with a little of the open points if it does not hold the plate; whether that succeeded.
@@ -98,62 +165,45 @@ impl Descent<'_> {
         Ok(false)
     }
 
-    /// `None` if patience, where there is a way out, ends first.
-    async fn conjugate_gradients(
-        &mut self,
-        closed: &[bool],
-        tolerance: f64,
-        patience: Option<usize>,
-    ) -> Result<Option<Direction>, FactorError> {
-        let differing = self.differing(closed);
-        let mut steps = 1;
-        let mut along = self.precondition(&self.step.imbalance).await?;
-        if differing.is_empty() {
-            self.solution.gradients += 1;
-            return Ok(Some(along));
+    /// One step of conjugate gradients, with the motion that the factor has for the residual.
+    pub(super) fn follow(&mut self, gradients: &mut ConjugateGradients, mut along: Direction) -> Followed {
+        gradients.steps += 1;
+        self.solution.gradients += 1;
+        if gradients.differing.is_empty() {
+            return Followed::Found(along);
         }
-        let size = along.nodal.len();
-        let mut residual = self.step.imbalance.clone();
-        let enough = f64::max(tolerance * dot(&residual, &residual).sqrt(), self.rounding);
-        let mut total = Direction::zeros(size, along.reaction.len());
-        let mut ahead = Direction::zeros(size, along.reaction.len());
-        let mut product = f64::INFINITY;
-        loop {
-            let next = dot(&residual, &along.nodal);
-            if !(next > 0.0) {
-                break;
-            }
-            ahead.renew(next / product, &along);
-            product = next;
-            let difference = self.difference(&differing, &ahead.nodal);
-            let stiff = dot(&ahead.nodal, &ahead.force);
-            let mut curvature = stiff + dot(&ahead.nodal, &difference);
-            if !(curvature > PLAIN * stiff) {
-                curvature = self.curvature(closed, &ahead.nodal);
-            }
-            if !(curvature > FREE * stiff) {
-                // The line search goes as far as the next points, before which no other direction balances the load.
-                total = ahead;
-                total.free = true;
-                break;
-            }
-            let alpha = product / curvature;
-            total.add(alpha, &ahead);
-            for i in 0..size {
-                residual[i] -= alpha * (ahead.force[i] + difference[i]);
-            }
-            if dot(&residual, &residual).sqrt() <= enough {
-                break;
-            }
-            if steps == patience.unwrap_or(GRADIENTS) {
-                self.solution.gradients += steps;
-                return Ok(if patience.is_some() { None } else { Some(total) });
-            }
-            along = self.precondition(&residual).await?;
-            steps += 1;
+        let next = dot(&gradients.residual, &along.nodal);
+        if !(next > 0.0) {
+            return Followed::Found(std::mem::take(&mut gradients.total));
         }
-        self.solution.gradients += steps;
-        Ok(Some(total))
+        let ahead = &mut gradients.ahead;
+        ahead.renew(next / gradients.product, &along);
+        gradients.product = next;
+        let difference = self.difference(&gradients.differing, &ahead.nodal);
+        let stiff = dot(&ahead.nodal, &ahead.force);
+        let mut curvature = stiff + dot(&ahead.nodal, &difference);
+        if !(curvature > PLAIN * stiff) {
+            curvature = self.curvature(&gradients.closed, &ahead.nodal);
+        }
+        if !(curvature > FREE * stiff) {
+            // The line search goes as far as the next points, before which no other direction balances the load.
+            along = std::mem::take(ahead);
+            along.free = true;
+            return Followed::Found(along);
+        }
+        let alpha = next / curvature;
+        gradients.total.add(alpha, ahead);
+        for (residual, (force, difference)) in gradients.residual.iter_mut().zip(ahead.force.iter().zip(&difference)) {
+            *residual -= alpha * (force + difference);
+        }
+        if dot(&gradients.residual, &gradients.residual).sqrt() <= gradients.enough {
+            return Followed::Found(std::mem::take(&mut gradients.total));
+        }
+        match (gradients.steps == gradients.most, gradients.patient) {
+            (false, _) => Followed::On,
+            (true, true) => Followed::Impatient,
+            (true, false) => Followed::Found(std::mem::take(&mut gradients.total)),
+        }
     }
 
     /// vᵀKv with the springs of closed points, summed from squares: along a free motion a difference would be rounding.
@@ -184,18 +234,20 @@ impl Descent<'_> {
         out
     }
 
+    /// Whether the next residual goes to a factor that others ask too.
+    pub(super) fn shares(&self) -> bool {
+        self.shares && self.own.is_none()
+    }
+
+    /// What K̃⁻¹ times a residual, in elimination order, moves; there are no two-sided points.
+    pub(super) fn preconditioned(&self, residual: &[f64], solved: &[f64]) -> Direction {
+        let (nodal, force) = (self.problem.scatter(solved), residual.to_vec());
+        Direction { nodal, force, reaction: Vec::new(), free: false }
+    }
+
     /// The motion under a residual by the factor, two-sided points held, and the force it has for that.
-    async fn precondition(&self, residual: &[f64]) -> Result<Direction, FactorError> {
+    pub(super) fn precondition(&self, residual: &[f64]) -> Result<Direction, FactorError> {
         let problem = self.problem;
-        if let (Some(desk), None) = (self.desk, &self.own) {
-            let solved = desk.solve(problem.gather(residual)).await;
-            return Ok(Direction {
-                nodal: problem.scatter(&solved),
-                force: residual.to_vec(),
-                reaction: Vec::new(),
-                free: false,
-            });
-        }
         let still = Step {
             imbalance: residual.to_vec(),
             remaining: vec![0.0; problem.constraints.rows.len()],

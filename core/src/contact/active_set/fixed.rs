@@ -1,8 +1,8 @@
 //! A contact set that is given: the equations are linear, and points may pull or overlap.
 
+use super::descent::Descent;
 use super::direction::Direction;
-use super::together::at_once;
-use super::{BALANCED, Descent, NEWTON, ROUNDING, SETTLED, SLOW, STALLS, STIFFEST, TIGHT};
+use super::{BALANCED, NEWTON, ROUNDING, SETTLED, SLOW, STALLS, STIFFEST, TIGHT};
 use crate::cholesky::FactorError;
 use crate::contact::problem::{ContactProblem, Factored};
 use crate::contact::refinement::Step;
@@ -69,7 +69,7 @@ impl ContactProblem {
             limit: STIFFEST,
             springs: self.active.softened(STIFFEST),
             given: with,
-            desk: None,
+            shares: false,
             own: None,
             state,
             solution,
@@ -115,7 +115,7 @@ impl Descent<'_> {
                 return Ok(if worst <= ROUNDING * force { (Outcome::Solved, worst / force) } else { unsolved });
             }
             before = worst;
-            let direction: Direction = at_once(self.direction(closed, TIGHT))?;
+            let direction: Direction = self.direction(closed, TIGHT)?;
             if direction.free {
                 return Ok(unsolved);
             }

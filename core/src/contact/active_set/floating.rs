@@ -3,7 +3,7 @@
 //! A factor's own rounding resists a rigid motion, and may do so more than a few points under the edge of a plate. Three
 //! equations in double-double have no such resistance: for the shape that the plate has they find where it rests.
 
-use super::Descent;
+use super::descent::Descent;
 use crate::contact::careful::{eliminated, extent, rigid_motions, rigidity};
 use crate::contact::problem::ContactProblem;
 use crate::double_double::DoubleDouble;

@@ -1,6 +1,6 @@
 //! The least energy along a direction.
 
-use super::Descent;
+use super::descent::Descent;
 use super::direction::{Direction, PLAIN, dot};
 use crate::residual::twice_the_energy;
 use crate::superposition::sum_in_order;

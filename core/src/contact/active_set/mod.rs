@@ -7,26 +7,26 @@
 //! One factor, of K with the points closed that are expected to be, preconditions every direction; only where the set
 //! turns out to be quite another one is it factored anew.
 
+mod descent;
 mod direction;
 mod fixed;
 mod floating;
 mod line_search;
+mod newton;
 mod points;
 mod push;
 mod together;
 
 pub use points::{ActivePoints, Softened};
 
-use super::condense::ContactState;
 use super::problem::{ContactProblem, Factored};
 use super::refinement::Step;
 use super::solution::{ContactSolution, Outcome};
 use crate::cholesky::FactorError;
 use crate::plate::Plate;
-use crate::residual::internal_magnitude;
-use direction::Direction;
+use descent::Descent;
 use floating::Floating;
-use together::{Desk, at_once};
+use newton::Newton;
 
 /// One Newton step, to whoever watches.
 #[derive(Clone, Copy, Debug)]
@@ -106,32 +106,6 @@ impl Reference {
     }
 }
 
-/// A solution on its way.
-struct Descent<'a> {
-    problem: &'a ContactProblem,
-    load: &'a [f64],
-    /// Stiffest springs, over the plate's stiffness in shear.
-    limit: f64,
-    springs: Softened,
-    /// The factor that it was given, and the one in its place, if any.
-    given: &'a Factored,
-    own: Option<Factored>,
-    /// Where the factor that it was given is asked, if others ask it too; there are no two-sided points then.
-    desk: Option<&'a Desk>,
-    /// Two-sided points, held.
-    state: ContactState,
-    solution: ContactSolution,
-    multiplier: Vec<f64>,
-    stretch: Vec<f64>,
-    step: Step,
-    /// Points that are closed whatever their stretch, and all others open, where the set is not to be found.
-    imposed: Option<Vec<bool>>,
-    /// Where the points alone hold the plate.
-    floating: Option<Floating>,
-    /// Rounding of the internal forces, below which an imbalance says nothing.
-    rounding: f64,
-}
-
 impl ContactProblem {
     /// The limit that the active set begins with: springs that bend the plate over many elements find the set in few
     /// steps.
@@ -159,21 +133,25 @@ impl ContactProblem {
         start: Option<&Start<'_>>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
-        at_once(self.descend(load, held_value, start, None, watch))
+        let Some(mut newton) = self.newton(load, held_value, start, false)? else {
+            return Ok(self.without_solution(held_value, Outcome::Unsolved));
+        };
+        let outcome = newton.run(watch)?;
+        Ok(newton.ended(outcome))
     }
 
-    async fn descend<W: FnMut(Progress) -> bool + ?Sized>(
-        &self,
-        load: &[f64],
+    /// Newton's method at its start, on a factor that others may share; `None` if two-sided points contradict each other.
+    fn newton<'a>(
+        &'a self,
+        load: &'a [f64],
         held_value: &[f64],
-        start: Option<&Start<'_>>,
-        desk: Option<&Desk>,
-        watch: &mut W,
-    ) -> Result<ContactSolution, FactorError> {
+        start: Option<&Start<'a>>,
+        shares: bool,
+    ) -> Result<Option<Newton<'a>>, FactorError> {
         let mut solution = self.at_rest(load.len(), held_value);
         let given = start.and_then(|start| start.factored).unwrap_or(&self.base);
         let Some(state) = given.condensed.state(self.constraints.two_sided.clone()) else {
-            return Ok(solution.failed(Outcome::Unsolved));
+            return Ok(None);
         };
         solution.closed.clone_from(&self.constraints.two_sided);
         let mut multiplier = vec![0.0; self.active.len()];
@@ -191,7 +169,7 @@ impl ContactProblem {
             limit,
             springs: self.active.softened(limit),
             own: None,
-            desk,
+            shares,
             state,
             solution,
             stretch: vec![0.0; multiplier.len()],
@@ -205,11 +183,7 @@ impl ContactProblem {
             Some(balanced) if self.constraints.rows.is_empty() => descent.depart(balanced),
             _ => descent.refine()?,
         }
-        let outcome = descent.run(start.is_some(), watch).await?;
-        Ok(match outcome {
-            Outcome::Solved => descent.in_order().solved(),
-            _ => descent.in_order().failed(outcome),
-        })
+        Ok(Some(Newton::new(descent, start.is_some())))
     }
 }
 
@@ -232,207 +206,5 @@ impl ContactProblem {
             Err(FactorError::NotPositiveDefinite { .. }) => Ok(None),
             Err(error) => Err(error),
         }
-    }
-}
-
-impl Descent<'_> {
-    fn factored(&self) -> &Factored {
-        self.own.as_ref().unwrap_or(self.given)
-    }
-
-    async fn run<W: FnMut(Progress) -> bool + ?Sized>(
-        &mut self,
-        started: bool,
-        watch: &mut W,
-    ) -> Result<Outcome, FactorError> {
-        // From rest, the first step takes every point closed, as the factor does.
-        let mut closed: Vec<bool> = self.stretch.iter().map(|&s| s > 0.0 || !started).collect();
-        let mut last = closed.clone();
-        let mut stalled = 0;
-        let mut since_settled = 0;
-        let mut far = false;
-        let mut before = f64::INFINITY;
-        let (mut lasting, mut lowest) = (0, f64::INFINITY);
-        // Without a load nothing may push in the end, so forces count from those of the settlements at the start.
-        let least = if self.load.iter().all(|&f| f == 0.0) { self.largest_push() } else { 0.0 };
-        for step in 1..=NEWTON {
-            let same = step > 1 && closed == last;
-            let lost = since_settled == PATIENT || stalled == STALLS;
-            if lost && self.limit == STIFFEST && started {
-                // The start was too far away: begin with springs that bend the plate, like from rest.
-                (stalled, far) = (0, true);
-                self.limit = self.problem.first_limit;
-                self.springs = self.problem.active.softened(self.limit);
-                self.balance();
-                closed = self.stretch.iter().map(|&s| s > 0.0).collect();
-            }
-            let mut settled = self.rounding;
-            if step > 1 && self.drift() {
-                closed = self.stretch.iter().map(|&s| s > 0.0).collect();
-                // What is left would only send a loose plate away.
-                settled = settled.max(SETTLED * self.problem.largest_force(self.load, &self.solution));
-            }
-            let tolerance = match (same, since_settled < PATIENT) {
-                (true, _) => TIGHT,
-                (false, true) => LOOSE,
-                (false, false) => FIRM,
-            };
-            let direction = match self.step.worst <= settled {
-                true => Direction::zeros(self.load.len(), self.solution.reaction.len()),
-                false => self.direction(&closed, tolerance).await?,
-            };
-            self.advance(&direction, &closed);
-            last = closed;
-            closed = self.stretch.iter().map(|&s| s > 0.0).collect();
-            let unchanged = closed == last;
-            let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push()).max(least);
-            let settling = unchanged || self.step.worst <= NEARLY * SETTLED * force;
-            since_settled += 1;
-            if settling {
-                since_settled = 0;
-                self.refine()?;
-                // Multipliers follow an equilibrium, not what comes before it.
-                let balanced = self.step.worst <= BALANCED * force;
-                let renewed = if balanced { self.renew_multipliers() } else { f64::INFINITY };
-                if self.limit < STIFFEST && renewed <= STEADY * force {
-                    self.limit = f64::min(STIFFER * self.limit, STIFFEST);
-                    self.springs = self.problem.active.softened(self.limit);
-                    self.balance();
-                    before = f64::INFINITY;
-                    (lasting, lowest) = (0, f64::INFINITY);
-                }
-                closed = self.stretch.iter().map(|&s| s > 0.0).collect();
-            }
-            let changing = closed.iter().zip(&last).filter(|(a, b)| a != b).count();
-            let worst = self.step.worst;
-            if !worst.is_finite() {
-                return Ok(Outcome::Unsolved);
-            }
-            if !watch(Progress { step, changing, residual: worst / force }) {
-                return Ok(Outcome::Interrupted);
-            }
-            if settling && self.limit == STIFFEST {
-                if worst <= f64::max(SETTLED * force, self.rounding) {
-                    return Ok(Outcome::Solved);
-                }
-                // Points that neither push nor gape may change sides for ever; what is out of balance tells nothing more.
-                let idle = unchanged || worst <= NEARLY * SETTLED * force;
-                stalled = if idle && worst > SLOW * before { stalled + 1 } else { 0 };
-                if stalled == STALLS || lasting == LASTING {
-                    if worst <= ROUNDING * force {
-                        return Ok(Outcome::Solved);
-                    }
-                    if !started || far || lasting == LASTING {
-                        return Ok(Outcome::Unsolved);
-                    }
-                }
-                before = worst;
-                lasting = if worst <= SLOW * lowest { 0 } else { lasting + usize::from(unchanged) };
-                lowest = f64::min(lowest, worst);
-            }
-        }
-        Ok(Outcome::Unsolved)
-    }
-
-    /// Follows a direction to the least energy on it; what is out of balance then is known without the refined residual.
-    fn advance(&mut self, direction: &Direction, closed: &[bool]) {
-        let (problem, points) = (self.problem, &self.problem.active);
-        let change = points.change(&problem.plate, &direction.nodal);
-        let length = if self.imposed.is_some() { 1.0 } else { self.line_search(direction, &change, closed) };
-        for (dof, value) in direction.nodal.iter().enumerate() {
-            self.solution.displacement.add(dof, length * value);
-        }
-        let mut loss: Vec<f64> = direction.force.iter().map(|f| -length * f).collect();
-        let carried = self.own.as_ref().unwrap_or(self.given).carried.iter();
-        for (i, &carried) in carried.enumerate() {
-            let old = self.stretch[i];
-            self.stretch[i] += length * change[i];
-            let pushes = self.springs.stiffness[i] * (self.pushing(i) - self.pushes(i, old));
-            let factor = length * carried * change[i] - pushes;
-            if factor != 0.0 {
-                points.scatter(&problem.plate, i, factor, &mut loss);
-            }
-        }
-        let steps: Vec<f64> = direction.reaction.iter().map(|r| -length * r).collect();
-        problem.spread(&steps, &mut loss);
-        for (total, increment) in self.solution.reaction.iter_mut().zip(&direction.reaction) {
-            *total += length * increment;
-        }
-        problem.release_held(&mut loss);
-        for (value, loss) in self.step.imbalance.iter_mut().zip(&loss) {
-            *value += loss;
-        }
-        self.step.worst = self.step.imbalance.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
-        self.solution.iterations += 1;
-    }
-
-    /// From the solution under another load, what is out of balance is what the loads differ by.
-    fn depart(&mut self, from: Balanced) {
-        self.solution.displacement.lo.copy_from_slice(from.low);
-        let softened = self.springs.softening.iter().zip(&self.multiplier);
-        self.stretch = from.overlap.iter().zip(softened).map(|(overlap, (s, force))| overlap + s * force).collect();
-        let imbalance = self.load.iter().zip(from.load).map(|(load, balanced)| load - balanced).collect();
-        self.step = self.problem.step_of(imbalance, self.load, &self.solution);
-    }
-
-    /// Stretches and imbalance anew, in double-double; two-sided points are brought back to where they belong.
-    fn refine(&mut self) -> Result<(), FactorError> {
-        self.balance();
-        if !self.problem.constraints.rows.is_empty() {
-            let with = self.own.as_ref().unwrap_or(self.given);
-            let motion = self.problem.motion(with, &self.step, with.condensed.better_form())?;
-            self.problem.correct(with, &self.state, motion, &mut self.solution)?;
-            self.balance();
-        }
-        if self.imposed.is_some() && self.rounding > 0.0 {
-            // One load on one set: the internal forces stay.
-            return Ok(());
-        }
-        let (plate, held) = (&self.problem.plate, &self.problem.held);
-        self.rounding = f64::EPSILON * internal_magnitude(plate, held, &self.solution.displacement);
-        Ok(())
-    }
-
-    fn stretched(&mut self) {
-        self.stretch = self.problem.active.overlap(&self.problem.plate, &self.solution.displacement);
-        for (i, stretch) in self.stretch.iter_mut().enumerate() {
-            *stretch += self.springs.softening[i] * self.multiplier[i];
-        }
-    }
-
-    fn balance(&mut self) {
-        self.stretched();
-        let (problem, points) = (self.problem, &self.problem.active);
-        let mut imbalance = problem.imbalance(self.load, &self.solution.displacement, &self.solution.reaction);
-        for i in 0..points.len() {
-            let pushing = self.pushing(i);
-            if pushing != 0.0 {
-                points.scatter(&problem.plate, i, -self.springs.stiffness[i] * pushing, &mut imbalance);
-            }
-        }
-        self.step = problem.step_of(imbalance, self.load, &self.solution);
-    }
-
-    /// The solution with every point in the caller's order.
-    fn in_order(self) -> ContactSolution {
-        let order = &self.problem.order;
-        let count = order.condensed.len() + order.active.len();
-        let mut all = ContactSolution {
-            reaction: vec![0.0; count],
-            gap: vec![0.0; count],
-            closed: vec![false; count],
-            ..self.solution.clone()
-        };
-        for (at, &i) in order.condensed.iter().enumerate() {
-            all.reaction[i] = self.solution.reaction[at];
-            all.closed[i] = true;
-        }
-        for (at, &i) in order.active.iter().enumerate() {
-            let stretch = self.stretch[at];
-            all.reaction[i] = self.springs.stiffness[at] * self.pushing(at);
-            all.closed[i] = self.imposed.as_ref().map_or(stretch > 0.0, |closed| closed[at]);
-            all.gap[i] = if all.closed[i] { 0.0 } else { self.springs.softening[at] * self.multiplier[at] - stretch };
-        }
-        all
     }
 }

@@ -1,6 +1,6 @@
 //! What the points push with.
 
-use super::Descent;
+use super::descent::Descent;
 
 impl Descent<'_> {
     /// The part of a stretch that pushes.
@@ -18,6 +18,18 @@ impl Descent<'_> {
     pub(super) fn largest_push(&self) -> f64 {
         let k = &self.springs.stiffness;
         (0..k.len()).fold(0.0, |most: f64, i| most.max(k[i] * self.pushing(i)))
+    }
+
+    /// Points of the active set that push.
+    pub(super) fn pushing_points(&self) -> Vec<bool> {
+        self.stretch.iter().map(|&stretch| stretch > 0.0).collect()
+    }
+
+    /// Springs no stiffer than a limit, over the plate's stiffness in shear.
+    pub(super) fn soften(&mut self, limit: f64) {
+        self.limit = limit;
+        self.springs = self.problem.active.softened(limit);
+        self.balance();
     }
 
     /// Multipliers become the present forces; the largest change of one.

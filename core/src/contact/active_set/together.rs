@@ -1,78 +1,24 @@
-//! Many loads side by side: what their descents ask of one factor is solved together, so that it is read once for all.
+//! Many loads side by side: what their directions ask of one factor is solved together, so that it is read once for all.
 //!
-//! A descent waits at its desk for K̃⁻¹ times a vector; those that have it go on in parallel until they wait again. Each is
-//! computed as if it were alone, so that neither order nor number of threads changes a bit.
+//! Each goes on as if it were alone, in parallel with the others, so that neither order nor number of threads changes a bit.
 
+use super::newton::{Newton, Next};
 use super::{Reference, Start};
-use crate::cholesky::{Factor, FactorError, LANES};
+use crate::cholesky::{FactorError, LANES};
 use crate::contact::problem::ContactProblem;
-use crate::contact::solution::ContactSolution;
+use crate::contact::solution::{ContactSolution, Outcome};
 use rayon::prelude::*;
-use std::future::{Future, poll_fn};
-use std::mem::replace;
-use std::pin::{Pin, pin};
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::task::{Context, Poll, Waker};
 
-/// Descents that are under way at once.
-const SEATS: usize = LANES;
+/// Loads that are under way at once.
+const AT_ONCE: usize = LANES;
 
-/// Where one descent asks and is answered.
-#[derive(Default)]
-pub(super) struct Desk(Mutex<Letter>);
-
-#[derive(Default)]
-enum Letter {
-    #[default]
-    None,
-    Asked(Vec<f64>),
-    Solved(Vec<f64>),
-}
-
-impl Desk {
-    fn letter(&self) -> MutexGuard<'_, Letter> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// K̃⁻¹ times a vector in elimination order.
-    pub(super) async fn solve(&self, vector: Vec<f64>) -> Vec<f64> {
-        *self.letter() = Letter::Asked(vector);
-        poll_fn(|_| {
-            let mut letter = self.letter();
-            match replace(&mut *letter, Letter::None) {
-                Letter::Solved(solved) => Poll::Ready(solved),
-                waiting => {
-                    *letter = waiting;
-                    Poll::Pending
-                }
-            }
-        })
-        .await
-    }
-
-    fn asked(&self) -> Option<Vec<f64>> {
-        match replace(&mut *self.letter(), Letter::None) {
-            Letter::Asked(vector) => Some(vector),
-            _ => None,
-        }
-    }
-}
-
-/// The end of what waits for no one.
-pub(super) fn at_once<T>(work: impl Future<Output = T>) -> T {
-    match pin!(work).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(done) => done,
-        Poll::Pending => unreachable!("only at a desk is there waiting"),
-    }
-}
-
-type Solved = Result<ContactSolution, FactorError>;
-
-/// A descent, the number of its load, and its answer once it has one.
-struct Seat<'a> {
-    load: usize,
-    descent: Pin<Box<dyn Future<Output = Solved> + Send + 'a>>,
-    solved: Option<Solved>,
+/// A load under way: its number, what it asked for and was answered, and its solution once it has one.
+struct UnderWay<'a> {
+    number: usize,
+    newton: Newton<'a>,
+    asked: Option<Vec<f64>>,
+    answer: Option<Vec<f64>>,
+    ended: Option<Result<Outcome, FactorError>>,
 }
 
 impl ContactProblem {
@@ -88,61 +34,61 @@ impl ContactProblem {
     ) -> Result<Vec<ContactSolution>, FactorError> {
         let start = reference.map(Reference::start);
         let factor = &start.as_ref().and_then(|start| start.factored).unwrap_or(&self.base).factor;
-        let desks: Vec<Desk> = (0..SEATS).map(|_| Desk::default()).collect();
-        let mut seats: Vec<Option<Seat>> = desks.iter().map(|_| None).collect();
+        let mut under_way: Vec<UnderWay> = Vec::with_capacity(AT_ONCE);
         let mut left = loads.iter().enumerate();
         let mut solved: Vec<Option<ContactSolution>> = loads.iter().map(|_| None).collect();
         loop {
-            for (seat, desk) in seats.iter_mut().zip(&desks).filter(|(seat, _)| seat.is_none()) {
-                *seat = left.next().map(|(number, load)| self.seat(number, load, held_value, start.as_ref(), desk));
-            }
-            if seats.iter().all(Option::is_none) || !watch() {
-                return Ok(solved.into_iter().flatten().collect());
-            }
-            seats.par_iter_mut().flatten().for_each(Seat::go_on);
-            for seat in &mut seats {
-                if let Some(Seat { load, solved: Some(answer), .. }) = seat.take_if(|seat| seat.solved.is_some()) {
-                    solved[load] = Some(answer?);
+            let next: Vec<(usize, &Vec<f64>)> = left.by_ref().take(AT_ONCE - under_way.len()).collect();
+            let begun: Vec<(usize, Option<Newton>)> = next
+                .into_par_iter()
+                .map(|(number, load)| Ok((number, self.begun(load, held_value, start.as_ref())?)))
+                .collect::<Result<_, FactorError>>()?;
+            for (number, newton) in begun {
+                match newton {
+                    Some(newton) => under_way.push(UnderWay { number, newton, asked: None, answer: None, ended: None }),
+                    None => solved[number] = Some(self.without_solution(held_value, Outcome::Unsolved)),
                 }
             }
-            answer(factor, &desks)?;
+            if under_way.is_empty() && left.len() == 0 || !watch() {
+                return Ok(solved.into_iter().flatten().collect());
+            }
+            under_way.par_iter_mut().for_each(UnderWay::go_on);
+            let (ended, waiting): (Vec<_>, _) = under_way.into_iter().partition(|load| load.ended.is_some());
+            under_way = waiting;
+            for UnderWay { number, newton, ended, .. } in ended {
+                if let Some(outcome) = ended {
+                    solved[number] = Some(newton.ended(outcome?));
+                }
+            }
+            let mut block: Vec<f64> = under_way.iter_mut().filter_map(|load| load.asked.take()).flatten().collect();
+            factor.solve_side_by_side(&mut block)?;
+            for (load, answer) in under_way.iter_mut().zip(block.chunks_exact(factor.len())) {
+                load.answer = Some(answer.to_vec());
+            }
         }
     }
 
-    fn seat<'a>(
+    fn begun<'a>(
         &'a self,
-        number: usize,
         load: &'a [f64],
-        held_value: &'a [f64],
-        start: Option<&'a Start<'a>>,
-        desk: &'a Desk,
-    ) -> Seat<'a> {
+        held_value: &[f64],
+        start: Option<&Start<'a>>,
+    ) -> Result<Option<Newton<'a>>, FactorError> {
         let referred = start.is_some();
         // Without a load the plate is at rest, exactly so only if it begins there.
         let start = start.filter(|_| load.iter().any(|&force| force != 0.0));
-        let shared = self.constraints.rows.is_empty() && start.is_some() == referred;
-        let desk = shared.then_some(desk);
-        let descent = async move { self.descend(load, held_value, start, desk, &mut |_| true).await };
-        Seat { load: number, descent: Box::pin(descent), solved: None }
+        let shares = self.constraints.rows.is_empty() && start.is_some() == referred;
+        self.newton(load, held_value, start, shares)
     }
 }
 
-impl Seat<'_> {
+impl UnderWay<'_> {
+    /// Goes on until it waits for the factor again, or ends; one that does not share it goes on to the end.
     fn go_on(&mut self) {
-        if let Poll::Ready(solved) = self.descent.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
-            self.solved = Some(solved);
+        match self.newton.go_on(self.answer.take(), &mut |_| true) {
+            Ok(Next::Solve(vector)) => self.asked = Some(vector),
+            Ok(Next::End(outcome)) => self.ended = Some(Ok(outcome)),
+            Err(error) => self.ended = Some(Err(error)),
         }
     }
-}
-
-/// Answers all that ask.
-fn answer(factor: &Factor, desks: &[Desk]) -> Result<(), FactorError> {
-    let (asking, vectors): (Vec<&Desk>, Vec<Vec<f64>>) =
-        desks.iter().filter_map(|desk| Some((desk, desk.asked()?))).unzip();
-    let mut block = vectors.concat();
-    factor.solve_side_by_side(&mut block)?;
-    for (desk, solved) in asking.iter().zip(block.chunks_exact(factor.len())) {
-        *desk.letter() = Letter::Solved(solved.to_vec());
-    }
-    Ok(())
 }

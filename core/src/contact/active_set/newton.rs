@@ -1,0 +1,224 @@
+//! From Newton step to Newton step until the set of closed points settles; a step waits for what its direction asks of the
+//! factor, so that many loads can ask it together.
+
+use super::descent::Descent;
+use super::direction::{ConjugateGradients, Direction, Followed};
+use super::{
+    BALANCED, FIRM, LASTING, LOOSE, NEARLY, NEWTON, PATIENT, Progress, ROUNDING, SETTLED, SLOW, STALLS, STEADY,
+    STIFFER, STIFFEST, TIGHT,
+};
+use crate::cholesky::FactorError;
+use crate::contact::solution::{ContactSolution, Outcome};
+
+/// What a descent needs to go on.
+pub(super) enum Next {
+    /// K̃⁻¹ times a vector, both in elimination order.
+    Solve(Vec<f64>),
+    End(Outcome),
+}
+
+/// Newton's method on one load.
+pub(super) struct Newton<'a> {
+    pub(super) descent: Descent<'a>,
+    /// Whether it began with another solution rather than at rest.
+    started: bool,
+    step: usize,
+    /// Points that are closed in the present step, and that were in the one before.
+    closed: Vec<bool>,
+    last: Vec<bool>,
+    /// The direction that is being sought.
+    gradients: Option<ConjugateGradients>,
+    /// Steps one after another that left most of the imbalance.
+    stalled: usize,
+    since_settled: usize,
+    /// Whether the start has turned out to be too far away.
+    far: bool,
+    before: f64,
+    /// Steps on unchanged sets since the least imbalance, and that.
+    lasting: usize,
+    lowest: f64,
+    /// A force that counts although nothing may push in the end.
+    least: f64,
+}
+
+impl<'a> Newton<'a> {
+    pub(super) fn new(descent: Descent<'a>, started: bool) -> Self {
+        // From rest, the first step takes every point closed, as the factor does.
+        let closed: Vec<bool> = descent.stretch.iter().map(|&s| s > 0.0 || !started).collect();
+        // Without a load nothing may push in the end, so forces count from those of the settlements at the start.
+        let least = if descent.load.iter().all(|&f| f == 0.0) { descent.largest_push() } else { 0.0 };
+        Self {
+            descent,
+            started,
+            step: 0,
+            last: closed.clone(),
+            closed,
+            gradients: None,
+            stalled: 0,
+            since_settled: 0,
+            far: false,
+            before: f64::INFINITY,
+            lasting: 0,
+            lowest: f64::INFINITY,
+            least,
+        }
+    }
+
+    /// Goes on to the end, asking the factor itself.
+    pub(super) fn run(&mut self, watch: &mut dyn FnMut(Progress) -> bool) -> Result<Outcome, FactorError> {
+        let mut answer = None;
+        loop {
+            match self.go_on(answer.take(), watch)? {
+                Next::End(outcome) => return Ok(outcome),
+                Next::Solve(mut vector) => {
+                    let factor = &self.descent.given.factor;
+                    factor.forward(&mut vector)?;
+                    factor.backward(&mut vector)?;
+                    answer = Some(vector);
+                }
+            }
+        }
+    }
+
+    /// Goes on with the answer to what was asked for, if anything was.
+    pub(super) fn go_on(
+        &mut self,
+        mut answer: Option<Vec<f64>>,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Next, FactorError> {
+        loop {
+            let direction = match self.gradients.take() {
+                Some(mut gradients) => {
+                    let along = match answer.take() {
+                        Some(solved) => self.descent.preconditioned(gradients.residual(), &solved),
+                        None if self.descent.shares() => {
+                            let asked = self.descent.problem.gather(gradients.residual());
+                            self.gradients = Some(gradients);
+                            return Ok(Next::Solve(asked));
+                        }
+                        None => self.descent.precondition(gradients.residual())?,
+                    };
+                    match self.descent.follow(&mut gradients, along) {
+                        Followed::On => {
+                            self.gradients = Some(gradients);
+                            continue;
+                        }
+                        Followed::Impatient => {
+                            self.gradients = Some(self.descent.refactored(gradients)?);
+                            continue;
+                        }
+                        Followed::Found(direction) => direction,
+                    }
+                }
+                None => match self.begin_step() {
+                    Some(end) => return Ok(Next::End(end)),
+                    None if self.gradients.is_some() => continue,
+                    None => Direction::zeros(self.descent.load.len(), self.descent.solution.reaction.len()),
+                },
+            };
+            if let Some(outcome) = self.end_step(&direction, watch)? {
+                return Ok(Next::End(outcome));
+            }
+        }
+    }
+
+    /// The solution, with every point in the caller's order.
+    pub(super) fn ended(self, outcome: Outcome) -> ContactSolution {
+        let found = self.descent.in_order();
+        if outcome == Outcome::Solved { found.solved() } else { found.failed(outcome) }
+    }
+
+    /// Begins a step, by seeking its direction unless nothing is out of balance; its end, if that was the last one.
+    fn begin_step(&mut self) -> Option<Outcome> {
+        self.step += 1;
+        if self.step > NEWTON {
+            return Some(Outcome::Unsolved);
+        }
+        let same = self.step > 1 && self.closed == self.last;
+        let lost = self.since_settled == PATIENT || self.stalled == STALLS;
+        if lost && self.descent.limit == STIFFEST && self.started {
+            // The start was too far away: begin with springs that bend the plate, like from rest.
+            (self.stalled, self.far) = (0, true);
+            self.descent.soften(self.descent.problem.first_limit);
+            self.closed = self.descent.pushing_points();
+        }
+        let mut settled = self.descent.rounding;
+        if self.step > 1 && self.descent.drift() {
+            self.closed = self.descent.pushing_points();
+            // What is left would only send a loose plate away.
+            let force = self.descent.problem.largest_force(self.descent.load, &self.descent.solution);
+            settled = settled.max(SETTLED * force);
+        }
+        let tolerance = match (same, self.since_settled < PATIENT) {
+            (true, _) => TIGHT,
+            (false, true) => LOOSE,
+            (false, false) => FIRM,
+        };
+        if self.descent.step.worst > settled || self.descent.step.worst.is_nan() {
+            self.gradients = Some(self.descent.gradients(&self.closed, tolerance, true));
+        }
+        None
+    }
+
+    /// Follows the direction, and judges where it has led to.
+    fn end_step(
+        &mut self,
+        direction: &Direction,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Option<Outcome>, FactorError> {
+        let descent = &mut self.descent;
+        descent.advance(direction, &self.closed);
+        self.last = std::mem::replace(&mut self.closed, descent.pushing_points());
+        let unchanged = self.closed == self.last;
+        let force = descent.problem.largest_force(descent.load, &descent.solution);
+        let force = force.max(descent.largest_push()).max(self.least);
+        let settling = unchanged || descent.step.worst <= NEARLY * SETTLED * force;
+        self.since_settled += 1;
+        if settling {
+            self.since_settled = 0;
+            descent.refine()?;
+            // Multipliers follow an equilibrium, not what comes before it.
+            let balanced = descent.step.worst <= BALANCED * force;
+            let renewed = if balanced { descent.renew_multipliers() } else { f64::INFINITY };
+            if descent.limit < STIFFEST && renewed <= STEADY * force {
+                descent.soften(f64::min(STIFFER * descent.limit, STIFFEST));
+                (self.before, self.lasting, self.lowest) = (f64::INFINITY, 0, f64::INFINITY);
+            }
+            self.closed = descent.pushing_points();
+        }
+        let changing = self.closed.iter().zip(&self.last).filter(|(a, b)| a != b).count();
+        let worst = descent.step.worst;
+        if !worst.is_finite() {
+            return Ok(Some(Outcome::Unsolved));
+        }
+        if !watch(Progress { step: self.step, changing, residual: worst / force }) {
+            return Ok(Some(Outcome::Interrupted));
+        }
+        if !settling || self.descent.limit != STIFFEST {
+            return Ok(None);
+        }
+        Ok(self.settled(worst, force, unchanged))
+    }
+
+    /// How it ends with springs as stiff as they become, if it does.
+    fn settled(&mut self, worst: f64, force: f64, unchanged: bool) -> Option<Outcome> {
+        if worst <= f64::max(SETTLED * force, self.descent.rounding) {
+            return Some(Outcome::Solved);
+        }
+        // Points that neither push nor gape may change sides for ever; what is out of balance tells nothing more.
+        let idle = unchanged || worst <= NEARLY * SETTLED * force;
+        self.stalled = if idle && worst > SLOW * self.before { self.stalled + 1 } else { 0 };
+        if self.stalled == STALLS || self.lasting == LASTING {
+            if worst <= ROUNDING * force {
+                return Some(Outcome::Solved);
+            }
+            if !self.started || self.far || self.lasting == LASTING {
+                return Some(Outcome::Unsolved);
+            }
+        }
+        self.before = worst;
+        self.lasting = if worst <= SLOW * self.lowest { 0 } else { self.lasting + usize::from(unchanged) };
+        self.lowest = f64::min(self.lowest, worst);
+        None
+    }
+}
