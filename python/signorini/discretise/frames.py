@@ -23,7 +23,7 @@ class Holds:
     slope_by: dict[int, int] = field(default_factory=dict)
 
     def deflection(self, node: int, value: float, support: int) -> None:
-        """Hold a node's deflection; supports that do so at one value share its reaction."""
+        """Hold a node's deflection; supports that do so, which agree on its value, share its reaction."""
         self.value.setdefault(node, value)
         holders = self.by.setdefault(node, [])
         if support not in holders:
