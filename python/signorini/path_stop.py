@@ -59,8 +59,6 @@ class PathStop:
     largest, smallest : float
         Extremes of the deflection over the nodes.
     largest_at, smallest_at : (x, y)
-    resultants : (3,) array
-        What all supports exert upwards: the force, and its two moments over the plate's size (see `resultants`).
     work, work_size : float
         Sum of nodal loads times displacements, which is the same for all solutions of one load, and of the magnitudes.
     """
@@ -76,7 +74,6 @@ class PathStop:
     smallest: float
     largest_at: tuple[float, float]
     smallest_at: tuple[float, float]
-    resultants: Floats
     work: float
     work_size: float
 
@@ -103,12 +100,6 @@ def switches(found: Discretisation, points: Ints, answer: Answer) -> tuple[Switc
         )
         for i in points
     )
-
-
-def resultants(found: Discretisation, nodal: Floats) -> Floats:
-    """Force of a nodal load (3n,), and its two moments over the plate's size."""
-    size = found.mesh.size
-    return np.asarray(np.einsum("ij,i->j", found.rigid_motions, nodal) / [1.0, size, size])
 
 
 def path_stop(
@@ -139,7 +130,6 @@ def path_stop(
         float(deflection[least]),
         at[0],
         at[1],
-        resultants(found, held_force + found.spring_rows.T @ pull + found.contact_rows.T @ answer.reaction),
         float(works.sum()),
         float(np.abs(works).sum()),
     )

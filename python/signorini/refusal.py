@@ -41,6 +41,12 @@ wide: 4 times as many along their longer sides, or fewer across; or calculate a 
             f" Rounding may be {certificate.rounding:.0e} of the forces that act; over {CERTIFIABLE:g} of them it "
             "certifies nothing."
         )
+    if certificate.lost > CERTIFIABLE:
+        why = (
+            f"Over {CERTIFIABLE:g} that proves nothing: a stress-free curvature, or a load that balances itself, is so "
+            "much larger than the others that these are lost in its rounding. Correct it, or give it a combination of "
+            "its own."
+        )
     return f'"{name}" is refused, its certificate {certificate}.{vain}{" " if why else ""}{why}'
 
 
