@@ -77,7 +77,7 @@ def path(
     >>> round(found.at(event.t).supports[1].reaction, 6), round(found.at(event.t).probe([2, 2])[0].deflection, 12)
     (0.0, 0.001)
     """
-    watcher = progress or (lambda now: None)
+    watcher = arguments.watching(progress, "progress")
     watcher(Progress(stage="mesh"))
     found = discretise(model)
     if add is None:

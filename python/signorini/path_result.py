@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from signorini import _core
+from signorini import _core, arguments
 from signorini.answer import Answer, NotUnique
-from signorini.arguments import number
 from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
@@ -136,7 +135,8 @@ class Path(Remade):
         return tuple(stretches)
 
     def words(self, index: int) -> str:
-        """Say what happens at a stop."""
+        """Say what happens at a stop, by its number from 0."""
+        index = arguments.index(index, len(self.stops), "stop", "index")
         stop = self.stops[index]
         event = stop.event or ("begin" if index == 0 else "end")
         jumps = index < len(self.segments) and self.segments[index].jumps
@@ -195,7 +195,7 @@ class Path(Remade):
         NotCertifiedError
             If the answer fails its certificate.
         """
-        t = number(t, "t")
+        t = arguments.number(t, "t")
         open_ended = self.ending == "no_more_events"
         if not (0 <= t <= self.end or (open_ended and self.end < t < np.inf)):
             raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{self.end:.12g}'}.")

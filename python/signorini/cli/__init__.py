@@ -23,8 +23,6 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini.inputfile import with_line
 
 _MOST_REASONS = 20
-_OPTIONS = {"start": "--from", "add": "--add", "until": "--until"}
-"""Arguments of `signorini.path` by their names on the command line."""
 _WIDTH_OF_FILES = 160
 """Where the output is no terminal, tables keep their width up to this, so that programs find a row on a line."""
 

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini import _core
-from signorini.arguments import made_by
+from signorini.arguments import known, made_by
 from signorini.discretise.averages import PlateStiffness
 from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
@@ -83,10 +83,17 @@ class Discretisation(Remade):
         return self.mesh.middle
 
     def load(self, combination: Combination) -> CaseLoad:
-        """Sum of the cases times their factors."""
+        """Sum of the cases times their factors.
+
+        Raises
+        ------
+        InputError
+            If it is no combination, or names a load case that there is not.
+        """
+        made_by(combination, Combination, "Take one of model.effective_combinations.", "combination")
         total = CaseLoad.none(self.mesh.node_count, len(self.mesh.elements))
         for case, factor in (combination.factors or {}).items():
-            total = total + factor * self.cases[case]
+            total = total + factor * self.cases[known(case, self.cases, "load case", "factors")]
         return total
 
 
