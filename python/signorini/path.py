@@ -26,6 +26,8 @@ from signorini.stability import CONTRADICTION, floats, largest_factor, supports_
 
 _NAMED = 20
 """Combinations that a message names."""
+_LOST = 1e-6
+"""What reactions may miss of the loads that have a resultant: a path decides by less than a single answer shows."""
 _AT_LIMIT = 1e-6
 """Distance from the limit of equilibrium, over the limit, that is none: the last contact sets barely hold the plate."""
 
@@ -195,6 +197,8 @@ def _trace(
         shown.append(answer.closed)
         switched = np.flatnonzero(shown[-1] != shown[-2]) if len(shown) > 1 else points
         stop = path_stop(found, t, load, points, switched, answer)
+        if certificate.lost > _LOST:
+            raise NotCertifiedError
         certificates.append(certificate)
         stops.append(stop)
         watcher(Progress(f"t = {t:.6g}, event {len(stops)}"))

@@ -78,6 +78,11 @@ class PathStop:
     work_size: float
 
     @property
+    def utmost(self) -> float:
+        """The extreme of the deflection that is larger in size, negative where the plate lifts most."""
+        return self.smallest if -self.smallest > self.largest else self.largest
+
+    @property
     def event(self) -> str:
         """What opens and closes here, in words; empty at the beginning and at the end."""
         said = []

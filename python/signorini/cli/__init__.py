@@ -132,11 +132,13 @@ def check(
     """Validate, mesh, draw, and see whether the supports can balance every combination; solve nothing."""
     with _messages(file):
         from signorini.check import check as checked
-        from signorini.check import require_picture
+        from signorini.check import require_free, require_picture
 
         model = signorini.load(file)
         picture = output if output is not None else file.with_name(f"{file.stem}-check.png")
         require_picture(picture)
+        if output is None:
+            require_free(picture)
         found = checked(model)
         found.save_picture(picture)
         tables.print_check(_stdout(), found)
