@@ -8,6 +8,8 @@ import pytest
 
 import signorini
 from signorini import InputError, Model, contact_problem, path, solve
+from signorini.model import Combination, Support
+from signorini.solve import solve_one
 
 NAN = float("nan")
 POINTS = "it must be a point [x, y] or a sequence of them"
@@ -26,7 +28,8 @@ def slab() -> SimpleNamespace:
     problem = contact_problem(model)
     return SimpleNamespace(
         model=model,
-        result=solve(model)["all"],
+        results=(results := solve(model)),
+        result=results["all"],
         path=path(model, "G", "Q", until=2),
         problem=problem,
         load=problem.load("all"),
@@ -81,11 +84,30 @@ def slab() -> SimpleNamespace:
         (lambda s: signorini.load(None), "path: found None; it must be the path of an input file"),
         (lambda s: signorini.validate(None), "found nothing; it must be a table"),
         (lambda s: Model(foo=3), "material: 'material' is missing"),
+        (lambda s: Model({}), "Model: found {}; a table takes its keys by name, Model(key=value, ...)"),
+        (lambda s: Support({"at": [1, 1]}), "Support: found {'at': [1, 1]}; a table takes its keys by name"),
+        (lambda s: solve(s.model, progress=3), "progress: found 3; it must be a function that takes a Progress"),
+        (lambda s: path(s.model, "G", "Q", progress=[]), "progress: found []; it must be a function"),
+        (lambda s: s.results["zz"], "combination: Unknown combination 'zz'. This mapping of results has: all."),
+        (lambda s: s.results[3], "combination: found 3; it must be the name of a combination"),
+        (lambda s: solve_one(s.problem, "G"), "combination: found 'G'; it must be a Combination."),
+        (lambda s: solve_one(s.problem, Combination(factors={"zz": 1})), "factors: Unknown load case 'zz'."),
+        (lambda s: solve_one(s.model, "G"), "it must be a ContactProblem. Make one with signorini.contact_problem"),
+        (lambda s: solve_one(s.problem, s.model.effective_combinations[0], 3), "progress: found 3; it must be"),
+        (lambda s: s.path.words(99), "index: found 99; it must be the number of a stop, 0 to"),
+        (lambda s: s.path.words(-1), "index: found -1; it must be the number of a stop, 0 to"),
+        (lambda s: s.path.words("0"), "index: found '0'; it must be the number of a stop, 0 to"),
     ],
 )
 def test_wrong_arguments_are_refused_in_words(slab: SimpleNamespace, call, message: str) -> None:
     with np.errstate(invalid="ignore"), pytest.raises(InputError, match=re.escape(message)):
         call(slab)
+
+
+def test_results_are_a_mapping_all_the_same(slab: SimpleNamespace) -> None:
+    assert "zz" not in slab.results and slab.results.get("zz") is None and "all" in slab.results
+    with pytest.raises(KeyError):
+        slab.results["zz"]
 
 
 def test_no_points_have_no_results(slab: SimpleNamespace) -> None:

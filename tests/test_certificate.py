@@ -7,6 +7,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+import signorini
 from signorini import InputError, Model, solve
 from signorini import path as follow
 from signorini.certificate import Certificate, certify
@@ -265,3 +266,67 @@ def test_a_mechanism_of_q8r_that_no_support_holds_has_no_answer(thickness: float
     )
     with pytest.raises(InputError, match=r'bends in some shapes without resistance.*"mitc9"'):
         solve(plate)
+
+
+BIG = {"case": "sun", "curvature": [1e9, 3e8, 0.0]}
+WEIGHT = {"case": "G", "pressure": 1e3}
+PADS = {"at": [[1, 1], [3, 1], [2.1, 3.2]]}
+CLAMPED_ALL_ROUND = {"edge": ["left", "right", "bottom", "top"], "fix": "clamped"}
+WAVE = {"case": "wave", "pressure": "1e19*cos(pi*x/2)*cos(pi*y/2)"}
+
+
+def plate_of(support, loads, **more):
+    return signorini.Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        mesh={"divisions": [8, 8]},
+        support=support,
+        load=loads,
+        **more,
+    )
+
+
+@pytest.mark.parametrize("hiding", [BIG, WAVE], ids=["a curvature", "a pressure that balances itself"])
+@pytest.mark.parametrize(
+    "supports",
+    [
+        [PADS],
+        [{"edge": ["left", "right"], "fix": "simple"}],
+        [{"area": "all", "stiffness": 1e7}],
+    ],
+)
+def test_a_weight_lost_in_what_has_no_resultant_is_refused(supports, hiding) -> None:
+    with pytest.raises(signorini.NotCertifiedError, match=r"reactions miss the load by .* lost in its rounding"):
+        signorini.solve(plate_of(supports, [WEIGHT, hiding]))
+
+
+def test_a_table_and_a_path_refuse_a_lost_weight_as_a_solve_does() -> None:
+    rows = [{"name": f"row {i}", "factors": {"G": 1.0 + i, "sun": 1.0}} for i in range(14)]
+    model = plate_of([PADS], [WEIGHT, BIG], combination=rows)
+    assert model.tabulated
+    with pytest.raises(signorini.NotCertifiedError, match="reactions miss the load"):
+        signorini.solve(model)
+    bed = [{"area": "all", "resists": "down", "stiffness": 1e7}]
+    with pytest.raises(signorini.NotCertifiedError):
+        signorini.solve(plate_of(bed, [WEIGHT, BIG], combination=rows))
+    followed = signorini.path(plate_of([{**PADS, "resists": "down"}], [WEIGHT, BIG]), "G", "sun")
+    assert followed.ending == "stopped" or followed.end < 1.0
+    assert followed.certificate.lost <= 1e-4
+
+
+@pytest.mark.parametrize(
+    ("supports", "loads"),
+    [
+        ([CLAMPED_ALL_ROUND], [BIG]),
+        ([PADS], [BIG]),
+        ([{"edge": ["left", "right"], "fix": "simple"}], [BIG, {"pressure": 0.0}]),
+        ([PADS], [{"force": 1e6, "at": [1.3, 2.2]}, {"force": -1e6, "at": [1.3, 2.2]}]),
+        ([PADS], [{"force": 1e6, "at": [1.3, 2.2]}, {"force": -1e6, "at": [2.3, 2.2]}]),
+        ([PADS], [WAVE]),
+        ([PADS], [WEIGHT, {"case": "sun", "curvature": [1e-3, 0.0, 0.0]}]),
+        ([{**PADS, "resists": "down"}], [WEIGHT, {"case": "sun", "curvature": [1.0, -2.0, 0.5]}]),
+    ],
+)
+def test_loads_without_a_resultant_lose_nothing_by_themselves(supports, loads) -> None:
+    certificate = signorini.solve(plate_of(supports, loads))["all"].certificate
+    assert certificate.passed and certificate.lost < 1e-8

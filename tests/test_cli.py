@@ -210,6 +210,30 @@ def test_check_draws_and_says_where_the_load_acts(slab: Path) -> None:
     assert not slab.with_name("slab-results").exists()
 
 
+def test_check_replaces_its_own_picture_and_no_file_of_others(slab: Path) -> None:
+    picture = slab.with_name("slab-check.png")
+    assert [run("check", slab).exit_code for _ in range(2)] == [0, 0]
+    picture.write_bytes(b"\x89PNG a photograph")
+    done = run("check", slab)
+    assert done.exit_code == 2
+    assert done.stderr == (
+        f"Error: {picture}: it is there already, and it is no picture that signorini drew. Move it, or name another "
+        "file with -o.\n"
+    )
+    assert picture.read_bytes() == b"\x89PNG a photograph"
+    assert run("check", slab, "-o", picture).exit_code == 0
+    assert picture.stat().st_size > 1000
+
+
+def test_a_path_shows_where_the_plate_lifts_more_than_it_sinks(slab: Path) -> None:
+    slab.write_text(SLAB + '[[load]]\ncase = "pull"\nforce = -12\nat = [0.1, 0.1]\n')
+    done = run("path", slab, "--add", "pull", "--from", "G", "--until", "1")
+    found = json.loads((slab.with_name("slab-path") / "path.json").read_text())
+    last = found["stops"][-1]["deflection"]
+    assert done.exit_code == 0 and -last["min"] > last["max"] > 0
+    assert f"{last['min']:.6g}" in done.stdout
+
+
 def test_check_finds_the_combination_without_equilibrium(slab: Path) -> None:
     slab.write_text(SLAB + STORM)
     picture = slab.with_name("plan.svg")

@@ -186,7 +186,7 @@ APART[8:] += 10.0 * np.array([1.0, 0.0, 0.0])
         (
             PLATE.points[:-1],
             [("quad8", PLATE.elements)],
-            "An element of the mesh file refers to node 36 .*has 36 nodes",
+            "An element of the mesh file refers to a node of index 36, .*has 36 nodes",
         ),
         (1e100 * PLATE.points, [("quad8", PLATE.elements)], r"lie within 4e\+100, .* at most 1e\+60"),
         (1e-61 * PLATE.points, [("quad8", PLATE.elements)], "must be at least 1e-60"),
@@ -273,3 +273,21 @@ def test_a_missing_file_and_a_directory_are_refused(tmp_path):
     for path in (tmp_path / "no.msh", tmp_path):
         with pytest.raises(InputError, match="There is no such mesh file"):
             read(path)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_a_node_without_a_finite_place_is_named(tmp_path, axis, wrong):
+    points = in_space(PLATE.points)
+    points[5, axis] = wrong
+    path = write(tmp_path / "plate.vtu", meshio.Mesh(points, [("quad8", PLATE.elements)]))
+    with pytest.raises(InputError, match=r"Node 5 \(the first has index 0\) of the mesh file is at \(.*finite number"):
+        read(path)
+
+
+def test_a_node_that_a_mesh_file_has_not_is_named_by_its_index(tmp_path):
+    elements = PLATE.elements.copy()
+    elements[0, 0] = 999
+    path = write(tmp_path / "plate.vtu", meshio.Mesh(in_space(PLATE.points), [("quad8", elements)]))
+    with pytest.raises(InputError, match=r"a node of index 999, where the first has 0; it has 37 nodes"):
+        read(path)

@@ -79,6 +79,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                         "equilibrium_limit",
                         "balance_limit",
                         "rounding",
+                        "lost",
                         "passed",
                     ]
                 ),

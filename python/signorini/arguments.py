@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Collection
+from collections.abc import Callable, Collection
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from signorini.errors import InputError, unknown
+
+_T = TypeVar("_T")
 
 
 def number(value: object, place: str) -> float:
@@ -74,6 +77,30 @@ def known(value: object, allowed: Collection[str], kind: str, place: str, owner:
     if found not in allowed:
         raise InputError(unknown(kind, found, allowed, owner), place=place)
     return found
+
+
+def index(value: object, count: int, kind: str, place: str) -> int:
+    """The number of one of so many things, from 0.
+
+    Examples
+    --------
+    >>> index(3, 3, "stop", "index")
+    Traceback (most recent call last):
+    signorini.errors.InputError: index: found 3; it must be the number of a stop, 0 to 2.
+    """
+    if isinstance(value, int | np.integer) and not isinstance(value, bool) and 0 <= value < count:
+        return int(value)
+    allowed = f"0 to {count - 1}"
+    raise InputError(f"found {reprlib.repr(value)}; it must be the number of a {kind}, {allowed}.", place=place)
+
+
+def watching(value: Callable[[_T], object] | None, place: str) -> Callable[[_T], object]:
+    """A function that watches, or of None one that sees nothing."""
+    if value is None:
+        return lambda now: None
+    if not callable(value):
+        raise InputError(f"found {reprlib.repr(value)}; it must be a function that takes a Progress.", place=place)
+    return value
 
 
 def made_by(value: object, kind: type, advice: str, place: str) -> None:

@@ -56,6 +56,10 @@ class Certificate:
     rounding : float
         Where a figure is judged by its limit, what rounding may be of the forces that act: of loads, of reactions, and,
         where settlements move the plate, of what bends it. Over 1e-4 that certifies nothing. 0 where no figure is.
+    lost : float
+        Where curvatures or loads that balance themselves act beside others: largest of force and two moments by which
+        reactions miss the resultant of those others, over the sum of their magnitudes or the largest total of a
+        support. Over 1e-4 the others are lost in the rounding of what has no resultant. 0 where all or nothing has one.
     """
 
     penetration: float
@@ -67,6 +71,7 @@ class Certificate:
     equilibrium_limit: float = 0.0
     balance_limit: float = 0.0
     rounding: float = 0.0
+    lost: float = 0.0
 
     @property
     def limited(self) -> bool:
@@ -77,14 +82,15 @@ class Certificate:
     def passed(self) -> bool:
         """Whether every figure is within tolerance, or within a limit that still certifies."""
         within = (getattr(self, name) <= max(TOLERANCE, getattr(self, f"{name}_limit", 0.0)) for name in FIGURES)
-        return all(within) and self.rounding <= CERTIFIABLE
+        return all(within) and self.rounding <= CERTIFIABLE and self.lost <= CERTIFIABLE
 
     def __str__(self) -> str:
         """Say it in a line."""
         figures = ", ".join(f"{name} {getattr(self, name):.1e}" for name in FIGURES)
         limits = ", ".join(f"{name} to {getattr(self, f'{name}_limit'):.0e}" for name in LIMITED)
         note = f"; arithmetic limits {limits}" if self.limited or self.rounding > CERTIFIABLE else ""
-        return f"{'passed' if self.passed else 'failed'}: {figures}{note}"
+        lost = f"; reactions miss the load by {self.lost:.0e} of it" if self.lost > CERTIFIABLE else ""
+        return f"{'passed' if self.passed else 'failed'}: {figures}{note}{lost}"
 
 
 def certify(
@@ -157,7 +163,8 @@ def certify(
         pressing = _largest(scale, force)
         reacting, away = np.abs(force) / (pressing or 1.0), np.abs(gap) / lengths
         both = np.max([np.minimum(reacting, away), *(np.where(those, away, reacting) for those in closed)], axis=0)
-        against = at_holds + found.spring_rows.T @ found.spring_forces(hi, lo) + found.contact_rows.T @ reaction
+        pull = found.spring_forces(hi, lo)
+        against = at_holds + found.spring_rows.T @ pull + found.contact_rows.T @ reaction
         out_of_balance, total = _balance(found, load.nodal, against)
         figures = {
             "penetration": _largest(
@@ -168,9 +175,10 @@ def certify(
             "equilibrium": _ratio(_by_force(at_free, across), scale),
             "balance": _ratio(out_of_balance, _largest(total, rest)),
         }
+        lost = _lost(found, load, against, _totals(found, at_holds, pull, reaction))
     worst = _largest(*(figures[name] for name in LIMITED))
     if worst <= TOLERANCE or not np.isfinite(worst):
-        return Certificate(**figures)
+        return Certificate(**figures, lost=lost)
 
     def left_by_rounding(at: Bools) -> float:
         return _ROUNDINGS * float(np.finfo(float).eps) * sum(forces_at_nodes(found, hi, lo, reaction, at))
@@ -194,6 +202,7 @@ def certify(
         **figures,
         **{f"{name}_limit": _ratio(rounding, loads) for name, (rounding, loads, _) in limits.items()},
         rounding=max(_ratio(rounding, acting) for rounding, _, acting in judged),
+        lost=lost,
     )
 
 
@@ -240,6 +249,26 @@ def _balance(found: Discretisation, nodal: Floats, against: Floats) -> tuple[flo
     # Threads of a linear algebra library would cost more than these sums.
     resultant = np.einsum("ij,i->j", motions, nodal - against)
     return _largest(resultant), max(_reaching(found, nodal), _reaching(found, against))
+
+
+def _lost(found: Discretisation, load: CaseLoad, against: Floats, totals: Floats) -> float:
+    """What the forces of supports (3n,) leave of the loads that have a resultant, where there are others too."""
+    if load.all_weighs or not load.weighing.any():
+        return 0.0
+    missing, _ = _balance(found, load.weighing, against)
+    return _ratio(missing, _largest(_reaching(found, load.weighing), totals))
+
+
+def _totals(found: Discretisation, at_holds: Floats, pull: Floats, reaction: Floats) -> Floats:
+    """Upward force (s,) of every support; of those that hold a node together the first has it."""
+    contacts, many = found.contacts, len(found.model.support)
+    forces = np.where(contacts.slope, 0.0, contacts.direction * reaction)
+    at_nodes = found.held.dofs[::3]
+    return np.asarray(
+        np.bincount(found.held.support[::3][at_nodes], at_holds[::3][at_nodes], many)
+        + np.bincount(found.springs.support, pull, many)
+        + np.bincount(contacts.support, forces, many)
+    )
 
 
 def _reaching(found: Discretisation, nodal: Floats) -> float:

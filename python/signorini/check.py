@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ from signorini.discretise.rows import Floats
 from signorini.equilibrium import RigidFreedom, allowed_motions, rigid_freedom, tipping_axis
 from signorini.errors import InputError
 from signorini.model import Combination, Model
+from signorini.regular import open_regular
 from signorini.sketch import load_marks, support_marks
 from signorini.stability import nearest_limit, on_the_brink, why_none
 
@@ -21,6 +23,8 @@ _NO_FORCE = 1e-12
 _WORK = 1e-10
 """Work below this part of the load times the motion is rounding."""
 _FORMATS = (".png", ".svg", ".pdf")
+_HEAD = 1000
+"""Bytes of a picture within which its metadata are."""
 
 
 @dataclass(frozen=True)
@@ -111,6 +115,31 @@ def require_picture(path: str | os.PathLike[str]) -> None:
     suffix = Path(path).suffix.lower()
     if suffix not in _FORMATS:
         raise InputError(f'found the suffix "{suffix}"; a picture ends in {", ".join(_FORMATS)}.', str(path))
+
+
+def require_free(path: str | os.PathLike[str]) -> None:
+    """Refuse a picture's name that a file has which is no picture of ours, by its metadata.
+
+    Raises
+    ------
+    InputError
+        If there is such a file.
+    """
+    # Only this function needs matplotlib.
+    from signorini.plot import DRAWN_BY
+
+    if not os.path.lexists(path):
+        return
+    try:
+        with open_regular(path, sys.maxsize) as file:
+            ours = DRAWN_BY.encode() in file.read(_HEAD)
+    except OSError:
+        ours = False
+    if not ours:
+        raise InputError(
+            "it is there already, and it is no picture that signorini drew. Move it, or name another file with -o.",
+            str(path),
+        )
 
 
 def check(model: Model) -> Check:

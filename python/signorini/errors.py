@@ -43,6 +43,10 @@ class InputError(SignoriniError):
         return f"{self.place}: {self.message}" if self.place else self.message
 
 
+class UnknownNameError(InputError, KeyError):
+    """A mapping has nothing of that name."""
+
+
 class NoEquilibriumError(SignoriniError):
     """The supports cannot hold the load: no reactions exist that balance it."""
 

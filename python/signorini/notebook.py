@@ -36,7 +36,7 @@ def supports_table(supports: Sequence[Support], found: Sequence[SupportResult], 
 
 
 def path_table(supports: Sequence[str], stops: Sequence[tuple[float, str, float, list[float]]], units: Units) -> str:
-    """Write the stops of a load path in HTML: t, what happens, the largest deflection, the supports' reactions.
+    """Write the stops of a load path in HTML: t, what happens, the deflection largest in size, the supports' reactions.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a load path is held to beside its certificate: reactions that are told from rounding, and direct solutions."""
+"""What a load path is held to beside its certificate: direct solutions."""
 
 from __future__ import annotations
 
@@ -7,37 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from signorini.certificate import certify, least_deflection
-from signorini.discretise import CaseLoad, Discretisation
-from signorini.path_stop import PathStop, path_stop, resultants
+from signorini.discretise import CaseLoad
+from signorini.path_stop import PathStop, path_stop
 from signorini.problem import ContactProblem
 
-_TOLD = 1e-6
-"""Part of the largest resultant or reaction by which the reactions at a stop may miss the load's resultant."""
 _SAME = 1e-6
 """Difference of deflections, over the largest, and of works, over the work, that is none."""
-_ROUNDED = 1e-12
-"""Part of the magnitudes that a sum is made of below which it is their rounding."""
 _MOVED = 1e-9
 """Part of the magnitudes that a work is made of which the rounding of t brings where a plate moves on its own."""
 _SAMPLES = 11
 """Parts of a path at whose ends it is compared with direct solutions."""
-
-
-def told(found: Discretisation, loads: tuple[CaseLoad, CaseLoad], stop: PathStop) -> bool:
-    """Whether the reactions at a stop balance the force and the moments of the load as such.
-
-    A certificate measures balance by all that the load is made of. Of a load without a resultant, as a curvature, that
-    may be so much more than what presses the plate on its supports that the reactions are nothing but its rounding.
-    """
-    parts = [resultants(found, load.nodal) for load in loads]
-    for part, load in zip(parts, loads, strict=True):
-        forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0)
-        part[np.abs(part) <= _ROUNDED * (forces + sum(couples) / found.mesh.size)] = 0.0
-    wanted, size = parts[0] + stop.t * parts[1], np.abs(parts[0]).max() + stop.t * np.abs(parts[1]).max()
-    if size == 0.0:
-        return True
-    missing = np.abs(stop.resultants - wanted).max()
-    return bool(missing <= _TOLD * max(size, np.abs(stop.reactions).max(initial=0.0)))
 
 
 def confirmed(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stops: Sequence[PathStop]) -> int:

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from signorini import _core
+from signorini import _core, arguments
 from signorini.answer import Answer, NotUnique
-from signorini.arguments import number
 from signorini.certificate import Certificate, certify
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
@@ -147,7 +146,8 @@ class Path(Remade):
         return tuple(stretches)
 
     def words(self, index: int) -> str:
-        """Say what happens at a stop."""
+        """Say what happens at a stop, by its number from 0."""
+        index = arguments.index(index, len(self.stops), "stop", "index")
         stop = self.stops[index]
         event = stop.event or ("begin" if index == 0 else "end")
         jumps = index < len(self.segments) and self.segments[index].jumps
@@ -155,12 +155,12 @@ class Path(Remade):
 
     def _repr_html_(self) -> str:
         rows = [
-            (stop.t, self.words(index), stop.largest, stop.reactions.tolist()) for index, stop in enumerate(self.stops)
+            (stop.t, self.words(index), stop.utmost, stop.reactions.tolist()) for index, stop in enumerate(self.stops)
         ]
         return path_table([support.name for support in self.model.support], rows, self.model.units)
 
     def plot(self) -> Figure:
-        """Draw deflections over t, of the probes or else the largest, and below it what part of each support is closed.
+        """Draw deflections over t, at the probes or else the extremes, and below it what part of supports is closed.
 
         Returns
         -------
@@ -171,12 +171,13 @@ class Path(Remade):
 
         positions = self.problem.discretisation.probe_positions.tolist()
         at_probes = np.array([stop.deflections for stop in self.stops])
+        extremes = {name: np.array([getattr(stop, name) for stop in self.stops]) for name in ("largest", "smallest")}
         curves = {f"at [{x:.6g}, {y:.6g}]": at_probes[:, i] for i, (x, y) in enumerate(positions)}
         supports = self.model.support
         parts = np.array([stop.closed / np.maximum(stop.counts, 1) for stop in self.stops[:-1]])
         return load_path_picture(
             [stop.t for stop in self.stops],
-            curves or {"largest": np.array([stop.largest for stop in self.stops])},
+            curves or extremes,
             dict(zip((support.name for support in supports), parts.reshape(-1, len(supports)).T, strict=True)),
             limit=self.end if self.ending == "no_equilibrium" else None,
             title=", ".join(part for part in (self.model.title, self.name) if part),
@@ -206,7 +207,7 @@ class Path(Remade):
         NotCertifiedError
             If the answer fails its certificate.
         """
-        t = number(t, "t")
+        t = arguments.number(t, "t")
         open_ended = self.ending == "no_more_events"
         if not (0 <= t <= self.end or (open_ended and self.end < t < np.inf)):
             raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{self.end:.12g}'}.")

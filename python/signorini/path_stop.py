@@ -59,8 +59,6 @@ class PathStop:
     largest, smallest : float
         Extremes of the deflection over the nodes.
     largest_at, smallest_at : (x, y)
-    resultants : (3,) array
-        What all supports exert upwards: the force, and its two moments over the plate's size (see `resultants`).
     work, work_size : float
         Sum of nodal loads times displacements, which is the same for all solutions of one load, and of the magnitudes.
     """
@@ -76,9 +74,13 @@ class PathStop:
     smallest: float
     largest_at: tuple[float, float]
     smallest_at: tuple[float, float]
-    resultants: Floats
     work: float
     work_size: float
+
+    @property
+    def utmost(self) -> float:
+        """The extreme of the deflection that is larger in size, negative where the plate lifts most."""
+        return self.smallest if -self.smallest > self.largest else self.largest
 
     @property
     def event(self) -> str:
@@ -103,12 +105,6 @@ def switches(found: Discretisation, points: Ints, answer: Answer) -> tuple[Switc
         )
         for i in points
     )
-
-
-def resultants(found: Discretisation, nodal: Floats) -> Floats:
-    """Force of a nodal load (3n,), and its two moments over the plate's size."""
-    size = found.mesh.size
-    return np.asarray(np.einsum("ij,i->j", found.rigid_motions, nodal) / [1.0, size, size])
 
 
 def path_stop(
@@ -139,7 +135,6 @@ def path_stop(
         float(deflection[least]),
         at[0],
         at[1],
-        resultants(found, held_force + found.spring_rows.T @ pull + found.contact_rows.T @ answer.reaction),
         float(works.sum()),
         float(np.abs(works).sum()),
     )

@@ -45,6 +45,12 @@ wide: 4 times as many along their longer sides, or fewer across; or calculate a 
             "certifies nothing."
         )
         why.append(_of_element(found))
+    if certificate.lost > CERTIFIABLE:
+        why = [
+            f"Over {CERTIFIABLE:g} that proves nothing: a stress-free curvature, or a load that balances itself, is so "
+            "much larger than the others that these are lost in its rounding. Correct it, or give it a combination of "
+            "its own."
+        ]
     return (
         f'"{name}" is refused, its certificate {certificate}.{vain}{"".join(f" {reason}" for reason in why if reason)}'
     )

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from signorini.answer import Answer
+from signorini.arguments import known, made_by, watching
 from signorini.certificate import Certificate, certify
 from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools
 from signorini.equilibrium import rigid_freedom
-from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, UnknownNameError
 from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, Method, Steps, contact_problem
 from signorini.progress import Progress, Watcher
@@ -59,8 +60,17 @@ class Results(Remade, Mapping[str, Result]):
     combined: Combined | None = None
 
     def __getitem__(self, name: str) -> Result:
-        """Return the result of a combination."""
-        return self.by_name[name]
+        """Return the result of a combination.
+
+        Raises
+        ------
+        UnknownNameError
+            Which is a KeyError too, if there is none of that name.
+        """
+        try:
+            return self.by_name[known(name, self.by_name, "combination", "combination", "This mapping of results")]
+        except InputError as error:
+            raise UnknownNameError(error.message, error.place) from None
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names of the combinations."""
@@ -148,7 +158,7 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
     ('solved', 200000.0, True)
     """
     begun = time.perf_counter()
-    watcher = progress or _nobody
+    watcher = watching(progress, "progress")
     watcher(Progress(stage="mesh"))
     found = discretise(model)
     watcher(Progress(stage="factor"))
@@ -202,7 +212,8 @@ def solve_one(problem: ContactProblem, combination: Combination, progress: Watch
     >>> round(solve_one(contact_problem(model), combination).reactions["bearings"], 3)
     200000.0
     """
-    return _solve_one(problem, combination, progress or _nobody)[0]
+    made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
+    return _solve_one(problem, combination, watching(progress, "progress"))[0]
 
 
 def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
@@ -246,10 +257,6 @@ def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combi
     elif asked != "none":
         names = set(combined.governing if asked == "governing" else asked)
         yield from (combination for combination in model.effective_combinations if combination.name in names)
-
-
-def _nobody(now: Progress) -> None:
-    """Watch nothing."""
 
 
 def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:

@@ -23,8 +23,6 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini.inputfile import with_line
 
 _MOST_REASONS = 20
-_OPTIONS = {"start": "--from", "add": "--add", "until": "--until"}
-"""Arguments of `signorini.path` by their names on the command line."""
 _WIDTH_OF_FILES = 160
 """Where the output is no terminal, tables keep their width up to this, so that programs find a row on a line."""
 
@@ -134,11 +132,13 @@ def check(
     """Validate, mesh, draw, and see whether the supports can balance every combination; solve nothing."""
     with _messages(file):
         from signorini.check import check as checked
-        from signorini.check import require_picture
+        from signorini.check import require_free, require_picture
 
         model = signorini.load(file)
         picture = output if output is not None else file.with_name(f"{file.stem}-check.png")
         require_picture(picture)
+        if output is None:
+            require_free(picture)
         found = checked(model)
         found.save_picture(picture)
         tables.print_check(_stdout(), found)

@@ -37,7 +37,7 @@ def print_path(console: Console, path: Path) -> None:
             continue
         shown = [number(value) for value in _shown(stop)]
         cells = shown if apart else [", ".join(shown)]
-        rows.add_row(f"{stop.t:.9g}", Text(path.words(index)), number(stop.largest), *cells)
+        rows.add_row(f"{stop.t:.9g}", Text(path.words(index)), number(stop.utmost), *cells)
     console.print(rows)
     console.print(Text(_ending(path)))
     for begin, end, one in path.not_unique[:_MOST_STRETCHES]:

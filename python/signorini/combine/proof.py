@@ -14,7 +14,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.certificate import FIGURES
-from signorini.discretise import Discretisation
+from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
 
 _WATCHED = 64
@@ -51,7 +51,7 @@ class Sizes:
     slip : float
         Largest violation of a held deflection; slopes count times the plate's size.
     balance, resultant : (3,) arrays
-        The resultants that supports do not balance, and those of the load.
+        The resultants that supports do not balance, and those of the load, of what of it has any.
     deflection, load : arrays
         Deflection of the nodes and load on the dofs that are watched.
     """
@@ -70,7 +70,7 @@ class Sizes:
         cls,
         found: Discretisation,
         watch: Watch,
-        nodal: Floats,
+        load: CaseLoad,
         hi: Floats,
         lo: Floats,
         reaction: Floats,
@@ -93,10 +93,10 @@ class Sizes:
             reaction,
             float(free.max(initial=0.0)),
             float(slip.max(initial=0.0)),
-            motions.T @ (nodal - on_plate),
-            motions.T @ nodal,
+            motions.T @ (load.weighing - on_plate),
+            motions.T @ load.weighing,
             hi[3 * watch.nodes],
-            nodal[watch.dofs] / unit[watch.dofs % 3],
+            load.nodal[watch.dofs] / unit[watch.dofs % 3],
         )
 
 

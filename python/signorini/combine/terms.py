@@ -104,7 +104,7 @@ class _Measured:
         """Read some terms."""
         found = self._found
         if loads is None:
-            nothing = CaseLoad(np.zeros(found.dof_count), np.zeros(3), np.zeros(2 * len(found.mesh.elements)))
+            nothing = CaseLoad.none(found.mesh.node_count, len(found.mesh.elements))
             loads = [nothing] * len(responses)
         nodes = found.mesh.node_count
         stresses = np.zeros((len(responses), nodes, 5))
@@ -135,7 +135,7 @@ class _Measured:
         self._probes.append(at_probes.ravel())
         forces = [np.concatenate([at_holds[::3][points.nodes], pull[points.springs]]) for points in self._supports]
         self._fixed.append(np.concatenate([np.zeros(0), *forces]))
-        self._sizes.append(Sizes.of(found, self._watch, load.nodal, hi, lo, reaction, imbalance, on_plate, at_rest))
+        self._sizes.append(Sizes.of(found, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest))
 
     def terms(self, cases: tuple[str, ...], shared: _core.CombinedCases) -> Terms:
         """Put the terms together."""

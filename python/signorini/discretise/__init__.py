@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini import _core
-from signorini.arguments import made_by
+from signorini.arguments import known, made_by
 from signorini.discretise.averages import PlateStiffness
 from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
@@ -85,25 +85,25 @@ class Discretisation(Remade):
     @cached_property
     def rigid_motions(self) -> Floats:
         """Nodal vectors (3n, 3) of the rigid motions w = 1, w = x − x0, w = y − y0 about the plate's middle."""
-        motions = np.zeros((self.mesh.node_count, 3, 3))
-        motions[:, 0, 0] = 1.0
-        motions[:, 0, 1:] = self.mesh.points - self.middle
-        for i in (0, 1):
-            slope = np.zeros((self.mesh.node_count, 2))
-            slope[:, i] = 1.0
-            motions[:, 1:, 1 + i] = self.held.from_global(slope)
-        return motions.reshape(-1, 3)
+        return self.held.rigid_motions(self.mesh.points, self.middle)
 
     @property
     def middle(self) -> Floats:
         """Middle of the plate's bounding box."""
-        return np.asarray(0.5 * (self.mesh.points.min(axis=0) + self.mesh.points.max(axis=0)))
+        return self.mesh.middle
 
     def load(self, combination: Combination) -> CaseLoad:
-        """Sum of the cases times their factors."""
-        total = CaseLoad(np.zeros(self.dof_count), np.zeros(3), np.zeros(2 * len(self.mesh.elements)))
+        """Sum of the cases times their factors.
+
+        Raises
+        ------
+        InputError
+            If it is no combination, or names a load case that there is not.
+        """
+        made_by(combination, Combination, "Take one of model.effective_combinations.", "combination")
+        total = CaseLoad.none(self.mesh.node_count, len(self.mesh.elements))
         for case, factor in (combination.factors or {}).items():
-            total = total + factor * self.cases[case]
+            total = total + factor * self.cases[known(case, self.cases, "load case", "factors")]
         return total
 
 

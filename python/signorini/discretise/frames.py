@@ -23,7 +23,7 @@ class Holds:
     slope_by: dict[int, int] = field(default_factory=dict)
 
     def deflection(self, node: int, value: float, support: int) -> None:
-        """Hold a node's deflection; supports that do so at one value share its reaction."""
+        """Hold a node's deflection; supports that do so, which agree on its value, share its reaction."""
         self.value.setdefault(node, value)
         holders = self.by.setdefault(node, [])
         if support not in holders:
@@ -88,3 +88,14 @@ class Held:
         c, s = self.frames.T
         x, y = covector.T
         return np.column_stack([c * x + s * y, c * y - s * x])
+
+    def rigid_motions(self, points: Floats, middle: Floats) -> Floats:
+        """Nodal vectors (3n, 3), of the motions w = 1, w = x − x0, w = y − y0 of points (n, 2) about a middle."""
+        motions = np.zeros((len(points), 3, 3))
+        motions[:, 0, 0] = 1.0
+        motions[:, 0, 1:] = points - middle
+        for i in (0, 1):
+            slope = np.zeros((len(points), 2))
+            slope[:, i] = 1.0
+            motions[:, 1:, 1 + i] = self.from_global(slope)
+        return motions.reshape(-1, 3)

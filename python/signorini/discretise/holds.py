@@ -7,13 +7,10 @@ import numpy as np
 from signorini.discretise.frames import PARALLEL, Held, Holds
 from signorini.discretise.places import Sampled, edge_nodes, located, mesh_edges, quadratic_tangents
 from signorini.discretise.rows import Ints
-from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
 
 _SAME_NODE = 1e-9
-_SAME_SETTLEMENT = 1e-9
-"""Part of a settlement, as of a varying one at a node that two supports share."""
 
 
 def hold(model: Model, mesh: Mesh) -> Held:
@@ -74,16 +71,6 @@ def _hold_points(mesh: Mesh, holds: Holds, index: int, support: Support) -> None
 def _hold_deflections(mesh: Mesh, holds: Holds, index: int, support: Support, nodes: Ints) -> None:
     settlement = support.settlement(*mesh.points[nodes].T, place=f"support[{index + 1}].settlement")
     for node, value in zip(nodes.tolist(), settlement.tolist(), strict=True):
-        held = holds.value.get(node, value)
-        if abs(value - held) > _SAME_SETTLEMENT * max(abs(value), abs(held)):
-            x, y = mesh.points[node]
-            first = holds.by[node][0] + 1
-            raise InputError(
-                f"Supports contradict each other at [{x:g}, {y:g}]: support[{first}] holds the plate at "
-                f"{held:g} there and this one at {value:g}. Correct a settlement, end one support short of there, or "
-                "give a stiffness.",
-                place=f"support[{index + 1}]",
-            )
         holds.deflection(node, value, index)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,8 @@ _GAUSS_VARYING = 5
 """Gauss points a direction where the load varies."""
 _CANCELLED = 16 * float(np.finfo(float).eps)
 """Part of two loads below which their sum is rounding: a plate held up by its buoyancy must not drift away on it."""
+_BALANCED = 1e-12
+"""Part of the magnitudes that a resultant is made of below which it is their rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,21 +35,41 @@ class CaseLoad:
         Stress-free curvatures kx, ky, kxy.
     couples : (2e,) array
         Couples on the centre rotations of the elements.
+    weighing: (3n,) array
+        Of ``nodal`` what has a resultant: without stress-free curvatures, and without loads that balance themselves.
     """
 
     nodal: Floats
     curvature: Floats
     couples: Floats
+    weighing: Floats
+
+    @classmethod
+    def none(cls, nodes: int, elements: int) -> CaseLoad:
+        """No load on a mesh of so many nodes and elements."""
+        nodal = np.zeros(3 * nodes)
+        return cls(nodal, np.zeros(3), np.zeros(2 * elements), nodal)
+
+    @property
+    def all_weighs(self) -> bool:
+        """Whether there is nothing else than what has a resultant."""
+        return self.weighing is self.nodal
 
     def __add__(self, other: CaseLoad) -> CaseLoad:
         """Let both act; where they cancel but for rounding, nothing does."""
+        nodal = _sum(self.nodal, other.nodal)
         return CaseLoad(
-            _sum(self.nodal, other.nodal), _sum(self.curvature, other.curvature), _sum(self.couples, other.couples)
+            nodal,
+            _sum(self.curvature, other.curvature),
+            _sum(self.couples, other.couples),
+            nodal if self.all_weighs and other.all_weighs else _sum(self.weighing, other.weighing),
         )
 
     def __rmul__(self, factor: float) -> CaseLoad:
         """Multiply by a factor."""
-        return CaseLoad(factor * self.nodal, factor * self.curvature, factor * self.couples)
+        nodal = factor * self.nodal
+        weighing = nodal if self.all_weighs else factor * self.weighing
+        return CaseLoad(nodal, factor * self.curvature, factor * self.couples, weighing)
 
 
 def _sum(a: Floats, b: Floats) -> Floats:
@@ -58,10 +80,18 @@ def _sum(a: Floats, b: Floats) -> Floats:
 def case_loads(model: Model, mesh: Mesh, plate: _core.Plate, held: Held) -> dict[str, CaseLoad]:
     """Every load case of the model, by name."""
     cases: dict[str, CaseLoad] = {}
+    motions = held.rigid_motions(mesh.points, mesh.middle) / [1.0, mesh.size, mesh.size]
     for index, load in enumerate(model.load):
-        found = _load(model, mesh, plate, held, load, f"load[{index + 1}]")
+        found = _weighed(motions, _load(model, mesh, plate, held, load, f"load[{index + 1}]"))
         cases[load.case] = cases[load.case] + found if load.case in cases else found
-    return cases
+    return {case: _weighed(motions, load) for case, load in cases.items()}
+
+
+def _weighed(motions: Floats, load: CaseLoad) -> CaseLoad:
+    """A load of which nothing weighs if it balances itself."""
+    resultant = np.abs(motions.T @ load.weighing)
+    balanced = (resultant <= _BALANCED * (np.abs(motions).T @ np.abs(load.weighing))).all()
+    return replace(load, weighing=np.zeros_like(load.nodal)) if balanced and load.nodal.any() else load
 
 
 def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, place: str) -> CaseLoad:
@@ -92,7 +122,7 @@ def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, 
             assert load.curvature is not None
             nodal, couples = plate.curvature_load(load.curvature)
             curvature = np.array(load.curvature)
-    return CaseLoad(nodal, curvature, couples)
+    return CaseLoad(nodal, curvature, couples, np.zeros_like(nodal) if load.kind == "curvature" else nodal)
 
 
 def _press(

@@ -60,7 +60,7 @@ def _position(mesh: Mesh, wheels: list[Wheel], patch: tuple[float, float] | None
         for at, direction, force in wheels:
             points = area_quadrature(mesh, Polygon(_print(at, direction, patch)), _GAUSS)
             push(mesh, nodal, points.elements, points.xi, force / (patch[0] * patch[1]) * points.weights)
-    return CaseLoad(nodal, np.zeros(3), np.zeros(2 * len(mesh.elements)))
+    return CaseLoad(nodal, np.zeros(3), np.zeros(2 * len(mesh.elements)), nodal)
 
 
 def _print(

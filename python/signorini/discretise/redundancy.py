@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
+from signorini.discretise.agreement import require_agreement
 from signorini.discretise.frames import Held
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import ContactPoints
@@ -21,7 +22,6 @@ _DEPENDENT = 1e-10
 _REFINED = 2
 """Corrections of a combination: by then it is right to the last digits."""
 _CONSISTENT = 1e-9
-_SAME_PLACE = 1e-9
 _MOST = 10_000
 """Two-sided points between nodes; to tell which follow from others takes a dense matrix of them."""
 
@@ -60,7 +60,7 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
     InputError
         If rigid ones contradict each other or a held dof.
     """
-    _require_room(mesh, contacts)
+    require_agreement(model, mesh, contacts)
     kept, repeated = _independent(mesh, held, _not_held(mesh, held, contacts))
     return kept, repeated.pick(_is_told(model, kept, repeated))
 
@@ -73,33 +73,6 @@ def _is_told(model: Model, contacts: ContactPoints, repeated: Repeated) -> Bools
     with_others = np.zeros(len(repeated), np.bool_)
     with_others[owner[contacts.support[of] != mine[owner]]] = True
     return np.asarray(~repeated.points.slope & (at_points | with_others))
-
-
-def _require_room(mesh: Mesh, contacts: ContactPoints) -> None:
-    """Refuse a rigid stop from below that is above a rigid one from above at the same point."""
-    rigid = np.flatnonzero((contacts.compliance == 0) & ~contacts.slope & ~contacts.two_sided)
-    spots = np.round(contacts.positions[rigid] / (_SAME_PLACE * mesh.size))
-    order = rigid[np.lexsort((contacts.distance[rigid], contacts.direction[rigid], *spots.T))]
-    at = np.round(contacts.positions[order] / (_SAME_PLACE * mesh.size))
-    # At each spot the narrowest stop of either direction comes first of its kind.
-    new_spot = np.append(True, (at[1:] != at[:-1]).any(axis=1))
-    new_kind = new_spot | np.append(True, np.diff(contacts.direction[order]) != 0)
-    facing = np.flatnonzero(new_kind & ~new_spot)
-    first = np.maximum.accumulate(np.where(new_spot, np.arange(len(order)), 0))[facing]
-    one, other = order[first], order[facing]
-    room = contacts.distance[one] + contacts.distance[other]
-    size = np.maximum(np.abs(contacts.distance[one]), np.abs(contacts.distance[other]))
-    if (none := room < -_CONSISTENT * size).any():
-        i = int(np.argmax(none))
-        x, y = contacts.positions[one[i]]
-        down, up = (one, other) if contacts.direction[one[i]] > 0 else (other, one)
-        most, least = contacts.distance[down[i]], 0.0 - contacts.distance[up[i]]
-        names = [f"support[{contacts.support[of[i]] + 1}]" for of in (down, up)]
-        raise InputError(
-            f"Supports contradict each other at [{x:g}, {y:g}]: {names[0]} lets the deflection be at most {most:g} "
-            f"there and {names[1]} at least {least:g}. Correct a gap or a settlement, or give a stiffness.",
-            place=names[1],
-        )
 
 
 def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:

@@ -112,6 +112,11 @@ class Mesh(Remade):
         return float(np.ptp(self.points, axis=0).max())
 
     @cached_property
+    def middle(self) -> Floats:
+        """Middle (2,) of the bounding box."""
+        return np.asarray(0.5 * (self.points.min(axis=0) + self.points.max(axis=0)))
+
+    @cached_property
     def nodes(self) -> Floats:
         """Positions (ne, 8, 2) of every element's nodes."""
         return np.asarray(self.points[self.elements])

@@ -21,12 +21,12 @@ _COINCIDENT = 1e-9
 def name_element(points: Floats, elements: Ints, index: int) -> str:
     """Name an element so that its owner finds it."""
     x, y = points[elements[index]].mean(axis=0)
-    return f"Element {index} (counted from 0) near ({x:g}, {y:g})"
+    return f"Element {index} (the first has index 0) near ({x:g}, {y:g})"
 
 
 def _name_node(points: Floats, index: int) -> str:
     x, y = points[index]
-    return f"node {index} (counted from 0) at ({x:g}, {y:g})"
+    return f"node {index} (the first has index 0) at ({x:g}, {y:g})"
 
 
 def check_numbers(points: Floats, elements: Ints) -> None:

@@ -163,14 +163,23 @@ def _require_nodes(data: meshio.Mesh, nodes: Ints, owner: str) -> None:
     wrong = (nodes < 0) | (nodes >= len(data.points))
     if wrong.any():
         raise InputError(
-            f"{owner} of the mesh file refers to node {int(nodes[wrong][0])} (counted from 0); it has "
+            f"{owner} of the mesh file refers to a node of index {int(nodes[wrong][0])}, where the first has 0; it has "
             f"{len(data.points)} nodes."
         )
 
 
 def _plane(points: Floats, elements: Ints) -> Floats:
     """Drop a constant third coordinate."""
-    used = points[np.unique(elements)]
+    nodes = np.unique(elements)
+    used = points[nodes]
+    finite = np.isfinite(used).all(axis=1)
+    if not finite.all():
+        node = int(np.argmin(finite))
+        at = ", ".join(f"{x:g}" for x in used[node])
+        raise InputError(
+            f"Node {nodes[node]} (the first has index 0) of the mesh file is at ({at}); every coordinate must be a "
+            "finite number."
+        )
     height = float(np.ptp(used[:, 2])) if points.shape[1] == 3 else 0.0
     if not height <= _SAME * float(np.ptp(used[:, :2], axis=0).max()):
         raise InputError(f"The mesh is not plane: z varies by {height:g}. A plate's nodes all need the same z.")
@@ -180,8 +189,6 @@ def _plane(points: Floats, elements: Ints) -> Floats:
 def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
     """Renumber used nodes, coincident ones alike: new numbers (n,), −1 of the unused, and an old number of each."""
     used = np.unique(elements)
-    if not np.isfinite(points[used]).all():
-        raise InputError("The mesh file has a coordinate that is not finite.")
     size, farthest = float(np.ptp(points[used], axis=0).max()), float(np.abs(points[used]).max())
     if size < 1 / LARGEST or farthest > LARGEST:
         raise InputError(

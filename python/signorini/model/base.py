@@ -44,6 +44,12 @@ class _InWords(ModelMetaclass):
 
         def __call__(cls, *args: Any, **keys: Any) -> Any:
             """Make a table. pydantic makes the tables within it without this, so that all problems are told at once."""
+            if args:
+                raise InputError(
+                    f"found {reprlib.repr(args[0])}; a table takes its keys by name, {cls.__name__}(key=value, ...), "
+                    f"or those of a mapping, {cls.__name__}(**mapping).",
+                    place=cls.__name__,
+                )
             try:
                 return super().__call__(*args, **keys)
             except ValidationError as error:

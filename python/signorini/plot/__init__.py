@@ -10,10 +10,11 @@ from signorini.plot.balance import BalanceMark
 from signorini.plot.field import contour, line
 from signorini.plot.load_path import load_path_picture
 from signorini.plot.marks import LoadMark, SupportMark, supports
-from signorini.plot.pictures import check_picture, deflection_picture, pressure_picture, save
+from signorini.plot.pictures import DRAWN_BY, check_picture, deflection_picture, pressure_picture, save
 from signorini.plot.pressure import PressureLayer, pressure
 
 __all__ = [
+    "DRAWN_BY",
     "Axes",
     "BalanceMark",
     "Figure",

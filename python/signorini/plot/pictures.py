@@ -19,6 +19,9 @@ from signorini.plot.plan import INK, checked_mesh, draw_outlines, draw_sheet, li
 from signorini.plot.pressure import PressureLayer, pressure
 from signorini.tessellation import tessellate
 
+DRAWN_BY = "signorini"
+"""What the metadata of pictures name as the program that drew them."""
+
 
 def deflection_picture(
     points: ArrayLike,
@@ -136,7 +139,8 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         The file cannot be written.
     """
     with replacing(path) as beside:
-        figure.savefig(beside, dpi=160, bbox_inches="tight", pad_inches=0.12)
+        key = "Software" if beside.suffix.lower() == ".png" else "Creator"
+        figure.savefig(beside, dpi=160, bbox_inches="tight", pad_inches=0.12, metadata={key: DRAWN_BY})
 
 
 def _name_place(axes: Axes, name: str, value: float, at: NDArray[np.float64], centre: NDArray[np.float64]) -> None:

@@ -1,0 +1,130 @@
+"""Rigid supports with settlements or gaps that contradict each other where they meet are refused, others are not."""
+
+import re
+
+import meshio
+import numpy as np
+import pytest
+
+import signorini
+from signorini import InputError, Model, path, solve
+from signorini.check import check
+from signorini.mesh.meshers import disc
+from signorini.quadrature.crossings import evaluate, quadratics
+
+ACROSS = {"line": [[0.5, 2.1], [3.5, 2.1]]}
+OBLIQUE = {"line": [[2.2, 0.5], [2.6, 3.5]]}
+RING = {"circle": {"center": [2.0, 2.0], "radius": 0.9}}
+PATCH = {"area": {"rectangle": [1.3, 1.2, 2.9, 2.7]}}
+ROUND = {"area": {"circle": {"center": [1.9, 2.0], "radius": 0.8}}}
+LOWER = {"settlement": 1e-3}
+PLATE = {"shape": "rectangle", "size": [4, 4], "thickness": 0.2}
+DISC = {"shape": "disc", "radius": 2.0, "center": [2.0, 2.0], "thickness": 0.2}
+SECTOR = {"shape": "disc", "radius": 2.0, "center": [2.0, 2.0], "sector": 180, "thickness": 0.2}
+
+
+def model(supports, plate=PLATE, **more):
+    return Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate=plate,
+        support=[*supports, {"name": "pads", "at": [[2.1, 2.6], [2.9, 3.1], [1.6, 3.2]], "stiffness": 1e6}],
+        load=[{"pressure": 5e3}],
+        **more,
+    )
+
+
+MEETING = {
+    "lines that cross": ([ACROSS, {**OBLIQUE, **LOWER}], PLATE),
+    "a line across a circle": ([{**ACROSS, **LOWER}, RING], PLATE),
+    "a line that touches a circle": ([{"line": [[1.1, 0.7], [1.1, 3.3]]}, {**RING, **LOWER}], PLATE),
+    "circles that cross": ([RING, {"circle": {"center": [2.4, 2.3], "radius": 0.6}, **LOWER}], PLATE),
+    "circles that touch": ([RING, {"circle": {"center": [2.3, 2.4], "radius": 0.4}, **LOWER}], PLATE),
+    "a circle twice": ([RING, {**RING, **LOWER}], PLATE),
+    "lines that overlap": ([ACROSS, {"line": [[1.0, 2.1], [3.9, 2.1]], **LOWER}], PLATE),
+    "a line from a held edge": ([{"edge": "left"}, {"line": [[0, 1.3], [1.7, 2.2]], **LOWER}], PLATE),
+    "a line from a clamped rim": ([{"edge": "rim", "fix": "clamped"}, {"line": [[2, 2], [3.2, 3.6]], **LOWER}], DISC),
+    "a circle cut by a sector": ([{"edge": "start"}, {**RING, **LOWER}], SECTOR),
+    "a point on a line": ([{"at": [[1.3, 2.1], [0.9, 0.9]]}, {**ACROSS, **LOWER}], PLATE),
+    "a point on a circle": ([{"at": [2.54, 2.72]}, {**RING, **LOWER}], PLATE),
+    "a point on an area": ([PATCH, {"at": [2.0, 1.7], **LOWER}], PLATE),
+    "a line over an area": ([PATCH, {**OBLIQUE, **LOWER}], PLATE),
+    "a line within an area": ([PATCH, {"line": [[1.9, 1.9], [2.1, 2.2]], **LOWER}], PLATE),
+    "areas that overlap": ([PATCH, {**ROUND, **LOWER}], PLATE),
+    "areas that touch": ([PATCH, {"area": {"rectangle": [2.9, 1.0, 3.7, 2.2]}, **LOWER}], PLATE),
+    "a line on a bed that has not settled": ([{"area": "all", "resists": "down"}, {**OBLIQUE, **LOWER}], PLATE),
+    "points at one place": ([{"at": [1.3, 2.3]}, {"at": [1.3, 2.3], **LOWER}], PLATE),
+    "points closer than a mesh can tell": ([{"at": [1.3, 2.3]}, {"at": [1.300001, 2.3], "settlement": 1e-6}], PLATE),
+    "a line that ends a hair short": ([ACROSS, {"line": [[2.2, 0.5], [2.4, 2.099999]], **LOWER}], PLATE),
+}
+
+
+@pytest.mark.parametrize("case", MEETING)
+def test_supports_that_contradict_each_other_where_they_meet_are_refused(case: str) -> None:
+    supports, plate = MEETING[case]
+    words = r"^support\[[12]\]: Supports contradict each other at \[.*\]: support\[[12]\].*support\[[12]\].*settlement"
+    for tables in (supports, supports[::-1]):
+        with pytest.raises(InputError, match=words):
+            solve(model(tables, plate))
+
+
+def test_the_message_names_place_supports_and_values() -> None:
+    words = (
+        "support[2]: Supports contradict each other at [2.4, 2]: support[1] holds the plate at 0.002 there and "
+        "support[2] at 0.001. Correct a gap or a settlement, or give a stiffness."
+    )
+    sloping = {"line": [[0.5, 2.0], [3.5, 2.0]], "settlement": "2e-3*x/2.4"}
+    with pytest.raises(InputError, match=re.escape(words)):
+        solve(model([sloping, {**OBLIQUE, **LOWER}]))
+    words = (
+        "support[2]: Supports contradict each other at [1.3, 2.3]: support[1] holds the plate at 0 there and "
+        "support[2], 1e-06 away, at 1e-06. Mesh elements are too large to tell these places apart. Correct a gap or a "
+        "settlement, or give a stiffness."
+    )
+    with pytest.raises(InputError, match=re.escape(words)):
+        solve(model(MEETING["points closer than a mesh can tell"][0]))
+
+
+def test_a_path_and_a_check_refuse_the_same() -> None:
+    wrong = model(MEETING["lines that cross"][0])
+    said = []
+    for ask in (solve, check, lambda model: path(model, None, "load")):
+        with pytest.raises(InputError, match="contradict each other") as caught:
+            ask(wrong)
+        said.append(str(caught.value))
+    assert len(set(said)) == 1
+
+
+AGREEING = {
+    "lines that settle together": [{**ACROSS, **LOWER}, {**OBLIQUE, **LOWER}],
+    "a formula that agrees at the crossing": [
+        {**ACROSS, "settlement": "5e-4*x"},
+        {"line": [[2, 0.5], [2, 3.5]], **LOWER},
+    ],
+    "a formula on a circle": [{**RING, "settlement": "1e-3*(1 + (x - 2.9)*(y - 2))"}, {"at": [2.9, 2.0], **LOWER}],
+    "lines that miss each other": [ACROSS, {"line": [[2.2, 0.5], [2.3, 1.4]], **LOWER}],
+    "free travel that reaches": [{**ACROSS, "gap": 2e-3}, {**OBLIQUE, **LOWER}],
+    "a stop below": [{**ACROSS, "resists": "down", "settlement": 2e-3}, {**OBLIQUE, **LOWER}],
+    "a hold-down above": [{**ACROSS, "resists": "up"}, {**OBLIQUE, **LOWER}],
+    "an elastic line": [{**ACROSS, "stiffness": 1e8}, {**OBLIQUE, **LOWER}],
+    "slopes alone": [{**ACROSS, "fix": "symmetry"}, {**OBLIQUE, **LOWER}],
+    "points that turn the plate a little": [{"at": [1.3, 2.3]}, {"at": [1.30004, 2.3], "settlement": 1e-8}],
+}
+
+
+@pytest.mark.parametrize("case", AGREEING)
+def test_supports_that_agree_where_they_meet_are_solved(case: str) -> None:
+    result = signorini.solve(model(AGREEING[case], mesh={"divisions": [6, 6]}))["all"]
+    assert result.certificate.passed
+    assert abs(result.deflection).max() < 0.05
+
+
+def test_an_edge_of_a_mesh_file_is_met_where_its_sides_curve(tmp_path) -> None:
+    mesh = disc((2.0, 2.0), 2.0, (4, 8))
+    points = np.column_stack([mesh.points, np.zeros(mesh.node_count)])
+    meshio.Mesh(points, [("quad8", mesh.elements)]).write(tmp_path / "disc.vtu")
+    plate = {"shape": "mesh", "file": str(tmp_path / "disc.vtu"), "thickness": 0.2}
+    sides = quadratics(mesh.points[mesh.boundary[:1]])
+    (on_side,) = evaluate(sides, np.array([0.4])).tolist()
+    for other in ({"line": [[2, 2], on_side]}, {"at": on_side}):
+        with pytest.raises(InputError, match="contradict each other"):
+            solve(model([{"edge": "boundary", "fix": "simple"}, {**other, **LOWER}], plate))
