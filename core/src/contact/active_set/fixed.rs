@@ -96,6 +96,9 @@ impl Descent<'_> {
         self.refine()?;
         let (mut before, mut stalled) = (f64::INFINITY, 0);
         for _ in 0..NEWTON {
+            if self.is_afloat() {
+                self.move_rigidly();
+            }
             let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push()).max(least);
             let balanced = self.step.worst <= BALANCED * force;
             if balanced {

@@ -7,6 +7,7 @@
 //! One factor, of K with the points closed that are expected to be, preconditions every direction; only where the set
 //! turns out to be quite another one is it factored anew.
 
+mod afloat;
 mod direction;
 mod fixed;
 mod line_search;
@@ -251,6 +252,10 @@ impl Descent<'_> {
         // Without a load nothing may push in the end, so forces count from those of the settlements at the start.
         let least = if self.load.iter().all(|&f| f == 0.0) { self.largest_push() } else { 0.0 };
         for step in 1..=NEWTON {
+            if self.is_afloat() {
+                self.move_rigidly();
+                closed = self.stretch.iter().map(|&s| s > 0.0).collect();
+            }
             let same = step > 1 && closed == last;
             let lost = since_settled == PATIENT || stalled == STALLS;
             if lost && self.limit == STIFFEST && started {

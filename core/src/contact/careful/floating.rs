@@ -31,17 +31,8 @@ impl Floating {
             return None;
         }
         let plate = &problem.plate;
-        let (centre, size) = extent(plate);
-        let motion = |k: usize| -> Vec<f64> {
-            let of_node = |node: usize| {
-                let [x, y] = plate.point(node);
-                let [c, s] = plate.frame(node).unwrap_or([1.0, 0.0]);
-                let arm = [(x - centre[0]) / size, (y - centre[1]) / size];
-                [[1.0, 0.0, 0.0], [arm[0], c / size, -s / size], [arm[1], s / size, c / size]][k]
-            };
-            (0..plate.node_count()).flat_map(of_node).collect()
-        };
-        let nodal = [motion(0), motion(1), motion(2)];
+        let (_, size) = extent(plate);
+        let nodal = rigid_motions(plate);
         let arms = |rows: &Rows, row: usize| [0, 1, 2].map(|k| rows.dot(plate, row, &nodal[k]));
         let points: Vec<_> = (0..closed.len()).map(|row| arms(&problem.constraints.rows, row)).collect();
         let acting = |(i, &c): (usize, &f64)| (closed[i] && c > 0.0).then_some(c);
@@ -88,6 +79,20 @@ impl Floating {
     }
 }
 
+/// The rigid motions w, w + x and w + y about the middle of a plate, over its size, at all dofs.
+pub(in crate::contact) fn rigid_motions(plate: &Plate) -> [Vec<f64>; 3] {
+    let (centre, size) = extent(plate);
+    [0, 1, 2].map(|k: usize| {
+        let of_node = |node: usize| {
+            let [x, y] = plate.point(node);
+            let [c, s] = plate.frame(node).unwrap_or([1.0, 0.0]);
+            let arm = [(x - centre[0]) / size, (y - centre[1]) / size];
+            [[1.0, 0.0, 0.0], [arm[0], c / size, -s / size], [arm[1], s / size, c / size]][k]
+        };
+        (0..plate.node_count()).flat_map(of_node).collect()
+    })
+}
+
 /// Middle and size of the box around a plate.
 pub(in crate::contact) fn extent(plate: &Plate) -> ([f64; 2], f64) {
     let over = |k: usize, choose: fn(f64, f64) -> f64, start: f64| {
@@ -124,7 +129,10 @@ pub(super) fn rigidity(plate: &Plate) -> f64 {
 }
 
 /// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero.
-fn eliminated(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleDouble; 3]) -> ([f64; 3], f64) {
+pub(in crate::contact) fn eliminated(
+    mut matrix: [[DoubleDouble; 3]; 3],
+    mut right: [DoubleDouble; 3],
+) -> ([f64; 3], f64) {
     let mut order = Vec::new();
     let mut largest = 0.0_f64;
     let mut least = f64::INFINITY;

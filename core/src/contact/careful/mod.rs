@@ -19,8 +19,8 @@ use super::refinement::Step;
 use super::solution::{ContactSolution, Outcome};
 use crate::element::DOFS;
 use crate::residual::internal_magnitude;
-pub(super) use floating::extent;
 use floating::{Floating, rigidity};
+pub(super) use floating::{eliminated, extent, rigid_motions};
 use saddle::Saddle;
 
 /// Part of the plate's own stiffness that increments of deflection meet, all nodes together: so many times the root of
