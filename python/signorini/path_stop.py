@@ -11,7 +11,7 @@ from signorini import _core
 from signorini.answer import Answer
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
-from signorini.problem import spring_arrays
+from signorini.problem import spring_arrays, spring_forces
 from signorini.support_result import support_result
 
 _MOST_POINTS = 3
@@ -119,7 +119,7 @@ def path_stop(
     deflection, works = displacement[::3], load.nodal * displacement
     imbalance = found.plate.residual(spring_arrays(found), load.nodal, answer.hi, answer.lo)
     held_force = np.where(found.held.dofs, imbalance - found.contact_rows.T @ answer.reaction, 0.0)
-    pull = found.springs.stiffness * (found.spring_rows @ displacement - found.springs.base)
+    pull = spring_forces(found, answer.hi, answer.lo)
     supports = [
         support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
     ]

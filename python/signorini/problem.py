@@ -366,6 +366,13 @@ def spring_arrays(found: Discretisation) -> tuple[Ints, Floats, Floats, Floats]:
     return found.springs.arrays
 
 
+def spring_forces(found: Discretisation, hi: Floats, lo: Floats) -> Floats:
+    """Upward force (s,) of every spring; deflections that cancel at a stiff one leave digits of their low part."""
+    springs = found.springs
+    rows = springs.rows
+    return -springs.stiffness * found.plate.openings(rows.elements, rows.coefficients, springs.base, hi, lo)
+
+
 def contact_problem(model: Model | Discretisation) -> ContactProblem:
     """Assemble, factor and condense a model.
 

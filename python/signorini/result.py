@@ -23,7 +23,7 @@ from signorini.mesh import Location, Mesh
 from signorini.model import Model
 from signorini.notebook import supports_table
 from signorini.probe_result import ProbeResult, probe_results, total_pressure
-from signorini.problem import spring_arrays
+from signorini.problem import spring_arrays, spring_forces
 from signorini.remade import Remade
 from signorini.sketch import pressure_layer, support_mark
 from signorini.support_result import SupportResult, support_result
@@ -111,8 +111,7 @@ class Result(Remade):
         if found.held.dofs.any():
             imbalance = found.plate.residual(spring_arrays(found), load.nodal, hi, lo)
             held_force = np.where(found.held.dofs, imbalance - spread, 0.0)
-        springs = found.springs
-        pull = springs.stiffness * (found.spring_rows @ (hi + lo) - springs.base)
+        pull = spring_forces(found, hi, lo)
         nodal_reaction = held_force + spread + found.spring_rows.T @ pull
         supports = tuple(
             support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
