@@ -8,6 +8,7 @@ from signorini.answer import Answer
 from signorini.certificate import CERTIFIABLE, Certificate, forces_at_nodes
 from signorini.discretise import Discretisation
 from signorini.slenderness import of_shape
+from signorini.softness import softest
 
 
 def refusal(name: str, found: Discretisation, answer: Answer, certificate: Certificate) -> str:
@@ -34,7 +35,8 @@ def refusal(name: str, found: Discretisation, answer: Answer, certificate: Certi
 bending across it is stiffer by the fourth power of that ratio. Take elements at most 1000 times as long as they are \
 wide: 4 times as many along their longer sides, or fewer across; or calculate a beam.
     """
-    why = of_shape(found) or _of_supports(found, answer)
+    soft = softest(found)
+    why = of_shape(found) or (soft.why if soft else _of_supports(found, answer))
     vain = ""
     if certificate.rounding > CERTIFIABLE:
         vain = (

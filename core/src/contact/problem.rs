@@ -94,8 +94,9 @@ impl ContactProblem {
         let all_closed = active.softened(first_limit).stiffness;
         let mut seconds = Seconds { order: ordering, ..Seconds::default() };
         let parts = Parts { plate: &plate, springs: &springs, constraints: &constraints, active: &active };
+        let may_float = plate.kind == Kind::Mitc9 && !held.contains(&true);
         let mut analysis = None;
-        let base = parts.factored_or_firmer(&numbering, all_closed, &mut analysis, &mut seconds)?;
+        let base = parts.factored_or_firmer(&numbering, all_closed, may_float, &mut analysis, &mut seconds)?;
         let Some(analysis) = analysis else { unreachable!("a factor has its analysis") };
         Ok(Self { plate, springs, held, constraints, active, order, numbering, base, seconds, analysis, first_limit })
     }
@@ -212,17 +213,20 @@ struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// The factor, or where what holds the plate is lost in rounding one a little firmer: solves with care take back what
-    /// that adds. An element with motions of its own that nothing resists is no such plate.
+    /// The factor, or of a plate that may float, where what holds it is lost in rounding, one a little firmer.
+    ///
+    /// Rigid motions are found apart from it, exactly, and solves with care take back what it adds. Beside held dofs they
+    /// would be rounded, and elements with motions of their own that nothing resists are no such plate.
     fn factored_or_firmer(
         &self,
         numbering: &Numbering,
         carried: Vec<f64>,
+        may_float: bool,
         analysis: &mut Option<Analysis>,
         seconds: &mut Seconds,
     ) -> Result<Factored, FactorError> {
         match self.factored(numbering, carried.clone(), 0.0, analysis, seconds) {
-            Err(FactorError::NotPositiveDefinite { .. }) if self.plate.kind == Kind::Mitc9 => {
+            Err(FactorError::NotPositiveDefinite { .. }) if may_float => {
                 self.factored(numbering, carried, FIRMER, analysis, seconds)
             }
             found => found,

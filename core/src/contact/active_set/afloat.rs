@@ -15,7 +15,7 @@ const OPEN: f64 = 1e-9;
 impl Descent<'_> {
     pub(super) fn is_afloat(&self) -> bool {
         let problem = self.problem;
-        problem.base.firmer && !problem.held.contains(&true) && problem.constraints.rows.is_empty()
+        problem.base.firmer && problem.constraints.rows.is_empty()
     }
 
     /// Moves the plate as a rigid body to where its energy is least.
