@@ -20,7 +20,7 @@ LAYERS = (
     {"expression"},
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
-    {"answer", "dependence", "leastnorm", "selection", "slenderness", "refusal"}
+    {"answer", "dependence", "leastnorm", "selection", "slenderness", "softness", "refusal"}
     | {"tipping", "equilibrium", "stability", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
     {"supportpoints", "support_result", "probe_result", "notebook", "result", "combine", "together", "solve"}
     | {"path_stop", "path_check", "path_result", "path"},

@@ -62,6 +62,19 @@ pub struct LowerTriangle {
     pub value: Vec<f64>,
 }
 
+impl LowerTriangle {
+    /// Adds a part of its own to every diagonal entry.
+    pub fn stiffen_diagonal(&mut self, part: f64) {
+        for column in 0..self.column_start.len() - 1 {
+            for at in self.column_start[column]..self.column_start[column + 1] {
+                if self.row[at] == column {
+                    self.value[at] *= 1.0 + part;
+                }
+            }
+        }
+    }
+}
+
 /// Where a node sits: (element, local node) pairs, compressed by node.
 struct Incidence {
     start: Vec<usize>,

@@ -153,8 +153,10 @@ def certify(
         open_by = np.maximum(np.where(contacts.two_sided, np.abs(gap), -gap), 0.0)
 
         across = float(np.sqrt(found.mesh.element_area.mean()))
-        # Forces count from what bending to the deflection takes; under no load, from what shearing to the travel does.
-        bending = _rigidity(found, found.thickness.max()) * length / size**2
+        # Forces count from what bending to the deflection takes, less the rigid motion in it; under no load, from what
+        # shearing to the travel does.
+        bent = length if idle else _largest(np.minimum(np.abs(_bent(found, hi)), length))
+        bending = _rigidity(found, found.thickness.max()) * bent / size**2
         rest = _UNSEEN * _largest(bending, _by_force(beside, across))
         if idle:
             shear = found.model.material.E * found.thickness.max()
@@ -204,6 +206,12 @@ def certify(
         rounding=max(_ratio(rounding, acting) for rounding, _, acting in judged),
         lost=lost,
     )
+
+
+def _bent(found: Discretisation, hi: Floats) -> Floats:
+    """Deflections (n,) of the nodes without the rigid motion nearest to them."""
+    motions = found.rigid_motions[::3]
+    return np.asarray(hi[::3] - motions @ np.linalg.lstsq(motions, hi[::3])[0])
 
 
 def least_deflection(found: Discretisation, load: CaseLoad) -> float:

@@ -23,6 +23,7 @@ from signorini.model import Model
 from signorini.remade import Remade
 from signorini.selection import chosen
 from signorini.slenderness import of_shape
+from signorini.softness import softest
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array, csr_array
@@ -435,6 +436,8 @@ def _core_problem(
                 'Take element = "mitc9" or a finer mesh.',
                 place="plate.element",
             ) from None
+        if soft := softest(found):
+            raise InputError(soft.why, place=soft.place) from None
         why = of_shape(found) or (
             "The plate's parts are too unlike for double precision: see that the thickness, the elements' sides and "
             "the stiffnesses of the supports do not differ wildly."

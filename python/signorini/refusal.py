@@ -8,6 +8,7 @@ from signorini.answer import Answer
 from signorini.certificate import CERTIFIABLE, Certificate, forces_at_nodes
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.slenderness import of_shape
+from signorini.softness import softest
 
 _PUSHING = 100.0
 """Sum of reactions, over that of the loads, from which supports push against each other more than they carry."""
@@ -37,8 +38,9 @@ def refusal(name: str, found: Discretisation, load: CaseLoad, answer: Answer, ce
 bending across it is stiffer by the fourth power of that ratio. Take elements at most 1000 times as long as they are \
 wide: 4 times as many along their longer sides, or fewer across; or calculate a beam.
     """
+    soft = softest(found)
     vain = ""
-    why = [of_shape(found) or _of_supports(found, load, answer)]
+    why = [of_shape(found) or (soft.why if soft else _of_supports(found, load, answer))]
     if certificate.rounding > CERTIFIABLE:
         vain = (
             f" Rounding may be {certificate.rounding:.0e} of the forces that act; over {CERTIFIABLE:g} of them it "

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from signorini import InputError, Model, NoEquilibriumError, solve
+from signorini import InputError, Model, NoEquilibriumError, NotCertifiedError, solve
 from signorini.problem import contact_problem
 
 CORNERS = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]
@@ -211,3 +211,58 @@ def test_numbers_far_from_one(young, pressure):
 def test_nothing_below_means_falling(case):
     with pytest.raises(NoEquilibriumError, match=r"drops away from its supports: the load's resultant is 16 down"):
         solve(model([case]))
+
+
+@pytest.mark.parametrize("way", ["down", "both"])
+@pytest.mark.parametrize(
+    ("place", "share"), [({"area": "all"}, 16.0), ({"at": INSIDE}, 4.0), ({"edge": ["left", "right"]}, 8.0)]
+)
+@pytest.mark.parametrize(("part", "thickness"), [(1e-10, 0.3), (1e-13, 0.3), (1e-16, 0.3), (1e-8, 4e-3), (1e-14, 4e-3)])
+def test_a_plate_on_springs_lost_beside_it_sinks_as_a_rigid_body(way, place, share, part, thickness):
+    total = part * 1000.0 * thickness**3 / 12 / 16
+    support = {**place, "resists": way, "stiffness": total / share}
+    result = run([support], [{"pressure": 1.0}, {"force": 4.0, "at": [2.3, 1.9]}], thickness=thickness)
+    # What the springs do in the three rigid motions, by their points and weights as a sum over the support.
+    (of,) = result.supports
+    at = np.column_stack([np.ones(len(of.positions)), of.positions - 2.0])
+    weight = of.weights / of.weights.sum() * total
+    motion = np.linalg.solve(at.T @ (weight[:, None] * at), [20.0, 4.0 * 0.3, 4.0 * -0.1])
+    corners = np.column_stack([np.ones(4), np.array(CORNERS) - 2.0]) @ motion
+    found = [probe.deflection for probe in result.probe(CORNERS)]
+    assert of.closed.all() and of.reaction == pytest.approx(20.0, rel=1e-8)
+    assert found == pytest.approx(corners, rel=1e-6)
+
+
+@pytest.mark.parametrize("part", [1e-8, 1e-12])
+@pytest.mark.parametrize("thickness", [0.3, 4e-3])
+def test_a_plate_that_tilts_on_a_bed_lost_beside_it_lies_on_a_strip(part, thickness):
+    """Under a force at a twelfth of its length from the edge a rigid plate presses on a quarter, by a triangle."""
+    stiffness = part * 1000.0 * thickness**3 / 12 / 16**2
+    bed = {"area": "all", "resists": "down", "stiffness": stiffness}
+    result = run([bed], [{"force": 1.0, "at": [1 / 3, 2.0]}], thickness=thickness, divisions=[16, 4])
+    at_edge, at_end = (probe.deflection for probe in result.probe([(0.0, 2.0), (1.0, 2.0)]))
+    assert at_edge * stiffness == pytest.approx(0.5, rel=1e-3)
+    assert at_end == pytest.approx(0.0, abs=1e-3 * at_edge)
+    assert result.supports[0].reaction == pytest.approx(1.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("way", ["down", "both"])
+@pytest.mark.parametrize("part", [1e-6, 1e-9, 1e-12, 1e-15])
+def test_a_hinged_plate_on_a_bed_lost_beside_it_is_right_or_refused_with_the_bed_to_blame(way, part):
+    bed = {"name": "bed", "area": "all", "resists": way, "stiffness": part * 1000.0 * 0.3**3 / 12 / 16**2}
+    supports = [{"edge": "left", "fix": "simple"}, bed]
+    try:
+        result = run(supports, [{"pressure": 1.0}, {"force": 4.0, "at": [2.3, 1.9]}])
+    except (InputError, NotCertifiedError) as error:
+        assert part < 1e-6 and "stiffness of bed" in str(error)
+    else:
+        # About the hinge: ∫ x k (x φ) = 16·2 + 4·2.3, and k φ ∫ x over the plate.
+        assert result.reactions["bed"] == pytest.approx(32 * (16 * 2 + 4 * 2.3) / (256 / 3), rel=1e-3)
+        assert sum(result.reactions.values()) == pytest.approx(20.0, rel=1e-7)
+
+
+@pytest.mark.parametrize("stiffness", [1e9, 1e13, 1e17])
+def test_stiff_two_sided_springs_react_with_all_digits(stiffness):
+    loads = [{"pressure": 1.0}, {"force": 4.0, "at": [2.3, 1.9]}]
+    result = run([{"at": INSIDE, "resists": "both", "stiffness": stiffness}], loads, thickness=4e-3)
+    assert result.supports[0].reactions.sum() == pytest.approx(20.0, rel=1e-8)

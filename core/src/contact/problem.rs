@@ -48,6 +48,8 @@ pub struct Factored {
     pub condensed: Condensed,
     /// Stiffness carried at each point of the active set.
     pub carried: Vec<f64>,
+    /// Whether every dof is a little stiffer than it is, since what holds the plate is lost in rounding.
+    pub firmer: bool,
 }
 
 pub struct ContactProblem {
@@ -92,8 +94,9 @@ impl ContactProblem {
         let all_closed = active.softened(first_limit).stiffness;
         let mut seconds = Seconds { order: ordering, ..Seconds::default() };
         let parts = Parts { plate: &plate, springs: &springs, constraints: &constraints, active: &active };
+        let may_float = plate.kind == Kind::Mitc9 && !held.contains(&true);
         let mut analysis = None;
-        let base = parts.factored(&numbering, all_closed, &mut analysis, &mut seconds)?;
+        let base = parts.factored_or_firmer(&numbering, all_closed, may_float, &mut analysis, &mut seconds)?;
         let Some(analysis) = analysis else { unreachable!("a factor has its analysis") };
         Ok(Self { plate, springs, held, constraints, active, order, numbering, base, seconds, analysis, first_limit })
     }
@@ -102,7 +105,7 @@ impl ContactProblem {
     pub(super) fn refactored(&self, carried: Vec<f64>) -> Result<Factored, FactorError> {
         let parts =
             Parts { plate: &self.plate, springs: &self.springs, constraints: &self.constraints, active: &self.active };
-        parts.factored(&self.numbering, carried, &mut Some(self.analysis.clone()), &mut Seconds::default())
+        parts.factored(&self.numbering, carried, 0.0, &mut Some(self.analysis.clone()), &mut Seconds::default())
     }
 
     /// Every contact point, in the caller's order; the factor's part left out.
@@ -198,6 +201,10 @@ impl ContactProblem {
 /// supports a mechanism of q8r. Of what holds, slender and soft plates included, the least seen was 1e-9.
 const LOOSE_PIVOT: f64 = 1e-13;
 
+/// Part of its own by which a dof is stiffer in a factor that springs alone keep from being singular, and then not by
+/// enough for its arithmetic: several roundings, so that every pivot is positive.
+const FIRMER: f64 = 64.0 * f64::EPSILON;
+
 /// What a factor is made of.
 struct Parts<'a> {
     plate: &'a Plate,
@@ -207,18 +214,41 @@ struct Parts<'a> {
 }
 
 impl Parts<'_> {
+    /// The factor, or of a plate that may float, where what holds it is lost in rounding, one a little firmer.
+    ///
+    /// Rigid motions are found apart from it, exactly, and solves with care take back what it adds. Beside held dofs they
+    /// would be rounded, and elements with motions of their own that nothing resists are no such plate.
+    fn factored_or_firmer(
+        &self,
+        numbering: &Numbering,
+        carried: Vec<f64>,
+        may_float: bool,
+        analysis: &mut Option<Analysis>,
+        seconds: &mut Seconds,
+    ) -> Result<Factored, FactorError> {
+        match self.factored(numbering, carried.clone(), 0.0, analysis, seconds) {
+            Err(FactorError::NotPositiveDefinite { .. }) if may_float => {
+                self.factored(numbering, carried, FIRMER, analysis, seconds)
+            }
+            found => found,
+        }
+    }
+
+    /// The factor with every dof stiffer by a part of its own.
     fn factored(
         &self,
         numbering: &Numbering,
         carried: Vec<f64>,
+        firmer: f64,
         analysis: &mut Option<Analysis>,
         seconds: &mut Seconds,
     ) -> Result<Factored, FactorError> {
         let (plate, constraints) = (self.plate, self.constraints);
         let clock = Instant::now();
         let bedding = self.active.stiffness_by_element(plate, &carried);
-        let matrix = assemble(plate, &with_regularization(self.springs, constraints), &bedding, numbering);
+        let mut matrix = assemble(plate, &with_regularization(self.springs, constraints), &bedding, numbering);
         drop(bedding);
+        matrix.stiffen_diagonal(firmer);
         seconds.assemble += clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
@@ -258,7 +288,7 @@ impl Parts<'_> {
             &constraints.free_motions.iter().map(moves).collect::<Vec<_>>(),
         );
         seconds.condense += clock.elapsed().as_secs_f64();
-        Ok(Factored { factor, condensed, carried })
+        Ok(Factored { factor, condensed, carried, firmer: firmer > 0.0 })
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::descent::Descent;
 use super::direction::Direction;
+use super::floating::Floating;
 use super::{BALANCED, NEWTON, ROUNDING, SETTLED, SLOW, STALLS, STIFFEST, TIGHT};
 use crate::cholesky::FactorError;
 use crate::contact::problem::{ContactProblem, Factored};
@@ -78,7 +79,7 @@ impl ContactProblem {
             step: Step::default(),
             rounding: 0.0,
             imposed: Some(given.to_vec()),
-            floating: None,
+            floating: Floating::of(self, load),
         };
         let (outcome, left) = descent.settle(given, least)?;
         let factored = descent.own.take();
@@ -97,6 +98,9 @@ impl Descent<'_> {
         self.refine()?;
         let (mut before, mut stalled) = (f64::INFINITY, 0);
         for _ in 0..NEWTON {
+            if self.problem.base.firmer {
+                self.drift();
+            }
             let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push()).max(least);
             let balanced = self.step.worst <= BALANCED * force;
             if balanced {

@@ -1,7 +1,8 @@
-//! Rigid motions of a plate that rests on its points alone, where those that push are soft beside the plate.
+//! Rigid motions of a plate that springs and points alone hold, where those that push are soft beside the plate.
 //!
-//! A factor's own rounding resists a rigid motion, and may do so more than a few points under the edge of a plate. Three
-//! equations in double-double have no such resistance: for the shape that the plate has they find where it rests.
+//! A factor's own rounding resists a rigid motion, and may do so more than a few points under the edge of a plate, or than
+//! springs for which it had to be made firmer. Three equations in double-double have no such resistance: for the shape
+//! that the plate has they find where it rests.
 
 use super::descent::Descent;
 use crate::contact::careful::{eliminated, extent, rigid_motions, rigidity};
@@ -18,11 +19,12 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// At most this many steps at a time.
 const STEPS: usize = 100;
 
-/// What the motions w, w + x and w + y do at the points, and the load on them.
+/// What the motions w, w + x and w + y do at points and springs, and the load on them.
 pub(super) struct Floating {
     centre: [f64; 2],
     size: f64,
     arms: Vec<[f64; 3]>,
+    spring_arms: Vec<[f64; 3]>,
     load: [DoubleDouble; 3],
     magnitude: f64,
     /// D/a².
@@ -30,16 +32,17 @@ pub(super) struct Floating {
 }
 
 impl Floating {
-    /// Nothing where anything but the points of the active set holds the plate.
+    /// Nothing where a dof is held, or a point both ways.
     pub(super) fn of(problem: &ContactProblem, load: &[f64]) -> Option<Self> {
-        let springs = problem.springs.stiffness.iter().any(|&k| k != 0.0);
-        if springs || problem.held.contains(&true) || !problem.constraints.rows.is_empty() {
+        if problem.held.contains(&true) || !problem.constraints.rows.is_empty() {
             return None;
         }
         let (plate, points) = (&problem.plate, &problem.active);
         let (centre, size) = extent(plate);
         let motions = rigid_motions(plate, centre, size);
         let arms = (0..points.len()).map(|i| [0, 1, 2].map(|k| points.dot(plate, i, &motions[k]))).collect();
+        let springs = &problem.springs.rows;
+        let spring_arms = (0..springs.len()).map(|i| [0, 1, 2].map(|k| springs.dot(plate, i, &motions[k]))).collect();
         let mut magnitude = 0.0;
         let load = [0, 1, 2].map(|k| {
             let mut sum = DoubleDouble::default();
@@ -49,32 +52,44 @@ impl Floating {
             }
             sum
         });
-        Some(Self { centre, size, arms, load, magnitude, own_stiffness: rigidity(plate) / (size * size) })
+        Some(Self { centre, size, arms, spring_arms, load, magnitude, own_stiffness: rigidity(plate) / (size * size) })
     }
 }
 
 type Matrix = [[DoubleDouble; 3]; 3];
 
 impl Descent<'_> {
-    /// What the points that push resist the three motions with.
+    /// What springs and closed points resist the three motions with.
     fn holding(&self, floating: &Floating) -> Matrix {
         let mut matrix = Matrix::default();
-        for i in (0..self.stretch.len()).filter(|&i| self.stretch[i] > 0.0) {
-            let scaled = floating.arms[i].map(|a| self.springs.stiffness[i].sqrt() * a);
+        let mut hold = |arm: [f64; 3], stiffness: f64| {
+            let scaled = arm.map(|a| stiffness.sqrt() * a);
             for j in 0..3 {
                 for k in 0..=j {
                     matrix[j][k].add_product(scaled[j], scaled[k]);
                     matrix[k][j] = matrix[j][k];
                 }
             }
-        }
+        };
+        let springs = floating.spring_arms.iter().zip(&self.problem.springs.stiffness);
+        springs.for_each(|(arm, &stiffness)| hold(*arm, stiffness));
+        let closed = (0..self.stretch.len()).filter(|&i| self.is_closed(i));
+        closed.for_each(|i| hold(floating.arms[i], self.springs.stiffness[i]));
         matrix
     }
 
-    /// Where what pushes is soft, moves the plate as it is bent to the least energy; whether it was.
+    /// Forces (s,) of the springs.
+    fn spring_forces(&self) -> Vec<f64> {
+        let springs = &self.problem.springs;
+        let stretch = |i: usize| springs.rows.gap(&self.problem.plate, i, &self.solution.displacement, springs.base[i]);
+        springs.stiffness.iter().enumerate().map(|(i, stiffness)| stiffness * stretch(i)).collect()
+    }
+
+    /// Where what holds is soft, moves the plate as it is bent to the least energy; whether it was.
     pub(super) fn drift(&mut self) -> bool {
         let Some(floating) = self.floating.take() else { return false };
-        let soft = eliminated(self.holding(&floating), Default::default()).1 < SOFT * floating.own_stiffness;
+        let holding = eliminated(self.holding(&floating), Default::default()).1;
+        let soft = self.problem.base.firmer || holding < SOFT * floating.own_stiffness;
         if soft && self.drifted(&floating) {
             self.balance();
         }
@@ -83,26 +98,30 @@ impl Descent<'_> {
     }
 
     fn drifted(&mut self, floating: &Floating) -> bool {
-        let all = self.springs.stiffness.iter().sum::<f64>();
+        let all = self.springs.stiffness.iter().chain(&self.problem.springs.stiffness).sum::<f64>();
         let mut moved = false;
         for _ in 0..STEPS {
             let mut left = floating.load;
             let mut magnitude = floating.magnitude;
-            for i in (0..self.stretch.len()).filter(|&i| self.stretch[i] > 0.0) {
-                let force = self.springs.stiffness[i] * self.stretch[i];
-                magnitude += force;
-                (0..3).for_each(|k| left[k].add_product(-force, floating.arms[i][k]));
-            }
+            let mut push = |force: f64, arm: &[f64; 3]| {
+                magnitude += force.abs();
+                (0..3).for_each(|k| left[k].add_product(-force, arm[k]));
+            };
+            self.spring_forces().iter().zip(&floating.spring_arms).for_each(|(force, arm)| push(*force, arm));
+            let closed = (0..self.stretch.len()).filter(|&i| self.is_closed(i));
+            closed.for_each(|i| push(self.springs.stiffness[i] * self.stretch[i], &floating.arms[i]));
             if left.iter().all(|sum| sum.value().abs() <= ROUNDING * magnitude) {
                 break;
             }
             let mut matrix = self.holding(floating);
             (0..3).for_each(|k| matrix[k][k] += LEAST * all);
             let (step, _) = eliminated(matrix, left);
-            let along = |i: usize| (0..3).map(|k| floating.arms[i][k] * step[k]).sum::<f64>();
-            let change: Vec<f64> = (0..self.stretch.len()).map(along).collect();
+            let along = |arm: &[f64; 3]| (0..3).map(|k| arm[k] * step[k]).sum::<f64>();
+            let change: Vec<f64> = floating.arms.iter().map(along).collect();
+            let springs = floating.spring_arms.iter().zip(&self.problem.springs.stiffness);
+            let elastic = springs.map(|(arm, stiffness)| stiffness * along(arm).powi(2)).sum();
             let start = -sum_in_order(3, 3, |k| left[k].value() * step[k]);
-            let length = self.least_energy(start, 0.0, &change);
+            let length = if self.imposed.is_some() { 1.0 } else { self.least_energy(start, elastic, &change) };
             if !(length > 0.0) {
                 break;
             }

@@ -11,6 +11,10 @@ impl Descent<'_> {
         }
     }
 
+    pub(super) fn is_closed(&self, i: usize) -> bool {
+        self.imposed.as_ref().map_or(self.stretch[i] > 0.0, |closed| closed[i])
+    }
+
     pub(super) fn pushing(&self, i: usize) -> f64 {
         self.pushes(i, self.stretch[i])
     }
