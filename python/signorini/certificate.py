@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from signorini.answer import Answer
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.problem import spring_arrays
@@ -212,6 +213,17 @@ def _bent(found: Discretisation, hi: Floats) -> Floats:
     """Deflections (n,) of the nodes without the rigid motion nearest to them."""
     motions = found.rigid_motions[::3]
     return np.asarray(hi[::3] - motions @ np.linalg.lstsq(motions, hi[::3])[0])
+
+
+def certified(
+    found: Discretisation, load: CaseLoad, answer: Answer, beside: Floats | None = None
+) -> tuple[Answer, Certificate]:
+    """Judge an answer, and where it fails what stands for it; that which passes, or else the last."""
+    for turn in answer.in_turn:
+        certificate = certify(found, load, turn.hi, turn.lo, turn.reaction, beside=beside)
+        if certificate.passed:
+            break
+    return turn, certificate
 
 
 def least_deflection(found: Discretisation, load: CaseLoad) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from signorini import _core, arguments
 from signorini.answer import Answer
-from signorini.certificate import Certificate, certify
+from signorini.certificate import Certificate, certified, certify
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import no_equilibrium
@@ -187,11 +187,8 @@ def _trace(
             yield from ahead(problem, loads, t, solution.closed)
 
         least = chosen(found, problem.freedom, load.nodal, answer, elsewhere)
-        for other in least.in_turn if least is not answer else ():
-            judged = certify(found, load, other.hi, other.lo, other.reaction, beside=beside(loads, t))
-            if judged.passed:
-                answer, certificate = other, judged
-                break
+        if least is not answer:
+            answer, certificate = certified(found, load, least, beside(loads, t))
         # Of points that repeat each other all open or close, not only the one that the path is followed with.
         shown.append(answer.closed)
         switched = np.flatnonzero(shown[-1] != shown[-2]) if len(shown) > 1 else points

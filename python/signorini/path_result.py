@@ -11,7 +11,7 @@ import numpy as np
 
 from signorini import _core, arguments
 from signorini.answer import Answer, NotUnique
-from signorini.certificate import Certificate, certify
+from signorini.certificate import Certificate, certified
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError, NotCertifiedError
@@ -217,28 +217,23 @@ class Path(Remade):
         closed = self.segments[index].closed if self.segments else self._first
         answer = Answer.of(found, self.problem.core.solve_on(load.nodal, found.held.values, closed))
         made_of = beside(self._loads, t)
-        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
+        answer, certificate = certified(found, load, answer, made_of)
         if not certificate.passed:
             # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
             answer = self.problem.solve(load)
-            answer = answer.somehow or answer
-            certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
+            answer, certificate = certified(found, load, answer.somehow or answer, made_of)
         if not certificate.passed:
             answers: list[_core.ContactSolution] = []
             nodal = self._loads[0].nodal, self._loads[1].nodal
             self.problem.core.path(*nodal, found.held.values, t, lambda t, points, answer: answers.append(answer))
             if answers:
-                answer = Answer.of(found, answers[-1])
-                certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, beside=made_of)
+                answer, certificate = certified(found, load, Answer.of(found, answers[-1]), made_of)
         name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
         if not certificate.passed:
             raise NotCertifiedError(refusal(name, found, load, answer, certificate))
         least = chosen(found, self.problem.freedom, load.nodal, answer, lambda: self._beside(t))
-        for other in least.in_turn if least is not answer else ():
-            judged = certify(found, load, other.hi, other.lo, other.reaction, beside=made_of)
-            if judged.passed:
-                answer, certificate = other, judged
-                break
+        if least is not answer:
+            answer, certificate = certified(found, load, least, made_of)
         return Result.of(found, name, (self.problem.method,), load, answer, certificate)
 
 

@@ -10,7 +10,7 @@ from functools import cached_property
 
 from signorini.answer import Answer
 from signorini.arguments import known, made_by, watching
-from signorini.certificate import Certificate, certify
+from signorini.certificate import Certificate, certified
 from signorini.combine import Combined, combine
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools
@@ -309,10 +309,7 @@ def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Tried:
             answer = attempt.solve(load, steps, closed)
             certificate = None
             if answer.status == "solved":
-                for turn in answer.in_turn:
-                    answer, certificate = turn, certify(found, load, turn.hi, turn.lo, turn.reaction)
-                    if certificate.passed:
-                        break
+                answer, certificate = certified(found, load, answer)
             elif answer.status == "no_equilibrium" and not consistent:
                 if supports_contradict(found):
                     return _Tried(list(methods), answer, None, contradiction=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.answer import Answer
-from signorini.certificate import certify
+from signorini.certificate import certified
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
 from signorini.equilibrium import allowed_motions, work_of
@@ -77,15 +77,12 @@ def _solve(
         if number in answers and answers[number][0].status == "solved":
             solution, stress = answers.pop(number)
             load = loads[number]
-            for answer in chosen(found, problem.freedom, load.nodal, Answer.of(found, solution)).in_turn:
-                certificate = certify(found, load, answer.hi, answer.lo, answer.reaction)
-                if certificate.passed:
-                    yield Result.of(found, combination.name, (problem.method,), load, answer, certificate, stress)
-                    break
-            else:
-                yield single(combination)
-        else:
-            yield single(combination)
+            least = chosen(found, problem.freedom, load.nodal, Answer.of(found, solution))
+            answer, certificate = certified(found, load, least)
+            if certificate.passed:
+                yield Result.of(found, combination.name, (problem.method,), load, answer, certificate, stress)
+                continue
+        yield single(combination)
 
 
 def _surely_balanced(problem: ContactProblem, rays: Floats, nodal: Floats) -> bool:
