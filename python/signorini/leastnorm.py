@@ -12,6 +12,9 @@ from signorini.discretise.rows import Floats
 _ACTIVE = 1e-10
 """Part of the largest multiplier below which one is rounding."""
 
+_ROUNDING = 64 * float(np.finfo(float).eps)
+"""What a few sums of products of the free least leave of it."""
+
 
 def span_of_cone(sides: Floats) -> Floats:
     """Basis (d, e) of what the directions y with C y ≤ 0 span; of no column where 0 is the only one.
@@ -83,15 +86,23 @@ def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats
     size = np.linalg.norm(rows, axis=1)
     kept = np.flatnonzero(size > 0)
     beyond = (sides @ free - room)[kept] / size[kept]
-    unit = float(np.abs(beyond).max())
+    # A side far away must not make those that are in the way look like rounding.
+    unit = float(beyond.max())
     facing = np.vstack([-(rows[kept] / size[kept, None]).T, beyond / unit])
     try:
         multipliers, _ = nnls(facing, np.append(np.zeros(len(r)), 1.0))
     except RuntimeError:
         return np.zeros(len(r))
-    # The sides that it rests on are equations; solved as such it is right to the last digits.
-    on = kept[multipliers > _ACTIVE * multipliers.max(initial=0.0)]
-    y = free - np.linalg.solve(r, np.linalg.pinv(rows[on]) @ (sides[on] @ free - room[on]))
-    slack = room - sides @ y
-    fits = (slack >= -_ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room))).all()
-    return np.asarray(y) if fits else np.zeros(len(r))
+    # The sides that it rests on are equations; solved as such it is right to the last digits. One of them may have a
+    # multiplier that is rounding.
+    on = multipliers[: len(kept)] > _ACTIVE * multipliers.max(initial=0.0)
+    for _ in kept:
+        rests = kept[on]
+        y = free - np.linalg.solve(r, np.linalg.pinv(rows[rests]) @ (sides[rests] @ free - room[rests]))
+        # It is what is left of the free least, whose rounding it has.
+        rounding = _ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room)) + _ROUNDING * (np.abs(sides) @ np.abs(free))
+        over = (sides @ y - room - rounding)[kept]
+        if not (over > 0.0).any():
+            return np.asarray(y)
+        on[int(over.argmax())] = True
+    return np.zeros(len(r))

@@ -281,3 +281,19 @@ def test_results_say_what_is_not_unique():
     (found,) = results_json(results)["combinations"]
     (said,) = json.loads(json.dumps(found["not_unique"]))
     assert said["what"] == "deflection" and said["motion"].startswith("turning about the line through [2, 1.5]")
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set", "interior_point"])
+def test_a_plate_on_four_legs_far_below_its_ceiling_rests_on_all_of_them(method):
+    # Of four legs one carries nothing but rounding, and the ceiling is half a million deflections away.
+    legs = {"name": "legs", "at": [[1, 1], [9, 1], [9, 9], [1, 9]], "resists": "down"}
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+        mesh={"divisions": [2, 5]},
+        support=[legs, {"name": "ceiling", "at": [[5, 5], [1, 5]], "resists": "up", "gap": 0.5}],
+        load=[{"force": 1e3, "at": [2, 5]}, {"force": -2e3, "at": [5, 5]}, {"force": 1e3, "at": [8, 5]}],
+        solver={"method": method},
+    )
+    result = solve(model)["all"]
+    assert result.supports[0].gaps == pytest.approx(np.zeros(4), abs=1e-9 * np.abs(result.deflection).max())
