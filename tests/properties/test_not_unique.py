@@ -287,7 +287,7 @@ def test_results_say_what_is_not_unique():
 def test_a_plate_on_four_legs_far_below_its_ceiling_rests_on_all_of_them(method):
     # Of four legs one carries nothing but rounding, and the ceiling is half a million deflections away.
     legs = {"name": "legs", "at": [[1, 1], [9, 1], [9, 9], [1, 9]], "resists": "down"}
-    model = Model(
+    model = signorini.Model(
         material={"E": 30e9, "nu": 0.2},
         plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
         mesh={"divisions": [2, 5]},
@@ -295,5 +295,5 @@ def test_a_plate_on_four_legs_far_below_its_ceiling_rests_on_all_of_them(method)
         load=[{"force": 1e3, "at": [2, 5]}, {"force": -2e3, "at": [5, 5]}, {"force": 1e3, "at": [8, 5]}],
         solver={"method": method},
     )
-    result = solve(model)["all"]
+    result = signorini.solve(model)["all"]
     assert result.supports[0].gaps == pytest.approx(np.zeros(4), abs=1e-9 * np.abs(result.deflection).max())
