@@ -149,6 +149,129 @@ def test_parts_of_one_package_may_know_each_other(tmp_path: Path) -> None:
     assert faults(tmp_path) == []
 
 
+# The same of the core's files, from the ground up; a file's arrows within a group are free, but never in a circle.
+CORE_LAYERS = (
+    ("double_double", "superposition"),
+    ("lcp",),
+    ("element",),
+    ("plate",),
+    ("ordering", "assembly", "residual", "stress"),
+    ("cholesky",),
+    ("contact/tolerances", "contact/condense", "contact/points", "contact/rigid"),
+    ("contact/problem",),
+    ("contact/solution", "contact/start", "contact/refinement", "contact/responses"),
+    ("contact/active_set", "contact/proximal"),
+    ("contact/solve",),
+    ("contact/combine", "contact/interior_point", "contact/path"),
+    ("contact",),
+)
+
+
+def used(tree: str) -> Iterator[list[str]]:
+    """Yield the path of everything that the tree of a use declaration names."""
+    head, brace, rest = tree.partition("{")
+    path = [part.strip() for part in head.split("::") if part.strip()]
+    if not brace:
+        yield [re.sub(r"\s+as\s+\w+", "", part) for part in path]
+        return
+    depth, part = 0, ""
+    for letter in rest.rstrip().removesuffix("}") + ",":
+        if letter == "," and depth == 0:
+            if part.strip():
+                yield from (path + inner for inner in used(part.strip()))
+            part = ""
+            continue
+        depth += (letter == "{") - (letter == "}")
+        part += letter
+
+
+def rust_arrows(source: Path) -> dict[str, set[str]]:
+    """Return which files of a crate each file uses, by its use declarations and by paths in its code."""
+    files: dict[tuple[str, ...], str] = {}
+    for path in sorted(source.rglob("*.rs")):
+        parts = path.relative_to(source).with_suffix("").parts
+        text = re.sub(r"//.*|\bpub\(in [\w:]+\)", "", path.read_text(encoding="utf-8"))
+        files[parts[:-1] if parts[-1] in ("mod", "lib") else parts] = text.partition("#[cfg(test)]")[0]
+    graph: dict[str, set[str]] = {}
+    for place, text in files.items():
+        declared = re.findall(r"\buse\s+([^;]+);", text)
+        rest = re.sub(r"\buse\s+[^;]+;", "", text)
+        paths = [path for tree in declared for path in used(tree)]
+        paths += [path.split("::") for path in re.findall(r"\b[a-z]\w*(?:::\w+)+", rest)]
+        targets = set()
+        for path in paths:
+            at = list(place)
+            if path[0] == "crate":
+                at, path = [], path[1:]
+            elif path[0] not in ("self", "super") and (*place, path[0]) not in files:
+                continue
+            while path and path[0] in ("self", "super"):
+                at, path = (at[:-1] if path[0] == "super" else at), path[1:]
+            full = (*at, *path)
+            while full and full not in files:
+                full = full[:-1]
+            targets.add(full)
+        graph["/".join(place)] = {"/".join(target) for target in targets if target and target != place}
+    return graph
+
+
+def rust_faults(source: Path) -> list[str]:
+    """Say every circle of a crate's files, and every arrow that runs back."""
+    graph, found = rust_arrows(source), []
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        found.append(f"These files use each other in a circle: {' <- '.join(error.args[1])}.")
+
+    def layer(place: str) -> int:
+        of = [
+            (len(group), number)
+            for number, groups in enumerate(CORE_LAYERS)
+            for group in groups
+            if f"{place}/".startswith(f"{group}/")
+        ]
+        return max(of)[1] if of else -1
+
+    for place in sorted(graph.keys() - {""}):
+        if layer(place) < 0:
+            found.append(f"{place} has no layer: place it in CORE_LAYERS of tests/test_architecture.py.")
+        back = sorted(target for target in graph[place] if layer(target) > layer(place) >= 0)
+        found += [f"{place} uses {target}, which stands above it: the arrow runs back." for target in back]
+    return found
+
+
+def test_uses_of_the_core_run_one_way() -> None:
+    assert rust_faults(ROOT / "core" / "src") == []
+
+
+@pytest.mark.parametrize(
+    ("files", "fault"),
+    [
+        (
+            {"plate.rs": "use crate::assembly::assemble;", "assembly.rs": ""},
+            "plate uses assembly, which stands above it",
+        ),
+        ({"plate.rs": "fn f() { crate::stress::g() }", "stress.rs": ""}, "plate uses stress, which stands above it"),
+        (
+            {
+                "lcp/mod.rs": "mod a; mod b;",
+                "lcp/a.rs": "use super::b::{self, c};",
+                "lcp/b.rs": "use crate::lcp::a::D;",
+            },
+            "in a circle",
+        ),
+        ({"lcp/mod.rs": "mod a; fn f() { a::g() }", "lcp/a.rs": "use super::{H, I as J};"}, "in a circle"),
+        ({"helpers.rs": ""}, "helpers has no layer: place it in CORE_LAYERS"),
+    ],
+)
+def test_a_broken_rule_of_the_core_is_named(tmp_path: Path, files: dict[str, str], fault: str) -> None:
+    for place, text in files.items():
+        (tmp_path / place).parent.mkdir(exist_ok=True)
+        (tmp_path / place).write_text(text)
+    (found,) = rust_faults(tmp_path)
+    assert fault in found
+
+
 def rust(crate: str) -> dict[str, str]:
     """Return a crate's manifest and sources without their comments."""
     files = [ROOT / crate / "Cargo.toml", *sorted((ROOT / crate / "src").rglob("*.rs"))]

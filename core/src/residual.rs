@@ -126,7 +126,7 @@ impl Rows {
     }
 
     /// Row times displacement, minus `offset`, in double-double.
-    pub fn gap(&self, plate: &Plate, row: usize, displacement: &Displacement, offset: f64) -> f64 {
+    pub fn beyond(&self, plate: &Plate, row: usize, displacement: &Displacement, offset: f64) -> f64 {
         let mut sum = DoubleDouble::from(-offset);
         for (dof, c) in self.entries(plate, row) {
             sum = sum + displacement.at(dof).times(c);
@@ -183,7 +183,7 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
         }
     }
     for row in 0..springs.rows.len() {
-        let stretch = springs.rows.gap(plate, row, displacement, springs.base[row]);
+        let stretch = springs.rows.beyond(plate, row, displacement, springs.base[row]);
         springs.rows.scatter(plate, row, -springs.stiffness[row] * stretch, &mut out);
     }
     out

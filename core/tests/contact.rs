@@ -133,8 +133,8 @@ proptest! {
         let held = vec![0.0; load.len()];
         let exact = problem.solve(&load, &held, None, None, &mut |_| true).unwrap();
         prop_assume!(exact.outcome == Outcome::Solved);
-        let found = problem.solve_carefully(&load, &held, part, None, &mut |_| true);
-        let from_set = problem.solve_carefully(&load, &held, part, Some(&exact.closed), &mut |_| true);
+        let found = problem.solve_by_proximal_steps(&load, &held, part, None, &mut |_| true);
+        let from_set = problem.solve_by_proximal_steps(&load, &held, part, Some(&exact.closed), &mut |_| true);
         let most = largest(&exact.displacement.hi);
         for found in [found, from_set] {
             prop_assert_eq!(found.outcome, Outcome::Solved);

@@ -6,10 +6,11 @@
 
 mod on_set;
 
-use super::condense::{Drive, Form, FreeMotions, PosedLcp};
+use super::condense::{Form, FreeMotions, InterfaceResidual, PosedLcp};
 use super::problem::ContactProblem;
 use super::responses::Response;
-use super::solve::{ROUNDING, SIGN};
+use crate::contact::tolerances;
+
 use crate::lcp::{Lcp, LcpFamily, LcpStatus, LemkeOptions, lemke};
 use on_set::OnSet;
 use rayon::prelude::*;
@@ -63,7 +64,7 @@ impl ContactProblem {
         let distance = self.constraints.distance.clone();
         let pose = |response: &Response, remaining: &[f64]| {
             let sum = Sum { moved: response.moved.clone(), reaction: response.reaction.clone(), ..Sum::default() };
-            self.base.condensed.posed(form, &sum.drive(form, remaining), &still)
+            self.base.condensed.posed(form, &sum.interface(form, remaining), &still)
         };
         let mut lcp = pose(&rest, &distance);
         let q = cases.iter().map(|case| pose(case, &still).q).collect();
@@ -127,11 +128,11 @@ impl ContactProblem {
     /// Whether every reaction pushes and every gap is open, beyond rounding.
     fn certain(&self, reaction: &[f64], gap: &[f64], travel: f64) -> bool {
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let force = SIGN * largest(reaction);
+        let force = tolerances::SIGN * largest(reaction);
         let distance = &self.constraints.distance;
         let moved = distance.iter().zip(gap).fold(0.0, |most: f64, (distance, gap)| most.max((distance - gap).abs()));
         // A stop far away says nothing of what happens at others.
-        let length = |i: usize| (SIGN * moved.max(distance[i].abs())).max(ROUNDING * travel);
+        let length = |i: usize| (tolerances::SIGN * moved.max(distance[i].abs())).max(tolerances::RESIDUAL * travel);
         let holds = |i: usize| self.constraints.two_sided[i] || (reaction[i] >= -force && gap[i] >= -length(i));
         let finite = reaction.iter().chain(gap).all(|value| value.is_finite());
         finite && (0..reaction.len()).all(holds)
@@ -148,14 +149,14 @@ struct Sum {
 }
 
 impl Sum {
-    fn drive(&self, form: Form, remaining: &[f64]) -> Drive {
+    fn interface(&self, form: Form, remaining: &[f64]) -> InterfaceResidual {
         let zeros = || vec![0.0; self.moved.len()];
         let (displacement, force) = match form {
             Form::Dual => (self.moved.clone(), zeros()),
             Form::Stiffness => (Vec::new(), self.reaction.clone()),
         };
         let (work, work_size) = (self.work.clone(), self.work_size.clone());
-        Drive { displacement, force, work, work_size, remaining: remaining.to_vec() }
+        InterfaceResidual { displacement, force, work, work_size, remaining: remaining.to_vec() }
     }
 }
 
@@ -167,7 +168,7 @@ impl CombinedCases {
         for (part, &factor) in self.q.iter().zip(factors).filter(|(_, factor)| **factor != 0.0) {
             q.iter_mut().zip(part).for_each(|(total, value)| *total += factor * value);
         }
-        self.motions.balance(&mut q, &sum.drive(self.form, &self.distance));
+        self.motions.balance(&mut q, &sum.interface(self.form, &self.distance));
         (sum, q)
     }
 

@@ -7,11 +7,12 @@
 
 mod program;
 
-use super::active_set::{Progress, Start};
 use super::problem::{Constraints, ContactProblem};
-use super::solution::{ContactSolution, Outcome};
+use super::solution::{ContactSolution, Outcome, Progress};
+use super::start::Start;
 use crate::assembly::Numbering;
 use crate::cholesky::FactorError;
+use crate::contact::tolerances;
 use crate::plate::Plate;
 use crate::residual::{Displacement, Springs};
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT};
@@ -30,14 +31,9 @@ pub struct InteriorPoint {
     pub iterations: usize,
 }
 
-/// Relative duality gap and residuals asked for; where rounding keeps them larger, the last iterate is taken.
-const TOLERANCE: f64 = 1e-11;
-/// Stiffness added to the dofs, of which each has 1: less than Clarabel's own 1e-8, which a thin plate's bending is as soft as.
-const REGULARIZATION: f64 = 1e-10;
 /// So little added needs refinement for as long as each step leaves less than the one before: Clarabel's own 10 steps, each
 /// to a fifth, end the last iterations before a proof of infeasibility is sharp.
 const REFINEMENTS: u32 = 50;
-const REFINING: f64 = 1.5;
 
 /// Solves for one load with the held dofs at `held_value` (both over all dofs); `constraints` has every contact point.
 ///
@@ -60,13 +56,13 @@ pub fn interior_point(
     let settings = DefaultSettings {
         verbose: false,
         tol_gap_abs: 0.0,
-        tol_gap_rel: TOLERANCE,
-        tol_feas: TOLERANCE,
-        tol_infeas_rel: TOLERANCE,
+        tol_gap_rel: tolerances::interior_point::GAP,
+        tol_feas: tolerances::interior_point::GAP,
+        tol_infeas_rel: tolerances::interior_point::GAP,
         max_threads: 1,
-        static_regularization_constant: REGULARIZATION,
+        static_regularization_constant: tolerances::interior_point::REGULARIZATION,
         iterative_refinement_max_iter: REFINEMENTS,
-        iterative_refinement_stop_ratio: REFINING,
+        iterative_refinement_stop_ratio: tolerances::interior_point::REFINING,
         ..DefaultSettings::default()
     };
     let cones = [ZeroConeT(program.equations), NonnegativeConeT(program.right.len() - program.equations)];

@@ -1,25 +1,32 @@
 //! Plates on one-sided supports: min ½uᵀKu − fᵀu subject to Gu ≤ g.
 //!
-//! `condense` turns this into a linear complementarity problem and back; `problem` holds the factor that every load
-//! case shares; `solve` goes from a load to displacements, reactions and gaps, corrected by `refinement`, `careful` where
-//! rounding decides, `path` along a load that grows; `responses` and `combine` do so for many combinations of a few load cases at once.
+//! From the ground up: `tolerances`; `condense`, from a plate on constraints to a linear complementarity problem and back;
+//! `points` of an active set; `problem`, the factor that every load case shares; `solution`, what one is answered with, and
+//! `start`, an answer to begin with; `rigid` motions; `refinement`, the residual and its corrections. On these stand the
+//! methods that look for the closed set: `active_set`, `proximal` where rounding decides, `interior_point`; and `solve`,
+//! from a load to displacements, reactions and gaps. `path` follows a load that grows; `responses` and `combine` solve many
+//! combinations of a few load cases at once.
 
-pub mod active_set;
-mod careful;
+mod active_set;
 pub mod combine;
 pub mod condense;
 pub mod interior_point;
 pub mod path;
+mod points;
 pub mod problem;
-pub mod refinement;
+mod proximal;
+mod refinement;
 pub mod responses;
+mod rigid;
 pub mod solution;
 pub mod solve;
+mod start;
+mod tolerances;
 
-pub use active_set::{Progress, Reference};
 pub use combine::{Combined, CombinedCases, Verdict};
 pub use condense::{Condensed, Form};
 pub use path::{PathEnd, PathLoad, Stop};
 pub use problem::{Constraints, ContactProblem};
 pub use responses::Response;
-pub use solution::{ContactSolution, Outcome};
+pub use solution::{ContactSolution, Outcome, Progress};
+pub use start::Reference;

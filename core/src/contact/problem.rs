@@ -1,9 +1,10 @@
 //! A plate on its supports, factored once.
 
-use super::active_set::ActivePoints;
 use super::condense::Condensed;
+use super::points::ActivePoints;
 use crate::assembly::{HELD, Numbering, assemble};
 use crate::cholesky::{Analysis, Factor, FactorError};
+use crate::contact::tolerances;
 use crate::element::{DOFS, Kind};
 use crate::plate::Plate;
 use crate::residual::{Displacement, Rows, Springs, residual};
@@ -91,7 +92,7 @@ impl ContactProblem {
         let ordering = clock.elapsed().as_secs_f64();
 
         let first_limit = Self::first_limit(&plate, &active);
-        let all_closed = active.softened(first_limit).stiffness;
+        let all_closed = active.penalized(first_limit).stiffness;
         let mut seconds = Seconds { order: ordering, ..Seconds::default() };
         let parts = Parts { plate: &plate, springs: &springs, constraints: &constraints, active: &active };
         let may_float = plate.kind == Kind::Mitc9 && !held.contains(&true);
@@ -192,18 +193,10 @@ impl ContactProblem {
     pub fn remaining(&self, displacement: &Displacement, reaction: &[f64]) -> Vec<f64> {
         let c = &self.constraints;
         (0..c.rows.len())
-            .map(|i| c.compliance[i] * reaction[i] - c.rows.gap(&self.plate, i, displacement, c.distance[i]))
+            .map(|i| c.compliance[i] * reaction[i] - c.rows.beyond(&self.plate, i, displacement, c.distance[i]))
             .collect()
     }
 }
-
-/// A pivot below this part of its diagonal entry is rounding: the points that are carried need not hold the plate, nor the
-/// supports a mechanism of q8r. Of what holds, slender and soft plates included, the least seen was 1e-9.
-const LOOSE_PIVOT: f64 = 1e-13;
-
-/// Part of its own by which a dof is stiffer in a factor that springs alone keep from being singular, and then not by
-/// enough for its arithmetic: several roundings, so that every pivot is positive.
-const FIRMER: f64 = 64.0 * f64::EPSILON;
 
 /// What a factor is made of.
 struct Parts<'a> {
@@ -228,7 +221,7 @@ impl Parts<'_> {
     ) -> Result<Factored, FactorError> {
         match self.factored(numbering, carried.clone(), 0.0, analysis, seconds) {
             Err(FactorError::NotPositiveDefinite { .. }) if may_float => {
-                self.factored(numbering, carried, FIRMER, analysis, seconds)
+                self.factored(numbering, carried, tolerances::FIRMER, analysis, seconds)
             }
             found => found,
         }
@@ -260,7 +253,7 @@ impl Parts<'_> {
         // Elements of q8r bend in some shapes without resistance, and not all supports hold them.
         if carried.contains(&0.0) || plate.kind == Kind::Q8r {
             let (column, part) = factor.weakest_pivot(&matrix);
-            if part < LOOSE_PIVOT {
+            if part < tolerances::LOOSE_PIVOT {
                 return Err(FactorError::NotPositiveDefinite { column });
             }
         }

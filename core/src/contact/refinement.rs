@@ -1,19 +1,17 @@
 //! Corrections of a solution in one contact state, by the double-double residual and the factor at hand.
 
-use super::condense::{ContactState, Drive, Form};
+use super::condense::{ContactState, Form, InterfaceResidual};
 use super::problem::{ContactProblem, Factored};
 use super::solution::ContactSolution;
-use super::solve::ROUNDING;
 use crate::cholesky::FactorError;
+use crate::contact::tolerances;
 
 /// At most this many corrections with one contact state.
 const CORRECTIONS: usize = 8;
-/// A correction that leaves more than this part of the imbalance before it ends the refinement.
-const PROGRESS: f64 = 0.25;
 
 /// What is out of balance and what is left of the gaps.
 #[derive(Clone, Default)]
-pub(super) struct Step {
+pub(super) struct Residual {
     pub(super) imbalance: Vec<f64>,
     pub(super) remaining: Vec<f64>,
     pub(super) worst: f64,
@@ -23,9 +21,9 @@ pub(super) struct Step {
 }
 
 /// An imbalance after forward substitution, and what it does at the contact points.
-pub(super) struct Motion {
+pub(super) struct Reduced {
     forward: Vec<f64>,
-    pub(super) drive: Drive,
+    pub(super) interface: InterfaceResidual,
 }
 
 impl ContactProblem {
@@ -34,30 +32,30 @@ impl ContactProblem {
         &self,
         load: &[f64],
         state: &ContactState,
-        mut step: Step,
-        motion: Motion,
+        mut step: Residual,
+        reduced: Reduced,
         solution: &mut ContactSolution,
-    ) -> Result<Step, FactorError> {
-        let mut motion = Some(motion);
+    ) -> Result<Residual, FactorError> {
+        let mut reduced = Some(reduced);
         let mut first = true;
         for _ in 0..CORRECTIONS {
-            let now = match motion.take() {
-                Some(motion) => motion,
-                None => self.motion(&self.base, &step, self.base.condensed.better_form())?,
+            let now = match reduced.take() {
+                Some(reduced) => reduced,
+                None => self.reduced(&self.base, &step, self.base.condensed.better_form())?,
             };
             let before = solution.clone();
             self.correct(&self.base, state, now, solution)?;
-            let next = self.step(load, solution);
+            let next = self.residual(load, solution);
             let (left_before, left) = (self.left_open(&step, solution), self.left_open(&next, solution));
-            let closer = left < PROGRESS * left_before;
+            let closer = left < tolerances::PROGRESS * left_before;
             if !(first || next.worst < step.worst || closer) {
                 *solution = before;
                 return Ok(step);
             }
-            let ended = !first && next.worst > PROGRESS * step.worst && !closer;
+            let ended = !first && next.worst > tolerances::PROGRESS * step.worst && !closer;
             first = false;
             step = next;
-            if ended || (left == 0.0 && step.worst <= ROUNDING * self.largest_force(load, solution)) {
+            if ended || (left == 0.0 && step.worst <= tolerances::RESIDUAL * self.largest_force(load, solution)) {
                 break;
             }
         }
@@ -65,10 +63,10 @@ impl ContactProblem {
     }
 
     /// What is left of closed gaps; 0 where that is rounding of the largest deflection or of the point's own travel.
-    fn left_open(&self, step: &Step, solution: &ContactSolution) -> f64 {
+    fn left_open(&self, step: &Residual, solution: &ContactSolution) -> f64 {
         let lengths = self.lengths(solution);
         let closed = (0..lengths.len()).filter(|&i| solution.closed[i]);
-        let open = closed.filter(|&i| step.remaining[i].abs() > ROUNDING * lengths[i]);
+        let open = closed.filter(|&i| step.remaining[i].abs() > tolerances::RESIDUAL * lengths[i]);
         open.map(|i| step.remaining[i].abs()).fold(0.0, f64::max)
     }
 
@@ -84,10 +82,10 @@ impl ContactProblem {
         &self,
         with: &Factored,
         state: &ContactState,
-        motion: Motion,
+        reduced: Reduced,
         solution: &mut ContactSolution,
     ) -> Result<(), FactorError> {
-        let (nodal, reaction) = self.respond(with, state, motion)?;
+        let (nodal, reaction) = self.respond(with, state, reduced)?;
         for (dof, value) in nodal.into_iter().enumerate() {
             solution.displacement.add(dof, value);
         }
@@ -98,19 +96,19 @@ impl ContactProblem {
         Ok(())
     }
 
-    /// Motion of the plate and increments of the reactions in one contact state.
+    /// Reduced of the plate and increments of the reactions in one contact state.
     pub(super) fn respond(
         &self,
         with: &Factored,
         state: &ContactState,
-        motion: Motion,
+        reduced: Reduced,
     ) -> Result<(Vec<f64>, Vec<f64>), FactorError> {
-        let Motion { mut forward, drive } = motion;
+        let Reduced { mut forward, interface } = reduced;
         let leading = forward.len() - self.numbering.trailing;
         let mut pushed = None;
         let mut reaction = Vec::new();
         if !with.condensed.is_empty() {
-            let response = with.condensed.solve_state(state, &drive);
+            let response = with.condensed.solve_state(state, &interface);
             if with.condensed.better_form() == Form::Stiffness {
                 forward[leading..].copy_from_slice(&with.condensed.prescribing(&response.moved));
             } else {
@@ -130,23 +128,23 @@ impl ContactProblem {
         Ok((nodal, reaction))
     }
 
-    pub(super) fn step(&self, load: &[f64], solution: &ContactSolution) -> Step {
-        self.step_of(self.imbalance(load, &solution.displacement, &solution.reaction), load, solution)
+    pub(super) fn residual(&self, load: &[f64], solution: &ContactSolution) -> Residual {
+        self.residual_of(self.imbalance(load, &solution.displacement, &solution.reaction), load, solution)
     }
 
     /// The step from what is out of balance at every dof, those held included.
-    pub(super) fn step_of(&self, mut imbalance: Vec<f64>, load: &[f64], solution: &ContactSolution) -> Step {
+    pub(super) fn residual_of(&self, mut imbalance: Vec<f64>, load: &[f64], solution: &ContactSolution) -> Residual {
         self.release_held(&mut imbalance);
         let worst = imbalance.iter().fold(0.0, |worst: f64, value| worst.max(value.abs()));
         let (work, work_size) = self.works(load);
         let remaining = self.remaining(&solution.displacement, &solution.reaction);
-        Step { imbalance, remaining, worst, work, work_size }
+        Residual { imbalance, remaining, worst, work, work_size }
     }
 
     /// Work of a load in each free rigid motion, and the sum of the magnitudes it is made of.
     pub(super) fn works(&self, load: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let of = |motion: &Vec<f64>| {
-            let terms = motion.iter().zip(load).map(|(u, f)| u * f);
+        let of = |reduced: &Vec<f64>| {
+            let terms = reduced.iter().zip(load).map(|(u, f)| u * f);
             (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>())
         };
         self.constraints.free_motions.iter().map(of).unzip()
@@ -161,7 +159,7 @@ impl ContactProblem {
         }
     }
 
-    pub(super) fn motion(&self, with: &Factored, step: &Step, form: Form) -> Result<Motion, FactorError> {
+    pub(super) fn reduced(&self, with: &Factored, step: &Residual, form: Form) -> Result<Reduced, FactorError> {
         let mut forward = self.gather(&step.imbalance);
         with.factor.forward(&mut forward)?;
         let trailing = &forward[forward.len() - self.numbering.trailing..];
@@ -175,7 +173,7 @@ impl ContactProblem {
             Vec::new()
         };
         let (work, work_size, remaining) = (step.work.clone(), step.work_size.clone(), step.remaining.clone());
-        Ok(Motion { forward, drive: Drive { displacement, force, work, work_size, remaining } })
+        Ok(Reduced { forward, interface: InterfaceResidual { displacement, force, work, work_size, remaining } })
     }
 
     pub(super) fn largest_force(&self, load: &[f64], solution: &ContactSolution) -> f64 {

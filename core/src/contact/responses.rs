@@ -7,6 +7,7 @@
 use super::condense::Form;
 use super::problem::{ContactProblem, with_regularization};
 use crate::cholesky::FactorError;
+use crate::contact::tolerances;
 use crate::residual::{Displacement, Springs, residual};
 use rayon::prelude::*;
 
@@ -38,10 +39,6 @@ enum Action<'a> {
 const TOGETHER: usize = 8;
 /// At most this many corrections.
 const CORRECTIONS: usize = 8;
-/// A correction that leaves more than this part of the imbalance before it ends the refinement.
-const PROGRESS: f64 = 0.25;
-/// An imbalance this small, relative to the largest nodal force, is not worth another correction: sums add no digits.
-const ENOUGH: f64 = 1e-13;
 
 /// A response that is being refined.
 struct Draft<'a> {
@@ -133,7 +130,7 @@ impl ContactProblem {
             let downward: Vec<f64> = draft.reaction.iter().map(|r| -r).collect();
             self.spread(&downward, &mut out);
             let target = |i: usize| if matches!(draft.action, Action::Point(j) if j == i) { 1.0 } else { 0.0 };
-            let left = |i: usize| -self.constraints.rows.gap(&self.plate, i, &draft.displacement, target(i));
+            let left = |i: usize| -self.constraints.rows.beyond(&self.plate, i, &draft.displacement, target(i));
             draft.remaining = (0..draft.reaction.len()).map(left).collect();
         }
         draft.worst = 0.0;
@@ -180,7 +177,8 @@ impl ContactProblem {
                 draft.settled = true;
             } else {
                 let force = draft.size();
-                draft.settled = draft.worst <= ENOUGH * force || (round > 0 && draft.worst > PROGRESS * before.2);
+                draft.settled = draft.worst <= tolerances::RESPONSE * force
+                    || (round > 0 && draft.worst > tolerances::PROGRESS * before.2);
             }
         }
         Ok(())
@@ -188,7 +186,7 @@ impl ContactProblem {
 
     fn response(&self, draft: Draft) -> Response {
         let rows = &self.constraints.rows;
-        let moved = (0..rows.len()).map(|i| rows.gap(&self.plate, i, &draft.displacement, 0.0));
+        let moved = (0..rows.len()).map(|i| rows.beyond(&self.plate, i, &draft.displacement, 0.0));
         let moved: Vec<f64> = moved.collect();
         let mut reaction = draft.reaction;
         if !self.imposed() {

@@ -2,6 +2,16 @@
 
 use crate::residual::Displacement;
 
+/// One step of a solve, to whoever watches.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    pub step: usize,
+    /// Points that have opened or closed since the step before.
+    pub changing: usize,
+    /// Largest imbalance over the largest nodal force.
+    pub residual: f64,
+}
+
 /// How a contact problem ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -71,4 +81,9 @@ impl ContactSolution {
         self.closed.fill(false);
         Self { outcome, ..self }
     }
+}
+
+/// Points whose states differ.
+pub(super) fn differing(one: &[bool], other: &[bool]) -> Vec<usize> {
+    (0..one.len()).filter(|&i| one[i] != other[i]).collect()
 }

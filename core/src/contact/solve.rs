@@ -1,20 +1,17 @@
 //! From a load to displacements, reactions and gaps.
 
-use super::active_set::{Progress, Reference, Start};
 use super::condense::{Form, PosedLcp};
 use super::problem::ContactProblem;
-use super::refinement::Motion;
-use super::solution::{ContactSolution, Outcome};
+use super::refinement::Reduced;
+use super::solution::{ContactSolution, Outcome, Progress};
+use super::start::{Reference, Start};
 use crate::cholesky::FactorError;
+use crate::contact::tolerances;
 use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from};
 use crate::residual::Displacement;
 
 /// At most this many contact states.
-pub(super) const STATES: usize = 60;
-/// An imbalance this small, relative to the largest nodal force, or a gap to the largest deflection, is rounding.
-pub(super) const ROUNDING: f64 = 1e-15;
-/// Reactions and gaps of the wrong sign, relative to the largest of their kind or of the load, that are rounding.
-pub(super) const SIGN: f64 = 1e-11;
+const STATES: usize = 60;
 
 impl ContactProblem {
     /// Solves for one nodal load with the held dofs at `held_value` (both vectors over all dofs).
@@ -78,11 +75,11 @@ impl ContactProblem {
         let form = form.unwrap_or(with.condensed.better_form());
         let mut solution = self.at_rest(load.len(), held_value);
         let mut first = start.map(|start| start.closed);
-        let mut step = self.step(load, &solution);
-        let mut motion = self.motion(with, &step, form)?;
-        let travel = motion.drive.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let mut step = self.residual(load, &solution);
+        let mut reduced = self.reduced(with, &step, form)?;
+        let travel = reduced.interface.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         for _ in 0..STATES {
-            let (outcome, closed) = self.contact_state(&motion, &mut solution, form, max_pivots, first.take());
+            let (outcome, closed) = self.contact_state(&reduced, &mut solution, form, max_pivots, first.take());
             if outcome != Outcome::Solved {
                 return Ok(solution.failed(outcome));
             }
@@ -93,16 +90,16 @@ impl ContactProblem {
                     return Ok(solution.failed(Outcome::Unsolved));
                 };
                 if self.release_open(&mut solution) {
-                    step = self.step(load, &solution);
-                    motion = self.motion(with, &step, form)?;
+                    step = self.residual(load, &solution);
+                    reduced = self.reduced(with, &step, form)?;
                 }
-                step = self.refine(load, &state, step, motion, &mut solution)?;
+                step = self.refine(load, &state, step, reduced, &mut solution)?;
             }
             solution.leave_open(&step.remaining);
-            if settled || self.signs_hold(load, ROUNDING * travel, &solution) {
+            if settled || self.signs_hold(load, tolerances::RESIDUAL * travel, &solution) {
                 return Ok(solution.solved());
             }
-            motion = self.motion(with, &step, form)?;
+            reduced = self.reduced(with, &step, form)?;
         }
         Ok(solution.failed(Outcome::Unsolved))
     }
@@ -111,8 +108,8 @@ impl ContactProblem {
     pub fn lcp(&self, load: &[f64], held_value: &[f64], form: Option<Form>) -> Result<PosedLcp, FactorError> {
         let rest = self.at_rest(load.len(), held_value);
         let form = form.unwrap_or(self.base.condensed.better_form());
-        let motion = self.motion(&self.base, &self.step(load, &rest), form)?;
-        Ok(self.base.condensed.lcp(form, &motion.drive, &rest.reaction))
+        let reduced = self.reduced(&self.base, &self.residual(load, &rest), form)?;
+        Ok(self.base.condensed.lcp(form, &reduced.interface, &rest.reaction))
     }
 
     /// What there is to say where no solution was found.
@@ -145,7 +142,7 @@ impl ContactProblem {
     /// Poses the LCP from where the solution stands and solves it, beginning with a contact set if there is one.
     pub(super) fn contact_state(
         &self,
-        motion: &Motion,
+        reduced: &Reduced,
         solution: &mut ContactSolution,
         form: Form,
         max_pivots: Option<usize>,
@@ -154,7 +151,7 @@ impl ContactProblem {
         if self.constraints.two_sided.iter().all(|&t| t) {
             return (Outcome::Solved, self.constraints.two_sided.clone());
         }
-        let posed = self.base.condensed.lcp(form, &motion.drive, &solution.reaction);
+        let posed = self.base.condensed.lcp(form, &reduced.interface, &solution.reaction);
         let options = LemkeOptions { max_pivots, ..LemkeOptions::default() };
         let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| match first {
             Some(closed) => lemke_from(&lcp, &options, &self.base.condensed.basis(&posed, closed)),
@@ -204,8 +201,8 @@ impl ContactProblem {
             0.0 => largest(&c.regularization) * largest(&c.distance),
             load => load,
         };
-        let force = SIGN * largest(&solution.reaction).max(load);
-        let length: Vec<f64> = self.lengths(solution).iter().map(|l| (SIGN * l).max(nil)).collect();
+        let force = tolerances::SIGN * largest(&solution.reaction).max(load);
+        let length: Vec<f64> = self.lengths(solution).iter().map(|l| (tolerances::SIGN * l).max(nil)).collect();
         let holds = |i: usize| solution.reaction[i] >= -force && solution.gap[i] >= -length[i];
         (0..c.two_sided.len()).all(|i| c.two_sided[i] || holds(i))
     }

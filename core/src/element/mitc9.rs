@@ -8,7 +8,9 @@ use super::quadrature::{GAUSS_3, square};
 use super::shape::{Shape, lagrange, serendipity};
 use std::sync::LazyLock;
 
-use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Section, Sections, Stiffness, StrainMatrix, packed};
+use super::geometry::Geometry;
+use super::matrices::{ALL_DOFS, Centre, DOFS, PACKED, Stiffness, StrainMatrix, packed};
+use super::section::{Material, Section, Sections};
 
 pub(super) const TIES: usize = 5;
 const GAUSS: f64 = 0.577_350_269_189_625_8;

@@ -1,7 +1,9 @@
 //! The 8-node serendipity plate element with uniform 2×2 integration (Hinton & Owen 1977), as the paper uses it.
 
+use super::geometry::Geometry;
+use super::matrices::{ALL_DOFS, Centre, DOFS, PACKED, Stiffness, StrainMatrix, add_energy, packed};
 use super::quadrature::{GAUSS_2, square};
-use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Section, Stiffness, StrainMatrix, add_energy, packed};
+use super::section::{Material, Section};
 
 /// κ = sym ∇θ and γ = ∇w − θ, all on the serendipity functions.
 pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {

@@ -1,6 +1,6 @@
 //! What a plate is made of at one point: its thickness, and the rigidities that follow from it.
 
-use super::Kind;
+use super::kind::Kind;
 
 /// Isotropic elasticity with a shear correction factor.
 #[derive(Clone, Copy, Debug)]

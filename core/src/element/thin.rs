@@ -4,8 +4,10 @@
 //! Here the strains are formed first, with double-double accuracy, and forces from them: rounding is then relative to the
 //! true moments and shears.
 
+use super::geometry::Geometry;
+use super::matrices::{ALL_DOFS, Centre, DOFS, PACKED};
 use super::mitc9::{Apart, CENTRE, TIES, add_shear, condense};
-use super::{ALL_DOFS, Centre, DOFS, Geometry, Material, PACKED, Sections};
+use super::section::{Material, Sections};
 use crate::double_double::DoubleDouble;
 
 /// Tied shears of an element.

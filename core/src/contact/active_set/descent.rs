@@ -1,14 +1,14 @@
 //! A solution on its way: where the plate and its points are, and what is out of balance there.
 
-use super::Balanced;
 use super::direction::Direction;
 use super::floating::Floating;
-use super::points::Softened;
 use crate::cholesky::FactorError;
 use crate::contact::condense::ContactState;
+use crate::contact::points::Penalty;
 use crate::contact::problem::{ContactProblem, Factored};
-use crate::contact::refinement::Step;
+use crate::contact::refinement::Residual;
 use crate::contact::solution::ContactSolution;
+use crate::contact::start::Balanced;
 use crate::residual::internal_magnitude;
 
 /// A solution on its way.
@@ -17,7 +17,7 @@ pub(super) struct Descent<'a> {
     pub(super) load: &'a [f64],
     /// Stiffest springs, over the plate's stiffness in shear.
     pub(super) limit: f64,
-    pub(super) springs: Softened,
+    pub(super) penalty: Penalty,
     /// The factor that it was given, and the one in its place, if any.
     pub(super) given: &'a Factored,
     pub(super) own: Option<Factored>,
@@ -28,7 +28,7 @@ pub(super) struct Descent<'a> {
     pub(super) solution: ContactSolution,
     pub(super) multiplier: Vec<f64>,
     pub(super) stretch: Vec<f64>,
-    pub(super) step: Step,
+    pub(super) residual: Residual,
     /// Points that are closed whatever their stretch, and all others open, where the set is not to be found.
     pub(super) imposed: Option<Vec<bool>>,
     /// Where the points alone hold the plate.
@@ -55,7 +55,7 @@ impl Descent<'_> {
         for (i, &carried) in carried.enumerate() {
             let old = self.stretch[i];
             self.stretch[i] += length * change[i];
-            let pushes = self.springs.stiffness[i] * (self.pushing(i) - self.pushes(i, old));
+            let pushes = self.penalty.stiffness[i] * (self.pushing(i) - self.pushes(i, old));
             let factor = length * carried * change[i] - pushes;
             if factor != 0.0 {
                 points.scatter(&problem.plate, i, factor, &mut loss);
@@ -67,20 +67,20 @@ impl Descent<'_> {
             *total += length * increment;
         }
         problem.release_held(&mut loss);
-        for (value, loss) in self.step.imbalance.iter_mut().zip(&loss) {
+        for (value, loss) in self.residual.imbalance.iter_mut().zip(&loss) {
             *value += loss;
         }
-        self.step.worst = self.step.imbalance.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
+        self.residual.worst = self.residual.imbalance.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
         self.solution.iterations += 1;
     }
 
     /// From the solution under another load, what is out of balance is what the loads differ by.
     pub(super) fn depart(&mut self, from: Balanced) {
         self.solution.displacement.lo.copy_from_slice(from.low);
-        let softened = self.springs.softening.iter().zip(&self.multiplier);
+        let softened = self.penalty.series.iter().zip(&self.multiplier);
         self.stretch = from.overlap.iter().zip(softened).map(|(overlap, (s, force))| overlap + s * force).collect();
         let imbalance = self.load.iter().zip(from.load).map(|(load, balanced)| load - balanced).collect();
-        self.step = self.problem.step_of(imbalance, self.load, &self.solution);
+        self.residual = self.problem.residual_of(imbalance, self.load, &self.solution);
     }
 
     /// Stretches and imbalance anew, in double-double; two-sided points are brought back to where they belong.
@@ -88,7 +88,7 @@ impl Descent<'_> {
         self.balance();
         if !self.problem.constraints.rows.is_empty() {
             let with = self.own.as_ref().unwrap_or(self.given);
-            let motion = self.problem.motion(with, &self.step, with.condensed.better_form())?;
+            let motion = self.problem.reduced(with, &self.residual, with.condensed.better_form())?;
             self.problem.correct(with, &self.state, motion, &mut self.solution)?;
             self.balance();
         }
@@ -104,7 +104,7 @@ impl Descent<'_> {
     pub(super) fn stretched(&mut self) {
         self.stretch = self.problem.active.overlap(&self.problem.plate, &self.solution.displacement);
         for (i, stretch) in self.stretch.iter_mut().enumerate() {
-            *stretch += self.springs.softening[i] * self.multiplier[i];
+            *stretch += self.penalty.series[i] * self.multiplier[i];
         }
     }
 
@@ -115,10 +115,10 @@ impl Descent<'_> {
         for i in 0..points.len() {
             let pushing = self.pushing(i);
             if pushing != 0.0 {
-                points.scatter(&problem.plate, i, -self.springs.stiffness[i] * pushing, &mut imbalance);
+                points.scatter(&problem.plate, i, -self.penalty.stiffness[i] * pushing, &mut imbalance);
             }
         }
-        self.step = problem.step_of(imbalance, self.load, &self.solution);
+        self.residual = problem.residual_of(imbalance, self.load, &self.solution);
     }
 
     /// The solution with every point in the caller's order.
@@ -137,9 +137,9 @@ impl Descent<'_> {
         }
         for (at, &i) in order.active.iter().enumerate() {
             let stretch = self.stretch[at];
-            all.reaction[i] = self.springs.stiffness[at] * self.pushing(at);
+            all.reaction[i] = self.penalty.stiffness[at] * self.pushing(at);
             all.closed[i] = self.imposed.as_ref().map_or(stretch > 0.0, |closed| closed[at]);
-            all.gap[i] = if all.closed[i] { 0.0 } else { self.springs.softening[at] * self.multiplier[at] - stretch };
+            all.gap[i] = if all.closed[i] { 0.0 } else { self.penalty.series[at] * self.multiplier[at] - stretch };
         }
         all
     }

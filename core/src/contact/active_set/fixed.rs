@@ -3,14 +3,12 @@
 use super::descent::Descent;
 use super::direction::Direction;
 use super::floating::Floating;
-use super::{BALANCED, NEWTON, ROUNDING, SETTLED, SLOW, STALLS, STIFFEST, TIGHT};
+use super::newton::{NEWTON, STALLS};
 use crate::cholesky::FactorError;
 use crate::contact::problem::{ContactProblem, Factored};
-use crate::contact::refinement::Step;
+use crate::contact::refinement::Residual;
 use crate::contact::solution::{ContactSolution, Outcome};
-
-/// What rounding may leave of an imbalance, over the largest force, without a second thought.
-const STALLED: f64 = 1e-11;
+use crate::contact::tolerances;
 
 impl ContactProblem {
     /// As [`ContactProblem::solve_on`], beginning with an answer if there is one; `own` is the factor that an earlier
@@ -27,7 +25,7 @@ impl ContactProblem {
         let given: Vec<bool> = self.order.active.iter().map(|&i| closed[i]).collect();
         let begun = start.is_some() || own.is_some();
         let (found, left) = self.settled_on(load, held_value, &given, start, own, least)?;
-        if begun && left > STALLED {
+        if begun && left > tolerances::newton::STALLED_ON_SET {
             // Where stiff springs make the later factor less exact than the first one.
             let mut anew = None;
             let (again, less) = self.settled_on(load, held_value, &given, None, &mut anew, least)?;
@@ -67,8 +65,8 @@ impl ContactProblem {
         let mut descent = Descent {
             problem: self,
             load,
-            limit: STIFFEST,
-            springs: self.active.softened(STIFFEST),
+            limit: tolerances::newton::STIFFEST,
+            penalty: self.active.penalized(tolerances::newton::STIFFEST),
             given: with,
             shares: false,
             own: None,
@@ -76,7 +74,7 @@ impl ContactProblem {
             solution,
             stretch: vec![0.0; given.len()],
             multiplier,
-            step: Step::default(),
+            residual: Residual::default(),
             rounding: 0.0,
             imposed: Some(given.to_vec()),
             floating: Floating::of(self, load),
@@ -102,24 +100,28 @@ impl Descent<'_> {
                 self.drift();
             }
             let force = self.problem.largest_force(self.load, &self.solution).max(self.largest_push()).max(least);
-            let balanced = self.step.worst <= BALANCED * force;
+            let balanced = self.residual.worst <= tolerances::newton::BALANCED * force;
             if balanced {
                 self.renew_multipliers();
             }
-            let worst = self.step.worst;
+            let worst = self.residual.worst;
             let unsolved = (Outcome::Unsolved, f64::INFINITY);
             if !worst.is_finite() {
                 return Ok(unsolved);
             }
-            if balanced && worst <= SETTLED * force {
+            if balanced && worst <= tolerances::newton::SETTLED * force {
                 return Ok((Outcome::Solved, worst / force));
             }
-            stalled = if worst > SLOW * before { stalled + 1 } else { 0 };
+            stalled = if worst > tolerances::newton::SLOW * before { stalled + 1 } else { 0 };
             if stalled == STALLS {
-                return Ok(if worst <= ROUNDING * force { (Outcome::Solved, worst / force) } else { unsolved });
+                return Ok(if worst <= tolerances::newton::STALLED * force {
+                    (Outcome::Solved, worst / force)
+                } else {
+                    unsolved
+                });
             }
             before = worst;
-            let direction: Direction = self.direction(closed, TIGHT)?;
+            let direction: Direction = self.direction(closed, tolerances::newton::TIGHT)?;
             if direction.free {
                 return Ok(unsolved);
             }

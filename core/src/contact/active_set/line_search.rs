@@ -1,12 +1,11 @@
 //! The least energy along a direction.
 
 use super::descent::Descent;
-use super::direction::{Direction, PLAIN, dot};
+use super::direction::{Direction, dot};
+use crate::contact::tolerances;
 use crate::residual::twice_the_energy;
 use crate::superposition::sum_in_order;
 
-/// The slope that ends the search, over the slope at its start.
-const FLAT: f64 = 1e-3;
 /// At most so many times the length is doubled.
 const DOUBLINGS: usize = 60;
 
@@ -16,7 +15,7 @@ impl Descent<'_> {
         let stiff = dot(&direction.nodal, &direction.force);
         let carried = &self.own.as_ref().unwrap_or(self.given).carried;
         let rest = stiff - carried.iter().zip(change).map(|(k, c)| k * c * c).sum::<f64>();
-        if rest > PLAIN * stiff {
+        if rest > tolerances::newton::PLAIN * stiff {
             return rest;
         }
         twice_the_energy(&self.problem.plate, &self.problem.springs, &direction.nodal)
@@ -30,12 +29,12 @@ impl Descent<'_> {
             return 1.0;
         }
         let elastic = self.elastic_curvature(direction, change);
-        self.least_energy(-dot(&direction.nodal, &self.step.imbalance), elastic, change)
+        self.least_energy(-dot(&direction.nodal, &self.residual.imbalance), elastic, change)
     }
 
     /// How far along a change of the stretches the energy falls, from its slope and the plate's curvature; 0 if it does not.
     pub(super) fn least_energy(&self, start: f64, elastic: f64, change: &[f64]) -> f64 {
-        let (k, stretch) = (&self.springs.stiffness, &self.stretch);
+        let (k, stretch) = (&self.penalty.stiffness, &self.stretch);
         let slope = |t: f64| -> f64 {
             let one = |i: usize| k[i] * ((stretch[i] + t * change[i]).max(0.0) - stretch[i].max(0.0)) * change[i];
             start + t * elastic + sum_in_order(change.len(), 4096, one)
@@ -45,7 +44,7 @@ impl Descent<'_> {
             return 0.0;
         }
         let mut at_high = slope(high);
-        if at_high.abs() <= FLAT * start.abs() {
+        if at_high.abs() <= tolerances::newton::FLAT * start.abs() {
             return 1.0;
         }
         let mut doublings = 0;
@@ -64,7 +63,7 @@ impl Descent<'_> {
             let part = (at_low / (at_low - at_high)).clamp(0.05, 0.95);
             let middle = low + part * (high - low);
             let value = slope(middle);
-            if value.abs() <= FLAT * start.abs() {
+            if value.abs() <= tolerances::newton::FLAT * start.abs() {
                 return middle;
             }
             if value < 0.0 {

@@ -7,111 +7,35 @@
 //! One factor, of K with the points closed that are expected to be, preconditions every direction; only where the set
 //! turns out to be quite another one is it factored anew.
 
+mod conjugate_gradients;
 mod descent;
 mod direction;
+mod drift;
 mod fixed;
 mod floating;
 mod line_search;
 mod newton;
-mod points;
 mod push;
 mod together;
 
-pub use points::{ActivePoints, Softened};
-
-use super::problem::{ContactProblem, Factored};
-use super::refinement::Step;
-use super::solution::{ContactSolution, Outcome};
+use super::points::ActivePoints;
+use super::problem::ContactProblem;
+use super::refinement::Residual;
+use super::solution::{ContactSolution, Outcome, Progress};
+use super::start::{Reference, Start};
 use crate::cholesky::FactorError;
+use crate::contact::tolerances;
 use crate::plate::Plate;
 use descent::Descent;
 use floating::Floating;
 use newton::Newton;
-
-/// One Newton step, to whoever watches.
-#[derive(Clone, Copy, Debug)]
-pub struct Progress {
-    pub step: usize,
-    /// Points that have opened or closed since the step before.
-    pub changing: usize,
-    /// Largest imbalance over the largest nodal force.
-    pub residual: f64,
-}
-
-/// Stiffest springs that rigid points act through, over the plate's stiffness in shear: at the end, where multipliers
-/// converge the faster the stiffer they are, and how much stiffer they become from stage to stage.
-const STIFFEST: f64 = 1e4;
-const STIFFER: f64 = 10.0;
-/// Bending stiffness over that in shear of a wave of ten elements, over the square of thickness over element size.
-const LONG_WAVE: f64 = 0.04;
-/// At most this many Newton steps.
-const NEWTON: usize = 500;
-/// What conjugate gradients leave of the imbalance, while the set still changes and when it does not.
-const LOOSE: f64 = 0.3;
-/// Instead of the first after so many steps without the set settling: true Newton directions then need fewer.
-const FIRM: f64 = 1e-3;
-const PATIENT: usize = 8;
-const TIGHT: f64 = 1e-8;
-/// Imbalance, over the largest nodal force, at which the points are settled.
-const SETTLED: f64 = 1e-13;
-/// Times that imbalance from which points are looked at anew although some still change sides.
-const NEARLY: f64 = 1e3;
-/// Steps on one set that leave this part of the imbalance, one after another, that end it: what is left is rounding.
-const SLOW: f64 = 0.8;
-const STALLS: usize = 3;
-/// So many on unchanged sets without a new least imbalance, up and down, end it as well.
-const LASTING: usize = 12;
-/// What rounding leaves at most, in the thinnest plates; where it stalls above, supports contradict each other.
-const ROUNDING: f64 = 1e-3;
-/// Imbalance, over the largest nodal force, up to which multipliers are renewed.
-const BALANCED: f64 = 1e-3;
-/// Change of the multipliers, over the largest force, at which the next stage begins.
-const STEADY: f64 = 5e-2;
-
-/// Where to begin: displacements over all dofs, reactions and states in the caller's order, and a factor, if not the
-/// problem's own.
-pub(super) struct Start<'a> {
-    pub displacement: &'a [f64],
-    pub reaction: &'a [f64],
-    pub closed: &'a [bool],
-    pub factored: Option<&'a Factored>,
-    pub balanced: Option<Balanced<'a>>,
-}
-
-/// The load that a start is the solution of, the low-order part of its displacement, and how far the points overlap in it.
-#[derive(Clone, Copy)]
-pub(super) struct Balanced<'a> {
-    load: &'a [f64],
-    low: &'a [f64],
-    overlap: &'a [f64],
-}
-
-/// One load's solution and the factor of its contact set, for loads not unlike it to begin with.
-pub struct Reference {
-    pub solution: ContactSolution,
-    factored: Factored,
-    load: Vec<f64>,
-    overlap: Vec<f64>,
-}
-
-impl Reference {
-    pub(super) fn start(&self) -> Start<'_> {
-        Start {
-            displacement: &self.solution.displacement.hi,
-            reaction: &self.solution.reaction,
-            closed: &self.solution.closed,
-            factored: Some(&self.factored),
-            balanced: Some(Balanced { load: &self.load, low: &self.solution.displacement.lo, overlap: &self.overlap }),
-        }
-    }
-}
 
 impl ContactProblem {
     /// The limit that the active set begins with: springs that bend the plate over many elements find the set in few
     /// steps.
     pub(super) fn first_limit(plate: &Plate, points: &ActivePoints) -> f64 {
         if points.is_empty() {
-            return STIFFEST;
+            return tolerances::newton::STIFFEST;
         }
         let slenderness = |e: usize| {
             let geometry = plate.geometry(e);
@@ -119,9 +43,9 @@ impl ContactProblem {
             plate.thickness.first(plate.kind, e) / size
         };
         let thinnest = points.element.iter().map(|&e| slenderness(e)).fold(f64::INFINITY, f64::min);
-        let limit = f64::min(LONG_WAVE * thinnest * thinnest, 1.0);
-        let all_softer = points.softened(limit).softening.iter().all(|&s| s == 0.0);
-        if all_softer { STIFFEST } else { limit }
+        let limit = f64::min(tolerances::newton::LONG_WAVE * thinnest * thinnest, 1.0);
+        let all_softer = points.penalized(limit).series.iter().all(|&s| s == 0.0);
+        if all_softer { tolerances::newton::STIFFEST } else { limit }
     }
 
     /// Displacements, reactions and gaps under one load, beginning with those of a start if there is one; `watch` may
@@ -161,20 +85,20 @@ impl ContactProblem {
                 *multiplier = if start.closed[i] { start.reaction[i] } else { 0.0 };
             }
         }
-        let limit = if start.is_some() { STIFFEST } else { self.first_limit };
+        let limit = if start.is_some() { tolerances::newton::STIFFEST } else { self.first_limit };
         let mut descent = Descent {
             problem: self,
             load,
             given,
             limit,
-            springs: self.active.softened(limit),
+            penalty: self.active.penalized(limit),
             own: None,
             shares,
             state,
             solution,
             stretch: vec![0.0; multiplier.len()],
             multiplier,
-            step: Step::default(),
+            residual: Residual::default(),
             imposed: None,
             floating: Floating::of(self, load),
             rounding: 0.0,
@@ -195,7 +119,7 @@ impl ContactProblem {
         if self.active.is_empty() || solution.outcome != Outcome::Solved {
             return Ok(None);
         }
-        let stiffness = self.active.softened(STIFFEST).stiffness;
+        let stiffness = self.active.penalized(tolerances::newton::STIFFEST).stiffness;
         let closed = self.order.active.iter().map(|&i| solution.closed[i]);
         let carried = stiffness.iter().zip(closed).map(|(&k, closed)| if closed { k } else { 0.0 }).collect();
         match self.refactored(carried) {

@@ -1,14 +1,21 @@
 //! From Newton step to Newton step until the set of closed points settles; a step waits for what its direction asks of the
 //! factor, so that many loads can ask it together.
 
+use super::conjugate_gradients::{ConjugateGradients, Followed};
 use super::descent::Descent;
-use super::direction::{ConjugateGradients, Direction, Followed};
-use super::{
-    BALANCED, FIRM, LASTING, LOOSE, NEARLY, NEWTON, PATIENT, Progress, ROUNDING, SETTLED, SLOW, STALLS, STEADY,
-    STIFFER, STIFFEST, TIGHT,
-};
+use super::direction::Direction;
 use crate::cholesky::FactorError;
-use crate::contact::solution::{ContactSolution, Outcome};
+use crate::contact::solution::{ContactSolution, Outcome, Progress};
+use crate::contact::tolerances;
+
+/// At most this many Newton steps.
+pub(super) const NEWTON: usize = 500;
+/// Steps without the set settling after which directions are firm.
+const PATIENT: usize = 8;
+/// So many steps, one after another, that leave most of the residual end it: what is left is rounding.
+pub(super) const STALLS: usize = 3;
+/// So many on unchanged sets without a new least residual, up and down, end it as well.
+const LASTING: usize = 12;
 
 /// What a descent needs to go on.
 pub(super) enum Next {
@@ -136,10 +143,10 @@ impl<'a> Newton<'a> {
         }
         let same = self.step > 1 && self.closed == self.last;
         let lost = self.since_settled == PATIENT || self.stalled == STALLS;
-        if lost && self.descent.limit == STIFFEST && self.started {
+        if lost && self.descent.limit == tolerances::newton::STIFFEST && self.started {
             // The start was too far away: begin with springs that bend the plate, like from rest.
             (self.stalled, self.far) = (0, true);
-            self.descent.soften(self.descent.problem.first_limit);
+            self.descent.penalize(self.descent.problem.first_limit);
             self.closed = self.descent.pushing_points();
         }
         let mut settled = self.descent.rounding;
@@ -147,14 +154,14 @@ impl<'a> Newton<'a> {
             self.closed = self.descent.pushing_points();
             // What is left would only send a loose plate away.
             let force = self.descent.problem.largest_force(self.descent.load, &self.descent.solution);
-            settled = settled.max(SETTLED * force);
+            settled = settled.max(tolerances::newton::SETTLED * force);
         }
         let tolerance = match (same, self.since_settled < PATIENT) {
-            (true, _) => TIGHT,
-            (false, true) => LOOSE,
-            (false, false) => FIRM,
+            (true, _) => tolerances::newton::TIGHT,
+            (false, true) => tolerances::newton::LOOSE,
+            (false, false) => tolerances::newton::FIRM,
         };
-        if self.descent.step.worst > settled || self.descent.step.worst.is_nan() {
+        if self.descent.residual.worst > settled || self.descent.residual.worst.is_nan() {
             self.gradients = Some(self.descent.gradients(&self.closed, tolerance, true));
         }
         None
@@ -172,29 +179,30 @@ impl<'a> Newton<'a> {
         let unchanged = self.closed == self.last;
         let force = descent.problem.largest_force(descent.load, &descent.solution);
         let force = force.max(descent.largest_push()).max(self.least);
-        let settling = unchanged || descent.step.worst <= NEARLY * SETTLED * force;
+        let settling =
+            unchanged || descent.residual.worst <= tolerances::newton::NEARLY * tolerances::newton::SETTLED * force;
         self.since_settled += 1;
         if settling {
             self.since_settled = 0;
             descent.refine()?;
             // Multipliers follow an equilibrium, not what comes before it.
-            let balanced = descent.step.worst <= BALANCED * force;
+            let balanced = descent.residual.worst <= tolerances::newton::BALANCED * force;
             let renewed = if balanced { descent.renew_multipliers() } else { f64::INFINITY };
-            if descent.limit < STIFFEST && renewed <= STEADY * force {
-                descent.soften(f64::min(STIFFER * descent.limit, STIFFEST));
+            if descent.limit < tolerances::newton::STIFFEST && renewed <= tolerances::newton::STEADY * force {
+                descent.penalize(f64::min(tolerances::newton::STIFFER * descent.limit, tolerances::newton::STIFFEST));
                 (self.before, self.lasting, self.lowest) = (f64::INFINITY, 0, f64::INFINITY);
             }
             self.closed = descent.pushing_points();
         }
         let changing = self.closed.iter().zip(&self.last).filter(|(a, b)| a != b).count();
-        let worst = descent.step.worst;
+        let worst = descent.residual.worst;
         if !worst.is_finite() {
             return Ok(Some(Outcome::Unsolved));
         }
         if !watch(Progress { step: self.step, changing, residual: worst / force }) {
             return Ok(Some(Outcome::Interrupted));
         }
-        if !settling || self.descent.limit != STIFFEST {
+        if !settling || self.descent.limit != tolerances::newton::STIFFEST {
             return Ok(None);
         }
         Ok(self.settled(worst, force, unchanged))
@@ -202,14 +210,14 @@ impl<'a> Newton<'a> {
 
     /// How it ends with springs as stiff as they become, if it does.
     fn settled(&mut self, worst: f64, force: f64, unchanged: bool) -> Option<Outcome> {
-        if worst <= f64::max(SETTLED * force, self.descent.rounding) {
+        if worst <= f64::max(tolerances::newton::SETTLED * force, self.descent.rounding) {
             return Some(Outcome::Solved);
         }
         // Points that neither push nor gape may change sides for ever; what is out of balance tells nothing more.
-        let idle = unchanged || worst <= NEARLY * SETTLED * force;
-        self.stalled = if idle && worst > SLOW * self.before { self.stalled + 1 } else { 0 };
+        let idle = unchanged || worst <= tolerances::newton::NEARLY * tolerances::newton::SETTLED * force;
+        self.stalled = if idle && worst > tolerances::newton::SLOW * self.before { self.stalled + 1 } else { 0 };
         if self.stalled == STALLS || self.lasting == LASTING {
-            if worst <= ROUNDING * force {
+            if worst <= tolerances::newton::STALLED * force {
                 return Some(Outcome::Solved);
             }
             if !self.started || self.far || self.lasting == LASTING {
@@ -217,7 +225,8 @@ impl<'a> Newton<'a> {
             }
         }
         self.before = worst;
-        self.lasting = if worst <= SLOW * self.lowest { 0 } else { self.lasting + usize::from(unchanged) };
+        self.lasting =
+            if worst <= tolerances::newton::SLOW * self.lowest { 0 } else { self.lasting + usize::from(unchanged) };
         self.lowest = f64::min(self.lowest, worst);
         None
     }

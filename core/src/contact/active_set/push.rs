@@ -20,7 +20,7 @@ impl Descent<'_> {
     }
 
     pub(super) fn largest_push(&self) -> f64 {
-        let k = &self.springs.stiffness;
+        let k = &self.penalty.stiffness;
         (0..k.len()).fold(0.0, |most: f64, i| most.max(k[i] * self.pushing(i)))
     }
 
@@ -30,9 +30,9 @@ impl Descent<'_> {
     }
 
     /// Springs no stiffer than a limit, over the plate's stiffness in shear.
-    pub(super) fn soften(&mut self, limit: f64) {
+    pub(super) fn penalize(&mut self, limit: f64) {
         self.limit = limit;
-        self.springs = self.problem.active.softened(limit);
+        self.penalty = self.problem.active.penalized(limit);
         self.balance();
     }
 
@@ -42,20 +42,20 @@ impl Descent<'_> {
         let mut any = false;
         let mut largest: f64 = 0.0;
         for i in 0..points.len() {
-            if self.springs.softening[i] > 0.0 {
+            if self.penalty.series[i] > 0.0 {
                 let old = self.pushing(i);
-                let force = self.springs.stiffness[i] * old;
-                self.stretch[i] += self.springs.softening[i] * (force - self.multiplier[i]);
+                let force = self.penalty.stiffness[i] * old;
+                self.stretch[i] += self.penalty.series[i] * (force - self.multiplier[i]);
                 largest = largest.max((force - self.multiplier[i]).abs());
                 self.multiplier[i] = force;
-                let more = self.springs.stiffness[i] * (self.pushing(i) - old);
-                points.scatter(&problem.plate, i, -more, &mut self.step.imbalance);
+                let more = self.penalty.stiffness[i] * (self.pushing(i) - old);
+                points.scatter(&problem.plate, i, -more, &mut self.residual.imbalance);
                 any = true;
             }
         }
         if any {
-            problem.release_held(&mut self.step.imbalance);
-            self.step.worst = self.step.imbalance.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
+            problem.release_held(&mut self.residual.imbalance);
+            self.residual.worst = self.residual.imbalance.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
         }
         largest
     }

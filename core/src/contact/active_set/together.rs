@@ -3,10 +3,10 @@
 //! Each goes on as if it were alone, in parallel with the others, so that neither order nor number of threads changes a bit.
 
 use super::newton::{Newton, Next};
-use super::{Reference, Start};
 use crate::cholesky::{FactorError, LANES};
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::{ContactSolution, Outcome};
+use crate::contact::start::{Reference, Start};
 use rayon::prelude::*;
 
 /// Loads that are under way at once.

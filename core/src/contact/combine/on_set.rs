@@ -5,6 +5,7 @@
 
 use crate::contact::condense::{Condensed, Form};
 use crate::contact::responses::Response;
+use crate::contact::tolerances;
 use crate::double_double::DoubleDouble;
 use faer::Mat;
 use faer::linalg::solvers::{PartialPivLu, Solve};
@@ -16,8 +17,6 @@ const FEW: f64 = 0.25;
 const MOST: usize = 2000;
 /// Corrections by an updated inverse; where they do not end in rounding the set is factored.
 const CORRECTIONS: usize = 4;
-/// What rounding leaves of a residual, over the magnitudes that it is the sum of.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Factors of the points' responses, reactions and gaps.
 pub(super) type Found = (Vec<f64>, Vec<f64>, Vec<f64>);
@@ -181,7 +180,7 @@ impl OnSet {
             x.iter_mut().enumerate().for_each(|(i, x)| *x += step[(i, 0)]);
             left = self.left(closed, right, &x);
             let size = x.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-            if (0..count).all(|i| (unit[i] * left[i]).abs() <= ROUNDING * size) {
+            if (0..count).all(|i| (unit[i] * left[i]).abs() <= tolerances::SUM * size) {
                 return Some(x);
             }
         }

@@ -1,6 +1,7 @@
 //! The plate at its contact points by flexibility: (I − P̃δ)·gap = B·reaction − s̃.
 
-use super::{Condensed, ContactState, Drive, PosedLcp, Response, StateFactor};
+use super::condensed::{Condensed, ContactState, InterfaceResidual, PosedLcp, Response, StateFactor};
+use crate::contact::tolerances;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef};
 
@@ -23,7 +24,8 @@ impl Condensed {
 
     /// Whether the factor carries the whole stiffness of a compliant point.
     pub(in crate::contact) fn absorbed(&self, i: usize) -> bool {
-        self.compliance[i] > 0.0 && (1.0 - self.regularization[i] * self.compliance[i]).abs() < 1e-12
+        self.compliance[i] > 0.0
+            && (1.0 - self.regularization[i] * self.compliance[i]).abs() < tolerances::interface::ABSORBED
     }
 
     /// Entry of B = P̃(I − δC) + C.
@@ -40,12 +42,12 @@ impl Condensed {
     }
 
     /// s̃, past reactions already acting.
-    fn closing(&self, p: MatRef<'_, f64>, drive: &Drive, reaction: &[f64]) -> Vec<f64> {
+    fn closing(&self, p: MatRef<'_, f64>, interface: &InterfaceResidual, reaction: &[f64]) -> Vec<f64> {
         (0..self.len())
             .map(|i| {
-                let mut s = drive.displacement[i] - drive.remaining[i];
+                let mut s = interface.displacement[i] - interface.remaining[i];
                 for j in 0..self.len() {
-                    s += p[(i, j)] * self.regularization[j] * drive.remaining[j];
+                    s += p[(i, j)] * self.regularization[j] * interface.remaining[j];
                     s += self.b(p, i, j) * reaction[j];
                 }
                 s
@@ -54,9 +56,14 @@ impl Condensed {
     }
 
     /// The LCP with every point exchanged if all are `closed_first`, else those that are regularised or two-sided.
-    pub(super) fn flexibility_lcp(&self, drive: &Drive, reaction: &[f64], closed_first: bool) -> PosedLcp {
+    pub(super) fn flexibility_lcp(
+        &self,
+        interface: &InterfaceResidual,
+        reaction: &[f64],
+        closed_first: bool,
+    ) -> PosedLcp {
         let p = self.flexibility();
-        let closing = self.closing(p, drive, reaction);
+        let closing = self.closing(p, interface, reaction);
         let exchanged = |i: usize| closed_first || self.two_sided[i] || self.regularization[i] > 0.0;
         let (mut inside, outside): (Vec<usize>, Vec<usize>) = (0..self.len()).partition(|&i| exchanged(i));
         inside.sort_by_key(|&i| self.absorbed(i));
@@ -131,9 +138,9 @@ impl Condensed {
         regular.then_some(ContactState { closed, unknown, factor: StateFactor::Flexibility(factor) })
     }
 
-    pub(super) fn solve_flexibility_state(&self, state: &ContactState, drive: &Drive) -> Response {
+    pub(super) fn solve_flexibility_state(&self, state: &ContactState, interface: &InterfaceResidual) -> Response {
         let p = self.flexibility();
-        let closing = self.closing(p, drive, &vec![0.0; self.len()]);
+        let closing = self.closing(p, interface, &vec![0.0; self.len()]);
         let mut reaction = vec![0.0; self.len()];
         let mut gap = vec![0.0; self.len()];
         let mut solved = vec![false; self.len()];
@@ -156,7 +163,8 @@ impl Condensed {
                 gap[i] = -rest;
             }
         }
-        let moved = (0..self.len()).map(|i| drive.remaining[i] - gap[i] + self.compliance[i] * reaction[i]).collect();
+        let moved =
+            (0..self.len()).map(|i| interface.remaining[i] - gap[i] + self.compliance[i] * reaction[i]).collect();
         Response { reaction, gap, moved }
     }
 }

@@ -4,19 +4,10 @@
 //! every gap and no reaction, so M_JJ N_J = 0 and M_OJ N_J = N_O; and the reactions of the posed state balance the
 //! load, N_Jᵀ q_J = work. Left as rounding, these decide at random whether equilibrium exists where it is marginal.
 
-use super::{Condensed, Drive, PosedLcp};
+use super::condensed::{Condensed, InterfaceResidual, PosedLcp};
+use crate::contact::tolerances;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
-
-/// A posed reaction this small, relative to the load, is zero: the load is balanced without it. So is a gap, relative to
-/// the largest move, and a lever, relative to the moves it is made of.
-const ROUNDING: f64 = 1e-12;
-
-/// Rounding of a sum of stiffnesses times gaps.
-const SUM: f64 = 1e-14;
-
-/// A stiffness of which the projection leaves less than this part was rounding.
-const LEFT: f64 = 1e-6;
 
 /// The free motions in an LCP, as far as they do not depend on the load.
 pub(in crate::contact) struct FreeMotions {
@@ -32,9 +23,9 @@ pub(in crate::contact) struct FreeMotions {
 impl Condensed {
     /// The LCP with the free motions imposed: M_JJ ← QM_JJQ with Q = I − N_J(N_JᵀN_J)⁻¹N_Jᵀ, and M_OJ, q_J moved by the
     /// least that satisfies their equations.
-    pub(in crate::contact) fn balanced(&self, mut lcp: PosedLcp, drive: &Drive) -> PosedLcp {
+    pub(in crate::contact) fn balanced(&self, mut lcp: PosedLcp, interface: &InterfaceResidual) -> PosedLcp {
         let motions = self.impose_motions(&mut lcp);
-        motions.balance(&mut lcp.q, drive);
+        motions.balance(&mut lcp.q, interface);
         lcp
     }
 
@@ -59,14 +50,16 @@ impl Condensed {
         within = &within - &dual * (n.transpose() * &within);
         within = &within - (&within * &n) * dual.transpose();
         // Nothing resists the gap of a point from which little is left: what was there was rounding.
-        let loose: Vec<bool> = (0..inside).map(|r| inside == free || within[(r, r)] <= LEFT * before[r]).collect();
+        let loose: Vec<bool> = (0..inside)
+            .map(|r| inside == free || within[(r, r)] <= tolerances::interface::PROJECTED * before[r])
+            .collect();
         let mut across = Mat::from_fn(order - inside, inside, |r, c| lcp.matrix[(inside + r) * order + c]);
         let outside = Mat::from_fn(order - inside, free, |r, k| moves(inside + r, k));
         across = &across + (&outside - &across * &n) * dual.transpose();
         for r in 0..order - inside {
             for c in 0..inside {
                 let size: f64 = (0..free).map(|k| (outside[(r, k)] * dual[(c, k)]).abs()).sum();
-                if across[(r, c)].abs() <= ROUNDING * size {
+                if across[(r, c)].abs() <= tolerances::interface::POSED * size {
                     across[(r, c)] = 0.0;
                 }
             }
@@ -99,14 +92,17 @@ impl Condensed {
 
 impl FreeMotions {
     /// Imposes on q that the reactions of the posed state balance the load; what is rounding of either becomes zero.
-    pub(in crate::contact) fn balance(&self, q: &mut [f64], drive: &Drive) {
+    pub(in crate::contact) fn balance(&self, q: &mut [f64], interface: &InterfaceResidual) {
         let (inside, free) = (self.moves.nrows(), self.moves.ncols());
-        let length = drive.displacement.iter().chain(&drive.remaining).fold(0.0, |a: f64, b| a.max(b.abs()));
-        q[inside..].iter_mut().filter(|gap| gap.abs() <= ROUNDING * length).for_each(|gap| *gap = 0.0);
+        let length = interface.displacement.iter().chain(&interface.remaining).fold(0.0, |a: f64, b| a.max(b.abs()));
+        q[inside..]
+            .iter_mut()
+            .filter(|gap| gap.abs() <= tolerances::interface::POSED * length)
+            .for_each(|gap| *gap = 0.0);
         if free == 0 {
             return;
         }
-        let mut missing = drive.work.clone();
+        let mut missing = interface.work.clone();
         for (k, missing) in missing.iter_mut().enumerate() {
             *missing -= (0..inside).map(|r| self.moves[(r, k)] * q[r]).sum::<f64>();
         }
@@ -114,8 +110,10 @@ impl FreeMotions {
             if self.projected {
                 q[r] += (0..free).map(|k| self.dual[(r, k)] * missing[k]).sum::<f64>();
             }
-            let size: f64 = (0..free).map(|k| self.dual[(r, k)].abs() * drive.work_size[k]).sum();
-            if q[r].abs() <= ROUNDING * size + SUM * self.held[r] * length {
+            let size: f64 = (0..free).map(|k| self.dual[(r, k)].abs() * interface.work_size[k]).sum();
+            if q[r].abs()
+                <= tolerances::interface::POSED * size + tolerances::interface::POSED_SUM * self.held[r] * length
+            {
                 q[r] = 0.0;
             }
         }

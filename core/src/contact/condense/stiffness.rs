@@ -1,17 +1,22 @@
 //! The plate at its contact points by stiffness: reaction = f̂ − S y.
 
-use super::{Condensed, ContactState, Drive, PosedLcp, Response, StateFactor};
+use super::condensed::{Condensed, ContactState, InterfaceResidual, PosedLcp, Response, StateFactor};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
 impl Condensed {
     /// M = (I + SC)⁻¹S, q = (I + SC)⁻¹(f̂ + reaction − S(remaining − C·reaction)).
-    pub(super) fn stiffness_lcp(&self, stiffness: &Mat<f64>, drive: &Drive, reaction: &[f64]) -> PosedLcp {
+    pub(super) fn stiffness_lcp(
+        &self,
+        stiffness: &Mat<f64>,
+        interface: &InterfaceResidual,
+        reaction: &[f64],
+    ) -> PosedLcp {
         let m = self.len();
-        let travel: Vec<f64> = (0..m).map(|i| drive.remaining[i] - self.compliance[i] * reaction[i]).collect();
+        let travel: Vec<f64> = (0..m).map(|i| interface.remaining[i] - self.compliance[i] * reaction[i]).collect();
         let travel = self.without_rigid_motion(&travel);
         let mut q: Vec<f64> = (0..m)
-            .map(|i| drive.force[i] + reaction[i] - (0..m).map(|j| stiffness[(i, j)] * travel[j]).sum::<f64>())
+            .map(|i| interface.force[i] + reaction[i] - (0..m).map(|j| stiffness[(i, j)] * travel[j]).sum::<f64>())
             .collect();
         let point: Vec<usize> = (0..m).filter(|&i| !self.two_sided[i]).collect();
         let matrix: Vec<f64> = if self.compliance.iter().all(|&c| c == 0.0) {
@@ -46,16 +51,21 @@ impl Condensed {
         Some(ContactState { closed, unknown, factor: StateFactor::Stiffness(factor) })
     }
 
-    pub(super) fn solve_stiffness_state(&self, stiffness: &Mat<f64>, state: &ContactState, drive: &Drive) -> Response {
+    pub(super) fn solve_stiffness_state(
+        &self,
+        stiffness: &Mat<f64>,
+        state: &ContactState,
+        interface: &InterfaceResidual,
+    ) -> Response {
         let m = self.len();
         let rigid = |i: usize| state.closed[i] && self.compliance[i] == 0.0;
-        let mut moved: Vec<f64> = (0..m).map(|i| if rigid(i) { drive.remaining[i] } else { 0.0 }).collect();
+        let mut moved: Vec<f64> = (0..m).map(|i| if rigid(i) { interface.remaining[i] } else { 0.0 }).collect();
         let held = |i: usize, moved: &[f64]| (0..m).map(|j| stiffness[(i, j)] * moved[j]).sum::<f64>();
         if let StateFactor::Stiffness(factor) = &state.factor {
             let mut right = Mat::from_fn(state.unknown.len(), 1, |r, _| {
                 let i = state.unknown[r];
-                let spring = if state.closed[i] { drive.remaining[i] / self.compliance[i] } else { 0.0 };
-                drive.force[i] + spring - held(i, &moved)
+                let spring = if state.closed[i] { interface.remaining[i] / self.compliance[i] } else { 0.0 };
+                interface.force[i] + spring - held(i, &moved)
             });
             factor.solve_in_place(right.as_mut());
             for (r, &i) in state.unknown.iter().enumerate() {
@@ -66,11 +76,11 @@ impl Condensed {
         let mut gap = vec![0.0; m];
         for i in 0..m {
             if !state.closed[i] {
-                gap[i] = drive.remaining[i] - moved[i];
+                gap[i] = interface.remaining[i] - moved[i];
             } else if rigid(i) {
-                reaction[i] = drive.force[i] - held(i, &moved);
+                reaction[i] = interface.force[i] - held(i, &moved);
             } else {
-                reaction[i] = (moved[i] - drive.remaining[i]) / self.compliance[i];
+                reaction[i] = (moved[i] - interface.remaining[i]) / self.compliance[i];
             }
         }
         Response { reaction, gap, moved }

@@ -2,14 +2,10 @@
 
 use super::super::problem::Constraints;
 use crate::assembly::{HELD, Numbering, assemble};
+use crate::contact::tolerances;
 use crate::plate::Plate;
 use crate::residual::{Displacement, Springs, residual};
 use clarabel::algebra::CscMatrix;
-
-/// Residuals of a proof of infeasibility, over the magnitudes they are made of, up to which it is believed, and what it must
-/// prove, over the magnitudes that is made of: so much more that the residuals could not undo it.
-const PROOF: f64 = 1e-8;
-const MARGIN: f64 = 1e-6;
 
 /// The quadratic program min ½xᵀPx + qᵀx, Ax + s = b, in units in which P has the diagonal 1 and every row of A the norm 1.
 pub(super) struct Program {
@@ -75,7 +71,7 @@ impl Program {
                 a.push(row, columns, -compliance.sqrt() / norms[row]);
                 columns += 1;
             }
-            right[row] = -constraints.rows.gap(plate, i, held, constraints.distance[i]) / norms[row];
+            right[row] = -constraints.rows.beyond(plate, i, held, constraints.distance[i]) / norms[row];
         }
 
         let force = residual(plate, springs, load, held);
@@ -130,7 +126,8 @@ impl Program {
         }
         let terms = || self.right.iter().zip(z).map(|(b, z)| b * z);
         let scale: f64 = terms().map(f64::abs).sum();
-        largest(&sum) <= PROOF * size && terms().sum::<f64>() < -MARGIN * scale
+        largest(&sum) <= tolerances::interior_point::PROOF * size
+            && terms().sum::<f64>() < -tolerances::interior_point::MARGIN * scale
     }
 
     /// Whether x is a motion that neither the plate nor a row resists and on which the load works: Px = 0, Ax ≤ 0, qᵀx < 0.
@@ -151,9 +148,9 @@ impl Program {
         let closing = self.travel(x).iter().enumerate().map(against).fold(0.0, f64::max);
         let terms = || self.linear.iter().zip(x).map(|(q, x)| q * x);
         let scale: f64 = terms().map(f64::abs).sum();
-        largest(&force) <= PROOF * largest(&force_size)
-            && closing <= PROOF * largest(x)
-            && terms().sum::<f64>() < -MARGIN * scale
+        largest(&force) <= tolerances::interior_point::PROOF * largest(&force_size)
+            && closing <= tolerances::interior_point::PROOF * largest(x)
+            && terms().sum::<f64>() < -tolerances::interior_point::MARGIN * scale
     }
 }
 

@@ -1,23 +1,12 @@
 //! A stretch of the path: the plate on one contact set, linear in t.
 
-use super::trail::differing;
-use super::{PathLoad, SIGN};
+use super::load::PathLoad;
 use crate::cholesky::FactorError;
-use crate::contact::careful::extent;
 use crate::contact::problem::{ContactProblem, Factored};
-use crate::contact::solution::{ContactSolution, Outcome};
+use crate::contact::rigid::extent;
+use crate::contact::solution::{ContactSolution, Outcome, differing};
+use crate::contact::tolerances;
 use crate::residual::{Displacement, Springs, residual};
-
-/// How far, over a segment's length, its refined end may be from where pivoting saw it.
-const MOVED: f64 = 1e-3;
-/// Gaps that change by less over a line, over the largest length, stay; so do reactions whose rounding is less.
-const STILL: f64 = 1e-10;
-/// Times that what the plate's own forces are out of balance by, which is their rounding, may be in one reaction.
-const SHARE: f64 = 64.0;
-/// Reactions and gaps, over the largest of their kind, that are none.
-const NOTHING: f64 = 1e-14;
-/// Part of the loads that a load is the sum of which, as a scale, turns [`SIGN`] into their rounding.
-const UNSEEN: f64 = 1e-7;
 
 /// The plate on one contact set at two loads of the path, between and beyond which it is linear.
 pub(super) struct Line {
@@ -42,7 +31,7 @@ impl Line {
     /// How much a point's value falls from one end to the other; nothing where that is no more than rounding.
     pub fn fall(&self, i: usize) -> f64 {
         let fall = self.value(0, i) - self.value(1, i);
-        let still = if self.ends[0].closed[i] { self.still } else { STILL };
+        let still = if self.ends[0].closed[i] { self.still } else { tolerances::path::STILL };
         if fall.abs() > still { fall } else { 0.0 }
     }
 
@@ -66,7 +55,8 @@ impl Line {
 
     /// Where the points that switch at the end of a segment reach zero; `None` if none does near its end.
     pub fn root(&self, switched: &[usize]) -> Option<f64> {
-        let near = switched.iter().copied().filter(|&i| self.value(1, i).abs() < MOVED * self.fall(i));
+        let near =
+            switched.iter().copied().filter(|&i| self.value(1, i).abs() < tolerances::path::MOVED * self.fall(i));
         let first = near.max_by(|&a, &b| self.fall(a).total_cmp(&self.fall(b)))?;
         Some(self.at[1] + self.value(1, first) / self.fall(first) * (self.at[1] - self.at[0]))
     }
@@ -83,7 +73,8 @@ fn largest_length(of: &ContactSolution) -> f64 {
 
 /// The solution with another contact set, if it stands on that too: points that differ neither press nor part.
 pub(super) fn standing_on(solution: &ContactSolution, set: &[bool]) -> Option<ContactSolution> {
-    let (force, length) = (NOTHING * largest(&solution.reaction), NOTHING * largest_length(solution));
+    let (force, length) =
+        (tolerances::path::NOTHING * largest(&solution.reaction), tolerances::path::NOTHING * largest_length(solution));
     let idle = |&i: &usize| solution.reaction[i].abs() <= force && solution.gap[i].abs() <= length;
     let differing = differing(&solution.closed, set);
     differing.iter().all(idle).then(|| {
@@ -117,8 +108,8 @@ impl ContactProblem {
         let Some(state) = self.base.condensed.state(closed.to_vec()) else {
             return Ok(solution.failed(Outcome::Unsolved));
         };
-        let step = self.step(load, &solution);
-        let motion = self.motion(&self.base, &step, self.base.condensed.better_form())?;
+        let step = self.residual(load, &solution);
+        let motion = self.reduced(&self.base, &step, self.base.condensed.better_form())?;
         let step = self.refine(load, &state, step, motion, &mut solution)?;
         for i in 0..closed.len() {
             solution.gap[i] = if closed[i] { 0.0 } else { step.remaining[i] };
@@ -137,7 +128,7 @@ impl ContactProblem {
         least: f64,
     ) -> Result<ContactSolution, FactorError> {
         if path.careful {
-            return Ok(self.solve_carefully_on(load, path.held_value, closed, least));
+            return Ok(self.solve_on_by_proximal_steps(load, path.held_value, closed, least));
         }
         self.on(load, path.held_value, closed, start, own, least)
     }
@@ -178,11 +169,11 @@ impl ContactProblem {
         // Couples have another unit: the load counts only where no point reacts.
         let force = match largest(&from.reaction).max(largest(&to.reaction)) {
             0.0 => largest(&loads[1]),
-            force => force.max(UNSEEN * load.size(at[0])),
+            force => force.max(tolerances::path::UNSEEN * load.size(at[0])),
         };
         let length = f64::max(largest_length(&from), largest_length(&to));
         let rounding = f64::max(self.unbalanced(&from), self.unbalanced(&to));
-        let still = STILL.max(SHARE * rounding / force);
+        let still = tolerances::path::STILL.max(tolerances::path::SHARE * rounding / force);
         Ok(Some(Line { at, ends: [from, to], force, length, still }))
     }
 
@@ -204,7 +195,7 @@ impl ContactProblem {
         let parts = [line.part(from), line.part(to)];
         let holds = |i: usize| {
             let (begin, end) = (line.value(0, i), line.value(1, i));
-            parts.iter().all(|part| begin + part * (end - begin) > -SIGN)
+            parts.iter().all(|part| begin + part * (end - begin) > -tolerances::path::SIGN)
         };
         self.one_sided().all(holds)
     }

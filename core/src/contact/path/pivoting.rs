@@ -1,16 +1,15 @@
 //! From basis to basis of the condensed points' LCP.
 
 use super::line::{Line, standing_on};
-use super::trail::{Trail, differing};
-use super::{PathEnd, PathLoad};
+use super::load::{PathEnd, PathLoad};
+use super::trail::Trail;
 use crate::cholesky::FactorError;
-use crate::contact::condense::{Drive, Form};
+use crate::contact::condense::{Form, InterfaceResidual};
 use crate::contact::problem::ContactProblem;
-use crate::contact::refinement::Step;
+use crate::contact::refinement::Residual;
+use crate::contact::solution::differing;
+use crate::contact::tolerances;
 use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
-
-/// Travel, over the largest deflection or gap, within which events are one.
-const SAME: f64 = 1e-10;
 
 /// The bases of the LCP along a path, and the contact set of each.
 type Pivoted = (ParametricPath, Vec<Vec<bool>>);
@@ -36,7 +35,9 @@ impl ContactProblem {
                 let leaving = next.map_or(Vec::new(), |next| differing(next, &sets[k]));
                 line.root(&leaving).unwrap_or(far).max(t)
             });
-            if next.is_some() && line.as_ref().is_some_and(|line| line.travel(t, to) <= SAME * line.length) {
+            if next.is_some()
+                && line.as_ref().is_some_and(|line| line.travel(t, to) <= tolerances::path::SAME_PLACE * line.length)
+            {
                 continue;
             }
             // An event that rounding alone brings is none, nor are those that pivots find beyond it.
@@ -72,11 +73,14 @@ impl ContactProblem {
         let better = self.base.condensed.better_form();
         for form in [better, if better == Form::Dual { Form::Stiffness } else { Form::Dual }] {
             let rest = self.at_rest(load.start.len(), load.held_value);
-            let posed =
-                self.base.condensed.lcp(form, &self.drive(&self.step(load.start, &rest), form)?, &rest.reaction);
+            let posed = self.base.condensed.lcp(
+                form,
+                &self.interface(&self.residual(load.start, &rest), form)?,
+                &rest.reaction,
+            );
             let still = vec![0.0; load.add.len()];
             let rate = self.without_travel(load.add, &still);
-            let along = self.base.condensed.lcp(form, &self.drive(&rate, form)?, &rest.reaction).q;
+            let along = self.base.condensed.lcp(form, &self.interface(&rate, form)?, &rest.reaction).q;
             let basis = self.base.condensed.basis(&posed, closed);
             let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| parametric(&lcp, &along, &basis, load.end));
             let Ok(found) = solved else { continue };
@@ -91,16 +95,16 @@ impl ContactProblem {
         Ok(best)
     }
 
-    fn drive(&self, step: &Step, form: Form) -> Result<Drive, FactorError> {
-        Ok(self.motion(&self.base, step, form)?.drive)
+    fn interface(&self, step: &Residual, form: Form) -> Result<InterfaceResidual, FactorError> {
+        Ok(self.reduced(&self.base, step, form)?.interface)
     }
 
     /// A load by itself: no gaps, nothing held elsewhere than at zero.
-    fn without_travel(&self, load: &[f64], still: &[f64]) -> Step {
+    fn without_travel(&self, load: &[f64], still: &[f64]) -> Residual {
         let rest = self.at_rest(load.len(), still);
         let mut imbalance = load.to_vec();
         self.release_held(&mut imbalance);
-        let step = self.step_of(imbalance, load, &rest);
-        Step { remaining: vec![0.0; rest.reaction.len()], ..step }
+        let step = self.residual_of(imbalance, load, &rest);
+        Residual { remaining: vec![0.0; rest.reaction.len()], ..step }
     }
 }

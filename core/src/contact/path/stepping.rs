@@ -1,19 +1,16 @@
 //! From event to event on the sparse K.
 
 use super::line::{Line, standing_on};
+use super::load::{MOST_EVENTS, PathEnd, PathLoad};
 use super::trail::Trail;
-use super::{CAREFUL, MOST_EVENTS, PathEnd, PathLoad, SIGN};
 use crate::cholesky::FactorError;
-use crate::contact::active_set::Start;
 use crate::contact::problem::{ContactProblem, Factored};
 use crate::contact::solution::{ContactSolution, Outcome};
+use crate::contact::start::Start;
+use crate::contact::tolerances;
 
-/// Events nearer than this part of a step are one.
-const SAME: f64 = 1e-9;
 /// Times that points which move the wrong way from an event on are switched.
 const ROUNDS: usize = 20;
-/// How far beyond an event, over a step, a solve tells the contact set after it where switching does not.
-const BEYOND: [f64; 3] = [1e-3, 1e-5, 1e-7];
 
 impl ContactProblem {
     /// As [`ContactProblem::path`], from some t on.
@@ -78,7 +75,7 @@ impl ContactProblem {
                 None => break,
             }
         }
-        for part in BEYOND {
+        for part in tolerances::path::BEYOND {
             let start = Start {
                 displacement: &here.displacement.hi,
                 reaction: &here.reaction,
@@ -88,7 +85,13 @@ impl ContactProblem {
             };
             let beyond = load.at(t + part * span);
             let near = if load.careful {
-                self.solve_carefully(&beyond, load.held_value, CAREFUL, None, &mut |_| true)
+                self.solve_by_proximal_steps(
+                    &beyond,
+                    load.held_value,
+                    tolerances::proximal::COMPLIANCE,
+                    None,
+                    &mut |_| true,
+                )
             } else {
                 self.solve_from(&beyond, load.held_value, &start, &mut |_| true)?
             };
@@ -109,10 +112,10 @@ impl ContactProblem {
         let mut points = Vec::new();
         for i in self.one_sided() {
             let (now, fall) = (line.value(0, i), line.fall(i));
-            if now < -SIGN {
+            if now < -tolerances::path::SIGN {
                 return None;
             }
-            if fall > 0.0 && now <= SAME * fall {
+            if fall > 0.0 && now <= tolerances::path::SAME_EVENT * fall {
                 points.push(i);
             }
         }
@@ -130,7 +133,7 @@ impl ContactProblem {
             .map(|(i, now, fall)| (from + span * (now / fall).max(0.0), i))
             .collect();
         let first = roots.iter().map(|(t, _)| *t).fold(f64::INFINITY, f64::min);
-        let together = |&&(t, _): &&(f64, usize)| t <= first + SAME * span;
+        let together = |&&(t, _): &&(f64, usize)| t <= first + tolerances::path::SAME_EVENT * span;
         (first, roots.iter().filter(together).map(|&(_, i)| i).collect())
     }
 }

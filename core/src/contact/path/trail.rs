@@ -1,11 +1,9 @@
 //! The stops of a path, as they are shown.
 
 use super::line::Line;
-use super::{PathEnd, Stop};
-use crate::contact::solution::ContactSolution;
-
-/// Reactions and gaps, over the largest of their kind, with which a point that switches jumps instead.
-const JUMP: f64 = 1e-9;
+use super::load::{PathEnd, Stop};
+use crate::contact::solution::{ContactSolution, differing};
+use crate::contact::tolerances;
 
 /// Where the last line has come to, and its sizes.
 struct Arrival {
@@ -79,15 +77,10 @@ impl Arrival {
         let here = &self.solution;
         let presses = |i: usize| largest(here.reaction[i], begin.reaction[i], force);
         let parts = |i: usize| largest(here.gap[i], begin.gap[i], length);
-        let jumps = |&i: &usize| presses(i).max(parts(i)) > JUMP;
+        let jumps = |&i: &usize| presses(i).max(parts(i)) > tolerances::path::JUMP;
         differing(&here.closed, &begin.closed).iter().any(jumps).then(|| {
             let stays = |i: usize| here.closed[i] == begin.closed[i];
             (0..here.closed.len()).map(|i| if stays(i) { here.closed[i] } else { presses(i) > parts(i) }).collect()
         })
     }
-}
-
-/// Points whose states differ.
-pub(super) fn differing(one: &[bool], other: &[bool]) -> Vec<usize> {
-    (0..one.len()).filter(|&i| one[i] != other[i]).collect()
 }

@@ -8,19 +8,16 @@
 //! Condensed onto points that nearly repeat each other, P = GK⁻¹Gᵀ holds what tells them apart squared; here it stands
 //! as it is (Benzi, Golub & Liesen 2005, section 5). So are the shear forces of thin elements ([`Shears`]).
 
-use super::Careful;
+use super::regularized::Regularized;
 use super::shears::Shears;
 use crate::assembly::{HELD, assemble_thick};
 use crate::contact::problem::ContactProblem;
+use crate::contact::tolerances;
 use crate::double_double::DoubleDouble;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Lu;
 use faer::sparse::{SparseColMat, Triplet};
-
-/// What resists increments of a dof at least, over its own stiffness: rounding of the sums, so that a loose plate stays
-/// regular.
-const SUMS: f64 = 4.0 * f64::EPSILON;
 
 /// Solves with one right-hand side, each of what the one before left.
 const REFINEMENTS: usize = 4;
@@ -38,7 +35,7 @@ pub(super) struct Saddle {
 
 impl Saddle {
     /// `None` if the system is singular.
-    pub(super) fn of(careful: &Careful, closed: &[bool]) -> Option<Self> {
+    pub(super) fn of(careful: &Regularized, closed: &[bool]) -> Option<Self> {
         let problem = careful.problem;
         let (plate, constraints, numbering) = (&problem.plate, &problem.constraints, &problem.numbering);
         let points: Vec<usize> = (0..closed.len()).filter(|&i| closed[i]).collect();
@@ -55,7 +52,7 @@ impl Saddle {
                 if row == column {
                     let bed = if numbering.dof[row] % 3 == 0 { careful.bed } else { 0.0 };
                     let own = value + shears.stiffness[row];
-                    let least = bed.max(SUMS * own);
+                    let least = bed.max(tolerances::SUM * own);
                     value += least;
                     unit[row] = 1.0 / (own + least).sqrt();
                 }

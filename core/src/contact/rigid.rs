@@ -1,86 +1,11 @@
-//! Rigid motions of a plate that only springs and contact points hold, apart from everything else.
-//!
-//! Where what holds is soft beside the plate, eliminating K finds them to few digits, and adding them as doubles strains
-//! the plate by their rounding. Here they follow from the three resultants alone, and are added exactly.
+//! Rigid motions of a plate: its size, the motions at its dofs, and three equations in double-double.
 
-use super::Careful;
-use crate::contact::refinement::Step;
+use super::tolerances;
 use crate::double_double::DoubleDouble;
 use crate::plate::Plate;
-use crate::residual::Rows;
-
-/// A pivot below this part of the largest is rounding of the lever arms: nothing holds that motion.
-const HELD: f64 = 1e-22;
-
-/// What the three rigid motions w, w + x and w + y about a centre, over a size, do at springs and contact points.
-pub(super) struct Floating {
-    size: f64,
-    nodal: [Vec<f64>; 3],
-    points: Vec<[f64; 3]>,
-    /// Compliance of the points that are closed.
-    compliance: Vec<Option<f64>>,
-    /// What holds the three motions.
-    matrix: [[DoubleDouble; 3]; 3],
-}
-
-impl Floating {
-    /// Nothing where a dof is held, or springs and closed points hold the plate as firmly as it holds together.
-    pub(super) fn of(careful: &Careful, closed: &[bool]) -> Option<Self> {
-        let problem = careful.problem;
-        if problem.held.contains(&true) {
-            return None;
-        }
-        let plate = &problem.plate;
-        let (centre, size) = extent(plate);
-        let nodal = rigid_motions(plate, centre, size);
-        let arms = |rows: &Rows, row: usize| [0, 1, 2].map(|k| rows.dot(plate, row, &nodal[k]));
-        let points: Vec<_> = (0..closed.len()).map(|row| arms(&problem.constraints.rows, row)).collect();
-        let acting = |(i, &c): (usize, &f64)| (closed[i] && c > 0.0).then_some(c);
-        let compliance: Vec<_> = careful.compliance.iter().enumerate().map(acting).collect();
-        let mut matrix = [[DoubleDouble::default(); 3]; 3];
-        let mut hold = |arm: [f64; 3], stiffness: f64| {
-            let scaled = arm.map(|a| stiffness.sqrt() * a);
-            for j in 0..3 {
-                for k in 0..3 {
-                    matrix[j][k].add_product(scaled[j], scaled[k]);
-                }
-            }
-        };
-        for (row, &stiffness) in problem.springs.stiffness.iter().enumerate() {
-            hold(arms(&problem.springs.rows, row), stiffness);
-        }
-        for (arm, c) in points.iter().zip(&compliance).filter_map(|(arm, c)| Some((arm, (*c)?))) {
-            hold(*arm, 1.0 / c);
-        }
-        let softest = eliminated(matrix, Default::default()).1;
-        (softest < careful.own_stiffness).then_some(Self { size, nodal, points, compliance, matrix })
-    }
-
-    /// The rigid motion (deflection and slopes at the centre) that balances a step's resultants by springs and closed
-    /// points alone, and the increments of reaction that go with it.
-    pub(super) fn response(&self, step: &Step) -> ([f64; 3], Vec<f64>) {
-        let mut right = [0, 1, 2].map(|k| {
-            let mut sum = DoubleDouble::default();
-            self.nodal[k].iter().zip(&step.imbalance).for_each(|(u, f)| sum.add_product(*u, *f));
-            sum
-        });
-        for (i, c) in self.compliance.iter().enumerate().filter_map(|(i, c)| Some((i, (*c)?))) {
-            let root = 1.0 / c.sqrt();
-            for k in 0..3 {
-                right[k].add_product(root * self.points[i][k], root * step.remaining[i]);
-            }
-        }
-        let ([w, sx, sy], _) = eliminated(self.matrix, right);
-        let push = |(i, c): (usize, &Option<f64>)| {
-            let arm = self.points[i];
-            c.map_or(0.0, |c| (arm[0] * w + arm[1] * sx + arm[2] * sy - step.remaining[i]) / c)
-        };
-        ([w, sx / self.size, sy / self.size], self.compliance.iter().enumerate().map(push).collect())
-    }
-}
 
 /// The motions w, w + x and w + y about a centre, over a size, as nodal vectors.
-pub(in crate::contact) fn rigid_motions(plate: &Plate, centre: [f64; 2], size: f64) -> [Vec<f64>; 3] {
+pub(super) fn rigid_motions(plate: &Plate, centre: [f64; 2], size: f64) -> [Vec<f64>; 3] {
     let motion = |k: usize| -> Vec<f64> {
         let of_node = |node: usize| {
             let [x, y] = plate.point(node);
@@ -94,7 +19,7 @@ pub(in crate::contact) fn rigid_motions(plate: &Plate, centre: [f64; 2], size: f
 }
 
 /// Middle and size of the box around a plate.
-pub(in crate::contact) fn extent(plate: &Plate) -> ([f64; 2], f64) {
+pub(super) fn extent(plate: &Plate) -> ([f64; 2], f64) {
     let over = |k: usize, choose: fn(f64, f64) -> f64, start: f64| {
         (0..plate.node_count()).map(|node| plate.point(node)[k]).fold(start, choose)
     };
@@ -124,15 +49,12 @@ pub(super) fn rigid_part(plate: &Plate, nodal: &[f64]) -> [f64; 3] {
 }
 
 /// D = Et³/12 of the thickest element.
-pub(in crate::contact) fn rigidity(plate: &Plate) -> f64 {
+pub(super) fn rigidity(plate: &Plate) -> f64 {
     plate.material.young * plate.thickness.most().powi(3) / 12.0
 }
 
 /// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero.
-pub(in crate::contact) fn eliminated(
-    mut matrix: [[DoubleDouble; 3]; 3],
-    mut right: [DoubleDouble; 3],
-) -> ([f64; 3], f64) {
+pub(super) fn eliminated(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleDouble; 3]) -> ([f64; 3], f64) {
     let mut order = Vec::new();
     let mut largest = 0.0_f64;
     let mut least = f64::INFINITY;
@@ -140,7 +62,7 @@ pub(in crate::contact) fn eliminated(
         let left = (0..3).filter(|i| !order.contains(i));
         let Some(pivot) = left.max_by(|&a, &b| matrix[a][a].hi.total_cmp(&matrix[b][b].hi)) else { break };
         largest = largest.max(matrix[pivot][pivot].hi);
-        if matrix[pivot][pivot].hi <= HELD * largest {
+        if matrix[pivot][pivot].hi <= tolerances::proximal::HELD * largest {
             break;
         }
         order.push(pivot);

@@ -1,14 +1,15 @@
 //! From proximal step to proximal step, until the equations of one contact set give the right signs.
 
-use super::Careful;
 use super::floating::Floating;
 use super::krylov::Direction;
+use super::regularized::Regularized;
 use super::saddle::Saddle;
-use crate::contact::active_set::Progress;
-use crate::contact::refinement::Step;
-use crate::contact::solution::{ContactSolution, Outcome};
-use crate::contact::solve::{ROUNDING, SIGN, STATES};
+use crate::contact::refinement::Residual;
+use crate::contact::solution::{ContactSolution, Outcome, Progress};
+use crate::contact::tolerances;
 
+/// At most this many proximal steps.
+const STEPS: usize = 60;
 /// So many steps let a plate afloat settle all the way on their contact set. Later ones, where sets come back, go only as
 /// far as the resistance lets them.
 const SETTLING: usize = 20;
@@ -20,7 +21,7 @@ struct OnSet {
     within_rounding: bool,
 }
 
-impl Careful<'_> {
+impl Regularized<'_> {
     pub(super) fn solve(
         &self,
         load: &[f64],
@@ -30,12 +31,12 @@ impl Careful<'_> {
     ) -> ContactSolution {
         let problem = self.problem;
         let mut near = at_rest;
-        let mut step = problem.step(load, &near);
+        let mut step = problem.residual(load, &near);
         let mut proximal = None;
         let mut state = None;
         let mut on_set: Option<OnSet> = None;
         let mut before = near.closed.clone();
-        for number in 0..STATES {
+        for number in 0..STEPS {
             // A set that was solved for before may be right where rounding would have the LCP choose another.
             let chosen = match given.take() {
                 Some(set) => Ok(set),
@@ -55,17 +56,17 @@ impl Careful<'_> {
                 return near.failed(Outcome::Unsolved);
             };
             if problem.release_open(&mut near) {
-                step = problem.step(load, &near);
+                step = problem.residual(load, &near);
             }
             let floating = Floating::of(self, &near.closed);
             let settling = floating.as_ref().filter(|_| number < SETTLING);
             let direction = self.direction(load, saddle, &step, settling, &near);
             near.follow(problem, &direction, 1.0);
             near.corrections += 1;
-            let mut next = problem.step(load, &near);
+            let mut next = problem.residual(load, &near);
             if same {
                 given = self.go_on(load, &mut near, on_set.as_ref(), &direction, &step, &next);
-                next = problem.step(load, &near);
+                next = problem.residual(load, &near);
             }
             step = next;
             let left = self.length(load, &step, &near);
@@ -75,13 +76,13 @@ impl Careful<'_> {
             // A proximal step's reactions push; those that the equations of a set give need not.
             if on_set.as_ref().is_none_or(|on_set| on_set.solution.closed != near.closed) {
                 let tried = self.on_set(load, &near, saddle, floating.as_ref(), &step);
-                let right = problem.signs_hold(load, SIGN * self.least_length(load), &tried.solution);
+                let right = problem.signs_hold(load, tolerances::SIGN * self.least_length(load), &tried.solution);
                 if right && tried.within_rounding {
                     return tried.solution;
                 }
                 on_set = Some(tried);
             }
-            if same && left <= ROUNDING {
+            if same && left <= tolerances::RESIDUAL {
                 break;
             }
         }
@@ -96,7 +97,7 @@ impl Careful<'_> {
         near: &ContactSolution,
         saddle: &Saddle,
         floating: Option<&Floating>,
-        from: &Step,
+        from: &Residual,
     ) -> OnSet {
         let mut solution = near.clone();
         let left = self.refine(load, saddle, floating, from, &mut solution);
@@ -113,8 +114,8 @@ impl Careful<'_> {
         near: &mut ContactSolution,
         on_set: Option<&OnSet>,
         direction: &Direction,
-        from: &Step,
-        to: &Step,
+        from: &Residual,
+        to: &Residual,
     ) -> Option<Vec<bool>> {
         if let Some(on_set) = on_set.filter(|on_set| on_set.within_rounding) {
             let (part, stopped_by) = self.part_of_the_way(near, to, &on_set.solution);
@@ -134,7 +135,7 @@ impl Careful<'_> {
 
     /// How far one may go to the solution of a contact set's equations, and the point whose gap closes or whose reaction
     /// ends there.
-    fn part_of_the_way(&self, near: &ContactSolution, step: &Step, to: &ContactSolution) -> (f64, Option<usize>) {
+    fn part_of_the_way(&self, near: &ContactSolution, step: &Residual, to: &ContactSolution) -> (f64, Option<usize>) {
         let mut part = (1.0_f64, None);
         for i in (0..near.closed.len()).filter(|&i| !self.problem.constraints.two_sided[i]) {
             let (from, to) =
@@ -150,10 +151,10 @@ impl Careful<'_> {
     /// How many times over a step may go on: while it leads down, no gap closes and no reaction pulls.
     ///
     /// What a second step in one set moves is what the regularization alone holds, so that it goes on as it began.
-    fn reach(&self, near: &ContactSolution, direction: &Direction, from: &Step, to: &Step) -> f64 {
+    fn reach(&self, near: &ContactSolution, direction: &Direction, from: &Residual, to: &Residual) -> f64 {
         let motion = direction.motion(&self.problem.plate);
         // What is out of balance and what is left of gaps, by the motion and the reactions that answer them.
-        let work = |step: &Step| {
+        let work = |step: &Residual| {
             let of_forces = motion.iter().zip(&step.imbalance).map(|(u, f)| u * f).sum::<f64>();
             of_forces - direction.reaction.iter().zip(&step.remaining).map(|(r, gap)| r * gap).sum::<f64>()
         };

@@ -2,13 +2,14 @@
 //! refinement by a Krylov method as of Carson & Higham (2017). The residuals are the double-double ones, the regularized
 //! equations of one contact state the preconditioner.
 
-use super::Careful;
-use super::floating::{Floating, extent, rigid_part};
+use super::floating::Floating;
+use super::regularized::Regularized;
 use super::saddle::Saddle;
 use crate::contact::problem::ContactProblem;
-use crate::contact::refinement::Step;
+use crate::contact::refinement::Residual;
+use crate::contact::rigid::{extent, rigid_part};
 use crate::contact::solution::ContactSolution;
-use crate::contact::solve::ROUNDING;
+use crate::contact::tolerances;
 use crate::plate::Plate;
 use crate::residual::Displacement;
 
@@ -16,7 +17,6 @@ use crate::residual::Displacement;
 const DIRECTIONS: usize = 80;
 /// Directions that together leave more than this part of the residual end it.
 const LAST: usize = 10;
-const PROGRESS: f64 = 0.7;
 
 /// A rigid motion of the plate, a motion of its nodes on top of it, and increments of reaction.
 pub(super) struct Direction {
@@ -39,30 +39,30 @@ struct Sizes {
     gap: Vec<f64>,
 }
 
-impl Careful<'_> {
+impl Regularized<'_> {
     /// What yielded taken back in one contact state.
     pub(super) fn refine(
         &self,
         load: &[f64],
         saddle: &Saddle,
         floating: Option<&Floating>,
-        from: &Step,
+        from: &Residual,
         solution: &mut ContactSolution,
-    ) -> Step {
+    ) -> Residual {
         let problem = self.problem;
         let mut step = from.clone();
         let sizes = self.sizes(load, solution);
-        let mut residual = self.residual(&step, &sizes, solution);
+        let mut residual = self.scaled(&step, &sizes, solution);
         let mut lengths = vec![norm(&residual)];
         let mut taken: Vec<Taken> = Vec::new();
         for _ in 0..DIRECTIONS {
-            if residual.iter().all(|r| r.abs() <= ROUNDING) {
+            if residual.iter().all(|r| r.abs() <= tolerances::RESIDUAL) {
                 break;
             }
             let mut direction = self.direction(load, saddle, &step, floating, solution);
             let mut trial = solution.clone();
             trial.follow(problem, &direction, 1.0);
-            let after = self.residual(&problem.step(load, &trial), &sizes, solution);
+            let after = self.scaled(&problem.residual(load, &trial), &sizes, solution);
             let mut change: Vec<f64> = residual.iter().zip(&after).map(|(before, after)| before - after).collect();
             // Twice, since what is left of nearly parallel vectors is rounding the first time.
             for earlier in taken.iter().chain(&taken) {
@@ -79,8 +79,8 @@ impl Careful<'_> {
             let before = solution.clone();
             solution.follow(problem, &direction, dot(&residual, &change));
             solution.corrections += 1;
-            let next = problem.step(load, solution);
-            let left = self.residual(&next, &sizes, solution);
+            let next = problem.residual(load, solution);
+            let left = self.scaled(&next, &sizes, solution);
             let length = norm(&left);
             if length.is_nan() || length >= lengths[lengths.len() - 1] {
                 *solution = before;
@@ -94,7 +94,7 @@ impl Careful<'_> {
             (step, residual) = (next, left);
             taken.push(Taken { direction, change });
             lengths.push(length);
-            if lengths.len() > LAST && length > PROGRESS * lengths[lengths.len() - 1 - LAST] {
+            if lengths.len() > LAST && length > tolerances::proximal::PROGRESS * lengths[lengths.len() - 1 - LAST] {
                 break;
             }
         }
@@ -107,7 +107,7 @@ impl Careful<'_> {
         &self,
         load: &[f64],
         saddle: &Saddle,
-        step: &Step,
+        step: &Residual,
         floating: Option<&Floating>,
         solution: &ContactSolution,
     ) -> Direction {
@@ -125,7 +125,7 @@ impl Careful<'_> {
         let mut direction = Direction { rigid, nodal: vec![0.0; problem.plate.dof_count()], reaction };
         let mut afloat = solution.clone();
         afloat.follow(problem, &direction, 1.0);
-        let step = problem.step(load, &afloat);
+        let step = problem.residual(load, &afloat);
         let (nodal, reaction) = saddle.response(problem, &step.imbalance, &step.remaining);
         direction.nodal = nodal;
         direction.reaction.iter_mut().zip(&reaction).for_each(|(total, increment)| *total += increment);
@@ -133,8 +133,8 @@ impl Careful<'_> {
     }
 
     /// Length of what is out of balance and left of closed gaps.
-    pub(super) fn length(&self, load: &[f64], step: &Step, solution: &ContactSolution) -> f64 {
-        norm(&self.residual(step, &self.sizes(load, solution), solution))
+    pub(super) fn length(&self, load: &[f64], step: &Residual, solution: &ContactSolution) -> f64 {
+        norm(&self.scaled(step, &self.sizes(load, solution), solution))
     }
 
     fn sizes(&self, load: &[f64], solution: &ContactSolution) -> Sizes {
@@ -147,7 +147,7 @@ impl Careful<'_> {
     }
 
     /// What is out of balance at every dof, then what is left of the gaps of closed points.
-    fn residual(&self, step: &Step, sizes: &Sizes, solution: &ContactSolution) -> Vec<f64> {
+    fn scaled(&self, step: &Residual, sizes: &Sizes, solution: &ContactSolution) -> Vec<f64> {
         let forces =
             step.imbalance.chunks(3).flat_map(|f| [f[0] / sizes.force, f[1] / sizes.couple, f[2] / sizes.couple]);
         let closed = (0..step.remaining.len()).filter(|&i| solution.closed[i]);

@@ -6,7 +6,7 @@ use crate::residual::Displacement;
 use pulp::Arch;
 use rayon::prelude::*;
 
-/// One-sided points: force δ⟨s⟩₊ against their row, with s = w(point) − distance + softening·multiplier.
+/// One-sided points: force δ⟨s⟩₊ against their row, with s = w(point) − distance + series·multiplier.
 ///
 /// A support that is stiffer than a limit acts through a spring that is as stiff as the limit and a multiplier: its law
 /// stays exact, and the equations stay about as well conditioned as the plate's.
@@ -24,11 +24,11 @@ pub struct ActivePoints {
 
 /// What the equations see of the points.
 #[derive(Clone, Debug, Default)]
-pub struct Softened {
-    /// δ = 1/(compliance + softening).
+pub struct Penalty {
+    /// δ = 1/(compliance + series).
     pub stiffness: Vec<f64>,
     /// Compliance put in series with a support that is stiffer than the limit; 0 for the others.
-    pub softening: Vec<f64>,
+    pub series: Vec<f64>,
 }
 
 impl ActivePoints {
@@ -50,14 +50,14 @@ impl ActivePoints {
     }
 
     /// No support stiffer than `limit` times the plate's own stiffness in shear.
-    pub fn softened(&self, limit: f64) -> Softened {
-        let softening = |i: usize| {
+    pub fn penalized(&self, limit: f64) -> Penalty {
+        let series = |i: usize| {
             let least = 1.0 / (limit * self.shear[i]);
             if self.compliance[i] < least { least } else { 0.0 }
         };
-        let softening: Vec<f64> = (0..self.len()).map(softening).collect();
-        let stiffness = softening.iter().zip(&self.compliance).map(|(s, c)| 1.0 / (s + c)).collect();
-        Softened { stiffness, softening }
+        let series: Vec<f64> = (0..self.len()).map(series).collect();
+        let stiffness = series.iter().zip(&self.compliance).map(|(s, c)| 1.0 / (s + c)).collect();
+        Penalty { stiffness, series }
     }
 
     /// w(point) − distance (m,), in double-double.

@@ -1,22 +1,22 @@
 //! The complementarity problem of one proximal step.
 
-use super::Careful;
+use super::regularized::Regularized;
 use super::saddle::Saddle;
-use crate::contact::refinement::Step;
+use crate::contact::refinement::Residual;
 use crate::contact::solution::{ContactSolution, Outcome};
 use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke_from};
 use rayon::prelude::*;
 
 /// What one-sided points do to each other where the two-sided ones hold: the proximal step's M.
-pub(super) struct Proximal {
+pub(super) struct Subproblem {
     held: Saddle,
     points: Vec<usize>,
     matrix: Vec<f64>,
 }
 
-impl Careful<'_> {
+impl Regularized<'_> {
     /// `None` if what is two-sided contradicts itself beyond the arithmetic.
-    fn proximal(&self) -> Option<Proximal> {
+    fn proximal(&self) -> Option<Subproblem> {
         let problem = self.problem;
         let two_sided = &problem.constraints.two_sided;
         let held = Saddle::of(self, two_sided)?;
@@ -33,14 +33,14 @@ impl Careful<'_> {
             }
             row[at] += self.compliance[points[at]];
         });
-        Some(Proximal { held, points, matrix })
+        Some(Subproblem { held, points, matrix })
     }
 
     /// The contact set of one proximal step; M is made when it is first asked for.
     pub(super) fn contact_set(
         &self,
-        proximal: &mut Option<Proximal>,
-        step: &Step,
+        proximal: &mut Option<Subproblem>,
+        step: &Residual,
         near: &mut ContactSolution,
     ) -> Result<Vec<bool>, Outcome> {
         let problem = self.problem;

@@ -1,0 +1,65 @@
+//! The load of a path, its stops and its ends.
+
+use crate::contact::solution::ContactSolution;
+
+/// The loads f₀ + t f₁ and the dofs held, over all dofs, and the largest t wanted; it may be infinite.
+#[derive(Clone, Copy, Debug)]
+pub struct PathLoad<'a> {
+    pub start: &'a [f64],
+    pub add: &'a [f64],
+    pub held_value: &'a [f64],
+    pub end: f64,
+    /// Whether rounding is minded: event by event, every solution by proximal steps; without points of an active set.
+    pub careful: bool,
+}
+
+/// Where the path is at its beginning, at an event, or at its end; a jump has a stop where it begins and one where it ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Stop<'a> {
+    pub t: f64,
+    /// Points that open or close here; none at the beginning and at the end.
+    pub switched: &'a [usize],
+    /// What holds here; `closed` is the contact set from here on.
+    pub solution: &'a ContactSolution,
+}
+
+/// How a path ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PathEnd {
+    /// At the t asked for.
+    Reached,
+    /// With no more events, however large t; the last stop is only one more point of the last segment.
+    Unbounded,
+    /// No reactions balance the load from the last stop on.
+    NoEquilibrium,
+    /// More events than [`MOST_EVENTS`].
+    TooMany,
+    /// The contact set after the last stop, or at t = 0, is beyond the arithmetic.
+    Unsolved,
+    /// Whoever watched wanted no more.
+    Interrupted,
+}
+
+/// Events that a path may have.
+pub const MOST_EVENTS: usize = 100_000;
+
+impl PathLoad<'_> {
+    pub(super) fn at(&self, t: f64) -> Vec<f64> {
+        self.start.iter().zip(self.add).map(|(a, b)| a + t * b).collect()
+    }
+
+    /// Largest part of the load where the two that it is made of do not cancel, and both count.
+    pub(super) fn size(&self, t: f64) -> f64 {
+        let largest = |f: &[f64]| f.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        largest(self.start) + self.span(t) * largest(self.add)
+    }
+
+    /// A step of t that changes the load about as much as there is of it.
+    pub(super) fn span(&self, t: f64) -> f64 {
+        let size = |f: &[f64]| f.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        match size(self.start) / size(self.add) {
+            span if span > 0.0 && span.is_finite() => span.max(t),
+            _ => t.max(1.0),
+        }
+    }
+}

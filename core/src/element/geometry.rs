@@ -1,0 +1,48 @@
+//! The map from the reference square to an element of eight nodes.
+
+use super::shape::{Shape, serendipity};
+
+/// Coordinates, relative to the first node, of the eight nodes of one element.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry {
+    pub at: [[f64; 2]; 8],
+}
+
+/// The map at one reference point.
+pub struct Jacobian {
+    pub shape: Shape<8>,
+    /// ∂(x, y)/∂(ξ, η): rows ξ and η.
+    pub tangent: [[f64; 2]; 2],
+    /// ∂(ξ, η)/∂(x, y): inverse[a][b] takes a reference gradient's b-th part to the physical a-th.
+    pub inverse: [[f64; 2]; 2],
+    pub determinant: f64,
+}
+
+impl Geometry {
+    pub fn jacobian(&self, xi: f64, eta: f64) -> Jacobian {
+        self.jacobian_of(serendipity(xi, eta))
+    }
+
+    /// The map where the shape functions are known already.
+    pub fn jacobian_of(&self, shape: Shape<8>) -> Jacobian {
+        let mut t = [[0.0; 2]; 2];
+        for i in 0..8 {
+            for a in 0..2 {
+                for b in 0..2 {
+                    t[a][b] += shape.gradient[i][a] * self.at[i][b];
+                }
+            }
+        }
+        let determinant = t[0][0] * t[1][1] - t[0][1] * t[1][0];
+        let inverse =
+            [[t[1][1] / determinant, -t[0][1] / determinant], [-t[1][0] / determinant, t[0][0] / determinant]];
+        Jacobian { shape, tangent: t, inverse, determinant }
+    }
+}
+
+impl Jacobian {
+    pub fn physical(&self, gradient: [f64; 2]) -> [f64; 2] {
+        let inv = &self.inverse;
+        [inv[0][0] * gradient[0] + inv[0][1] * gradient[1], inv[1][0] * gradient[0] + inv[1][1] * gradient[1]]
+    }
+}
