@@ -257,7 +257,7 @@ impl ContactProblem {
         if careful && !self.inner.order.active.is_empty() {
             return Err(invalid("points of an active set are not condensed"));
         }
-        let load = PathLoad { start: &start, add: &add, held_value: &held_value, end, careful };
+        let load = PathLoad { start: &start, add: &add, held_value: &held_value, end, proximal: careful };
         let tell = |py: Python<'_>, (t, switched, inner): (f64, Vec<i64>, contact::ContactSolution)| {
             visit.call1(py, (t, PyArray1::from_vec(py, switched), self.solution(inner))).map(|_| ())
         };

@@ -25,7 +25,7 @@ impl ContactProblem {
     ///
     /// The first stop is the solution at t = 0; if there is none, `visit` is not called.
     pub fn path(&self, load: &PathLoad, visit: &mut dyn FnMut(Stop) -> bool) -> Result<PathEnd, FactorError> {
-        let first = if load.careful {
+        let first = if load.proximal {
             self.solve_by_proximal_steps(
                 load.start,
                 load.held_value,
@@ -45,7 +45,7 @@ impl ContactProblem {
         if load.end <= 0.0 {
             return Ok(trail.stuck(0.0, PathEnd::Reached));
         }
-        if self.active.is_empty() && !load.careful {
+        if self.active.is_empty() && !load.proximal {
             self.pivot_along(load, &mut trail)
         } else {
             self.step_along(load, 0.0, &mut trail)

@@ -127,7 +127,7 @@ impl ContactProblem {
         own: &mut Option<Factored>,
         least: f64,
     ) -> Result<ContactSolution, FactorError> {
-        if path.careful {
+        if path.proximal {
             return Ok(self.solve_on_by_proximal_steps(load, path.held_value, closed, least));
         }
         self.on(load, path.held_value, closed, start, own, least)

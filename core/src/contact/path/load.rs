@@ -10,7 +10,7 @@ pub struct PathLoad<'a> {
     pub held_value: &'a [f64],
     pub end: f64,
     /// Whether rounding is minded: event by event, every solution by proximal steps; without points of an active set.
-    pub careful: bool,
+    pub proximal: bool,
 }
 
 /// Where the path is at its beginning, at an event, or at its end; a jump has a stop where it begins and one where it ends.

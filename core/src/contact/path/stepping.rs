@@ -84,7 +84,7 @@ impl ContactProblem {
                 balanced: None,
             };
             let beyond = load.at(t + part * span);
-            let near = if load.careful {
+            let near = if load.proximal {
                 self.solve_by_proximal_steps(
                     &beyond,
                     load.held_value,

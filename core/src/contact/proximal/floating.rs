@@ -22,8 +22,8 @@ pub(super) struct Floating {
 
 impl Floating {
     /// Nothing where a dof is held, or springs and closed points hold the plate as firmly as it holds together.
-    pub(super) fn of(careful: &Regularized, closed: &[bool]) -> Option<Self> {
-        let problem = careful.problem;
+    pub(super) fn of(regularized: &Regularized, closed: &[bool]) -> Option<Self> {
+        let problem = regularized.problem;
         if problem.held.contains(&true) {
             return None;
         }
@@ -33,7 +33,7 @@ impl Floating {
         let arms = |rows: &Rows, row: usize| [0, 1, 2].map(|k| rows.dot(plate, row, &nodal[k]));
         let points: Vec<_> = (0..closed.len()).map(|row| arms(&problem.constraints.rows, row)).collect();
         let acting = |(i, &c): (usize, &f64)| (closed[i] && c > 0.0).then_some(c);
-        let compliance: Vec<_> = careful.compliance.iter().enumerate().map(acting).collect();
+        let compliance: Vec<_> = regularized.compliance.iter().enumerate().map(acting).collect();
         let mut matrix = [[DoubleDouble::default(); 3]; 3];
         let mut hold = |arm: [f64; 3], stiffness: f64| {
             let scaled = arm.map(|a| stiffness.sqrt() * a);
@@ -50,7 +50,7 @@ impl Floating {
             hold(*arm, 1.0 / c);
         }
         let softest = eliminated(matrix, Default::default()).1;
-        (softest < careful.own_stiffness).then_some(Self { size, nodal, points, compliance, matrix })
+        (softest < regularized.own_stiffness).then_some(Self { size, nodal, points, compliance, matrix })
     }
 
     /// The rigid motion (deflection and slopes at the centre) that balances a step's resultants by springs and closed

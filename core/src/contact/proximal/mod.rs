@@ -35,8 +35,8 @@ impl ContactProblem {
         closed: Option<&[bool]>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> ContactSolution {
-        let careful = Regularized::of(self, part, 0.0);
-        careful.solve(load, self.at_rest(load.len(), held_value), closed.map(<[bool]>::to_vec), watch)
+        let regularized = Regularized::of(self, part, 0.0);
+        regularized.solve(load, self.at_rest(load.len(), held_value), closed.map(<[bool]>::to_vec), watch)
     }
 
     /// As [`ContactProblem::solve_on`], by the uncondensed equations; not solved where more is left than rounding, of the
@@ -48,16 +48,16 @@ impl ContactProblem {
         closed: &[bool],
         beside: f64,
     ) -> ContactSolution {
-        let careful = Regularized::of(self, tolerances::proximal::COMPLIANCE, beside);
+        let regularized = Regularized::of(self, tolerances::proximal::COMPLIANCE, beside);
         let mut solution = self.at_rest(load.len(), held_value);
         solution.closed = closed.to_vec();
-        let Some(saddle) = Saddle::of(&careful, closed) else {
+        let Some(saddle) = Saddle::of(&regularized, closed) else {
             return solution.failed(Outcome::Unsolved);
         };
         let step = self.residual(load, &solution);
-        let floating = Floating::of(&careful, closed);
-        let left = careful.refine(load, &saddle, floating.as_ref(), &step, &mut solution);
+        let floating = Floating::of(&regularized, closed);
+        let left = regularized.refine(load, &saddle, floating.as_ref(), &step, &mut solution);
         solution.leave_open(&left.remaining);
-        if careful.solved(load, &left, &solution) { solution.solved() } else { solution.failed(Outcome::Unsolved) }
+        if regularized.solved(load, &left, &solution) { solution.solved() } else { solution.failed(Outcome::Unsolved) }
     }
 }

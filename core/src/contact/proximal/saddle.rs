@@ -35,8 +35,8 @@ pub(super) struct Saddle {
 
 impl Saddle {
     /// `None` if the system is singular.
-    pub(super) fn of(careful: &Regularized, closed: &[bool]) -> Option<Self> {
-        let problem = careful.problem;
+    pub(super) fn of(regularized: &Regularized, closed: &[bool]) -> Option<Self> {
+        let problem = regularized.problem;
         let (plate, constraints, numbering) = (&problem.plate, &problem.constraints, &problem.numbering);
         let points: Vec<usize> = (0..closed.len()).filter(|&i| closed[i]).collect();
         let free = numbering.len();
@@ -50,7 +50,7 @@ impl Saddle {
             for at in stiffness.column_start[column]..stiffness.column_start[column + 1] {
                 let (row, mut value) = (stiffness.row[at], stiffness.value[at]);
                 if row == column {
-                    let bed = if numbering.dof[row] % 3 == 0 { careful.bed } else { 0.0 };
+                    let bed = if numbering.dof[row] % 3 == 0 { regularized.bed } else { 0.0 };
                     let own = value + shears.stiffness[row];
                     let least = bed.max(tolerances::SUM * own);
                     value += least;
@@ -72,7 +72,7 @@ impl Saddle {
                     largest = largest.max(value.abs() * unit[column]);
                 }
             }
-            entries.push((row, row, -careful.compliance[point]));
+            entries.push((row, row, -regularized.compliance[point]));
             if largest > 0.0 {
                 unit[row] = 1.0 / largest;
             }
