@@ -18,6 +18,10 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Lu;
 use faer::sparse::{SparseColMat, Triplet};
+use pulp::{Arch, Simd, WithSimd};
+
+/// Right-hand sides for which the factor is read once: two registers of the widest machines.
+pub(super) const TOGETHER: usize = 16;
 
 /// Solves with one right-hand side, each of what the one before left.
 const REFINEMENTS: usize = 4;
@@ -96,40 +100,92 @@ impl Saddle {
         imbalance: &[f64],
         remaining: &[f64],
     ) -> (Vec<f64>, Vec<f64>) {
+        let right = self.right(problem, imbalance, remaining);
+        let unknown = self.solve::<1>([right]);
+        let free = problem.numbering.len();
+        let value = |i: usize| self.unit[i] * unknown[i][0];
+        let mut reaction = vec![0.0; problem.constraints.rows.len()];
+        for (at, &point) in self.points.iter().enumerate() {
+            reaction[point] = value(free + at);
+        }
+        let moved: Vec<f64> = (0..free).map(value).collect();
+        (problem.scatter(&moved), reaction)
+    }
+
+    /// The motions of the nodes under [`TOGETHER`] imbalances alone.
+    pub(super) fn motions(&self, problem: &ContactProblem, imbalances: &[Vec<f64>; TOGETHER]) -> [Vec<f64>; TOGETHER] {
+        let still = vec![0.0; problem.constraints.rows.len()];
+        let unknown = self.solve(imbalances.each_ref().map(|imbalance| self.right(problem, imbalance, &still)));
+        let free = problem.numbering.len();
+        std::array::from_fn(|k| {
+            let moved: Vec<f64> = (0..free).map(|i| self.unit[i] * unknown[i][k]).collect();
+            problem.scatter(&moved)
+        })
+    }
+
+    /// The scaled right-hand side.
+    fn right(&self, problem: &ContactProblem, imbalance: &[f64], remaining: &[f64]) -> Vec<f64> {
         let mut right = problem.gather(imbalance);
-        let free = right.len();
         right.extend(self.points.iter().map(|&point| remaining[point]));
         right.resize(self.unit.len(), 0.0);
         right.iter_mut().zip(&self.unit).for_each(|(value, unit)| *value *= unit);
-        let mut unknown = vec![0.0; right.len()];
+        right
+    }
+
+    /// The scaled unknowns of `N` right-hand sides side by side, each solve correcting what the one before left.
+    fn solve<const N: usize>(&self, right: [Vec<f64>; N]) -> Vec<[f64; N]> {
+        let size = self.unit.len();
+        let right: Vec<[f64; N]> = (0..size).map(|i| std::array::from_fn(|k| right[k][i])).collect();
+        let largest = |values: &[[f64; N]], k: usize| values.iter().fold(0.0, |most: f64, row| most.max(row[k].abs()));
+        let mut unknown = vec![[0.0; N]; size];
         let mut left = right.clone();
-        let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         for _ in 0..REFINEMENTS {
-            let mut increment = Mat::from_fn(left.len(), 1, |i, _| left[i]);
+            let mut increment = Mat::from_fn(size, N, |i, k| left[i][k]);
             self.factor.solve_in_place(increment.as_mut());
-            unknown.iter_mut().enumerate().for_each(|(i, value)| *value += increment[(i, 0)]);
+            for (i, unknown) in unknown.iter_mut().enumerate() {
+                (0..N).for_each(|k| unknown[k] += increment[(i, k)]);
+            }
             left = self.left(&right, &unknown);
-            if largest(&left) <= f64::EPSILON * largest(&right) {
+            if (0..N).all(|k| largest(&left, k) <= f64::EPSILON * largest(&right, k)) {
                 break;
             }
         }
-        unknown.iter_mut().zip(&self.unit).for_each(|(value, unit)| *value *= unit);
-        let mut reaction = vec![0.0; problem.constraints.rows.len()];
-        for (&point, value) in self.points.iter().zip(&unknown[free..]) {
-            reaction[point] = *value;
-        }
-        (problem.scatter(&unknown[..free]), reaction)
+        unknown
     }
-    /// What the unknowns leave of the right-hand side, both scaled: exact, since a loose plate's motions are the sums of
-    /// what nearly cancels.
-    fn left(&self, right: &[f64], unknown: &[f64]) -> Vec<f64> {
-        let mut left: Vec<DoubleDouble> = right.iter().map(|&value| DoubleDouble::from(value)).collect();
-        for &(row, column, value) in &self.entries {
-            left[row].add_product(-value, unknown[column]);
-            if row != column {
-                left[column].add_product(-value, unknown[row]);
+
+    /// What the unknowns leave of right-hand sides, all scaled: exact, since a loose plate's motions are the sums of what
+    /// nearly cancels.
+    fn left<const N: usize>(&self, right: &[[f64; N]], unknown: &[[f64; N]]) -> Vec<[f64; N]> {
+        let (mut high, mut low) = (right.to_vec(), vec![[0.0; N]; right.len()]);
+        Arch::new().dispatch(SubtractProducts { entries: &self.entries, unknown, high: &mut high, low: &mut low });
+        high.iter().zip(&low).map(|(high, low)| std::array::from_fn(|k| high[k] + low[k])).collect()
+    }
+}
+
+/// Subtracts from sums in double-double, side by side, the product of a symmetric matrix, of which the lower triangle is
+/// given.
+struct SubtractProducts<'a, const N: usize> {
+    entries: &'a [(usize, usize, f64)],
+    unknown: &'a [[f64; N]],
+    high: &'a mut [[f64; N]],
+    low: &'a mut [[f64; N]],
+}
+
+impl<const N: usize> WithSimd for SubtractProducts<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for &(row, column, value) in self.entries {
+            // An entry off the diagonal stands in the upper triangle too.
+            for (row, column) in [(row, column), (column, row)].into_iter().take(1 + usize::from(row != column)) {
+                let (high, low, unknown) = (&mut self.high[row], &mut self.low[row], &self.unknown[column]);
+                for k in 0..N {
+                    let mut sum = DoubleDouble { hi: high[k], lo: low[k] };
+                    sum.add_product_fused(-value, unknown[k]);
+                    (high[k], low[k]) = (sum.hi, sum.lo);
+                }
             }
         }
-        left.into_iter().map(DoubleDouble::value).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! The complementarity problem of one proximal step.
 
 use super::regularized::Regularized;
-use super::saddle::Saddle;
+use super::saddle::{Saddle, TOGETHER};
 use crate::contact::refinement::Residual;
 use crate::contact::solution::{ContactSolution, Outcome};
 use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke_from};
@@ -21,17 +21,25 @@ impl Regularized<'_> {
         let two_sided = &problem.constraints.two_sided;
         let held = Saddle::of(self, two_sided)?;
         let points: Vec<usize> = (0..two_sided.len()).filter(|&i| !two_sided[i]).collect();
-        let still = vec![0.0; two_sided.len()];
+        let (rows, plate) = (&problem.constraints.rows, &problem.plate);
         // The matrix is symmetric, so that what a push does everywhere is a row.
         let mut matrix = vec![0.0; points.len() * points.len()];
-        matrix.par_chunks_mut(points.len().max(1)).enumerate().for_each(|(at, row)| {
-            let mut push = vec![0.0; problem.plate.dof_count()];
-            problem.constraints.rows.scatter(&problem.plate, points[at], 1.0, &mut push);
-            let (nodal, _) = held.response(problem, &push, &still);
-            for (value, &other) in row.iter_mut().zip(&points) {
-                *value = problem.constraints.rows.dot(&problem.plate, other, &nodal);
+        matrix.par_chunks_mut((TOGETHER * points.len()).max(1)).enumerate().for_each(|(block, lines)| {
+            let pushes: [Vec<f64>; TOGETHER] = std::array::from_fn(|k| {
+                let mut push = vec![0.0; plate.dof_count()];
+                if let Some(&point) = points.get(block * TOGETHER + k) {
+                    rows.scatter(plate, point, 1.0, &mut push);
+                }
+                push
+            });
+            let motions = held.motions(problem, &pushes);
+            for (k, line) in lines.chunks_mut(points.len()).enumerate() {
+                for (value, &other) in line.iter_mut().zip(&points) {
+                    *value = rows.dot(plate, other, &motions[k]);
+                }
+                let at = block * TOGETHER + k;
+                line[at] += self.compliance[points[at]];
             }
-            row[at] += self.compliance[points[at]];
         });
         Some(Subproblem { held, points, matrix })
     }
