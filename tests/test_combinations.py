@@ -346,3 +346,12 @@ def test_a_table_of_combinations_without_load_is_solved() -> None:
     results = signorini.solve(Model(**tables(combination=rows, output={"combinations": "table", "fields": "all"})))
     for name in ("before", "after"):
         assert list(results[name].reactions.values()) == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+def test_a_row_without_a_result_of_its_own_says_why():
+    data = tables()
+    data["output"] = {"combinations": "table", "fields": "none"}
+    results = signorini.solve(Model(**data))
+    name = results.discretisation.model.effective_combinations[0].name
+    with pytest.raises(KeyError, match="no result of its own: of a row of a table output.fields asks for it"):
+        results[name]

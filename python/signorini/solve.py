@@ -68,10 +68,19 @@ class Results(Remade, Mapping[str, Result]):
         UnknownNameError
             Which is a KeyError too, if there is none of that name.
         """
+        if self.combined is not None and name not in self.by_name and name in self._every_name:
+            why = self.unbalanced.get(
+                name, "a row of a table has one only if it has equilibrium and output.fields asks."
+            )
+            raise UnknownNameError(f'The combination "{name}" has no result of its own: {why}', "combination")
         try:
             return self.by_name[known(name, self.by_name, "combination", "combination", "This mapping of results")]
         except InputError as error:
             raise UnknownNameError(error.message, error.place) from None
+
+    @cached_property
+    def _every_name(self) -> frozenset[str]:
+        return frozenset(one.name for one in self.discretisation.model.effective_combinations)
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names of the combinations."""

@@ -66,7 +66,8 @@ def print_check(console: Console, check: Check) -> None:
     for resultant in listed[: 2 * _MOST_LISTED]:
         at = point(resultant.at) if resultant.at else f"couple {point(resultant.couple)}"
         verdict = Text("no", style="bold red") if resultant.message else Text("just" if resultant.brink else "yes")
-        limit = f"{resultant.limit[0]} at {resultant.limit[1]:.4g}" if resultant.limit else ""
+        none = "not asked" if found.model.tabulated else "none"
+        limit = f"{resultant.limit[0]} at {resultant.limit[1]:.4g}" if resultant.limit else none
         loads.add_row(Text(resultant.name), number(resultant.force), at, verdict, Text(limit))
     console.print(loads)
     if left := len(check.resultants) - len(listed[: 2 * _MOST_LISTED]):

@@ -48,6 +48,8 @@ def read_factor_table(value: object) -> FactorTable | None:
         raise ValueError(f"{path} is not UTF-8 text. Save it in the encoding UTF-8.") from None
     except csv.Error as error:
         raise ValueError(f"{path} is not a CSV file: {error}.") from None
+    if lines and len(lines[0]) == 1 and lines[0][0].count(";") > 0:
+        raise ValueError(f"{path} has semicolons between its columns. Save it with commas, and with decimal points.")
     if not lines or len(lines[0]) < 2:
         raise ValueError(f'{path} has no header; its first line must be "name" and the load cases, set off by commas.')
     first, *columns = (cell.strip() for cell in lines[0])
