@@ -353,5 +353,5 @@ def test_a_row_without_a_result_of_its_own_says_why():
     data["output"] = {"combinations": "table", "fields": "none"}
     results = signorini.solve(Model(**data))
     name = results.discretisation.model.effective_combinations[0].name
-    with pytest.raises(KeyError, match="no result of its own: of a row of a table output.fields asks for it"):
+    with pytest.raises(KeyError, match=r"no result of its own: of a row of a table output.fields asks for it"):
         results[name]

@@ -69,9 +69,7 @@ class Results(Remade, Mapping[str, Result]):
             Which is a KeyError too, if there is none of that name.
         """
         if self.combined is not None and name not in self.by_name and name in self._every_name:
-            why = self.unbalanced.get(
-                name, "a row of a table has one only if it has equilibrium and output.fields asks."
-            )
+            why = self.unbalanced.get(name, "of a row of a table output.fields asks for it, if it has equilibrium.")
             raise UnknownNameError(f'The combination "{name}" has no result of its own: {why}', "combination")
         try:
             return self.by_name[known(name, self.by_name, "combination", "combination", "This mapping of results")]
