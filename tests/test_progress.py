@@ -95,6 +95,30 @@ def on_a_terminal(command: list[str]) -> tuple[str, str]:
     return printed.decode(), shown.decode()
 
 
+@pytest.mark.parametrize("method", ["lemke", "interior_point"])
+def test_methods_without_newton_steps_are_told_of_and_stopped_too(method: str) -> None:
+    # Of 365 rigid points half open, a pivot each.
+    line = [{"line": [[0.5, y], [9.5, y]], "resists": "down"} for y in (1.0, 3.0, 5.0, 7.0, 9.0)]
+    model = signorini.Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.1},
+        mesh={"divisions": [40, 10]},
+        support=line,
+        load=[{"pressure": "1e4*sin(3*x)*cos(y) + 2e3"}],
+        solver={"method": method},
+    )
+    told: list[signorini.Progress] = []
+    assert signorini.solve(model, told.append)["all"].certificate.passed
+    assert max(now.step for now in told) >= (64 if method == "lemke" else 5)
+
+    def enough(now: signorini.Progress) -> None:
+        if now.step:
+            raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        signorini.solve(model, enough)
+
+
 def test_a_terminal_shows_a_line_that_is_gone_at_the_end(slab: Path) -> None:
     printed, shown = on_a_terminal([sys.executable, "-m", "signorini", "solve", str(slab)])
     assert "\x1b" not in printed and "dead: solved by active_set" in printed

@@ -74,6 +74,7 @@ impl LcpSolution {
             LcpStatus::Solved => "solved",
             LcpStatus::Ray => "ray",
             LcpStatus::PivotLimit => "pivot_limit",
+            LcpStatus::Interrupted => "interrupted",
         }
     }
 

@@ -54,7 +54,15 @@ fn on_points(at: &[(f64, f64)], gap: &[f64], soft: bool, by_active_set: bool) ->
 }
 
 fn by_interior_point(problem: &ContactProblem, constraints: &Constraints, load: &[f64]) -> InteriorPoint {
-    interior_point(&problem.plate, &problem.springs, &problem.held, &vec![0.0; load.len()], constraints, load)
+    interior_point(
+        &problem.plate,
+        &problem.springs,
+        &problem.held,
+        &vec![0.0; load.len()],
+        constraints,
+        load,
+        &mut |_| true,
+    )
 }
 
 fn largest(values: &[f64]) -> f64 {

@@ -45,6 +45,9 @@ _YIELDING = (1e-6, 1e-9, 1e-11, 1e-13, 1e-15)
 MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
 
+_MOST_DOFS = 200_000
+"""Dofs up to which proximal steps are tried: their equations are factored uncondensed, in some 2 kB a dof."""
+
 _FEW = 300
 """Elastic points up to which Lemke's algorithm is the quicker one."""
 
@@ -316,7 +319,10 @@ class ContactProblem(Remade):
                 yield Attempt(problem)
                 continue
             yield from (Attempt(problem, form) for form in _FORMS)
-            yield from (Attempt(problem, part=part) for part in _YIELDING)
+            if self.discretisation.dof_count <= _MOST_DOFS:
+                yield from (Attempt(problem, part=part) for part in _YIELDING)
+        if self.discretisation.dof_count > _MOST_DOFS:
+            return
         if "lemke" in self.fallbacks or (self.method == "lemke" and self.fallbacks):
             # What another method has left imprecise.
             yield from (Attempt(start.condensed, part=part) for part in _YIELDING[1:])

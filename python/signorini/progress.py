@@ -16,11 +16,13 @@ class Progress:
     combination : str
         The combination being solved; empty before the first.
     step : int
-        Steps of the active set so far; 0 as a combination begins, and all there is where Lemke's algorithm solves it.
+        Steps of the active set, pivots of Lemke's algorithm (told every 64) or iterations of the interior point method
+        so far; 0 as a combination begins, and all there is where few points do with less.
     changing : int
-        Contact points that opened or closed in this step.
+        Contact points that opened or closed since the one before.
     residual : float
-        Largest nodal force out of balance over the largest there is; 1 before the first step.
+        Largest nodal force out of balance over the largest there is, or what a method takes for that; 1 before the
+        first step.
     stage : {"mesh", "factor", "contact"}
         What begins: meshing, assembling and factoring, once each, and then the contact problem of every combination.
 

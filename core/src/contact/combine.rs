@@ -107,7 +107,7 @@ impl ContactProblem {
             match found.status {
                 LcpStatus::Solved => basis = found.basis,
                 LcpStatus::Ray => return ended(Verdict::NoEquilibrium, pivots),
-                LcpStatus::PivotLimit => return ended(Verdict::Doubtful, pivots),
+                LcpStatus::PivotLimit | LcpStatus::Interrupted => return ended(Verdict::Doubtful, pivots),
             }
         }
         let closed = self.base.condensed.closed_points(&shared.lcp, &basis);

@@ -15,8 +15,14 @@ use crate::cholesky::FactorError;
 use crate::contact::tolerances;
 use crate::plate::Plate;
 use crate::residual::{Displacement, Springs};
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT};
+use clarabel::solver::implementations::default::{DefaultInfo, DefaultSolution};
+use clarabel::solver::{
+    DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, SupportedConeT, ZeroConeT,
+};
 use program::Program;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
 
 /// What the interior point method found; NaN and all open unless solved.
 #[derive(Clone, Debug)]
@@ -46,6 +52,7 @@ pub fn interior_point(
     held_value: &[f64],
     constraints: &Constraints,
     load: &[f64],
+    watch: &mut dyn FnMut(Progress) -> bool,
 ) -> InteriorPoint {
     let numbering = Numbering::new(plate, held, &vec![false; held.len()]);
     let mut displacement = Displacement::zeros(held.len());
@@ -66,13 +73,13 @@ pub fn interior_point(
         ..DefaultSettings::default()
     };
     let cones = [ZeroConeT(program.equations), NonnegativeConeT(program.right.len() - program.equations)];
-    let Program { quadratic, linear, rows, right, .. } = &program;
-    let Ok(mut solver) = DefaultSolver::new(quadratic, linear, rows, right, &cones, settings) else {
+    let Some((found, interrupted)) = solved(&program, &cones, settings, watch) else {
         return unsolved(held.len(), constraints, Outcome::Unsolved, 0);
     };
-    solver.solve();
-    let found = &solver.solution;
     let iterations = found.iterations as usize;
+    if interrupted {
+        return unsolved(held.len(), constraints, Outcome::Interrupted, iterations);
+    }
     let no_equilibrium = match found.status {
         SolverStatus::PrimalInfeasible => program.gaps_contradict(&found.z),
         SolverStatus::DualInfeasible => program.moves_freely(&found.x),
@@ -96,6 +103,40 @@ pub fn interior_point(
         closed: program.closed(&found.x, &found.z, &found.s),
         iterations,
     }
+}
+
+/// Solves in a thread of its own, since clarabel keeps whom it tells of its iterations, and whether it was interrupted;
+/// `None` if it does not take the problem.
+fn solved(
+    program: &Program,
+    cones: &[SupportedConeT<f64>],
+    settings: DefaultSettings<f64>,
+    watch: &mut dyn FnMut(Progress) -> bool,
+) -> Option<(DefaultSolution<f64>, bool)> {
+    let Program { quadratic, linear, rows, right, .. } = program;
+    let mut solver = DefaultSolver::new(quadratic, linear, rows, right, cones, settings).ok()?;
+    let stopped = Arc::new(AtomicBool::new(false));
+    let (news, heard) = mpsc::channel();
+    let seen = stopped.clone();
+    solver.set_termination_callback(move |info: &DefaultInfo<f64>| {
+        let step = info.iterations as usize;
+        let told = news.send(Progress { step, changing: 0, residual: info.res_primal.max(info.res_dual) });
+        told.is_err() || seen.load(Ordering::Relaxed)
+    });
+    let solution = std::thread::scope(|scope| {
+        let solving = scope.spawn(move || {
+            solver.solve();
+            solver.unset_termination_callback();
+            solver.solution
+        });
+        for now in heard {
+            if !watch(now) {
+                stopped.store(true, Ordering::Relaxed);
+            }
+        }
+        solving.join().ok()
+    })?;
+    Some((solution, stopped.load(Ordering::Relaxed)))
 }
 
 fn unsolved(dofs: usize, constraints: &Constraints, outcome: Outcome, iterations: usize) -> InteriorPoint {
@@ -128,11 +169,12 @@ impl ContactProblem {
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
         let all = self.all_constraints();
-        let start = interior_point(&self.plate, &self.springs, &self.held, held_value, &all, load);
+        let start = interior_point(&self.plate, &self.springs, &self.held, held_value, &all, load, watch);
         let mut solution = match start.outcome {
             Outcome::Solved => self.solve_from(load, held_value, &start.as_start(), watch)?,
             Outcome::NoEquilibrium => self.without_solution(held_value, Outcome::NoEquilibrium),
-            Outcome::Unsolved | Outcome::Interrupted => self.solve(load, held_value, None, None, watch)?,
+            Outcome::Interrupted => self.without_solution(held_value, Outcome::Interrupted),
+            Outcome::Unsolved => self.solve(load, held_value, None, None, watch)?,
         };
         solution.iterations += start.iterations;
         Ok(solution)

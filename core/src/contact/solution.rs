@@ -12,6 +12,15 @@ pub struct Progress {
     pub residual: f64,
 }
 
+/// What whoever watches is told of Lemke's pivots.
+pub(super) fn pivoting(watch: &mut dyn FnMut(Progress) -> bool) -> impl FnMut(usize, f64) -> bool {
+    let mut before = 0;
+    move |pivots, left| {
+        let changing = pivots - std::mem::replace(&mut before, pivots);
+        watch(Progress { step: pivots, changing, residual: left })
+    }
+}
+
 /// How a contact problem ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {

@@ -3,11 +3,11 @@
 use super::condense::{Form, PosedLcp};
 use super::problem::ContactProblem;
 use super::refinement::Reduced;
-use super::solution::{ContactSolution, Outcome, Progress};
+use super::solution::{ContactSolution, Outcome, Progress, pivoting};
 use super::start::{Reference, Start};
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
-use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from};
+use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke_watched};
 use crate::residual::Displacement;
 
 /// At most this many contact states.
@@ -79,7 +79,7 @@ impl ContactProblem {
         let mut reduced = self.reduced(with, &step, form)?;
         let travel = reduced.interface.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         for _ in 0..STATES {
-            let (outcome, closed) = self.contact_state(&reduced, &mut solution, form, max_pivots, first.take());
+            let (outcome, closed) = self.contact_state(&reduced, &mut solution, form, max_pivots, first.take(), watch);
             if outcome != Outcome::Solved {
                 return Ok(solution.failed(outcome));
             }
@@ -147,16 +147,16 @@ impl ContactProblem {
         form: Form,
         max_pivots: Option<usize>,
         first: Option<&[bool]>,
+        watch: &mut dyn FnMut(Progress) -> bool,
     ) -> (Outcome, Vec<bool>) {
         if self.constraints.two_sided.iter().all(|&t| t) {
             return (Outcome::Solved, self.constraints.two_sided.clone());
         }
         let posed = self.base.condensed.lcp(form, &reduced.interface, &solution.reaction);
         let options = LemkeOptions { max_pivots, ..LemkeOptions::default() };
-        let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| match first {
-            Some(closed) => lemke_from(&lcp, &options, &self.base.condensed.basis(&posed, closed)),
-            None => lemke(&lcp, &options),
-        });
+        let basis = first.map(|closed| self.base.condensed.basis(&posed, closed));
+        let solved = Lcp::new(&posed.matrix, &posed.q)
+            .and_then(|lcp| lemke_watched(&lcp, &options, basis.as_deref(), &mut pivoting(watch)));
         let Ok(found) = solved else {
             return (Outcome::Unsolved, Vec::new());
         };
@@ -165,6 +165,7 @@ impl ContactProblem {
             LcpStatus::Solved => (Outcome::Solved, self.base.condensed.closed_points(&posed, &found.basis)),
             LcpStatus::Ray => (Outcome::NoEquilibrium, Vec::new()),
             LcpStatus::PivotLimit => (Outcome::Unsolved, Vec::new()),
+            LcpStatus::Interrupted => (Outcome::Interrupted, Vec::new()),
         }
     }
 

@@ -92,7 +92,7 @@ impl LcpFamily {
             q: values.collect(),
             covering: ones.clone(),
         };
-        let path = follow_path(&pivoted, default_max_pivots(order));
+        let path = follow_path(&pivoted, default_max_pivots(order), &mut |_, _| true);
         match path.end {
             End::Complementary(exchanged) => {
                 let basis = self.origin.iter().zip(&exchanged).map(|(a, b)| a != b).collect();
@@ -105,7 +105,7 @@ impl LcpFamily {
                     false => stopped(path.pivots),
                 }
             }
-            End::Stopped => stopped(path.pivots),
+            End::Stopped | End::Interrupted => stopped(path.pivots),
         }
     }
 }

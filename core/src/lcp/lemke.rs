@@ -50,7 +50,7 @@ pub fn default_max_pivots(order: usize) -> usize {
 /// # Ok::<(), LcpError>(())
 /// ```
 pub fn lemke(lcp: &Lcp, options: &LemkeOptions) -> Result<LcpSolution, LcpError> {
-    solve(lcp, options, None)
+    lemke_watched(lcp, options, None, &mut |_, _| true)
 }
 
 /// As [`lemke`], beginning at the complementary basis of a problem solved before, with the same M or one near it.
@@ -62,14 +62,35 @@ pub fn lemke(lcp: &Lcp, options: &LemkeOptions) -> Result<LcpSolution, LcpError>
 /// # Errors
 /// As [`lemke`], and when `basis` does not have m entries.
 pub fn lemke_from(lcp: &Lcp, options: &LemkeOptions, basis: &[bool]) -> Result<LcpSolution, LcpError> {
-    lcp.check_length("basis", basis.len())?;
-    solve(lcp, options, Some(basis))
+    lemke_watched(lcp, options, Some(basis), &mut |_, _| true)
+}
+
+/// As [`lemke`], or [`lemke_from`] a basis; every 64 pivots `watch` is told how many there have been, and what is left of
+/// the artificial variable over its first value, and ends the path by returning false.
+///
+/// # Errors
+/// As these.
+pub fn lemke_watched(
+    lcp: &Lcp,
+    options: &LemkeOptions,
+    basis: Option<&[bool]>,
+    watch: &mut dyn FnMut(usize, f64) -> bool,
+) -> Result<LcpSolution, LcpError> {
+    if let Some(basis) = basis {
+        lcp.check_length("basis", basis.len())?;
+    }
+    solve(lcp, options, basis, watch)
 }
 
 /// How often the path may be taken up again at the basis of a cold start whose freshly solved values are infeasible.
 const RESTARTS: usize = 4;
 
-fn solve(lcp: &Lcp, options: &LemkeOptions, warm: Option<&[bool]>) -> Result<LcpSolution, LcpError> {
+fn solve(
+    lcp: &Lcp,
+    options: &LemkeOptions,
+    warm: Option<&[bool]>,
+    watch: &mut dyn FnMut(usize, f64) -> bool,
+) -> Result<LcpSolution, LcpError> {
     if let Some(covering) = options.covering {
         check_covering(lcp, covering)?;
     }
@@ -101,7 +122,7 @@ fn solve(lcp: &Lcp, options: &LemkeOptions, warm: Option<&[bool]>) -> Result<Lcp
         }
         cold_start_left &= !cold;
         let (from, origin) = warm_start.as_ref().map_or((&problem, &slacks), |(from, origin)| (from, origin));
-        let path = follow_path(from, limit - pivots);
+        let path = follow_path(from, limit - pivots, &mut |more, left| watch(pivots + more, left));
         pivots += path.pivots;
         match path.end {
             End::Complementary(exchanged) => {
@@ -118,6 +139,7 @@ fn solve(lcp: &Lcp, options: &LemkeOptions, warm: Option<&[bool]>) -> Result<Lcp
                 }
             }
             End::Stopped => {}
+            End::Interrupted => return Ok(unsolved(lcp.order(), LcpStatus::Interrupted, pivots, None)),
         }
     }
     Ok(unsolved(lcp.order(), LcpStatus::PivotLimit, pivots, None))
@@ -136,6 +158,9 @@ fn check_covering(lcp: &Lcp, covering: &[f64]) -> Result<(), LcpError> {
     }
 }
 
+/// Pivots from one look at whoever watches to the next: some milliseconds of a thousand pairs.
+const WATCHED: usize = 64;
+
 /// Where a path ends.
 pub(super) enum End {
     /// At a complementary basis: true where slack and complement have changed places.
@@ -144,6 +169,8 @@ pub(super) enum End {
     Ray(Vec<f64>),
     /// At the pivot limit, or where the basis became singular.
     Stopped,
+    /// Where whoever watched wanted no more.
+    Interrupted,
 }
 
 pub(super) struct Path {
@@ -152,7 +179,7 @@ pub(super) struct Path {
 }
 
 /// Follows the almost complementary path from the slacks' basis.
-pub(super) fn follow_path(problem: &CoveredLcp, limit: usize) -> Path {
+pub(super) fn follow_path(problem: &CoveredLcp, limit: usize, watch: &mut dyn FnMut(usize, f64) -> bool) -> Path {
     let order = problem.order();
     if problem.q.iter().all(|&q| q >= 0.0) {
         return Path { end: End::Complementary(vec![false; order]), pivots: 0 };
@@ -164,10 +191,17 @@ pub(super) fn follow_path(problem: &CoveredLcp, limit: usize) -> Path {
     let mut entering = tableau.artificial();
     let mut tied = Vec::new();
     let mut row = first_row(&problem.q, &problem.covering);
+    let first = problem.q[row] / problem.covering[row];
     for pivots in 1..=limit {
         let left = tableau.exchange(row, entering);
         if left == tableau.artificial() {
             return Path { end: End::Complementary(tableau.complementary_basis()), pivots };
+        }
+        if pivots % WATCHED == 0 {
+            let left = tableau.row_of(tableau.artificial()).map_or(0.0, |row| tableau.values[row]);
+            if !watch(pivots, (left / first).abs()) {
+                return Path { end: End::Interrupted, pivots };
+            }
         }
         entering = tableau.complement(left);
         row = match choose(&mut tableau, problem, entering, &mut tied) {

@@ -29,6 +29,6 @@ mod tableau;
 mod tolerances;
 
 pub use family::{LcpBasis, LcpFamily};
-pub use lemke::{LemkeOptions, default_max_pivots, lemke, lemke_from};
+pub use lemke::{LemkeOptions, default_max_pivots, lemke, lemke_from, lemke_watched};
 pub use parametric::{ParametricEnd, ParametricPath, ParametricSegment, parametric};
 pub use problem::{InfeasibilityProof, Lcp, LcpError, LcpSolution, LcpStatus, Residuals};

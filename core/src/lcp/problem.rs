@@ -29,6 +29,8 @@ pub enum LcpStatus {
     Ray,
     /// The solver stopped without a solution: at the pivot limit, or where rounding kept every basis infeasible.
     PivotLimit,
+    /// Whoever watched wanted no more.
+    Interrupted,
 }
 
 impl LcpStatus {
@@ -40,6 +42,7 @@ impl LcpStatus {
             Self::PivotLimit => {
                 "The solver stopped without a solution, at the pivot limit or where rounding kept every basis infeasible."
             }
+            Self::Interrupted => "Whoever watched wanted no more.",
         }
     }
 }

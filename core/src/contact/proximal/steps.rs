@@ -40,7 +40,7 @@ impl Regularized<'_> {
             // A set that was solved for before may be right where rounding would have the LCP choose another.
             let chosen = match given.take() {
                 Some(set) => Ok(set),
-                None => self.contact_set(&mut proximal, &step, &mut near),
+                None => self.contact_set(&mut proximal, &step, &mut near, watch),
             };
             near.closed = match chosen {
                 Ok(closed) => closed,

@@ -3,8 +3,8 @@
 use super::regularized::Regularized;
 use super::saddle::{Saddle, TOGETHER};
 use crate::contact::refinement::Residual;
-use crate::contact::solution::{ContactSolution, Outcome};
-use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke_from};
+use crate::contact::solution::{ContactSolution, Outcome, Progress, pivoting};
+use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke_watched};
 use rayon::prelude::*;
 
 /// What one-sided points do to each other where the two-sided ones hold: the proximal step's M.
@@ -50,6 +50,7 @@ impl Regularized<'_> {
         proximal: &mut Option<Subproblem>,
         step: &Residual,
         near: &mut ContactSolution,
+        watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Vec<bool>, Outcome> {
         let problem = self.problem;
         let mut closed = problem.constraints.two_sided.clone();
@@ -71,7 +72,8 @@ impl Regularized<'_> {
         };
         let q: Vec<f64> = points.iter().enumerate().map(gap).collect();
         let basis: Vec<bool> = points.iter().map(|&point| near.closed[point]).collect();
-        let found = Lcp::new(&proximal.matrix, &q).and_then(|lcp| lemke_from(&lcp, &LemkeOptions::default(), &basis));
+        let found = Lcp::new(&proximal.matrix, &q)
+            .and_then(|lcp| lemke_watched(&lcp, &LemkeOptions::default(), Some(&basis), &mut pivoting(watch)));
         let Ok(found) = found else {
             return Err(Outcome::Unsolved);
         };
@@ -83,6 +85,7 @@ impl Regularized<'_> {
             }
             LcpStatus::Ray => Err(Outcome::NoEquilibrium),
             LcpStatus::PivotLimit => Err(Outcome::Unsolved),
+            LcpStatus::Interrupted => Err(Outcome::Interrupted),
         }
     }
 }
