@@ -114,7 +114,7 @@ def path_stop(
     displacement = answer.hi + answer.lo
     deflection, works = displacement[::3], load.nodal * displacement
     imbalance = found.plate.residual(spring_arrays(found), load.nodal, answer.hi, answer.lo)
-    held_force = np.where(found.held.dofs, imbalance - found.contact_rows.T @ answer.reaction, 0.0)
+    held_force = np.where(found.held.dofs, imbalance - found.point_rows.T @ answer.shared, 0.0)
     pull = found.spring_forces(answer.hi, answer.lo)
     supports = [
         support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))

@@ -101,12 +101,12 @@ class Result(Remade):
         """
         *unsettled, method = methods
         begun = time.perf_counter()
-        hi, lo, reaction = answer.hi, answer.lo, answer.reaction
+        hi, lo = answer.hi, answer.lo
         nodal = (hi + lo).reshape(-1, 3)
         rotation = found.held.to_global(nodal[:, 1:])
         if stress is None:
             stress, _ = found.plate.stresses(hi, lo, tuple(load.curvature), load.couples)
-        spread = found.contact_rows.T @ reaction
+        spread = found.point_rows.T @ answer.shared
         held_force = np.zeros(found.dof_count)
         if found.held.dofs.any():
             imbalance = found.plate.residual(spring_arrays(found), load.nodal, hi, lo)

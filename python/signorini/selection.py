@@ -203,7 +203,7 @@ def _share_among(
     at_holds = dependence.rows[members][:, 3 * nodes]
     if at_holds.nnz:
         imbalance = found.plate.residual(found.springs.arrays, nodal, answer.hi, answer.lo)
-        held = (imbalance - found.contact_rows.T @ answer.reaction)[3 * nodes]
+        held = (imbalance - found.point_rows.T @ reaction)[3 * nodes]
         rows.append(-(at_holds.T @ moving) / np.sqrt(count)[:, None])
         offset.append(held / np.sqrt(count) / force)
     pushes = ~found.points.two_sided[points]

@@ -68,6 +68,14 @@ class Discretisation(Remade):
         return self.contacts.rows.matrix(self.mesh.elements, self.dof_count)
 
     @cached_property
+    def point_rows(self) -> csr_array:
+        """Rows (m + r, 3n) of contact points and, behind them, of those that repeat them.
+
+        These follow from the others where no dof is held; at held dofs each has its own.
+        """
+        return self.points.rows.matrix(self.mesh.elements, self.dof_count)
+
+    @cached_property
     def spring_rows(self) -> csr_array:
         """Springs' rows (m, 3n)."""
         return self.springs.rows.matrix(self.mesh.elements, self.dof_count)
