@@ -39,6 +39,8 @@ from signorini.discretise import discretise
 
 _NEAR = 1e-7
 """Part of the load within which the judge calls equilibrium marginal, and either verdict right."""
+_LOST = 1e-6
+"""Part of loads and reactions that reported reactions may miss: a certificate allows 1e-4 of what rounding moves."""
 _EXTREME = 4
 """One of so many plates is an extreme one."""
 _PATIENCE = 120
@@ -173,9 +175,22 @@ def judged_ordinary(seed):
             outcomes["of these marginal"] += 1
         elif exists == (bool(message) and not contradiction):
             wrong.append(f'"{combination.name}": the linear program says {exists}, the program "{message}"')
+        elif not message and (missing := lost(found, combination, results[combination.name])):
+            wrong.append(f'"{combination.name}": reported reactions miss the load by {missing:.1e} of it')
         elif contradiction and deflection_exists(found):
             wrong.append(f'"{combination.name}": a deflection agrees with all supports, yet: "{message}"')
     return outcomes, wrong
+
+
+def lost(found, combination, result):
+    """How much the reported reactions differ from the load, of what loads and reactions are made of; 0 if little."""
+    reported = np.concatenate([support.reactions for support in result.supports])
+    size = np.abs(reported).sum()
+    for case in found.cases.values():
+        force, *couples = np.abs(case.nodal.reshape(-1, 3)).sum(axis=0)
+        size += force + sum(couples) / found.mesh.size
+    missing = abs(found.load(combination).nodal[::3].sum() - sum(result.reactions.values()))
+    return missing / size if missing > _LOST * size else 0.0
 
 
 def _certified_as_advised(tables, refusal):

@@ -48,7 +48,9 @@ class Extreme:
 
 def extreme(rng: Random) -> Extreme:
     """Draw a model with its judge."""
-    return rng.choice([ribbon, stepped_strip, stepped_panel, near_the_edge, coincident, self_balanced, stiffness])(rng)
+    return rng.choice(
+        [ribbon, stepped_strip, stepped_panel, near_the_edge, coincident, redundant, self_balanced, stiffness]
+    )(rng)
 
 
 def solved(tables: Tables) -> Result | None:
@@ -228,6 +230,44 @@ def coincident(rng: Random) -> Extreme:
         "load": [{"pressure": 2e3}, {"force": 1e5, "at": [rng.uniform(1, 9), rng.uniform(1, 9)]}],
     }
     return Extreme("coincident", tables, lambda result: _order(result, tables, rng, 3e5))
+
+
+def redundant(rng: Random) -> Extreme:
+    """Draw more rigid points and lines than a coarse mesh can tell apart, beside a held edge."""
+    wall = {
+        "name": "wall",
+        "edge": rng.choice(["bottom", ["bottom", "left"]]),
+        "fix": rng.choice(["simple", "clamped"]),
+    }
+    across = rng.uniform(1.0, 9.0)
+    supports: list[Tables] = [wall]
+    for number in range(rng.randint(1, 3)):
+        heights = sorted(rng.uniform(0.0, 5.0) for _ in range(rng.randint(2, 5)))
+        place: Tables = rng.choice(
+            [
+                {"at": [[across, y] for y in heights]},
+                {"at": [[rng.uniform(0.5, 9.5), y] for y in heights]},
+                {"line": [[across, heights[0]], [rng.uniform(0.5, 9.5), heights[-1]]]},
+            ]
+        )
+        supports.append({"name": f"piers {number}", **place, "resists": rng.choice(["both", "both", "down"])})
+    force, pressure = rng.choice([0.0, 1e4]), 1e3
+    tables = {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [10.0, 10.0], "thickness": 0.3},
+        "mesh": {"divisions": [rng.randint(1, 5), rng.randint(1, 5)]},
+        "support": rng.sample(supports, len(supports)),
+        "load": [{"pressure": pressure}, {"force": force, "at": [rng.uniform(1, 9), rng.uniform(1, 9)]}],
+    }
+
+    def judge(result: Result | None) -> list[str]:
+        if result is None:
+            return []
+        load = 100 * pressure + force
+        size = load + sum(float(np.abs(support.reactions).sum()) for support in result.supports)
+        return _close("sum of reactions", sum(result.reactions.values()), load, _SAME * size)
+
+    return Extreme("redundant", tables, judge, may_be_refused=True)
 
 
 def self_balanced(rng: Random) -> Extreme:

@@ -297,3 +297,27 @@ def test_a_plate_on_four_legs_far_below_its_ceiling_rests_on_all_of_them(method)
     )
     result = signorini.solve(model)["all"]
     assert result.supports[0].gaps == pytest.approx(np.zeros(4), abs=1e-9 * np.abs(result.deflection).max())
+
+
+@pytest.mark.parametrize("fix", ["simple", "hard", "clamped"])
+@pytest.mark.parametrize("element", ["mitc9", "q8r"])
+def test_rigid_points_that_repeat_each_other_beside_a_held_edge_lose_none_of_the_load(fix, element):
+    # Where the edge holds its nodes three points say what two do; at the held nodes each has its own part.
+    model = signorini.Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3, "element": element},
+        mesh={"divisions": [2, 2]},
+        support=[
+            {"name": "wall", "edge": "bottom", "fix": fix},
+            {"name": "piers", "at": [[5, 1], [5, 2], [5, 3]]},
+        ],
+        load=[{"force": 1e4, "at": [3, 4]}],
+        combination=[{"name": f"c{k}", "factors": {"load": 1.0 + k}} for k in range(13)],
+        output={"combinations": "table", "fields": "all"},
+    )
+    for k, result in enumerate(signorini.solve(model).values()):
+        assert sum(result.reactions.values()) == pytest.approx(1e4 * (1 + k), rel=1e-9)
+        assert result.nodal_reaction.sum() == pytest.approx(1e4 * (1 + k), rel=1e-9)
+    followed = signorini.path(model, None, "load", until=1.0)
+    assert sum(followed.at(0.5).reactions.values()) == pytest.approx(5e3, rel=1e-9)
+    assert followed.stops[-1].reactions.sum() == pytest.approx(1e4, rel=1e-9)
