@@ -17,7 +17,7 @@ use super::tolerances;
 /// let family = LcpFamily::new(&Lcp::new(&matrix, &q)?, &[true, true])?;
 /// let family = family.expect("M is regular there");
 /// let found = family.solve(&[-5.0, 1.0])?;
-/// assert_eq!((found.status, found.basis, found.pivots), (LcpStatus::Solved, vec![true, false], 1));
+/// assert_eq!((found.status, found.basis, found.pivots), (LcpStatus::Solved, vec![true, false], 2));
 /// # Ok::<(), LcpError>(())
 /// ```
 pub struct LcpFamily {
