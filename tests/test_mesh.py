@@ -169,6 +169,32 @@ def test_a_single_line_well_inside_is_followed_exactly(line):
     assert mesh.edges_along(Polyline(((line, 0.0), (line, 1.0)))) is not None
 
 
+@pytest.mark.parametrize("unit", [1e-3, 0.3048, 1 / 0.3048, 10.0, 1e3])
+@pytest.mark.parametrize(
+    ("length", "count", "lines"),
+    [
+        (9.0, 7, [4.2, 5.0, 5.8]),  # pieces of 0.8 and 0.8: one is too many, and either could go
+        (9.0, 8, [0.9, 1.7, 7.3, 8.1]),
+        (9.0, 7, [1.6, 3.2, 7.3]),  # parts of 1.6 and 1.6: either could have the next division
+        (9.0, 13, [1.1, 2.2, 3.3, 6.7, 7.8, 8.9]),
+        (4.0, 4, [0.3, 0.6]),
+        (4.0, 7, [1.9, 2.1]),  # lines as far from where equal parts have joints
+        (4.0, 5, [0.9, 1.2, 2.1]),  # sizes of 3 to 1
+    ],
+)
+def test_a_subdivision_is_the_same_in_other_units_where_pieces_tie(unit, length, count, lines):
+    here = subdivide(0.0, length, count, lines)
+    there = subdivide(0.0, unit * length, count, [unit * line for line in lines])
+    assert np.abs(there / unit - here).max() < 1e-12 * length
+
+
+@given(st.integers(2, 20), st.lists(st.integers(1, 89), max_size=8, unique=True), st.floats(1e-3, 1e3))
+def test_a_subdivision_is_the_same_in_other_units_for_lines_on_a_grid(count, lines, unit):
+    here = subdivide(0.0, 9.0, count, [0.1 * line for line in lines])
+    there = subdivide(0.0, unit * 9.0, count, [unit * 0.1 * line for line in lines])
+    assert np.abs(there / unit - here).max() < 1e-12 * 9.0
+
+
 def test_a_line_too_near_another_is_left_out():
     assert np.array_equal(subdivide(0.0, 10.0, 10, [5.0, 5.01]), np.linspace(0.0, 10.0, 11))
 

@@ -1,6 +1,7 @@
 """Rigid supports with settlements or gaps that contradict each other where they meet are refused, others are not."""
 
 import re
+import time
 
 import meshio
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 import signorini
 from signorini import InputError, Model, path, solve
 from signorini.check import check
+from signorini.discretise import discretise
 from signorini.mesh.meshers import disc
 from signorini.quadrature.crossings import evaluate, quadratics
 
@@ -54,6 +56,30 @@ MEETING = {
     "a line on a bed that has not settled": ([{"area": "all", "resists": "down"}, {**OBLIQUE, **LOWER}], PLATE),
     "points at one place": ([{"at": [1.3, 2.3]}, {"at": [1.3, 2.3], **LOWER}], PLATE),
     "points closer than a mesh can tell": ([{"at": [1.3, 2.3]}, {"at": [1.300001, 2.3], "settlement": 1e-6}], PLATE),
+    "formulas that miss by 1e-6 of what they reach": (
+        [{**ACROSS, "settlement": "0.01*(x - 0.3)"}, {"line": [[0.6, 0.5], [0.6, 3.5]], "settlement": "0.00300004"}],
+        PLATE,
+    ),
+    "a formula that misses zero by 1e-6 of what it reaches": (
+        [{"edge": "bottom", "settlement": "0.01*sin(pi*x/4) + 1e-8"}, {"edge": "right"}],
+        PLATE,
+    ),
+    "a pin that misses an edge by 1e-6 of what it reaches": (
+        [{"edge": "bottom", "settlement": "0.001*(x - 1.1*3)"}, {"at": [3.3, 0], "settlement": 4e-9}],
+        PLATE,
+    ),
+    "a jump where an edge meets a line": (
+        [{"line": [[2, 1.1], [3.5, 1.1]], "settlement": "where(x < 2, 0, 1e-3)"}, {"at": [2, 1.1]}],
+        PLATE,
+    ),
+    "a pit in a bed that is far below elsewhere": (
+        [{"area": "all", "settlement": "where(hypot(x - 2, y - 2) < 1, 0, 1e6)"}, {"at": [2.1, 2], **LOWER}],
+        PLATE,
+    ),
+    "points of two supports among many": (
+        [{"at": [[0.1 + 0.2 * i, y] for i in range(19)], "settlement": 1e-4 * k} for k, y in enumerate((1.3, 1.3))],
+        PLATE,
+    ),
     "a line that ends a hair short": ([ACROSS, {"line": [[2.2, 0.5], [2.4, 2.099999]], **LOWER}], PLATE),
 }
 
@@ -109,6 +135,73 @@ AGREEING = {
     "slopes alone": [{**ACROSS, "fix": "symmetry"}, {**OBLIQUE, **LOWER}],
     "points that turn the plate a little": [{"at": [1.3, 2.3]}, {"at": [1.30004, 2.3], "settlement": 1e-8}],
 }
+
+
+MEETING_AT_ZERO = {
+    "a sine over an edge": (
+        [{"edge": ["left", "right", "top"]}, {"edge": "bottom", "settlement": "0.01*sin(pi*x/4)"}],
+        PLATE,
+    ),
+    "an edge through zero at a pin": (
+        [{"edge": "bottom", "settlement": "0.001*(x - 1.1*3)"}, {"at": [3.3, 0]}, {"at": [[1, 3], [3, 3]]}],
+        PLATE,
+    ),
+    "a line through zero at another": (
+        [{**ACROSS, "settlement": "0.01*(x - 0.6)"}, {"line": [[0.2 + 0.2 + 0.2, 0.5], [0.6, 3.5]]}],
+        PLATE,
+    ),
+    "a line that is zero all along": (
+        [
+            {"line": [[0.1 + 0.2, 0.5], [0.1 + 0.2, 3.5]], "settlement": "0.01*(x - 0.3)"},
+            {"line": [[0, 2.1], [4, 2.1]]},
+        ],
+        PLATE,
+    ),
+    "a rim that waves": (
+        [{"edge": "rim", "settlement": "0.001*sin(2*atan2(y - 2, x - 2))"}, {"at": [[2, 4], [2, 0], [0, 2], [4, 2]]}],
+        DISC,
+    ),
+    "a root that is zero": (
+        [
+            {"edge": "outer", "settlement": "0.001*x"},
+            {"circle": {"center": [0, 0], "radius": 5}, "settlement": "0.001*sqrt(25 - y**2)*sign(x)"},
+        ],
+        {"shape": "annulus", "inner": 0.5, "outer": 5, "thickness": 0.2},
+    ),
+    "far from the origin": (
+        [{"edge": "bottom", "settlement": "0.01*sin(pi*(x - 1e6)/4)"}, {"edge": "right"}],
+        {**PLATE, "origin": [1e6, 0]},
+    ),
+}
+
+
+@pytest.mark.parametrize("case", MEETING_AT_ZERO)
+def test_formulas_that_meet_at_zero_but_for_rounding_are_solved(case: str) -> None:
+    supports, plate = MEETING_AT_ZERO[case]
+    for tables in (supports, supports[::-1]):
+        wanted = Model(
+            material={"E": 30e9, "nu": 0.2}, plate=plate, support=tables, load=[{"pressure": 5e3}], mesh={"size": 0.5}
+        )
+        assert signorini.solve(wanted)["all"].certificate.passed
+
+
+def test_a_thousand_supports_at_points_are_compared_in_seconds() -> None:
+    pins = [
+        {"at": [0.05 + 3.9 * (i % 40) / 39, 0.05 + 3.9 * (i // 40) / 25], "gap": 1e-3, "settlement": 1e-4 * i}
+        for i in range(1000)
+    ]
+    start = time.perf_counter()
+    discretise(model(pins))
+    assert time.perf_counter() - start < 10.0  # s; one pair at a time it is minutes
+
+
+def test_supports_of_many_points_are_compared_where_they_are_near() -> None:
+    rows = [{"at": [[0.1 + 0.2 * i, 0.03 * k] for i in range(19)], "settlement": 1e-4 * k} for k in range(1, 100)]
+    discretise(model([{**row, "gap": 1e-5} for row in rows]))
+    rows[80]["at"][7] = rows[3]["at"][11]
+    words = r"support\[81\]: Supports contradict each other at \[2.3, 0.12\]: support\[4\].*support\[81\]"
+    with pytest.raises(InputError, match=words):
+        discretise(model(rows))
 
 
 @pytest.mark.parametrize("case", AGREEING)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -27,7 +29,14 @@ for what the plate may turn."""
 _STEEP = 0.1
 """Slope from which on deflections are no longer small."""
 _CONSISTENT = 1e-9
-"""Part of the gaps and settlements by which bounds may cross."""
+"""Part of the largest gap and settlement on two supports by which their bounds may cross: at places that are one but
+for `_SAME_PLACE` a formula differs by as much."""
+_ROUNDING = 1e-15
+"""Part of the largest coordinate by which coordinates are rounded."""
+_ROOT_OF_ROUNDING = 1e-7
+"""Part of the largest gap and settlement by which a formula may change over the rounding of a coordinate: roots rise
+steeply from zero, but what jumps is not rounded."""
+_NO_NUMBERS = np.zeros(0, np.int64)
 _SPACING = 0.25
 """Distance, over an element's side, of the points of a curve that are compared with what it lies on."""
 _MOST = 10_000
@@ -52,16 +61,13 @@ def require_agreement(model: Model, mesh: Mesh, contacts: ContactPoints) -> None
     least, most = np.array([_constants(model.support[i]) for i in rigid]).reshape(-1, 2).T
     if not len(rigid) or least.max() <= most.min():
         return
-    drawn: dict[int, _Drawn] = {}
-    for place, first in enumerate(rigid[:-1]):
-        apart = (least[place] > most[place + 1 :]) | (least[place + 1 :] > most[place])
-        for second in (rigid[place + 1 + i] for i in np.flatnonzero(apart)):
-            if _asks_the_same(model.support[first], model.support[second]):
-                continue
-            for i in (first, second):
-                if i not in drawn:
-                    drawn[i] = _draw(mesh, model.plate, model.support[i])
-            _require_agreement_of(model, mesh, (first, second), (drawn[first], drawn[second]))
+    step = float(np.sqrt(mesh.element_area.mean()))
+    drawn = [_draw(mesh, model.plate, model.support[i], _SPACING * step) for i in rigid]
+    values = [_Values(model.support[i], i, mesh, places) for i, places in zip(rigid, drawn, strict=True)]
+    for first, second in _that_may_meet(drawn, least, most, _NEAR * step):
+        if not _asks_the_same(model.support[rigid[first]], model.support[rigid[second]]):
+            pair = (drawn[first], drawn[second]), (values[first], values[second])
+            _require_agreement_of(mesh, _NEAR * step, *pair)
 
 
 def _is_rigid(support: Support, compliance: Floats) -> bool:
@@ -97,6 +103,17 @@ class _Drawn:
     everywhere: bool = False
     only_points: bool = False
 
+    @property
+    def box(self) -> Floats:
+        """A box xmin, ymin, xmax, ymax that holds all of it."""
+        if self.everywhere:
+            return np.array([-np.inf, -np.inf, np.inf, np.inf])
+        # A curved side is within the triangle of its ends and of where its end tangents cross.
+        crossings = 2.0 * self.sides[:, 1] - 0.5 * (self.sides[:, 0] + self.sides[:, 2])
+        middle, radius = self.circles[:, :2], self.circles[:, 2:]
+        places = np.concatenate([self.points, crossings, middle - radius, middle + radius])
+        return np.concatenate([places.min(axis=0), places.max(axis=0)])
+
     def nearest(self, points: Floats, near: float) -> tuple[Ints, Floats]:
         """Which of some points are within ``near`` of this support, by number, and what of it is nearest to each."""
         every = np.arange(len(points))
@@ -124,12 +141,41 @@ class _Drawn:
         return which[close], at[close]
 
 
-def _draw(mesh: Mesh, plate: Plate, support: Support) -> _Drawn:
+def _that_may_meet(drawn: Sequence[_Drawn], least: Floats, most: Floats, near: float) -> Iterator[tuple[int, int]]:
+    """Pairs of supports, by number, that are near each other and may ask for different deflections."""
+    boxes = np.array([one.box for one in drawn]) + near * np.array([-1.0, -1.0, 1.0, 1.0])
+    only_points = np.array([one.only_points for one in drawn])
+    points_near = _points_near(drawn, near)
+    for first in range(len(drawn) - 1):
+        later = slice(first + 1, None)
+        meet = (boxes[first, :2] <= boxes[later, 2:]).all(axis=1) & (boxes[later, :2] <= boxes[first, 2:]).all(axis=1)
+        if only_points[first]:
+            meet &= ~only_points[later]
+            meet[points_near.get(first, _NO_NUMBERS) - first - 1] = True
+        meet &= (least[first] > most[later]) | (least[later] > most[first])
+        yield from ((first, first + 1 + int(i)) for i in np.flatnonzero(meet))
+
+
+def _points_near(drawn: Sequence[_Drawn], near: float) -> dict[int, Ints]:
+    """Later supports at points, by number, that have one near a point of each support at points."""
+    from scipy.spatial import cKDTree
+
+    which = [i for i, one in enumerate(drawn) if one.only_points]
+    if len(which) < 2:
+        return {}
+    owner = np.repeat(which, [len(drawn[i].points) for i in which])
+    tree = cKDTree(np.concatenate([drawn[i].points for i in which]))
+    owners = np.sort(owner[tree.query_pairs(near, output_type="ndarray")], axis=1)
+    pairs = np.unique(owners[owners[:, 0] < owners[:, 1]], axis=0)
+    firsts, starts = np.unique(pairs[:, 0], return_index=True)
+    return dict(zip(firsts.tolist(), np.split(pairs[:, 1], starts[1:]), strict=False))
+
+
+def _draw(mesh: Mesh, plate: Plate, support: Support, step: float) -> _Drawn:
     if support.at is not None:
         return _Drawn(np.array(support.at, dtype=np.float64), only_points=True)
     if support.area == "all":
         return _Drawn(mesh.points, everywhere=True)
-    step = _SPACING * float(np.sqrt(mesh.element_area.mean()))
     shape = curve(support) or region(support.area)
     if shape is None:
         return _draw_edges(mesh, plate, support.edge or (), step)
@@ -231,9 +277,10 @@ def _feet(sides: Floats, circles: Floats) -> Floats:
     return np.asarray((a + np.clip(part, 0.0, 1.0)[..., None] * along).reshape(-1, 2))
 
 
-def _require_agreement_of(model: Model, mesh: Mesh, supports: tuple[int, int], drawn: tuple[_Drawn, _Drawn]) -> None:
+def _require_agreement_of(
+    mesh: Mesh, near: float, drawn: tuple[_Drawn, _Drawn], values: tuple[_Values, _Values]
+) -> None:
     one, other = drawn
-    near = _NEAR * float(np.sqrt(mesh.element_area.mean()))
     points = [one.points, other.points, _crossings(one, other)]
     points += [_feet(a.sides[_is_straight(a.sides)], b.circles) for a, b in (drawn, drawn[::-1])]
     asked = np.concatenate(points)
@@ -248,28 +295,74 @@ def _require_agreement_of(model: Model, mesh: Mesh, supports: tuple[int, int], d
     at = [places[on_plate] for places in at]
     if not len(at[0]):
         return
-    bounds = [_bounds(model.support[i], i, places) for i, places in zip(supports, at, strict=True)]
-    (least, most, size), (other_least, other_most, other_size) = bounds
-    over = np.maximum(least - other_most, other_least - most)
+    bounds = [of.bounds(places) for of, places in zip(values, at, strict=True)]
+    (least, most), (other_least, other_most) = bounds
     distance = np.hypot(*(at[0] - at[1]).T)
-    allowed = _CONSISTENT * np.maximum(size, other_size) + _STEEP * distance
-    if not (over > allowed).any():
+    over = np.maximum(least - other_most, other_least - most) - _STEEP * distance
+    if not (over > 0.0).any():
         return
-    worst = int(np.argmax(over - allowed))
+    beyond = over - _CONSISTENT * max(of.largest for of in values)
+    wrong = np.flatnonzero(beyond > 0.0)
+    if not len(wrong):
+        return
+    rounding = sum(of.change_by_rounding(places[wrong]) for of, places in zip(values, at, strict=True))
+    small = max(_ROOT_OF_ROUNDING * max(of.largest for of in values), _STEEP * _rounding_of_places(mesh))
+    beyond[wrong] -= np.minimum(rounding, small)
+    if not (beyond > 0.0).any():
+        return
+    worst = int(np.argmax(beyond))
     upper = 0 if other_least[worst] - most[worst] >= least[worst] - other_most[worst] else 1
     order = (0, 1) if all(b[0][worst] == b[1][worst] for b in bounds) else (upper, 1 - upper)
-    raise _contradiction(
-        mesh, at[order[0]][worst], float(distance[worst]), [(supports[i], *bounds[i][:2]) for i in order], worst
-    )
+    said = [(values[i].index, *bounds[i]) for i in order]
+    raise _contradiction(mesh, at[order[0]][worst], float(distance[worst]), said, worst)
 
 
-def _bounds(support: Support, index: int, at: Floats) -> tuple[Floats, Floats, Floats]:
-    """The least and the most deflection that a support allows at points (q, 2), and the size of what they are from."""
-    settlement = support.settlement(*at.T, place=f"support[{index + 1}].settlement")
-    gap = support.gap(*at.T, at_least=0.0, place=f"support[{index + 1}].gap")
-    least = np.full(len(at), -np.inf) if support.resists == "down" else settlement - gap
-    most = np.full(len(at), np.inf) if support.resists == "up" else settlement + gap
-    return least, most, np.abs(settlement) + gap
+def _rounding_of_places(mesh: Mesh) -> float:
+    return _ROUNDING * float(np.abs(mesh.points).max())
+
+
+@dataclass(frozen=True, eq=False)
+class _Values:
+    """What a support, by its number in the model, allows and where its formulas are asked."""
+
+    support: Support
+    index: int
+    mesh: Mesh
+    drawn: _Drawn
+
+    def _formulas(self, at: Floats) -> tuple[Floats, Floats]:
+        """Settlement and gap at points (q, 2)."""
+        name = f"support[{self.index + 1}]"
+        settlement = self.support.settlement(*at.T, place=f"{name}.settlement")
+        return settlement, self.support.gap(*at.T, at_least=0.0, place=f"{name}.gap")
+
+    def bounds(self, at: Floats) -> tuple[Floats, Floats]:
+        """The least and the most deflection that the support allows at points (q, 2)."""
+        settlement, gap = self._formulas(at)
+        least = np.full(len(at), -np.inf) if self.support.resists == "down" else settlement - gap
+        most = np.full(len(at), np.inf) if self.support.resists == "up" else settlement + gap
+        return least, most
+
+    @cached_property
+    def largest(self) -> float:
+        """The largest settlement and gap anywhere on the support; what exceeds the plate's size is no deflection."""
+        at = self.drawn.points
+        settlement, gap = self._formulas(at[self.mesh.locate(at).inside])
+        return min(float((np.abs(settlement) + gap).max(initial=0.0)), self.mesh.size)
+
+    def change_by_rounding(self, at: Floats) -> Floats:
+        """How much the formulas change over as much as the coordinates of points (q, 2) are rounded."""
+        found = np.zeros(len(at))
+        if self.support.settlement.is_constant and self.support.gap.is_constant:
+            return found
+        values = self._formulas(at)
+        inward = np.where(at < self.mesh.middle, 1.0, -1.0) * _rounding_of_places(self.mesh)
+        for there in (at + inward, at - inward):
+            # A root or a quotient may not be defined on one side.
+            with suppress(InputError):
+                changed = self._formulas(there)
+                found = np.maximum(found, sum(np.abs(a - b) for a, b in zip(changed, values, strict=True)))
+        return found
 
 
 def _contradiction(

@@ -85,7 +85,12 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
     beyond = moved - contacts.distance
     beyond[contacts.two_sided] = np.abs(beyond[contacts.two_sided])
     pressed = beyond > _CONSISTENT * np.maximum(np.abs(moved), np.abs(contacts.distance))
-    contradicted = fixed & pressed & (contacts.compliance == 0)
+    rigid = contacts.compliance == 0
+    # Settlements that meet at zero are rounded by their size elsewhere.
+    largest = max(np.abs(held.values[::3]).max(), np.abs(contacts.distance[rigid]).max(initial=0.0))
+    rounding = _CONSISTENT * min(largest, mesh.size) / np.where(contacts.slope, mesh.size, 1.0)
+    pressed &= ~rigid | (beyond > rounding)
+    contradicted = fixed & pressed & rigid
     if contradicted.any():
         first = int(np.argmax(contradicted))
         raise _contradiction(contacts, first, float(beyond[first]))

@@ -58,18 +58,24 @@ def subdivide(start: float, stop: float, count: int, lines: Sequence[float] = ()
         lengths = np.diff(knots)
         counts = _share(lengths, count, first)
         if counts is None:
-            culprit = int(np.argmin(lengths))
+            culprit = _first_largest(-lengths)
         else:
             sizes = lengths / counts
             steps = np.maximum(sizes[1:] / sizes[:-1], sizes[:-1] / sizes[1:])
-            if steps.max() <= _STEEPEST:
+            if steps.max() <= _STEEPEST * (1.0 + _SAME):
                 parts = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(knots, knots[1:], counts, strict=False)]
                 return np.append(np.concatenate(parts), stop)
-            worst = int(np.argmax(steps))
+            worst = _first_largest(steps)
             culprit = worst if sizes[worst] < sizes[worst + 1] else worst + 1
         ends = [knot for knot in knots[culprit : culprit + 2] if start < knot < stop]
-        wanted.remove(max(ends, key=lambda line: float(np.abs(even - line).min())))
+        wanted.remove(ends[_first_largest(np.array([np.abs(even - line).min() for line in ends]), same)])
     return even
+
+
+def _first_largest(values: Floats, same: float | None = None) -> int:
+    """The first of the values that are the largest but for rounding, so that units make no difference."""
+    largest = values.max()
+    return int(np.argmax(values >= largest - (_SAME * abs(largest) if same is None else same)))
 
 
 def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | None:
@@ -80,10 +86,16 @@ def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | N
         return None
     heap = [(-length / n, i) for i, (length, n) in enumerate(zip(lengths, counts, strict=True))]
     heapq.heapify(heap)
-    for _ in range(count - int(counts.sum())):
-        i = heap[0][1]
-        counts[i] += 1
-        heapq.heapreplace(heap, (-lengths[i] / counts[i], i))
+    left = count - int(counts.sum())
+    while left:
+        # Of parts that are equal but for rounding the first piece comes first.
+        ties = [heapq.heappop(heap)]
+        while heap and heap[0][0] <= ties[0][0] * (1.0 - _SAME):
+            ties.append(heapq.heappop(heap))
+        for _, i in sorted(ties, key=lambda tie: tie[1]):
+            counts[i] += left > 0
+            left -= left > 0
+            heapq.heappush(heap, (-lengths[i] / counts[i], i))
     return counts
 
 
