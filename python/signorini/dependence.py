@@ -207,8 +207,8 @@ def _ties(rows: csr_array) -> Floats:
         some = np.flatnonzero(length > _SAME)
         if len(some) > 1:
             # They nearly follow; whether they follow from each other as well shows in what is left of them.
-            left_over = np.linalg.qr(over[:, some], mode="r").T
-            basis, values, _ = np.linalg.svd(left_over)
+            left_over = np.asarray(np.linalg.qr(over[:, some], mode="r"))
+            basis, values, _ = np.linalg.svd(left_over.T)
             values = np.append(values, np.zeros(len(some)))[: len(some)]
             of_rest = np.column_stack([of_rest, np.eye(len(rest))[:, some] @ basis[:, values <= _SAME]])
         tie = np.zeros((rows.shape[0], of_rest.shape[1]))
@@ -255,8 +255,8 @@ def _tell(ties: Floats, told: Bools, lowest: Ints, highest: Ints) -> Bools:
     # Ties and rows are the two sides of one graph.
     moves = coo_array(ties)
     whole = coo_array((moves.data, (moves.coords[0], len(ties) + moves.coords[1])), shape=(sum(ties.shape),) * 2)
-    _, label = connected_components(whole, directed=False)
-    label = np.unique(label[len(ties) :], return_inverse=True)[1]
+    _, part_of = connected_components(whole, directed=False)
+    _, label = np.unique(part_of[len(ties) :], return_inverse=True)
     tells = np.zeros(ties.shape[1], np.bool_)
     for part in range(int(label.max()) + 1):
         rows = (ties[:, label == part] != 0.0).any(axis=1)
