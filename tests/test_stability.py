@@ -152,3 +152,13 @@ def test_a_hinged_plate_tips_about_its_hinge() -> None:
     found = resultant([{"pressure": -1.0}], None, hinge)
     assert "tips about the line x = 0, short" in found.message
     assert np.array(found.axis)[:, 0] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("beyond", [1e-1, 1e-5, 1e-8])
+def test_however_little_holds_the_plate_is_told(beyond):
+    """20 that far beyond the bed's edge at 3, and what holds it at 3 on the other side."""
+    bed = [{"area": {"rectangle": [1, 1, 3, 3]}, "resists": "down", "stiffness": 1e4}]
+    with pytest.raises(NoEquilibriumError) as none:
+        solve(model([{"case": "Q", "force": 20.0, "at": [3 + beyond, 2]}], None, bed))
+    extra = float(str(none.value).partition("An extra ")[2].split()[0])
+    assert extra == pytest.approx(20.0 * beyond / 3, rel=1e-5)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array, csr_array
 
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -188,29 +188,32 @@ def _ties(rows: csr_array) -> Floats:
     for part in range(int(label.max()) + 1):
         mine = np.flatnonzero(label == part)
         own = rows_left[mine]
+        own = own[:, np.unique(own.indices)]
         factor, pivots, rank, _ = lapack.dpstrf((own @ own.T).toarray(), lower=1, tol=_TELLS)
         if rank == len(mine):
             continue
         order = pivots.astype(np.int64) - 1
         kept, rest = order[:rank], order[rank:]
         lower = factor[:rank, :rank]
-        combination = np.zeros((len(rest), rank))
+        # Dense beside sparse, and transposed: a column for each of the rest, a row for each dof that they touch.
+        of_kept, wanted = own[kept].T, own[rest].T.toarray()
+        combination, over = np.zeros((rank, len(rest))), wanted
         for _ in range(3):
-            over = own[rest] - csr_array(combination) @ own[kept]
-            half = solve_triangular(lower, (over @ own[kept].T).toarray().T, lower=True)
-            combination += solve_triangular(lower, half, lower=True, trans="T").T
-        over = own[rest] - csr_array(combination) @ own[kept]
-        length = np.sqrt(np.asarray(over.multiply(over).sum(axis=1)).ravel())
+            half = solve_triangular(lower, own[kept] @ over, lower=True)
+            combination += solve_triangular(lower, half, lower=True, trans="T")
+            over = wanted - of_kept @ combination
+        length = np.linalg.norm(over, axis=0)
         of_rest = np.eye(len(rest))[:, length <= _SAME]
         some = np.flatnonzero(length > _SAME)
         if len(some) > 1:
             # They nearly follow; whether they follow from each other as well shows in what is left of them.
-            basis, values, _ = np.linalg.svd(over[some].toarray())
+            left_over = np.asarray(np.linalg.qr(over[:, some], mode="r"))
+            basis, values, _ = np.linalg.svd(left_over.T)
             values = np.append(values, np.zeros(len(some)))[: len(some)]
             of_rest = np.column_stack([of_rest, np.eye(len(rest))[:, some] @ basis[:, values <= _SAME]])
         tie = np.zeros((rows.shape[0], of_rest.shape[1]))
         tie[left[mine[rest]]] = of_rest
-        tie[left[mine[kept]]] = -combination.T @ of_rest
+        tie[left[mine[kept]]] = -combination @ of_rest
         tie[np.abs(tie) <= _SAME] = 0.0
         parts.append(tie)
     return np.concatenate([np.zeros((rows.shape[0], 0)), *parts], axis=1)
@@ -249,8 +252,11 @@ def _tell(ties: Floats, told: Bools, lowest: Ints, highest: Ints) -> Bools:
 
     if not ties.shape[1]:
         return np.zeros(0, np.bool_)
-    touches = csr_array(ties != 0.0).astype(np.float64)
-    _, label = connected_components(touches.T @ touches, directed=False)
+    # Ties and rows are the two sides of one graph.
+    moves = coo_array(ties)
+    whole = coo_array((moves.data, (moves.coords[0], len(ties) + moves.coords[1])), shape=(sum(ties.shape),) * 2)
+    _, part_of = connected_components(whole, directed=False)
+    _, label = np.unique(part_of[len(ties) :], return_inverse=True)
     tells = np.zeros(ties.shape[1], np.bool_)
     for part in range(int(label.max()) + 1):
         rows = (ties[:, label == part] != 0.0).any(axis=1)

@@ -26,6 +26,9 @@ _MANY = 100
 _MOST_NUMBERS = 1 << 20
 """Numbers in memory at once."""
 
+_COARSE = 1e-5
+"""Part of the load below which the tolerances of a linear program, 1e-7, count in an extra load."""
+
 _WORK = 1e-10
 """Work below this part of the load times the motion is rounding."""
 
@@ -330,7 +333,13 @@ def _least_holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, 
     cost[0] = 1.0
     balance = np.column_stack([-extra, one_sided.T])
     least = linprog(cost, A_eq=balance, b_eq=resultant / total, bounds=(0, None), method="highs")
-    return None if least.x is None else total * float(least.x[0])
+    if least.x is None or least.x[0] > _COARSE:
+        return None if least.x is None else total * float(least.x[0])
+    # So little is within what the program lets pass: it is told by the motions that the load would win.
+    rays = allowed_motions(freedom.outline)
+    needed, helped = rays @ resultant / total, -(rays @ extra)
+    helping = (helped > _RANK) & (needed > 0.0)
+    return total * float((needed[helping] / helped[helping]).max()) if helping.any() else None
 
 
 def _explain_lifting(found: Discretisation, freedom: RigidFreedom, nodal: Floats, way: str) -> str:

@@ -21,6 +21,7 @@ from signorini.path_result import AT_LIMIT, Ending, Path, ahead, beside
 from signorini.path_stop import PathStop, path_stop
 from signorini.problem import ContactProblem, contact_problem
 from signorini.progress import Progress, Watcher
+from signorini.refusal import uncertain
 from signorini.selection import chosen, doubtful
 from signorini.stability import CONTRADICTION, floats, largest_factor, supports_contradict
 
@@ -113,9 +114,7 @@ def path(
         raise NoEquilibriumError(CONTRADICTION)
     if traced is None:
         raise NotCertifiedError(
-            "The contact problem at t = 0 has no answer that could be certified: rounding decides which supports are "
-            "in contact. Take a finer mesh or fewer supports that nearly repeat each other, or give the rigid ones a "
-            "stiffness."
+            f"The contact problem at t = 0 has no answer that could be certified. {uncertain(found)}"
         )
     return traced
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from signorini.answer import Answer
@@ -12,6 +14,10 @@ from signorini.softness import softest
 
 _PUSHING = 100.0
 """Sum of reactions, over that of the loads, from which supports push against each other more than they carry."""
+_MARGINAL = (
+    "Rounding decides which supports are in contact. Take a finer mesh or fewer supports that nearly repeat each "
+    "other, or give the rigid ones a stiffness."
+)
 
 
 def refusal(name: str, found: Discretisation, load: CaseLoad, answer: Answer, certificate: Certificate) -> str:
@@ -38,16 +44,22 @@ def refusal(name: str, found: Discretisation, load: CaseLoad, answer: Answer, ce
 bending across it is stiffer by the fourth power of that ratio. Take elements at most 1000 times as long as they are \
 wide: 4 times as many along their longer sides, or fewer across; or calculate a beam.
     """
-    soft = softest(found)
+    soft, perhaps = softest(found), softest(found, doubtful=True)
     vain = ""
-    why = [of_shape(found) or (soft.why if soft else _of_supports(found, load, answer))]
+    why = [
+        of_shape(found)
+        or (soft.why if soft else "")
+        or _of_supports(found, load, answer)
+        or (perhaps.why if perhaps else "")
+    ]
     if certificate.rounding > CERTIFIABLE:
         vain = (
             f" Rounding may be {certificate.rounding:.0e} of the forces that act; over {CERTIFIABLE:g} of them it "
             "certifies nothing."
         )
         why.append(_of_element(found))
-    if certificate.lost > CERTIFIABLE:
+    # Where more than that failed, it is what the others say.
+    if certificate.lost > CERTIFIABLE and replace(certificate, lost=0.0).passed:
         why = [
             f"Over {CERTIFIABLE:g} that proves nothing: a stress-free curvature, or a load that balances itself, is so "
             "much larger than the others that these are lost in its rounding. Correct it, or give it a combination of "
@@ -56,6 +68,16 @@ wide: 4 times as many along their longer sides, or fewer across; or calculate a 
     return (
         f'"{name}" is refused, its certificate {certificate}.{vain}{"".join(f" {reason}" for reason in why if reason)}'
     )
+
+
+def uncertain(found: Discretisation) -> str:
+    """Say why there is no answer to refuse, and what to do."""
+    if why := of_shape(found):
+        return why
+    if soft := softest(found):
+        return soft.why
+    perhaps = softest(found, doubtful=True)
+    return _MARGINAL + (f" {perhaps.why}" if perhaps else "")
 
 
 def _of_element(found: Discretisation) -> str:

@@ -19,11 +19,9 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini.model import Combination, Model
 from signorini.problem import ContactProblem, Method, Steps, contact_problem
 from signorini.progress import Progress, Watcher
-from signorini.refusal import refusal
+from signorini.refusal import refusal, uncertain
 from signorini.remade import Remade
 from signorini.result import Result, unsolved_result
-from signorini.slenderness import of_shape
-from signorini.softness import softest
 from signorini.stability import CONTRADICTION, nearest_limit, supports_contradict, why_none
 from signorini.together import mean_load, solve_several
 
@@ -267,12 +265,6 @@ def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combi
         yield from (combination for combination in model.effective_combinations if combination.name in names)
 
 
-_MARGINAL = (
-    "Rounding decides which of its supports are in contact. Take a finer mesh or fewer supports that nearly repeat "
-    "each other, or give the rigid ones a stiffness."
-)
-
-
 def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:
     """One combination, and the seconds its contact problem took."""
     found = problem.discretisation
@@ -291,9 +283,9 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
         return unsolved_result(found, combination.name, CONTRADICTION), spent
     if tried.certificate is None:
-        soft = softest(found)
-        why = of_shape(found) or (soft.why if soft else _MARGINAL)
-        raise NotCertifiedError(f'Combination "{combination.name}" has no answer that could be certified. {why}')
+        raise NotCertifiedError(
+            f'Combination "{combination.name}" has no answer that could be certified. {uncertain(found)}'
+        )
     if not tried.certificate.passed:
         why = refusal(combination.name, found, load, tried.answer, tried.certificate)
         raise NotCertifiedError(f"Combination {why}")

@@ -1,6 +1,7 @@
 """Where more answers than one are right, the least is given, whatever the order of supports and the way of solving."""
 
 import json
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ from scipy.optimize import LinearConstraint, minimize
 
 import signorini
 from signorini import _core, contact_problem
+from signorini.dependence import Dependence
+from signorini.discretise import discretise
 from signorini.output import results_json
 from signorini.quadrature import area_quadrature
 
@@ -321,3 +324,39 @@ def test_rigid_points_that_repeat_each_other_beside_a_held_edge_lose_none_of_the
     followed = signorini.path(model, None, "load", until=1.0)
     assert sum(followed.at(0.5).reactions.values()) == pytest.approx(5e3, rel=1e-9)
     assert followed.stops[-1].reactions.sum() == pytest.approx(1e4, rel=1e-9)
+
+
+def crossing_lines(count, divisions):
+    """Rigid one-sided lines from side to side of a plate, each with many others across it."""
+    ends = np.random.default_rng(0).uniform(0.3, 9.7, (count, 2)).round(3).tolist()
+    lines = [[[0, a], [10, b]] if n % 2 else [[a, 0], [b, 10]] for n, (a, b) in enumerate(ends)]
+    return signorini.Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+        mesh={"divisions": [divisions, divisions]},
+        support=[{"line": line, "resists": "down"} for line in lines],
+        load=WEIGHT,
+    )
+
+
+def test_ties_of_crossing_lines_are_the_null_space_of_their_rows():
+    found = Dependence.of(discretise(crossing_lines(12, 8)))
+    _, first = np.unique(found.group, return_index=True)
+    rows = found.rows[first][:, np.unique(found.rows.indices)].toarray() / found.scale[first][:, None]
+    values = np.linalg.svd(rows, compute_uv=False)
+    nothing = len(first) - int((values > 1e-12).sum())
+    assert found.ties.shape == (len(first), nothing) and nothing > 10
+    assert np.linalg.matrix_rank(found.ties) == nothing
+    assert np.abs(rows.T @ found.ties).max() < 1e-10 * np.abs(found.ties).max()
+
+
+def test_ties_of_crossing_lines_take_memory_for_their_points_alone():
+    found = discretise(crossing_lines(20, 40))
+    tracemalloc.start()
+    try:
+        Dependence.of(found)
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    # A few matrices as wide and high as there are points; as wide as there are dofs they would be fifty times as many.
+    assert most < 8 * 8 * len(found.points) ** 2
