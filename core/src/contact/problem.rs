@@ -155,13 +155,9 @@ impl ContactProblem {
 
     /// K̃⁻¹ times a nodal load.
     pub fn apply_inverse(&self, load: &[f64]) -> Result<Vec<f64>, FactorError> {
-        self.apply(&self.base, load)
-    }
-
-    pub(super) fn apply(&self, with: &Factored, load: &[f64]) -> Result<Vec<f64>, FactorError> {
         let mut ordered = self.gather(load);
-        with.factor.forward(&mut ordered)?;
-        with.factor.backward(&mut ordered)?;
+        self.base.factor.forward(&mut ordered)?;
+        self.base.factor.backward(&mut ordered)?;
         Ok(self.scatter(&ordered))
     }
 

@@ -96,7 +96,7 @@ impl ContactProblem {
         Ok(())
     }
 
-    /// Reduced of the plate and increments of the reactions in one contact state.
+    /// Motion of the plate and increments of the reactions in one contact state.
     pub(super) fn respond(
         &self,
         with: &Factored,
@@ -105,7 +105,6 @@ impl ContactProblem {
     ) -> Result<(Vec<f64>, Vec<f64>), FactorError> {
         let Reduced { mut forward, interface } = reduced;
         let leading = forward.len() - self.numbering.trailing;
-        let mut pushed = None;
         let mut reaction = Vec::new();
         if !with.condensed.is_empty() {
             let response = with.condensed.solve_state(state, &interface);
@@ -114,25 +113,20 @@ impl ContactProblem {
             } else {
                 let carried = with.condensed.regularization.iter().zip(&response.moved).map(|(d, y)| d * y);
                 let push: Vec<f64> = carried.zip(&response.reaction).map(|(c, r)| c - r).collect();
-                let mut force = vec![0.0; self.plate.dof_count()];
-                self.spread(&push, &mut force);
-                pushed = Some(self.apply(with, &force)?);
+                let ahead = with.condensed.forwarded(&push);
+                forward[leading..].iter_mut().zip(&ahead).for_each(|(total, push)| *total += push);
             }
             reaction = response.reaction;
         }
         with.factor.backward(&mut forward)?;
-        let mut nodal = self.scatter(&forward);
-        for (value, push) in nodal.iter_mut().zip(pushed.unwrap_or_default()) {
-            *value += push;
-        }
-        Ok((nodal, reaction))
+        Ok((self.scatter(&forward), reaction))
     }
 
     pub(super) fn residual(&self, load: &[f64], solution: &ContactSolution) -> Residual {
         self.residual_of(self.imbalance(load, &solution.displacement, &solution.reaction), load, solution)
     }
 
-    /// The step from what is out of balance at every dof, those held included.
+    /// The residual from what is out of balance at every dof, those held included.
     pub(super) fn residual_of(&self, mut imbalance: Vec<f64>, load: &[f64], solution: &ContactSolution) -> Residual {
         self.release_held(&mut imbalance);
         let worst = imbalance.iter().fold(0.0, |worst: f64, value| worst.max(value.abs()));
@@ -165,13 +159,8 @@ impl ContactProblem {
         let trailing = &forward[forward.len() - self.numbering.trailing..];
         let force = with.condensed.condensed_force(trailing);
         let needs_flexibility = form == Form::Dual || with.condensed.better_form() == Form::Dual;
-        let displacement = if needs_flexibility && !with.condensed.is_empty() {
-            let mut ordered = forward.clone();
-            with.factor.backward(&mut ordered)?;
-            self.at_points(&self.scatter(&ordered))
-        } else {
-            Vec::new()
-        };
+        let displacement =
+            if needs_flexibility && !with.condensed.is_empty() { with.condensed.moved(trailing) } else { Vec::new() };
         let (work, work_size, remaining) = (step.work.clone(), step.work_size.clone(), step.remaining.clone());
         Ok(Reduced { forward, interface: InterfaceResidual { displacement, force, work, work_size, remaining } })
     }

@@ -1,7 +1,8 @@
 //! The contact points of a factored plate, and what is asked of them.
 
-use faer::Mat;
 use faer::linalg::solvers::{Llt, PartialPivLu};
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::{Mat, Par};
 use std::sync::OnceLock;
 
 /// The contact points of a factored plate.
@@ -140,6 +141,23 @@ impl Condensed {
         }
         let size = on_dofs.len();
         (0..size).map(|i| (i..size).map(|j| self.trailing[(j, i)] * on_dofs[j]).sum()).collect()
+    }
+
+    /// Gu of what back substitution makes of a forward-substituted vector, given its last part: contact rows live there.
+    pub(in crate::contact) fn moved(&self, forward: &[f64]) -> Vec<f64> {
+        let mut on_dofs = Mat::from_fn(forward.len(), 1, |i, _| forward[i]);
+        solve_upper_triangular_in_place(self.trailing.transpose(), on_dofs.as_mut(), Par::Seq);
+        self.rows.iter().map(|row| row.iter().map(|&(dof, c)| c * on_dofs[(dof, 0)]).sum()).collect()
+    }
+
+    /// The last part of a vector Gᵀ·force after forward substitution; the rest of it is zero.
+    pub(in crate::contact) fn forwarded(&self, force: &[f64]) -> Vec<f64> {
+        let mut on_dofs = Mat::<f64>::zeros(self.trailing.nrows(), 1);
+        for (row, force) in self.rows.iter().zip(force) {
+            row.iter().for_each(|&(dof, c)| on_dofs[(dof, 0)] += c * force);
+        }
+        solve_lower_triangular_in_place(self.trailing.as_ref(), on_dofs.as_mut(), Par::Seq);
+        (0..on_dofs.nrows()).map(|i| on_dofs[(i, 0)]).collect()
     }
 
     /// The LCP past `reaction`s already acting.
