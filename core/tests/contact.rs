@@ -141,8 +141,8 @@ proptest! {
         let held = vec![0.0; load.len()];
         let exact = problem.solve(&load, &held, None, None, &mut |_| true).unwrap();
         prop_assume!(exact.outcome == Outcome::Solved);
-        let found = problem.solve_by_proximal_steps(&load, &held, part, None, &mut |_| true);
-        let from_set = problem.solve_by_proximal_steps(&load, &held, part, Some(&exact.closed), &mut |_| true);
+        let found = problem.solve_by_proximal_steps(&load, &held, part, None, &mut |_| true).unwrap();
+        let from_set = problem.solve_by_proximal_steps(&load, &held, part, Some(&exact.closed), &mut |_| true).unwrap();
         let most = largest(&exact.displacement.hi);
         for found in [found, from_set] {
             prop_assert_eq!(found.outcome, Outcome::Solved);
@@ -229,7 +229,8 @@ proptest! {
         let order = posed.q.len();
         prop_assert_eq!(&posed.gap_is_z, &[true, true, true, false, false]);
         for motion in motions(&problem.plate) {
-            let moves: Vec<f64> = problem.at_points(&motion);
+            let rows = &problem.constraints.rows;
+            let moves: Vec<f64> = (0..rows.len()).map(|row| rows.dot(&problem.plate, row, &motion)).collect();
             let work: f64 = motion.iter().zip(&load).map(|(u, f)| u * f).sum();
             let carried: f64 = (0..3).map(|r| moves[posed.point[r]] * posed.q[r]).sum();
             prop_assert!((carried - work).abs() < 1e-13);

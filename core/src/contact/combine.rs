@@ -10,7 +10,6 @@ use super::condense::{Form, FreeMotions, InterfaceResidual, PosedLcp};
 use super::problem::ContactProblem;
 use super::responses::Response;
 use crate::contact::tolerances;
-
 use crate::lcp::{Lcp, LcpFamily, LcpStatus, LemkeOptions, lemke};
 use on_set::OnSet;
 use rayon::prelude::*;
@@ -112,7 +111,7 @@ impl ContactProblem {
         }
         let closed = self.base.condensed.closed_points(&shared.lcp, &basis);
         let travel = match shared.form {
-            Form::Dual => sum.moved.iter().fold(0.0, |a: f64, b| a.max(b.abs())),
+            Form::Dual => (0..count).map(|i| self.lever(i) * sum.moved[i].abs()).fold(0.0, f64::max),
             Form::Stiffness => 0.0,
         };
         match shared.on_set.solve(&closed, &shared.distance, &sum.moved, &sum.reaction) {
@@ -127,13 +126,16 @@ impl ContactProblem {
 
     /// Whether every reaction pushes and every gap is open, beyond rounding.
     fn certain(&self, reaction: &[f64], gap: &[f64], travel: f64) -> bool {
-        let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let force = tolerances::SIGN * largest(reaction);
+        let force = tolerances::SIGN * self.largest_force(&[], reaction);
         let distance = &self.constraints.distance;
-        let moved = distance.iter().zip(gap).fold(0.0, |most: f64, (distance, gap)| most.max((distance - gap).abs()));
+        let moved = (0..gap.len()).map(|i| self.lever(i) * (distance[i] - gap[i]).abs()).fold(0.0, f64::max);
         // A stop far away says nothing of what happens at others.
-        let length = |i: usize| (tolerances::SIGN * moved.max(distance[i].abs())).max(tolerances::RESIDUAL * travel);
-        let holds = |i: usize| self.constraints.two_sided[i] || (reaction[i] >= -force && gap[i] >= -length(i));
+        let length = |i: usize| {
+            let moved = moved / self.lever(i);
+            (tolerances::SIGN * moved.max(distance[i].abs())).max(tolerances::RESIDUAL * travel / self.lever(i))
+        };
+        let holds =
+            |i: usize| self.constraints.two_sided[i] || (reaction[i] >= -force * self.lever(i) && gap[i] >= -length(i));
         let finite = reaction.iter().chain(gap).all(|value| value.is_finite());
         finite && (0..reaction.len()).all(holds)
     }

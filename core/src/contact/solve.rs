@@ -1,8 +1,8 @@
 //! From a load to displacements, reactions and gaps.
 
 use super::condense::{Form, PosedLcp};
+use super::kkt::{Interface, Reduced};
 use super::problem::ContactProblem;
-use super::refinement::Reduced;
 use super::solution::{ContactSolution, Outcome, Progress, pivoting};
 use super::start::{Reference, Start};
 use crate::cholesky::FactorError;
@@ -16,8 +16,7 @@ const STATES: usize = 60;
 impl ContactProblem {
     /// Solves for one nodal load with the held dofs at `held_value` (both vectors over all dofs).
     ///
-    /// `form` chooses the unknowns of the LCP, see [`super::condense`]; the better conditioned one if `None`, and the
-    /// other one where that is beyond the arithmetic. The
+    /// `form` chooses the unknowns of the LCP, see [`super::condense`]; the better conditioned one if `None`. The
     /// solution is refined with the double-double residual; if that shows a point on the wrong side, the LCP is posed
     /// again with the refined figures. `watch` sees every step of an active set and stops it by returning false.
     pub fn solve(
@@ -28,12 +27,7 @@ impl ContactProblem {
         max_pivots: Option<usize>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
-        let solution = self.solve_beginning(load, held_value, form, max_pivots, None, watch)?;
-        if solution.outcome == Outcome::Unsolved && form.is_none() && self.active.is_empty() {
-            let other = if self.base.condensed.better_form() == Form::Dual { Form::Stiffness } else { Form::Dual };
-            return self.solve_beginning(load, held_value, Some(other), max_pivots, None, watch);
-        }
-        Ok(solution)
+        self.solve_beginning(load, held_value, form, max_pivots, None, watch)
     }
 
     /// As [`ContactProblem::solve`], beginning with the contact set, and for an active set with the displacement and the
@@ -73,7 +67,7 @@ impl ContactProblem {
         }
         let with = &self.base;
         let form = form.unwrap_or(with.condensed.better_form());
-        let mut solution = self.at_rest(load.len(), held_value);
+        let mut solution = self.at_rest(held_value);
         let mut first = start.map(|start| start.closed);
         let mut step = self.residual(load, &solution);
         let mut reduced = self.reduced(with, &step, form)?;
@@ -93,7 +87,12 @@ impl ContactProblem {
                     step = self.residual(load, &solution);
                     reduced = self.reduced(with, &step, form)?;
                 }
-                step = self.refine(load, &state, step, reduced, &mut solution)?;
+                let with = &self.base;
+                let mut interface = Interface { problem: self, with, state: &state, reduced: Some(reduced) };
+                let Some(left) = self.refine(load, 0.0, &mut interface, step, &mut solution)? else {
+                    return Ok(solution.failed(Outcome::Unsolved));
+                };
+                step = left;
             }
             solution.leave_open(&step.remaining);
             if settled || self.signs_hold(load, tolerances::RESIDUAL * travel, &solution) {
@@ -106,7 +105,7 @@ impl ContactProblem {
 
     /// The LCP that [`ContactProblem::solve`] poses first.
     pub fn lcp(&self, load: &[f64], held_value: &[f64], form: Option<Form>) -> Result<PosedLcp, FactorError> {
-        let rest = self.at_rest(load.len(), held_value);
+        let rest = self.at_rest(held_value);
         let form = form.unwrap_or(self.base.condensed.better_form());
         let reduced = self.reduced(&self.base, &self.residual(load, &rest), form)?;
         Ok(self.base.condensed.lcp(form, &reduced.interface, &rest.reaction))
@@ -114,14 +113,15 @@ impl ContactProblem {
 
     /// What there is to say where no solution was found.
     pub(super) fn without_solution(&self, held_value: &[f64], outcome: Outcome) -> ContactSolution {
-        self.at_rest(self.plate.dof_count(), held_value).failed(outcome)
+        self.at_rest(held_value).failed(outcome)
     }
 
-    pub(super) fn at_rest(&self, dofs: usize, held_value: &[f64]) -> ContactSolution {
+    /// Without a load or a reaction, and with the condensed points alone.
+    pub(super) fn at_rest(&self, held_value: &[f64]) -> ContactSolution {
         let m = self.constraints.rows.len();
-        let mut displacement = Displacement::zeros(dofs);
-        for dof in 0..dofs {
-            if self.held[dof] {
+        let mut displacement = Displacement::zeros(self.plate.dof_count());
+        for (dof, &held) in self.held.iter().enumerate() {
+            if held {
                 displacement.hi[dof] = held_value[dof];
             }
         }
@@ -137,6 +137,30 @@ impl ContactProblem {
             factorizations: 0,
             corrections: 0,
         }
+    }
+
+    /// The same on a contact set, given in the caller's order: every point, in the problem's order.
+    pub(super) fn at_rest_on(&self, held_value: &[f64], closed: &[bool]) -> ContactSolution {
+        let m = closed.len();
+        let closed = self.in_place(closed);
+        ContactSolution { reaction: vec![0.0; m], gap: vec![0.0; m], closed, ..self.at_rest(held_value) }
+    }
+
+    /// A contact set in the problem's order, the condensed points before those of the active set.
+    pub(super) fn in_place(&self, closed: &[bool]) -> Vec<bool> {
+        self.order.condensed.iter().chain(&self.order.active).map(|&i| closed[i]).collect()
+    }
+
+    /// A solution of every point in the caller's order.
+    pub(super) fn in_order(&self, found: ContactSolution) -> ContactSolution {
+        if self.active.is_empty() {
+            return found;
+        }
+        let mut all = found.clone();
+        for (at, &i) in self.order.condensed.iter().chain(&self.order.active).enumerate() {
+            (all.reaction[i], all.gap[i], all.closed[i]) = (found.reaction[at], found.gap[at], found.closed[at]);
+        }
+        all
     }
 
     /// Poses the LCP from where the solution stands and solves it, beginning with a contact set if there is one.
@@ -181,30 +205,19 @@ impl ContactProblem {
         any
     }
 
-    /// Size of the first element.
-    pub(super) fn across(&self) -> f64 {
-        self.plate.geometry(0).at.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()))
-    }
-
-    /// Largest nodal load; a couple counts by the force that it is at the size of the first element.
-    fn largest_load(&self, load: &[f64]) -> f64 {
-        let across = self.across();
-        let size = |(dof, f): (usize, &f64)| if dof % 3 == 0 { f.abs() } else { f.abs() / across };
-        load.iter().enumerate().map(size).fold(0.0, f64::max)
-    }
-
     /// Whether no reaction pulls and no gap is negative; lengths up to `nil` are none.
     pub(super) fn signs_hold(&self, load: &[f64], nil: f64, solution: &ContactSolution) -> bool {
         let c = &self.constraints;
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         // Without a load, reactions are what the plate's stiffness makes of gaps.
-        let load = match self.largest_load(load) {
+        let load = match self.scale.largest(load) {
             0.0 => largest(&c.regularization) * largest(&c.distance),
             load => load,
         };
-        let force = tolerances::SIGN * largest(&solution.reaction).max(load);
-        let length: Vec<f64> = self.lengths(solution).iter().map(|l| (tolerances::SIGN * l).max(nil)).collect();
-        let holds = |i: usize| solution.reaction[i] >= -force && solution.gap[i] >= -length[i];
-        (0..c.two_sided.len()).all(|i| c.two_sided[i] || holds(i))
+        let force = tolerances::SIGN * self.largest_force(&[], &solution.reaction).max(load);
+        let length = self.lengths(solution);
+        let pushes = |i: usize| solution.reaction[i] >= -force * self.lever(i);
+        let opens = |i: usize| solution.gap[i] >= -(tolerances::SIGN * length[i]).max(nil / self.lever(i));
+        (0..c.two_sided.len()).all(|i| c.two_sided[i] || (pushes(i) && opens(i)))
     }
 }

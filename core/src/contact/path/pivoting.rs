@@ -5,8 +5,8 @@ use super::load::{PathEnd, PathLoad};
 use super::trail::Trail;
 use crate::cholesky::FactorError;
 use crate::contact::condense::{Form, InterfaceResidual};
+use crate::contact::kkt::{OnSet, Residual};
 use crate::contact::problem::ContactProblem;
-use crate::contact::refinement::Residual;
 use crate::contact::solution::differing;
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
@@ -20,6 +20,7 @@ impl ContactProblem {
         let Some((found, sets)) = self.pivoted(load, &trail.here().closed)? else {
             return self.step_along(load, 0.0, trail);
         };
+        let mut how = OnSet::default();
         let mut t = 0.0;
         for (k, segment) in found.segments.iter().enumerate() {
             let far = match segment.to.min(load.end.max(segment.from)) {
@@ -27,8 +28,8 @@ impl ContactProblem {
                 _ => segment.from + load.span(segment.from),
             };
             let line = match standing_on(trail.here(), &sets[k]) {
-                Some(from) if far > t => self.line_from(load, from, [t, far], &mut None)?,
-                _ => self.line(load, &sets[k], [segment.from, far], None, &mut None)?,
+                Some(from) if far > t => self.line_from(load, from, [t, far], &mut how)?,
+                _ => self.line(load, &sets[k], [segment.from, far], None, &mut how)?,
             };
             let next = sets.get(k + 1);
             let to = line.as_ref().map_or(far, |line| {
@@ -72,7 +73,7 @@ impl ContactProblem {
         let mut best = None;
         let better = self.base.condensed.better_form();
         for form in [better, if better == Form::Dual { Form::Stiffness } else { Form::Dual }] {
-            let rest = self.at_rest(load.start.len(), load.held_value);
+            let rest = self.at_rest(load.held_value);
             let posed = self.base.condensed.lcp(
                 form,
                 &self.interface(&self.residual(load.start, &rest), form)?,
@@ -101,7 +102,7 @@ impl ContactProblem {
 
     /// A load by itself: no gaps, nothing held elsewhere than at zero.
     fn without_travel(&self, load: &[f64], still: &[f64]) -> Residual {
-        let rest = self.at_rest(load.len(), still);
+        let rest = self.at_rest(still);
         let mut imbalance = load.to_vec();
         self.release_held(&mut imbalance);
         let step = self.residual_of(imbalance, load, &rest);
