@@ -83,4 +83,12 @@ impl KktSolver for Penalized<'_> {
             }
         }
     }
+
+    fn is_settled(&self, step: &Residual, force: f64) -> bool {
+        let left = &step.remaining[self.factor.problem.constraints.rows.len()..];
+        let penalty = &self.factor.penalty;
+        // A support's own law is exact; what was put in series with it is not.
+        let softened = (0..left.len()).filter(|&i| self.closed[i] && penalty.series[i] > 0.0);
+        softened.map(|i| penalty.stiffness[i] * left[i].abs()).all(|push| push <= tolerances::newton::SETTLED * force)
+    }
 }

@@ -144,6 +144,15 @@ impl ContactProblem {
         forces.chain(closed.map(|i| step.remaining[i] / sizes.gap[i])).collect()
     }
 
+    /// Whether no more is out of balance, or left of closed gaps, than a settled set leaves.
+    pub(super) fn rests(&self, load: &[f64], step: &Residual, solution: &ContactSolution, least: f64) -> bool {
+        let force = self.largest_force(load, &solution.reaction).max(least);
+        let lengths = self.lengths(solution);
+        let meets = |i: usize| step.remaining[i].abs() <= tolerances::newton::SETTLED * lengths[i];
+        step.worst <= tolerances::newton::SETTLED * force
+            && (0..step.remaining.len()).all(|i| !solution.closed[i] || meets(i))
+    }
+
     /// Length of what is out of balance and left of closed gaps.
     pub(in crate::contact) fn length(
         &self,
