@@ -147,7 +147,7 @@ class ContactProblem(Remade):
         """Stiffness (3n, 3n) of plate and springs over every dof, held ones included."""
         from scipy.sparse import csc_array
 
-        start, row, value = self.discretisation.plate.stiffness_matrix(spring_arrays(self.discretisation))
+        start, row, value = self.discretisation.plate.stiffness_matrix(self.discretisation.springs.arrays)
         size = self.discretisation.dof_count
         lower = csc_array((value, row, start), shape=(size, size))
         upper = lower.T.tocsc()
@@ -368,11 +368,6 @@ class ContactProblem(Remade):
         return {"order": order, "assemble": assemble, "factor": factor, "condense": condense}
 
 
-def spring_arrays(found: Discretisation) -> tuple[Ints, Floats, Floats, Floats]:
-    """Springs the way the core takes them."""
-    return found.springs.arrays
-
-
 def contact_problem(model: Model | Discretisation) -> ContactProblem:
     """Assemble, factor and condense a model.
 
@@ -423,7 +418,7 @@ def _core_problem(
         return _core.ContactProblem(
             found.plate,
             found.held.dofs,
-            spring_arrays(found),
+            found.springs.arrays,
             (
                 rows.elements,
                 rows.coefficients,
