@@ -120,7 +120,7 @@ def test_what_is_not_certified_is_solved_by_itself(monkeypatch):
     solve = _core.solve_together
     monkeypatch.setattr(
         "signorini.together._core.solve_together",
-        lambda core, start, loads, held: solve(core, start, 1.01 * loads, held),
+        lambda core, start, loads, held, watch: solve(core, start, 1.01 * loads, held),
     )
     begun, alone = [], []
 
