@@ -155,6 +155,20 @@ def test_what_progress_raises_ends_them_all():
         _core.solve_together(problem.core, None, loads, problem.discretisation.held.values, stop)
 
 
+def test_combinations_side_by_side_are_watched():
+    model = Model(**tables("soil", random_rows(3)))
+    begun = []
+
+    def stop(name):
+        begun.append(name)
+        if len(begun) > 1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        list(solve_several(contact_problem(model), model.effective_combinations[:], pytest.fail, stop))
+    assert begun == ["c0", "c0"]
+
+
 SCRIPT = """
 import sys, signorini
 sys.path.insert(0, sys.argv[1])

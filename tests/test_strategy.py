@@ -1,9 +1,12 @@
-"""The order in which a load's answer is sought: nothing twice, all of it watched."""
+"""The order in which a load's answer is sought: nothing twice, all of it watched, nothing that memory does not hold."""
 
 import numpy as np
 import pytest
 
-from signorini import Model, _core
+import signorini
+from signorini import InputError, Model, _core
+from signorini.discretise import discretise
+from signorini.memory import needed, needed_by_interior_point, needed_by_proximal_steps
 from signorini.problem import ContactProblem, contact_problem
 from signorini.strategy import answered, attempts, ways_along
 
@@ -118,3 +121,35 @@ def test_a_path_is_followed_once_with_each_core() -> None:
     assert ways("lemke") == [("lemke", False), ("active_set", False), ("lemke", True)]
     assert ways("active_set") == [("active_set", False), ("lemke", False), ("lemke", True)]
     assert ways("interior_point") == [("interior_point", False), ("active_set", False), ("lemke", True)]
+
+
+def test_what_memory_does_not_hold_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = contact_problem(plate(CLAMPED, PROPS, BED, method="active_set"))
+    size = problem.discretisation.dof_count, len(problem.gaps)
+
+    def methods(free: float) -> list[float | str]:
+        monkeypatch.setattr("signorini.memory.available", lambda: free)
+        return list(dict.fromkeys(attempt.part or attempt.problem.method for attempt in attempts(problem)))
+
+    assert methods(0.0) == ["active_set"]
+    assert [way.method for way, _ in ways_along(problem)] == ["active_set"]
+    assert methods(np.inf)[:2] == ["active_set", "lemke"] and methods(np.inf)[-1] == "interior_point"
+    problem.by("lemke").solve(problem.discretisation.cases["load"])
+    assert methods(0.0) == ["active_set", "lemke"]
+    assert needed_by_interior_point(*size) < needed_by_proximal_steps(*size)
+    assert methods(needed_by_interior_point(*size)) == ["active_set", "lemke", "interior_point"]
+    assert 1e-15 in methods(needed_by_proximal_steps(*size))
+
+
+def test_a_method_that_was_asked_for_and_does_not_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = plate(CLAMPED, PROPS, method="interior_point")
+    found = discretise(model)
+    enough = 1.1 * needed(len(found.mesh.elements))
+    assert enough < needed_by_interior_point(found.dof_count, len(found.contacts))
+    monkeypatch.setattr("signorini.memory.available", lambda: enough)
+    with pytest.raises(InputError, match=r'interior point method takes .* Leave solver.method at "auto"') as caught:
+        signorini.solve(model)
+    assert caught.value.place == "solver.method"
+    monkeypatch.setattr("signorini.memory.available", lambda: 2e9)
+    with pytest.raises(InputError, match=r"Solving 600,000 dofs by proximal .* 2.0 GB are free, enough for about 6"):
+        signorini.memory.require_memory_for_proximal_steps(600_000, 4)

@@ -11,7 +11,7 @@ from signorini.discretise import ContactPoints, Discretisation
 from signorini.discretise.rows import Floats
 from signorini.equilibrium import RigidFreedom, restraining_points
 from signorini.errors import InputError, SignoriniError
-from signorini.memory import require_memory_for_points
+from signorini.memory import fits, needed, needed_by_points, require_memory_for_points
 from signorini.slenderness import of_shape
 from signorini.softness import softest
 
@@ -55,8 +55,9 @@ def base_of(found: Discretisation, method: Method) -> Method:
 
 
 def can_be_factored(found: Discretisation, base: Method) -> bool:
-    """Whether its points are few enough to be condensed."""
-    return _condensed_points(found, base) <= MOST_POINTS
+    """Whether its points are few enough to be condensed, and memory is left for them and for one more factor."""
+    points = _condensed_points(found, base)
+    return points <= MOST_POINTS and fits(needed(len(found.mesh.elements)) + needed_by_points(points))
 
 
 def factored(found: Discretisation, freedom: RigidFreedom, base: Method) -> _core.ContactProblem:

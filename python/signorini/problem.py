@@ -19,6 +19,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium import RigidFreedom, rigid_freedom
 from signorini.errors import InputError, SignoriniError
 from signorini.factoring import Method, base_of, core_problem, factored, method_of, regularization
+from signorini.memory import require_memory_for_interior_point, require_memory_for_proximal_steps
 from signorini.model import Model
 from signorini.remade import Remade
 from signorini.selection import chosen
@@ -110,6 +111,11 @@ class ContactProblem(Remade):
         if base not in self._cores:
             self._cores[base] = factored(self.discretisation, self.freedom, base)
         return self._cores[base]
+
+    @property
+    def is_factored(self) -> bool:
+        """Whether there is a core already."""
+        return base_of(self.discretisation, self.method) in self._cores
 
     @cached_property
     def K(self) -> csc_array:
@@ -282,6 +288,7 @@ class ContactProblem(Remade):
         known(form, _FORMS, "form", "form", "The LCP")
         held = self.discretisation.held.values
         if self.method == "interior_point":
+            require_memory_for_interior_point(len(load.nodal), len(self.gaps))
             solution = self.core.solve_by_interior_point(load.nodal, held, progress=progress)
         elif self.reference is not None:
             solution = self.core.solve_near(self.reference, load.nodal, held, progress=progress)
@@ -302,6 +309,7 @@ class ContactProblem(Remade):
         made_by(load, CaseLoad, _LOAD, "load")
         if not 0.0 < number(part, "part") < np.inf:
             raise InputError(f"found {part:g}; it must be a finite number greater than 0.", place="part")
+        require_memory_for_proximal_steps(len(load.nodal), len(self.gaps))
         held = self.discretisation.held.values
         return self._chosen(load, self.condensed.core.solve_carefully(load.nodal, held, part, closed, progress))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -11,6 +12,7 @@ from signorini.certificate import Certificate, certified
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.factoring import Method, base_of, can_be_factored
+from signorini.memory import fits, needed_by_interior_point, needed_by_proximal_steps
 from signorini.problem import ContactProblem, Form, Steps
 from signorini.stability import supports_contradict
 
@@ -21,15 +23,19 @@ _YIELDING = (1e-6, 1e-9, 1e-11, 1e-13, 1e-15)
 """Parts of the plate's own compliance that are tried, each from the contact set of the one before; see `Attempt`."""
 
 _MOST_DOFS = 200_000
-"""Dofs up to which proximal steps are tried: their equations are factored uncondensed."""
+"""Dofs up to which proximal steps are tried: one step took 14 s on 59,000 dofs."""
 
 
 class Attempt(NamedTuple):
-    """A way to an answer: a method, the form of its LCP, and where rounding decides, what increments yield by."""
+    """A way to an answer: a method, the form of its LCP, and where rounding decides, what increments yield by.
+
+    ``near`` says that it begins with the contact set of the last answer, if there is one.
+    """
 
     problem: ContactProblem
     form: Form = "auto"
     part: float | None = None
+    near: bool = False
 
     def solve(self, load: CaseLoad, progress: Steps | None = None, closed: Bools | None = None) -> Answer:
         """Solve a load; where rounding decides, beginning with a contact set (m,) if there is one."""
@@ -56,7 +62,8 @@ class Tried:
 def attempts(problem: ContactProblem, careful: bool = True) -> Iterator[Attempt]:
     """Every way to an answer, in the order in which they are tried until one is certified.
 
-    Without care only those of pivots and of active sets.
+    Without care only those of pivots and of active sets. What memory is not left for is not tried, but for the method
+    of the problem itself.
     """
     if problem.reference is not None:
         yield Attempt(problem)
@@ -92,9 +99,18 @@ def _methods(problem: ContactProblem) -> Iterator[ContactProblem]:
     if problem.discretisation.contacts.two_sided.all():
         return
     for other in map(problem.by, _FALLBACKS):
-        found = problem.discretisation
-        if other is not problem and can_be_factored(found, base_of(found, other.method)):
+        if other is not problem and _fits(other):
             yield other
+
+
+def _fits(problem: ContactProblem) -> bool:
+    """Whether memory is left for a method, and its points can be condensed."""
+    found = problem.discretisation
+    if not (problem.is_factored or can_be_factored(found, base_of(found, problem.method))):
+        return False
+    if problem.method != "interior_point":
+        return True
+    return fits(needed_by_interior_point(found.dof_count, len(found.contacts)))
 
 
 def _forms(problem: ContactProblem) -> tuple[Form, ...]:
@@ -105,12 +121,15 @@ def _forms(problem: ContactProblem) -> tuple[Form, ...]:
 
 
 def _carefully(problem: ContactProblem, parts: Sequence[float]) -> Iterator[Attempt]:
-    if _can_be_careful(problem.discretisation):
-        yield from (Attempt(problem, part=part) for part in parts)
+    # Asked each time, since memory may be less than it was.
+    for part, near in itertools.product(parts, (True, False)):
+        if _can_be_careful(problem.discretisation):
+            yield Attempt(problem, part=part, near=near)
 
 
 def _can_be_careful(found: Discretisation) -> bool:
-    return found.dof_count <= _MOST_DOFS
+    """Whether there is time and memory for proximal steps."""
+    return found.dof_count <= _MOST_DOFS and fits(needed_by_proximal_steps(found.dof_count, len(found.contacts)))
 
 
 def answered(
@@ -133,26 +152,26 @@ def answered(
     consistent = False
     for attempt in attempts(problem, careful):
         methods += () if attempt.problem.method in methods else (attempt.problem.method,)
-        for closed in [near, None] if attempt.part is not None and near is not None else [None]:
-            if attempt.part is not None:
-                steps = attempt.part, None if closed is None else closed.tobytes()
-                if steps in stepped:
-                    continue
-                stepped.add(steps)
-            answer = attempt.solve(load, progress, closed)
-            certificate = None
-            if answer.status == "solved":
-                answer, certificate = certified(found, load, answer, beside)
-            elif answer.status == "no_equilibrium" and not consistent:
-                if supports_contradict(found):
-                    return Tried(methods, answer, None, contradiction=True)
-                consistent = True
-            tried = Tried(methods, answer, certificate)
-            if tried.passed:
-                return tried
-            if certificate is not None:
-                near = answer.closed
-            first = first if first and (first.certificate or not certificate) else tried
+        closed = near if attempt.near else None
+        if attempt.part is not None:
+            steps = attempt.part, None if closed is None else closed.tobytes()
+            if steps in stepped:
+                continue
+            stepped.add(steps)
+        answer = attempt.solve(load, progress, closed)
+        certificate = None
+        if answer.status == "solved":
+            answer, certificate = certified(found, load, answer, beside)
+        elif answer.status == "no_equilibrium" and not consistent:
+            if supports_contradict(found):
+                return Tried(methods, answer, None, contradiction=True)
+            consistent = True
+        tried = Tried(methods, answer, certificate)
+        if tried.passed:
+            return tried
+        if certificate is not None:
+            near = answer.closed
+        first = first if first and (first.certificate or not certificate) else tried
     assert first is not None, "there are attempts"
     contradiction = not consistent and supports_contradict(found)
     return Tried(methods, first.answer, first.certificate, contradiction)
