@@ -21,7 +21,8 @@ LAYERS = (
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
     {"answer", "dependence", "leastnorm", "selection", "slenderness", "softness", "refusal"}
-    | {"tipping", "equilibrium", "stability", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
+    | {"tipping", "equilibrium", "stability", "factoring", "problem", "progress", "certificate", "strategy"}
+    | {"contact_field", "kinds", "sketch"},
     {"supportpoints", "support_result", "probe_result", "notebook", "result", "combine", "together", "solve"}
     | {"path_stop", "path_check", "path_result", "path"},
     {"tabulated", "output", "check"},
