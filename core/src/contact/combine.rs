@@ -72,7 +72,9 @@ impl ContactProblem {
         let mut shared = CombinedCases { form, lcp, motions, q, family: None, on_set, distance, rest, cases };
         let (_, q) = shared.pose(&vec![1.0; shared.cases.len()]);
         let posed = Lcp::new(&shared.lcp.matrix, &q).ok();
-        let found = posed.and_then(|lcp| Some((lcp, lemke(&lcp, &LemkeOptions::default()).ok()?)));
+        let covering = self.covering(&shared.lcp.point, &shared.lcp.gap_is_z);
+        let options = LemkeOptions { covering: Some(&covering), ..LemkeOptions::default() };
+        let found = posed.and_then(|lcp| Some((lcp, lemke(&lcp, &options).ok()?)));
         if let Some((lcp, all)) = found {
             shared.family = LcpFamily::new(&lcp, &all.basis).ok().flatten();
             shared.on_set.begin_with(self.base.condensed.closed_points(&shared.lcp, &all.basis));

@@ -177,7 +177,8 @@ impl ContactProblem {
             return (Outcome::Solved, self.constraints.two_sided.clone());
         }
         let posed = self.base.condensed.lcp(form, &reduced.interface, &solution.reaction);
-        let options = LemkeOptions { max_pivots, ..LemkeOptions::default() };
+        let covering = self.covering(&posed.point, &posed.gap_is_z);
+        let options = LemkeOptions { covering: Some(&covering), max_pivots };
         let basis = first.map(|closed| self.base.condensed.basis(&posed, closed));
         let solved = Lcp::new(&posed.matrix, &posed.q)
             .and_then(|lcp| lemke_watched(&lcp, &options, basis.as_deref(), &mut pivoting(watch)));
@@ -191,6 +192,19 @@ impl ContactProblem {
             LcpStatus::PivotLimit => (Outcome::Unsolved, Vec::new()),
             LcpStatus::Interrupted => (Outcome::Interrupted, Vec::new()),
         }
+    }
+
+    /// A covering vector (k,) for rows of the points, of which w is the reaction where z is the gap: a force and the length
+    /// by which it bends the plate, so that Lemke's path does not depend on units.
+    pub(super) fn covering(&self, points: &[usize], gap_is_z: &[bool]) -> Vec<f64> {
+        let power_of_two = |x: f64| x.log2().round().exp2();
+        let root = power_of_two(self.scale.stiffness.sqrt());
+        let rows = points.iter().zip(gap_is_z);
+        rows.map(|(&i, gap_is_z)| {
+            let lever = power_of_two(self.lever(i));
+            if *gap_is_z { root * lever } else { 1.0 / (root * lever) }
+        })
+        .collect()
     }
 
     /// Takes back the reactions of points that are open now.

@@ -68,32 +68,19 @@ impl ContactProblem {
         Ok(if infeasible { PathEnd::NoEquilibrium } else { end })
     }
 
-    /// The bases of the LCP along the path, and the contact set of each; in the other form where one stops.
+    /// The bases of the LCP along the path, and the contact set of each.
     fn pivoted(&self, load: &PathLoad, closed: &[bool]) -> Result<Option<Pivoted>, FactorError> {
-        let mut best = None;
-        let better = self.base.condensed.better_form();
-        for form in [better, if better == Form::Dual { Form::Stiffness } else { Form::Dual }] {
-            let rest = self.at_rest(load.held_value);
-            let posed = self.base.condensed.lcp(
-                form,
-                &self.interface(&self.residual(load.start, &rest), form)?,
-                &rest.reaction,
-            );
-            let still = vec![0.0; load.add.len()];
-            let rate = self.without_travel(load.add, &still);
-            let along = self.base.condensed.lcp(form, &self.interface(&rate, form)?, &rest.reaction).q;
-            let basis = self.base.condensed.basis(&posed, closed);
-            let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| parametric(&lcp, &along, &basis, load.end));
-            let Ok(found) = solved else { continue };
-            let set = |basis: &Vec<bool>| self.base.condensed.closed_points(&posed, basis);
-            let sets = found.segments.iter().map(|segment| set(&segment.basis)).collect();
-            let stopped = found.end == ParametricEnd::Stopped;
-            best = Some((found, sets));
-            if !stopped {
-                break;
-            }
-        }
-        Ok(best)
+        let condensed = &self.base.condensed;
+        let form = condensed.better_form();
+        let rest = self.at_rest(load.held_value);
+        let posed = condensed.lcp(form, &self.interface(&self.residual(load.start, &rest), form)?, &rest.reaction);
+        let rate = self.without_travel(load.add, &vec![0.0; load.add.len()]);
+        let along = condensed.lcp(form, &self.interface(&rate, form)?, &rest.reaction).q;
+        let basis = condensed.basis(&posed, closed);
+        let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| parametric(&lcp, &along, &basis, load.end));
+        let Ok(found) = solved else { return Ok(None) };
+        let sets = found.segments.iter().map(|segment| condensed.closed_points(&posed, &segment.basis)).collect();
+        Ok(Some((found, sets)))
     }
 
     fn interface(&self, step: &Residual, form: Form) -> Result<InterfaceResidual, FactorError> {

@@ -69,8 +69,10 @@ impl Subproblem {
         };
         let q: Vec<f64> = points.iter().enumerate().map(gap).collect();
         let basis: Vec<bool> = points.iter().map(|&point| near.closed[point]).collect();
-        let found = Lcp::new(matrix, &q)
-            .and_then(|lcp| lemke_watched(&lcp, &LemkeOptions::default(), Some(&basis), &mut pivoting(watch)));
+        let covering = problem.covering(points, &vec![false; points.len()]);
+        let options = LemkeOptions { covering: Some(&covering), ..LemkeOptions::default() };
+        let found =
+            Lcp::new(matrix, &q).and_then(|lcp| lemke_watched(&lcp, &options, Some(&basis), &mut pivoting(watch)));
         let Ok(found) = found else {
             return Err(Outcome::Unsolved);
         };
