@@ -1,6 +1,6 @@
 //! A solution on its way: where the plate and its points are, and what is out of balance there.
 
-use super::drift::Afloat;
+use super::afloat::Afloat;
 use crate::cholesky::FactorError;
 use crate::contact::kkt::{ActiveFactor, Direction, Interface, KktSolver, Residual};
 use crate::contact::problem::ContactProblem;

@@ -1,8 +1,8 @@
 //! Rigid motions of least energy of a plate on soft supports, for the shape that it has.
 
+use super::afloat::Afloat;
 use super::descent::Descent;
 use crate::contact::kkt::Floating;
-use crate::contact::problem::ContactProblem;
 use crate::contact::rigid::eliminated;
 use crate::contact::tolerances;
 use crate::double_double::DoubleDouble;
@@ -10,22 +10,6 @@ use crate::superposition::sum_in_order;
 
 /// At most this many steps at a time.
 const STEPS: usize = 100;
-
-/// A plate that only springs and points hold, and the load on its rigid motions.
-pub(super) struct Afloat {
-    floating: Floating,
-    load: [DoubleDouble; 3],
-    magnitude: f64,
-}
-
-impl Afloat {
-    /// Nothing where a dof is held, or a point both ways.
-    pub(super) fn under(problem: &ContactProblem, load: &[f64]) -> Option<Self> {
-        let floating = Floating::of(problem).filter(|_| problem.constraints.rows.is_empty())?;
-        let terms = floating.nodal.iter().flat_map(|motion| motion.iter().zip(load).map(|(u, f)| (u * f).abs()));
-        Some(Self { magnitude: terms.sum(), load: floating.resultants(load), floating })
-    }
-}
 
 impl Descent<'_> {
     /// What springs and pushing points resist the three motions with.

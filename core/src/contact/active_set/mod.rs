@@ -7,6 +7,7 @@
 //! One factor, of K with the points closed that are expected to be, preconditions every direction; only where the set
 //! turns out to be quite another one is it factored anew.
 
+mod afloat;
 mod descent;
 mod drift;
 mod line_search;
@@ -22,8 +23,8 @@ use super::start::{Reference, Start};
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
 use crate::plate::Plate;
+use afloat::Afloat;
 use descent::Descent;
-use drift::Afloat;
 use newton::Newton;
 
 impl ContactProblem {

@@ -4,7 +4,7 @@
 //! to the equations makes that slow, they become directions of generalized conjugate residuals (Eisenstat, Elman & Schultz
 //! 1983; refinement by a Krylov method as of Carson & Higham 2017).
 
-use super::dot;
+use super::direction::dot;
 use super::residual::Residual;
 use crate::cholesky::FactorError;
 use crate::contact::problem::ContactProblem;

@@ -2,6 +2,7 @@
 //!
 //! Inside the methods points stand in the problem's order, the condensed ones before those of the active set.
 
+use super::direction::dot;
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
@@ -162,7 +163,7 @@ impl ContactProblem {
         least: f64,
     ) -> f64 {
         let scaled = self.scaled(step, &self.sizes(load, solution, least), &solution.closed);
-        super::dot(&scaled, &scaled).sqrt()
+        dot(&scaled, &scaled).sqrt()
     }
 
     /// Whether a residual is that of a solution of its set's equations.

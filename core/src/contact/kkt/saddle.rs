@@ -8,8 +8,8 @@
 //! Condensed onto points that nearly repeat each other, P = GK⁻¹Gᵀ holds what tells them apart squared; here it stands
 //! as it is (Benzi, Golub & Liesen 2005, section 5). So are the shear forces of thin elements ([`Shears`]).
 
+use super::regularized::Regularized;
 use super::shears::Shears;
-use super::uncondensed::Regularized;
 use crate::assembly::{HELD, assemble_thick};
 use crate::contact::problem::ContactProblem;
 use crate::contact::tolerances;

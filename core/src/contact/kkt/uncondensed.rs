@@ -1,24 +1,14 @@
-//! A set's equations with nothing eliminated, for where rounding decides; increments of reaction meet a compliance, and
-//! those of deflection a stiffness.
+//! A set's equations with nothing eliminated, for where rounding decides.
 
 use super::floating::{Held, after_rigid};
 use super::refinement::{Correction, KktSolver};
+use super::regularized::Regularized;
 use super::residual::Residual;
 use super::saddle::Saddle;
 use crate::cholesky::FactorError;
 use crate::contact::problem::ContactProblem;
 use crate::contact::rigid::rigid_part;
 use crate::contact::solution::ContactSolution;
-use crate::contact::tolerances;
-
-/// A contact problem with what increments meet.
-pub(in crate::contact) struct Regularized<'a> {
-    pub(in crate::contact) problem: &'a ContactProblem,
-    /// Compliance of every point's support, and at least what its increments meet.
-    pub(in crate::contact) compliance: Vec<f64>,
-    /// Stiffness that an increment of deflection meets at every node.
-    pub(super) bed: f64,
-}
 
 /// The saddle-point equations of one contact set.
 pub(in crate::contact) struct Uncondensed<'a> {
@@ -28,17 +18,6 @@ pub(in crate::contact) struct Uncondensed<'a> {
 }
 
 impl<'a> Regularized<'a> {
-    /// Increments of reaction meet at least `part` of the plate's own compliance.
-    pub(in crate::contact) fn of(problem: &'a ContactProblem, part: f64) -> Self {
-        assert!(problem.active.is_empty(), "all points are condensed");
-        let stiffness = problem.scale.stiffness;
-        let least = |i: usize| part / (problem.lever(i) * problem.lever(i) * stiffness);
-        let own = problem.constraints.compliance.iter().enumerate();
-        let compliance = own.map(|(i, own)| own.max(least(i))).collect();
-        let kept = (tolerances::proximal::STIFFNESS * part.sqrt()).max(tolerances::proximal::LEAST_STIFFNESS);
-        Self { problem, compliance, bed: kept * stiffness / problem.plate.node_count() as f64 }
-    }
-
     /// `None` if the equations are singular.
     pub(in crate::contact) fn on(&self, closed: &[bool]) -> Option<Uncondensed<'a>> {
         let saddle = Saddle::of(self, closed)?;
