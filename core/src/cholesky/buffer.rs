@@ -4,8 +4,9 @@ use super::error::FactorError;
 use memmap2::MmapMut;
 use std::ops::{Deref, DerefMut};
 
-/// Bytes from which room is taken from the system itself, which hands out zeros on first touch, in huge pages if it has
-/// them: ordinary ones would each cost a fault.
+/// Bytes from which room is taken from the system itself, which hands out zeros on first touch.
+///
+/// Huge pages were tried: where a virtual machine gives free ones back to its host they are slower to come by.
 const LARGE: usize = 1 << 22;
 
 /// Zeros to begin with.
@@ -24,8 +25,6 @@ impl Buffer {
             return Ok(Self::Small(values));
         }
         let pages = MmapMut::map_anon(bytes).map_err(|_| FactorError::OutOfMemory)?;
-        #[cfg(target_os = "linux")]
-        let _without_them_it_is_slower = pages.advise(memmap2::Advice::HugePage);
         Ok(Self::Large { pages, len })
     }
 }

@@ -101,6 +101,11 @@ impl Factor {
         self.pattern.plan.entries()
     }
 
+    /// Multiplications and additions that the factorization takes; zeros that are stored for speed are not counted.
+    pub fn flops(&self) -> f64 {
+        self.pattern.tree.flops
+    }
+
     /// Every column of L: the columns of the matrix that its rows are, itself first, and their values.
     fn each_column(&self, mut visit: impl FnMut(&mut dyn Iterator<Item = usize>, &[f64])) {
         let Pattern { tree, parts, .. } = &*self.pattern;
