@@ -4,10 +4,11 @@ use super::error::FactorError;
 use memmap2::MmapMut;
 use std::ops::{Deref, DerefMut};
 
-/// Bytes from which room is taken from the system itself, which hands out zeros on first touch.
+/// Bytes from which room is taken from the system itself, which hands out zeros on first touch; below, the allocator
+/// uses again what was freed (160×160 `mitc9`, factored again: 0.78 s instead of 0.94).
 ///
 /// Huge pages were tried: where a virtual machine gives free ones back to its host they are slower to come by.
-const LARGE: usize = 1 << 22;
+const LARGE: usize = 1 << 25;
 
 /// Zeros to begin with.
 pub(super) enum Buffer {
