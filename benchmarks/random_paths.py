@@ -40,8 +40,8 @@ import random_models
 from random_plates import reactions_exist
 
 from signorini import InputError, NoEquilibriumError, NotCertifiedError, path, solve, validate
-from signorini.certificate import certify
 from signorini.discretise import discretise
+from signorini.strategy import answered
 
 _FAR = 1e-4
 """Of the limit, how far from it equilibrium must exist, or not."""
@@ -214,13 +214,10 @@ def differences(found, t, wild):
 
 def direct_solution(found, load):
     """A certified answer of a load by itself, if possible by another method than the path's."""
-    plate, problem = found.problem.discretisation, found.problem
+    problem = found.problem
     other = problem.by("active_set" if problem.method == "lemke" and len(problem.gaps) else "lemke")
-    for attempt in itertools.chain(other.attempts(), problem.attempts()):
-        answer = attempt.solve(load, lambda *now: None, None)
-        if answer.status == "solved" and certify(plate, load, answer.hi, answer.lo, answer.reaction).passed:
-            return answer
-    return None
+    tried = answered(other, load)
+    return tried.answer if tried.passed else None
 
 
 def scale_of(plate, load, *deflections):

@@ -21,7 +21,8 @@ LAYERS = (
     {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
     {"discretise"},
     {"answer", "dependence", "leastnorm", "selection", "slenderness", "softness", "refusal"}
-    | {"tipping", "equilibrium", "stability", "problem", "progress", "certificate", "contact_field", "kinds", "sketch"},
+    | {"tipping", "equilibrium", "stability", "factoring", "problem", "progress", "certificate", "strategy"}
+    | {"contact_field", "kinds", "sketch"},
     {"supportpoints", "support_result", "probe_result", "notebook", "result", "combine", "together", "solve"}
     | {"path_stop", "path_check", "path_result", "path"},
     {"tabulated", "output", "check"},
@@ -157,9 +158,10 @@ CORE_LAYERS = (
     ("plate",),
     ("ordering", "assembly", "residual", "stress"),
     ("cholesky",),
-    ("contact/tolerances", "contact/condense", "contact/points", "contact/rigid"),
+    ("contact/tolerances", "contact/scale", "contact/condense", "contact/points", "contact/rigid"),
     ("contact/problem",),
-    ("contact/solution", "contact/start", "contact/refinement", "contact/responses"),
+    ("contact/solution", "contact/start"),
+    ("contact/kkt", "contact/responses"),
     ("contact/active_set", "contact/proximal"),
     ("contact/solve",),
     ("contact/combine", "contact/interior_point", "contact/path"),

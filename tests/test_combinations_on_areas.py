@@ -120,7 +120,7 @@ def test_what_is_not_certified_is_solved_by_itself(monkeypatch):
     solve = _core.solve_together
     monkeypatch.setattr(
         "signorini.together._core.solve_together",
-        lambda core, start, loads, held: solve(core, start, 1.01 * loads, held),
+        lambda core, start, loads, held, watch: solve(core, start, 1.01 * loads, held),
     )
     begun, alone = [], []
 
@@ -153,6 +153,20 @@ def test_what_progress_raises_ends_them_all():
 
     with pytest.raises(KeyboardInterrupt):
         _core.solve_together(problem.core, None, loads, problem.discretisation.held.values, stop)
+
+
+def test_combinations_side_by_side_are_watched():
+    model = Model(**tables("soil", random_rows(3)))
+    begun = []
+
+    def stop(name):
+        begun.append(name)
+        if len(begun) > 1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        list(solve_several(contact_problem(model), model.effective_combinations[:], pytest.fail, stop))
+    assert begun == ["c0", "c0"]
 
 
 SCRIPT = """

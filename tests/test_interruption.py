@@ -86,7 +86,7 @@ module.{name} = paused
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 @pytest.mark.parametrize(
-    ("module", "name"), [("solve", "certified"), ("output", "reactions_csv"), ("files", "_exchange")]
+    ("module", "name"), [("strategy", "certified"), ("output", "reactions_csv"), ("files", "_exchange")]
 )
 def test_a_signal_leaves_the_old_results(slab: Path, number: int, code: int, module: str, name: str) -> None:
     slab.write_text(SLAB.format(title="second", along=4))
@@ -205,7 +205,7 @@ def hidden(slab: Path) -> list[Path]:
 
 
 def test_what_a_killed_run_left_goes_with_the_next_success(slab: Path) -> None:
-    running = started(slab, PAUSED.format(module="solve", name="certified", seconds=30))
+    running = started(slab, PAUSED.format(module="strategy", name="certified", seconds=30))
     assert running.stdout is not None and running.stdout.readline() == "here\n"
     (inside,) = hidden(slab)
     solves = lambda: CliRunner().invoke(app, ["solve", str(slab)]).exit_code  # noqa: E731

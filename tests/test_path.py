@@ -172,8 +172,8 @@ def test_a_path_ends_before_the_first_stop_that_a_direct_solution_contradicts(wr
         replace(stop, largest=750 * stop.largest + 1e-3, work=750 * stop.work + 1.0) if k >= wrong else stop
         for k, stop in enumerate(found.stops)
     ]
-    assert confirmed(found.problem, found._loads, found.stops) == len(found.stops) > 5
-    assert confirmed(found.problem, found._loads, stops) == wrong
+    assert confirmed(found.problem, found._loads, found.stops, lambda now: None) == len(found.stops) > 5
+    assert confirmed(found.problem, found._loads, stops, lambda now: None) == wrong
 
 
 def test_a_path_that_begins_afloat_above_its_stops_is_followed_with_care() -> None:

@@ -56,8 +56,6 @@ def numbers(thing: object, place: str = "") -> Iterator[tuple[str, object]]:
         yield place, np.float64(thing).tobytes()
     elif dataclasses.is_dataclass(thing):
         for field in dataclasses.fields(thing):
-            if field.name == "_others":  # What has been asked for so far.
-                continue
             yield from numbers(getattr(thing, field.name), f"{place}.{field.name}")
     elif isinstance(thing, Mapping):
         for name, part in thing.items():

@@ -164,7 +164,7 @@ impl ContactProblem {
             return Err(invalid("part must be positive and finite"));
         }
         watched(self, py, progress, |watch| {
-            Ok(self.inner.solve_by_proximal_steps(&load, &held_value, part, closed.as_deref(), watch))
+            self.inner.solve_by_proximal_steps(&load, &held_value, part, closed.as_deref(), watch)
         })
     }
 

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use signorini_core::assembly::{Numbering, assemble};
 use signorini_core::element::{DOFS, Kind, Layered, Material, Section, Thickness};
 use signorini_core::plate;
-use signorini_core::residual::{Displacement, internal_magnitude, openings, residual};
+use signorini_core::residual::{Displacement, internal_magnitudes, openings, residual};
 use signorini_core::stress;
 use std::sync::Arc;
 
@@ -223,7 +223,10 @@ impl Plate {
     ) -> PyResult<f64> {
         let held = flags("held", &held, self.inner.dof_count())?;
         let displacement = displacement(&hi, &lo, self.inner.dof_count())?;
-        released(py, || internal_magnitude(&self.inner, &held, &displacement))
+        released(py, || {
+            let all = internal_magnitudes(&self.inner, &displacement);
+            all.iter().zip(&held).filter(|(_, held)| !**held).fold(0.0, |worst, (value, _)| f64::max(worst, *value))
+        })
     }
 
     /// [mx, my, mxy, qx, qy] at nodes (n, 5) and at the elements' 2×2 Gauss points (e, 4, 5).

@@ -229,9 +229,8 @@ pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64
     plate_alone.max(0.0) + (0..springs.rows.len()).map(spring).sum::<f64>()
 }
 
-/// Largest Σ|K_e||u_e|, of thin elements of what their strains take, over the dofs that are not held: what rounding in
-/// [`residual`] is relative to.
-pub fn internal_magnitude(plate: &Plate, held: &[bool], displacement: &Displacement) -> f64 {
+/// Σ|K_e||u_e| at every dof, of thin elements what their strains take: what rounding in [`residual`] is relative to.
+pub fn internal_magnitudes(plate: &Plate, displacement: &Displacement) -> Vec<f64> {
     let mut sum = vec![0.0; plate.dof_count()];
     for (e, nodes) in plate.elements().iter().enumerate() {
         let stripped = displacement.stripped(plate, e);
@@ -246,7 +245,7 @@ pub fn internal_magnitude(plate: &Plate, held: &[bool], displacement: &Displacem
             }
         }
     }
-    sum.iter().zip(held).filter(|(_, held)| !**held).fold(0.0, |worst, (value, _)| worst.max(*value))
+    sum
 }
 
 /// |K_e| times magnitudes of displacements.

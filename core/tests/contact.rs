@@ -9,19 +9,20 @@ use std::sync::Arc;
 
 const SIZE: usize = 3;
 
-fn plate() -> Arc<Plate> {
+/// The plate in other units: how many of them a length of 1 and a force of 1 are.
+fn plate_in([length, force]: [f64; 2]) -> Arc<Plate> {
     let columns = 2 * SIZE + 1;
     let mut number = vec![usize::MAX; columns * columns];
     let mut points = Vec::new();
     for k in (0..columns * columns).filter(|k| k % columns % 2 == 0 || k / columns % 2 == 0) {
         number[k] = points.len();
-        points.push([0.5 * (k % columns) as f64 - 1.5, 0.5 * (k / columns) as f64 - 1.5]);
+        points.push([length * (0.5 * (k % columns) as f64 - 1.5), length * (0.5 * (k / columns) as f64 - 1.5)]);
     }
     let corner = |e: usize| 2 * (e / SIZE) * columns + 2 * (e % SIZE);
     let nodes = [0, 2, 2 * columns + 2, 2 * columns, 1, columns + 2, 2 * columns + 1, columns];
     let elements = (0..SIZE * SIZE).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
-    let thickness = Thickness::Constant(0.2);
-    let material = Material { young: 1000.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
+    let thickness = Thickness::Constant(0.2 * length);
+    let material = Material { young: 1000.0 * force / (length * length), poisson: 0.3, shear_factor: 5.0 / 6.0 };
     Arc::new(Plate::new(points, elements, thickness, material, Kind::Mitc9, None).unwrap())
 }
 
@@ -38,16 +39,26 @@ fn free_on_points(at: &[(f64, f64)], gap: &[f64], soft: bool) -> ContactProblem 
 }
 
 fn on_points(at: &[(f64, f64)], gap: &[f64], soft: bool, by_active_set: bool) -> ContactProblem {
-    let plate = plate();
+    on_points_in([1.0, 1.0], at, gap, soft, by_active_set)
+}
+
+fn on_points_in(
+    [length, force]: [f64; 2],
+    at: &[(f64, f64)],
+    gap: &[f64],
+    soft: bool,
+    by_active_set: bool,
+) -> ContactProblem {
+    let plate = plate_in([length, force]);
     let mut constraints = Constraints { free_motions: motions(&plate), ..Constraints::default() };
     for (i, (&(xi, eta), &gap)) in at.iter().zip(gap).enumerate() {
         let element = [0, 2, 8, 6, 4][i % 5];
         constraints.rows.element.push(element);
         constraints.rows.coefficient.push(plate.interpolation_row(element, xi, eta, 0).0);
-        constraints.distance.push(gap);
-        constraints.compliance.push(if soft && i == 3 { 0.01 } else { 0.0 });
+        constraints.distance.push(length * gap);
+        constraints.compliance.push(if soft && i == 3 { 0.01 * length / force } else { 0.0 });
         constraints.two_sided.push(false);
-        constraints.regularization.push(if i < 3 { 10.0 } else { 0.0 });
+        constraints.regularization.push(if i < 3 { 10.0 * force / length } else { 0.0 });
     }
     let held = vec![false; plate.dof_count()];
     ContactProblem::new(plate, Springs::default(), held, constraints, by_active_set).unwrap()
@@ -110,6 +121,40 @@ proptest! {
         }
     }
 
+    /// Powers of 4, since a root of one is a power of 2: nothing is rounded otherwise.
+    #[test]
+    fn units_change_no_bit(
+        at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5),
+        gap in prop::collection::vec(prop_oneof![Just(0.0), 0.0f64..0.01], 5),
+        element in 0usize..9, soft: bool, way in 0usize..4, units in (-6i32..7, -6i32..7),
+    ) {
+        let units = [4f64.powi(units.0), 4f64.powi(units.1)];
+        let [length, force] = units;
+        let solved = |units: [f64; 2]| {
+            let problem = on_points_in(units, &at, &gap, soft, way == 0);
+            let load = load(&problem.plate, element, units[1]);
+            let held = vec![0.0; load.len()];
+            match way {
+                0 => problem.solve(&load, &held, None, None, &mut |_| true),
+                1 => problem.solve(&load, &held, Some(Form::Dual), None, &mut |_| true),
+                2 => problem.solve(&load, &held, Some(Form::Stiffness), None, &mut |_| true),
+                _ => problem.solve_by_proximal_steps(&load, &held, 1e-9, None, &mut |_| true),
+            }.unwrap()
+        };
+        let (plain, other) = (solved([1.0, 1.0]), solved(units));
+        prop_assert_eq!(plain.outcome, other.outcome);
+        prop_assert_eq!(&plain.closed, &other.closed);
+        prop_assert_eq!((plain.pivots, plain.corrections), (other.pivots, other.corrections));
+        prop_assume!(plain.outcome == Outcome::Solved);
+        for i in 0..5 {
+            prop_assert_eq!(force * plain.reaction[i], other.reaction[i]);
+            prop_assert_eq!(length * plain.gap[i], other.gap[i]);
+        }
+        for (dof, (u, other)) in plain.displacement.hi.iter().zip(&other.displacement.hi).enumerate() {
+            prop_assert_eq!(if dof % 3 == 0 { length * u } else { *u }, *other);
+        }
+    }
+
     #[test]
     fn the_active_set_finds_what_lemke_finds(
         at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5),
@@ -141,8 +186,8 @@ proptest! {
         let held = vec![0.0; load.len()];
         let exact = problem.solve(&load, &held, None, None, &mut |_| true).unwrap();
         prop_assume!(exact.outcome == Outcome::Solved);
-        let found = problem.solve_by_proximal_steps(&load, &held, part, None, &mut |_| true);
-        let from_set = problem.solve_by_proximal_steps(&load, &held, part, Some(&exact.closed), &mut |_| true);
+        let found = problem.solve_by_proximal_steps(&load, &held, part, None, &mut |_| true).unwrap();
+        let from_set = problem.solve_by_proximal_steps(&load, &held, part, Some(&exact.closed), &mut |_| true).unwrap();
         let most = largest(&exact.displacement.hi);
         for found in [found, from_set] {
             prop_assert_eq!(found.outcome, Outcome::Solved);
@@ -229,7 +274,8 @@ proptest! {
         let order = posed.q.len();
         prop_assert_eq!(&posed.gap_is_z, &[true, true, true, false, false]);
         for motion in motions(&problem.plate) {
-            let moves: Vec<f64> = problem.at_points(&motion);
+            let rows = &problem.constraints.rows;
+            let moves: Vec<f64> = (0..rows.len()).map(|row| rows.dot(&problem.plate, row, &motion)).collect();
             let work: f64 = motion.iter().zip(&load).map(|(u, f)| u * f).sum();
             let carried: f64 = (0..3).map(|r| moves[posed.point[r]] * posed.q[r]).sum();
             prop_assert!((carried - work).abs() < 1e-13);

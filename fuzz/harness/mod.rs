@@ -136,7 +136,9 @@ pub fn contact(data: &[u8]) {
             finite_if_solved(&answer);
         }
         if !by_active_set {
-            finite_if_solved(&problem.solve_by_proximal_steps(&load, &values, 1e-9, None, &mut |_| true));
+            if let Ok(answer) = problem.solve_by_proximal_steps(&load, &values, 1e-9, None, &mut |_| true) {
+                finite_if_solved(&answer);
+            }
         }
     }
 }

@@ -11,6 +11,9 @@ from signorini import _core
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 
+_AGAINST_EACH_OTHER = 1e6
+"""Times the least reactions that others may be: ten of sixteen digits are left for their sum."""
+
 
 @dataclass(frozen=True)
 class NotUnique:
@@ -82,8 +85,16 @@ class Answer:
 
     @property
     def in_turn(self) -> tuple[Self, ...]:
-        """The answer itself, then what stands where arithmetic does not carry the choice: what the solver came to."""
-        return (self,) if self.somehow is None else (self, replace(self.somehow, not_unique=self.not_unique))
+        """The answer itself, then what stands where arithmetic does not carry the choice: what the solver came to.
+
+        Not where supports there push against each other so hard that their sum has lost the load's digits.
+        """
+        if self.somehow is None:
+            return (self,)
+        most = [float(np.abs(one.reaction).max(initial=0.0)) for one in (self, self.somehow)]
+        if most[1] > _AGAINST_EACH_OTHER * most[0]:
+            return (self,)
+        return (self, replace(self.somehow, not_unique=self.not_unique))
 
     @classmethod
     def of(cls, found: Discretisation, solution: _core.ContactSolution) -> Self:

@@ -14,7 +14,6 @@ import numpy as np
 from signorini.answer import Answer
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Bools, Floats
-from signorini.problem import spring_arrays
 
 TOLERANCE = 1e-8
 CERTIFIABLE = 1e-4
@@ -132,7 +131,7 @@ def certify(
     contacts, held, size = found.contacts, found.held, found.mesh.size
     beside = np.zeros(3) if beside is None else beside
     with np.errstate(invalid="ignore"):
-        imbalance = found.plate.residual(spring_arrays(found), load.nodal, hi, lo)
+        imbalance = found.plate.residual(found.springs.arrays, load.nodal, hi, lo)
         imbalance = imbalance - found.contact_rows.T @ reaction
         at_holds = np.where(held.dofs, imbalance, 0.0)
         at_free = np.where(held.dofs, 0.0, imbalance)

@@ -24,6 +24,7 @@ from signorini.progress import Progress, Watcher
 from signorini.refusal import uncertain
 from signorini.selection import chosen, doubtful
 from signorini.stability import CONTRADICTION, floats, largest_factor, supports_contradict
+from signorini.strategy import ways_along
 
 _NAMED = 20
 """Combinations that a message names."""
@@ -46,7 +47,7 @@ def path(
     until : float, optional
         The largest t wanted; by default to the end of equilibrium, or until there are no more events.
     progress : callable, optional
-        Called with a `Progress` as meshing and factoring begin, and at every event.
+        Called with a `Progress` as meshing and factoring begin, at every event, and by what confirms some of them.
 
     Raises
     ------
@@ -105,7 +106,7 @@ def path(
         for bearing in (problem.freedom.outline, problem.freedom.on_mesh)
     )
     traced: Path | None = None
-    for way, careful in _ways(problem):
+    for way, careful in ways_along(problem):
         other = _trace(way, problem, (start, add), loads, until, (limit, reached), watcher, careful)
         traced = other if traced is None or (other is not None and other.end > traced.end) else traced
         if traced is not None and (traced.ending != "stopped" or traced.ends_with_the_mesh):
@@ -117,14 +118,6 @@ def path(
             f"The contact problem at t = 0 has no answer that could be certified. {uncertain(found)}"
         )
     return traced
-
-
-def _ways(problem: ContactProblem) -> Iterator[tuple[ContactProblem, bool]]:
-    """Problems that can follow a path, in turn, and whether they mind rounding."""
-    yield problem, False
-    yield from ((problem.by(method), False) for method in problem.fallbacks if method != "interior_point")
-    if "lemke" in (problem.method, *problem.fallbacks):
-        yield problem.condensed, True
 
 
 def _load(found: Discretisation, name: str | None, argument: str) -> CaseLoad:
@@ -204,7 +197,7 @@ def _trace(
         ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, careful)
     except NotCertifiedError:
         ended = "unsolved"
-    count = confirmed(direct, loads, stops)
+    count = confirmed(direct, loads, stops, watcher)
     if count == 0:
         return None
     whole = count == len(stops)

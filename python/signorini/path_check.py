@@ -6,10 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from signorini.certificate import certify, least_deflection
+from signorini.certificate import least_deflection
 from signorini.discretise import CaseLoad
 from signorini.path_stop import PathStop, path_stop
 from signorini.problem import ContactProblem
+from signorini.progress import Progress, Watcher
+from signorini.strategy import answered
 
 _SAME = 1e-6
 """Difference of deflections, over the largest, and of works, over the work, that is none."""
@@ -19,20 +21,22 @@ _SAMPLES = 11
 """Parts of a path at whose ends it is compared with direct solutions."""
 
 
-def confirmed(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stops: Sequence[PathStop]) -> int:
+def confirmed(
+    problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stops: Sequence[PathStop], watcher: Watcher
+) -> int:
     """How many stops, from the first, direct solutions confirm: at the first, the last and some between.
 
     Where one says otherwise the first that does so is searched for by halving.
     """
     last, agreed = len(stops) - 1, -1
     for k in sorted({round(i * last / _SAMPLES) for i in range(_SAMPLES + 1)} if stops else ()):
-        if agrees(problem, loads, stops[k]):
+        if agrees(problem, loads, stops[k], watcher):
             agreed = k
             continue
         wrong = k
         while wrong - agreed > 1:
             middle = (agreed + wrong) // 2
-            if agrees(problem, loads, stops[middle]):
+            if agrees(problem, loads, stops[middle], watcher):
                 agreed = middle
             else:
                 wrong = middle
@@ -40,23 +44,21 @@ def confirmed(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stops: 
     return len(stops)
 
 
-def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: PathStop) -> bool:
+def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: PathStop, watcher: Watcher) -> bool:
     """Whether a direct solution has the deflections of a stop or, where several solve it, the work.
 
     Where no direct solution is certified it says nothing against the stop, which is.
     """
     found, load = problem.discretisation, loads[0] + stop.t * loads[1]
-    for attempt in problem.attempts():
-        if attempt.part is not None or attempt.problem.method == "interior_point":
-            continue
-        answer = attempt.solve(load, lambda *now: None, None)
-        if answer.status != "solved":
-            continue
-        if not certify(found, load, answer.hi, answer.lo, answer.reaction).passed:
-            continue
-        direct = path_stop(found, stop.t, load, stop.points[:0], stop.points[:0], answer)
-        shown, wanted = (np.array([s.largest, s.smallest, *s.deflections]) for s in (stop, direct))
-        apart = np.abs(shown - wanted).max() > _SAME * max(np.abs(wanted).max(), least_deflection(found, load))
-        rounding = _MOVED * max(direct.work_size, stop.work_size)
-        return not apart or abs(direct.work - stop.work) <= max(_SAME * abs(direct.work), rounding)
-    return True
+
+    def steps(step: int, changing: int, residual: float) -> None:
+        watcher(Progress(f"t = {stop.t:.6g} by itself", step, changing, residual))
+
+    tried = answered(problem, load, steps, careful=False)
+    if not tried.passed:
+        return True
+    direct = path_stop(found, stop.t, load, stop.points[:0], stop.points[:0], tried.answer)
+    shown, wanted = (np.array([s.largest, s.smallest, *s.deflections]) for s in (stop, direct))
+    apart = np.abs(shown - wanted).max() > _SAME * max(np.abs(wanted).max(), least_deflection(found, load))
+    rounding = _MOVED * max(direct.work_size, stop.work_size)
+    return not apart or abs(direct.work - stop.work) <= max(_SAME * abs(direct.work), rounding)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -15,6 +15,7 @@ from signorini.certificate import Certificate, certified
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError, NotCertifiedError
+from signorini.factoring import Method
 from signorini.model import Model
 from signorini.notebook import path_table
 from signorini.path_stop import PathStop
@@ -23,6 +24,7 @@ from signorini.refusal import refusal
 from signorini.remade import Remade
 from signorini.result import Result
 from signorini.selection import chosen
+from signorini.strategy import answered
 
 if TYPE_CHECKING:
     from signorini.plot import Figure
@@ -217,24 +219,27 @@ class Path(Remade):
         closed = self.segments[index].closed if self.segments else self._first
         answer = Answer.of(found, self.problem.core.solve_on(load.nodal, found.held.values, closed))
         made_of = beside(self._loads, t)
+        methods: Sequence[Method] = (self.problem.method,)
         answer, certificate = certified(found, load, answer, made_of)
         if not certificate.passed:
             # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
-            answer = self.problem.solve(load)
-            answer, certificate = certified(found, load, answer.somehow or answer, made_of)
+            tried = answered(self.problem, load, careful=False, beside=made_of)
+            answer, certificate = certified(found, load, tried.answer.somehow or tried.answer, made_of)
+            methods = tried.methods
         if not certificate.passed:
             answers: list[_core.ContactSolution] = []
             nodal = self._loads[0].nodal, self._loads[1].nodal
             self.problem.core.path(*nodal, found.held.values, t, lambda t, points, answer: answers.append(answer))
             if answers:
                 answer, certificate = certified(found, load, Answer.of(found, answers[-1]), made_of)
+                methods = (self.problem.method,)
         name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
         if not certificate.passed:
             raise NotCertifiedError(refusal(name, found, load, answer, certificate))
         least = chosen(found, self.problem.freedom, load.nodal, answer, lambda: self._beside(t))
         if least is not answer:
             answer, certificate = certified(found, load, least, made_of)
-        return Result.of(found, name, (self.problem.method,), load, answer, certificate)
+        return Result.of(found, name, methods, load, answer, certificate)
 
 
 def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, closed: Bools) -> Iterator[Floats]:

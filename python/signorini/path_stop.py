@@ -11,7 +11,6 @@ from signorini import _core
 from signorini.answer import Answer
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
-from signorini.problem import spring_arrays
 from signorini.support_result import support_result
 
 _MOST_POINTS = 3
@@ -113,7 +112,7 @@ def path_stop(
     """Reduce an answer to what the path keeps of it; ``switched`` are the points that are said to open or close."""
     displacement = answer.hi + answer.lo
     deflection, works = displacement[::3], load.nodal * displacement
-    imbalance = found.plate.residual(spring_arrays(found), load.nodal, answer.hi, answer.lo)
+    imbalance = found.plate.residual(found.springs.arrays, load.nodal, answer.hi, answer.lo)
     held_force = np.where(found.held.dofs, imbalance - found.point_rows.T @ answer.shared, 0.0)
     pull = found.spring_forces(answer.hi, answer.lo)
     supports = [

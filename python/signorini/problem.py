@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -14,22 +14,20 @@ from signorini import _core
 from signorini.answer import Answer
 from signorini.arguments import known, made_by, number, vector
 from signorini.dependence import repeats_itself
-from signorini.discretise import CaseLoad, ContactPoints, Discretisation, discretise
+from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.equilibrium import RigidFreedom, restraining_points, rigid_freedom
+from signorini.equilibrium import RigidFreedom, rigid_freedom
 from signorini.errors import InputError, SignoriniError
-from signorini.memory import require_memory_for_points
+from signorini.factoring import Method, base_of, core_problem, factored, method_of, regularization
+from signorini.memory import require_memory_for_interior_point, require_memory_for_proximal_steps
 from signorini.model import Model
 from signorini.remade import Remade
 from signorini.selection import chosen
-from signorini.slenderness import of_shape
-from signorini.softness import softest
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array, csr_array
 
 Form = Literal["auto", "dual", "stiffness"]
-Method = Literal["lemke", "active_set", "interior_point"]
 
 Steps: TypeAlias = Callable[[int, int, float], object]
 """Called with a step's number, the contact points it changed and its relative imbalance; what it raises ends it."""
@@ -38,27 +36,6 @@ _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 _METHODS: tuple[Method, ...] = ("lemke", "active_set", "interior_point")
 _LOAD = "Take discretisation.load(combination) or one of discretisation.cases."
 """How to come by a load with its nodal forces and curvatures."""
-
-_YIELDING = (1e-6, 1e-9, 1e-11, 1e-13, 1e-15)
-"""Parts of the plate's own compliance that are tried, each from the contact set of the one before; see `Attempt`."""
-
-MOST_POINTS = 6000
-"""Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
-
-_MOST_DOFS = 200_000
-"""Dofs up to which proximal steps are tried: their equations are factored uncondensed, in some 2 kB a dof."""
-
-_FEW = 300
-"""Elastic points up to which Lemke's algorithm is the quicker one."""
-
-_FEW_IN_AREAS = 500
-"""Points of areas up to which it is, rigid ones included."""
-
-_FEW_RIGID = 3000
-"""Rigid points, along lines for the most part, up to which it is."""
-
-_CARRIED = 100.0
-"""Stiffness that the factor carries at restraining points, over D/a²: about a plate's own under a point load."""
 
 
 class Lcp(NamedTuple):
@@ -90,20 +67,6 @@ class Lcp(NamedTuple):
         return np.where(self.gap_is_z, w, z), np.where(self.gap_is_z, z, w)
 
 
-class Attempt(NamedTuple):
-    """A way to an answer: a method, the form of its LCP, and where rounding decides, what increments yield by."""
-
-    problem: ContactProblem
-    form: Form = "auto"
-    part: float | None = None
-
-    def solve(self, load: CaseLoad, progress: Steps, closed: Bools | None) -> Answer:
-        """Solve a load; where rounding decides, beginning with a contact set (m,) if there is one."""
-        if self.part is None:
-            return self.problem.solve(load, self.form, progress)
-        return self.problem.solve_carefully(load, self.part, closed, progress)
-
-
 @dataclass(frozen=True, eq=False)
 class ContactProblem(Remade):
     """A discretised model on its supports, factored once and condensed onto its contact points.
@@ -127,27 +90,39 @@ class ContactProblem(Remade):
 
     discretisation: Discretisation
     freedom: RigidFreedom
-    core: _core.ContactProblem
     method: Method
     reference: _core.Reference | None = None
     """A solved load that others begin with; see `near`."""
-    _others: dict[Method, ContactProblem] = field(default_factory=dict, repr=False)
+    _cores: dict[Method, _core.ContactProblem] = field(default_factory=dict, repr=False)
+    """Those of all methods that have been asked for, by what they are factored for; see `by`."""
 
     _made = MappingProxyType(
         {
-            "core": lambda problem: _factored(problem.discretisation, problem.freedom, problem.method).core,
             # It saves an active set some steps and changes no answer.
             "reference": lambda problem: None,
-            "_others": lambda problem: {},
+            "_cores": lambda problem: {},
         }
     )
+
+    @property
+    def core(self) -> _core.ContactProblem:
+        """The plate factored for the method, and its contact points."""
+        base = base_of(self.discretisation, self.method)
+        if base not in self._cores:
+            self._cores[base] = factored(self.discretisation, self.freedom, base)
+        return self._cores[base]
+
+    @property
+    def is_factored(self) -> bool:
+        """Whether there is a core already."""
+        return base_of(self.discretisation, self.method) in self._cores
 
     @cached_property
     def K(self) -> csc_array:
         """Stiffness (3n, 3n) of plate and springs over every dof, held ones included."""
         from scipy.sparse import csc_array
 
-        start, row, value = self.discretisation.plate.stiffness_matrix(spring_arrays(self.discretisation))
+        start, row, value = self.discretisation.plate.stiffness_matrix(self.discretisation.springs.arrays)
         size = self.discretisation.dof_count
         lower = csc_array((value, row, start), shape=(size, size))
         upper = lower.T.tocsc()
@@ -184,8 +159,7 @@ class ContactProblem(Remade):
 
         "stiffness" has the gaps for unknowns. "dual" has the reactions, but gaps at points whose stiffness the factor
         carries: elastic ones softer than the plate in shear and, where one-sided supports alone hold the plate, as many
-        as it has rigid motions. ``gap_is_z`` marks them. "auto" takes the better conditioned one: the stiffness form
-        where every contact point is at a node of its own, else the dual.
+        as it has rigid motions. ``gap_is_z`` marks them. "auto" takes the better conditioned one, `better_form`.
 
         Raises
         ------
@@ -217,14 +191,22 @@ class ContactProblem(Remade):
         """
         load = vector(load, self.discretisation.dof_count, "load")
         known(form, _FORMS, "form", "form", "The LCP")
-        core = self.condensed.core
-        posed = Lcp(*core.lcp(load, self.discretisation.held.values, None if form == "auto" else form))
+        held = self.discretisation.held.values
+        posed = Lcp(*self.condensed.core.lcp(load, held, self.better_form if form == "auto" else form))
         if not np.isfinite(posed.M).all() or (form == "stiffness" and repeats_itself(self.discretisation)):
             raise SignoriniError(
                 "This problem has no such form: rigid points repeat each other, so that their gaps cannot be chosen "
                 'freely. Take form "dual", whose unknowns are reactions.'
             )
         return posed
+
+    @cached_property
+    def better_form(self) -> Literal["dual", "stiffness"]:
+        """The better conditioned form of the LCP: "stiffness" where every contact point is at a node of its own."""
+        rows = self.G[:, ~self.discretisation.held.dofs]
+        rows.eliminate_zeros()
+        alone = (np.diff(rows.indptr) == 1).all() and len(np.unique(rows.indices)) == rows.nnz
+        return "stiffness" if alone else "dual"
 
     def recover(self, load: Floats, posed: Lcp, z: Floats) -> _core.ContactSolution:
         """Displacements (3n,), and reactions and gaps (m,) of every contact point, from a solution z (k,) of the LCP.
@@ -270,9 +252,9 @@ class ContactProblem(Remade):
         """All points condensed as one-sided ones onto a factor that carries none of them."""
         found = self.discretisation
         points = found.contacts
-        if points.two_sided.any() or _regularization(found, self.freedom).any():
+        if points.two_sided.any() or regularization(found, self.freedom).any():
             one_sided = replace(points, two_sided=np.zeros(len(points), np.bool_))
-            return _core_problem(found, one_sided, np.zeros(len(points)), self.freedom.motions[:, :0], False)
+            return core_problem(found, one_sided, np.zeros(len(points)), self.freedom.motions[:, :0], False)
         return self.condensed.core
 
     @property
@@ -281,11 +263,9 @@ class ContactProblem(Remade):
         return self.by("lemke")
 
     def by(self, method: Method) -> ContactProblem:
-        """Pose the same problem for another method; it is factored when it is first asked for."""
+        """Pose the same problem for another method; it is factored when that is first needed, and once for all."""
         known(method, _METHODS, "method", "method", "A contact problem")
-        if method not in self._others:
-            self._others[method] = _factored(self.discretisation, self.freedom, method)
-        return self._others[method]
+        return self if method == self.method else replace(self, method=method, reference=None)
 
     def near(self, load: Floats) -> ContactProblem:
         """Pose the same problem for loads not unlike a nodal one (3n,), with whose contact set an active set begins.
@@ -298,49 +278,23 @@ class ContactProblem(Remade):
             return self
         return replace(self, reference=self.core.reference(load, self.discretisation.held.values))
 
-    @property
-    def fallbacks(self) -> tuple[Method, ...]:
-        """Methods that take over, in turn, where this one does not settle; a prescribed one is only the first."""
-        if self.discretisation.contacts.two_sided.all():
-            return ()
-        others: tuple[Method, ...] = ("active_set", "lemke", "interior_point")
-        can_be_condensed = len(self.gaps) <= MOST_POINTS
-        return tuple(other for other in others if other != self.method and (other != "lemke" or can_be_condensed))
-
-    def attempts(self) -> Iterator[Attempt]:
-        """Every way to an answer, in the order in which they are tried until one is certified."""
-        start = self
-        if self.reference is not None:
-            yield Attempt(self)
-            start = replace(self, reference=None)
-        for method in (self.method, *self.fallbacks):
-            problem = start if method == self.method else start.by(method)
-            if method != "lemke":
-                yield Attempt(problem)
-                continue
-            yield from (Attempt(problem, form) for form in _FORMS)
-            if self.discretisation.dof_count <= _MOST_DOFS:
-                yield from (Attempt(problem, part=part) for part in _YIELDING)
-        if self.discretisation.dof_count > _MOST_DOFS:
-            return
-        if "lemke" in self.fallbacks or (self.method == "lemke" and self.fallbacks):
-            # What another method has left imprecise.
-            yield from (Attempt(start.condensed, part=part) for part in _YIELDING[1:])
-
     def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> Answer:
         """Displacements, reactions and gaps of one load; of answers that are equally right the least.
 
-        ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set.
+        ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set, and
+        now and then by other methods.
         """
         made_by(load, CaseLoad, _LOAD, "load")
         known(form, _FORMS, "form", "form", "The LCP")
         held = self.discretisation.held.values
         if self.method == "interior_point":
+            require_memory_for_interior_point(len(load.nodal), len(self.gaps))
             solution = self.core.solve_by_interior_point(load.nodal, held, progress=progress)
         elif self.reference is not None:
             solution = self.core.solve_near(self.reference, load.nodal, held, progress=progress)
         else:
-            solution = self.core.solve(load.nodal, held, None if form == "auto" else form, progress=progress)
+            form = self.better_form if form == "auto" else form
+            solution = self.core.solve(load.nodal, held, form, progress=progress)
         return self._chosen(load, solution)
 
     def solve_carefully(
@@ -355,6 +309,7 @@ class ContactProblem(Remade):
         made_by(load, CaseLoad, _LOAD, "load")
         if not 0.0 < number(part, "part") < np.inf:
             raise InputError(f"found {part:g}; it must be a finite number greater than 0.", place="part")
+        require_memory_for_proximal_steps(len(load.nodal), len(self.gaps))
         held = self.discretisation.held.values
         return self._chosen(load, self.condensed.core.solve_carefully(load.nodal, held, part, closed, progress))
 
@@ -366,11 +321,6 @@ class ContactProblem(Remade):
         """Seconds spent to assemble, order, factor and condense."""
         order, assemble, factor, condense = self.core.seconds
         return {"order": order, "assemble": assemble, "factor": factor, "condense": condense}
-
-
-def spring_arrays(found: Discretisation) -> tuple[Ints, Floats, Floats, Floats]:
-    """Springs the way the core takes them."""
-    return found.springs.arrays
 
 
 def contact_problem(model: Model | Discretisation) -> ContactProblem:
@@ -385,105 +335,6 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     """
     found = model if isinstance(model, Discretisation) else discretise(model)
     freedom = rigid_freedom(found)
-    return _factored(found, freedom, _method(found))
-
-
-def _require_condensable(points: int, of_all: bool, asked: str) -> None:
-    advice = "Take a coarser mesh, or give long lines and areas a stiffness."
-    if of_all and asked == "lemke":
-        advice = 'Leave solver.method at "auto", which condenses fewer.'
-    if points > MOST_POINTS:
-        raise InputError(
-            f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. {advice}",
-            place="support",
-        )
-    require_memory_for_points(points, advice, "support")
-
-
-def _factored(found: Discretisation, freedom: RigidFreedom, method: Method) -> ContactProblem:
-    contacts = found.contacts
-    # What the interior point method finds is made exact by one of the others.
-    many = len(contacts) > MOST_POINTS
-    by_active_set = method == "active_set" or (method == "interior_point" and many)
-    condensed = int((contacts.two_sided | (not by_active_set)).sum())
-    _require_condensable(condensed, not by_active_set, found.model.solver.method)
-    # The points of the active set are springs to the condensed ones, and hold what they hold.
-    motions = freedom.motions[:, :0] if by_active_set else freedom.motions
-    core = _core_problem(found, contacts, _regularization(found, freedom), motions, by_active_set)
-    return ContactProblem(found, freedom, core, method)
-
-
-def _core_problem(
-    found: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, by_active_set: bool
-) -> _core.ContactProblem:
-    """Order, factor and condense; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
-    free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T
-    rows = contacts.rows
-    try:
-        return _core.ContactProblem(
-            found.plate,
-            found.held.dofs,
-            spring_arrays(found),
-            (
-                rows.elements,
-                rows.coefficients,
-                contacts.distance,
-                contacts.compliance,
-                contacts.two_sided,
-                carried,
-            ),
-            free_motions,
-            by_active_set,
-        )
-    except RuntimeError as error:
-        if found.model.plate.element == "q8r":
-            raise InputError(
-                "q8r bends in some shapes without resistance, and on this mesh the supports do not hold them all. "
-                'Take element = "mitc9" or a finer mesh.',
-                place="plate.element",
-            ) from None
-        if soft := softest(found):
-            raise InputError(soft.why, place=soft.place) from None
-        why = of_shape(found) or (
-            "The plate's parts are too unlike for double precision: see that the thickness, the elements' sides and "
-            "the stiffnesses of the supports do not differ wildly."
-        )
-        raise InputError(f"The stiffness matrix cannot be factored: {error}. {why}", place="plate") from None
-    except MemoryError:
-        raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
-
-
-def _regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
-    """Stiffness (m,) that the factor carries at contact points.
-
-    Compliant ones are there with their own, unless they are stiffer than the plate in shear; where one-sided supports
-    alone hold the plate, some rigid ones are there too, about as stiff as a plate under a point load.
-    """
-    contacts, material = found.contacts, found.model.material
-    thickness = found.thickness.max()
-    shear = found.model.plate.shear_factor * material.E * thickness / (2 * (1 + material.nu))
-    with np.errstate(divide="ignore"):
-        stiffness = np.where(contacts.compliance > 0, 1.0 / contacts.compliance, np.inf)
-    carried = np.where(stiffness <= shear, stiffness, 0.0)
-    if not freedom.regular:
-        rigidity = _CARRIED * material.E * thickness**3 / 12
-        needed = np.zeros(len(contacts))
-        needed[contacts.two_sided] = rigidity
-        needed[restraining_points(freedom, np.minimum(stiffness, rigidity / found.mesh.size**2))] = rigidity
-        needed[~contacts.slope] /= found.mesh.size**2
-        carried = np.maximum(carried, np.minimum(needed, stiffness))
-    return np.asarray(carried)
-
-
-def _method(found: Discretisation) -> Method:
-    """The method asked for, or else the better one; without one-sided points all come to Lemke's without a pivot."""
-    asked, contacts = found.model.solver.method, found.contacts
-    one_sided = ~contacts.two_sided
-    if not one_sided.any():
-        return "lemke"
-    if asked != "auto":
-        return asked
-    in_areas = np.array([support.area is not None for support in found.model.support])[contacts.support]
-    elastic, areal = contacts.compliance[one_sided] > 0, in_areas[one_sided]
-    many = elastic.sum() > _FEW or areal.sum() > _FEW_IN_AREAS or len(areal) > _FEW_RIGID
-    return "active_set" if many else "lemke"
+    method = method_of(found)
+    base = base_of(found, method)
+    return ContactProblem(found, freedom, method, _cores={base: factored(found, freedom, base)})

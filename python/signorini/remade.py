@@ -17,16 +17,17 @@ class Remade:
     Examples
     --------
     >>> import pickle
-    >>> from signorini import Model, contact_problem
+    >>> from signorini import Model
+    >>> from signorini.discretise import discretise
     >>> model = Model(
     ...     material={"E": 30e9, "nu": 0.2},
     ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
     ...     support=[{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
     ...     load=[{"pressure": 5e3}],
     ... )
-    >>> problem = contact_problem(model)
-    >>> again = pickle.loads(pickle.dumps(problem))
-    >>> "core" in again.__dict__, again.core.factor_entries == problem.core.factor_entries, "core" in again.__dict__
+    >>> found = discretise(model)
+    >>> again = pickle.loads(pickle.dumps(found))
+    >>> "plate" in again.__dict__, again.plate.dof_count == found.plate.dof_count, "plate" in again.__dict__
     (False, True, True)
     """
 

@@ -23,7 +23,6 @@ from signorini.mesh import Location, Mesh
 from signorini.model import Model
 from signorini.notebook import supports_table
 from signorini.probe_result import ProbeResult, probe_results, total_pressure
-from signorini.problem import spring_arrays
 from signorini.remade import Remade
 from signorini.sketch import pressure_layer, support_mark
 from signorini.support_result import SupportResult, support_result
@@ -109,7 +108,7 @@ class Result(Remade):
         spread = found.point_rows.T @ answer.shared
         held_force = np.zeros(found.dof_count)
         if found.held.dofs.any():
-            imbalance = found.plate.residual(spring_arrays(found), load.nodal, hi, lo)
+            imbalance = found.plate.residual(found.springs.arrays, load.nodal, hi, lo)
             held_force = np.where(found.held.dofs, imbalance - spread, 0.0)
         pull = found.spring_forces(hi, lo)
         nodal_reaction = held_force + spread + found.spring_rows.T @ pull

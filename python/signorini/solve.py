@@ -8,35 +8,23 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from signorini.answer import Answer
 from signorini.arguments import known, made_by, watching
-from signorini.certificate import Certificate, certified
 from signorini.combine import Combined, combine
-from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.discretise.rows import Bools
+from signorini.discretise import Discretisation, discretise
 from signorini.equilibrium import rigid_freedom
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, UnknownNameError
 from signorini.model import Combination, Model
-from signorini.problem import ContactProblem, Method, Steps, contact_problem
+from signorini.problem import ContactProblem, contact_problem
 from signorini.progress import Progress, Watcher
 from signorini.refusal import refusal, uncertain
 from signorini.remade import Remade
 from signorini.result import Result, unsolved_result
-from signorini.stability import CONTRADICTION, nearest_limit, supports_contradict, why_none
+from signorini.stability import CONTRADICTION, nearest_limit, why_none
+from signorini.strategy import answered
 from signorini.together import mean_load, solve_several
 
 _REASONS = 5
 """Combinations without equilibrium that a message names where none has one."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Tried:
-    """An answer, how it came about, and what it is worth."""
-
-    methods: list[Method]
-    answer: Answer
-    certificate: Certificate | None
-    contradiction: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,7 +265,7 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
     message = why_none(found, problem.freedom, combination)
     if message:
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
-    tried = _answer(problem, load, steps)
+    tried = answered(problem, load, steps)
     spent = time.perf_counter() - begun
     if tried.contradiction:
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
@@ -286,39 +274,7 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
         raise NotCertifiedError(
             f'Combination "{combination.name}" has no answer that could be certified. {uncertain(found)}'
         )
-    if not tried.certificate.passed:
+    if not tried.passed:
         why = refusal(combination.name, found, load, tried.answer, tried.certificate)
         raise NotCertifiedError(f"Combination {why}")
     return Result.of(found, combination.name, tried.methods, load, tried.answer, tried.certificate), spent
-
-
-def _answer(problem: ContactProblem, load: CaseLoad, steps: Steps) -> _Tried:
-    """Solve one load and certify the answer; where that fails, ask in every other form and by every other method.
-
-    A basis that rounding makes singular in one form is regular in another. If no answer is certified the first stands.
-    """
-    found = problem.discretisation
-    first: _Tried | None = None
-    near: Bools | None = None
-    methods: list[Method] = []
-    consistent = False
-    for attempt in problem.attempts():
-        methods += [] if attempt.problem.method in methods else [attempt.problem.method]
-        for closed in [near, None] if attempt.part is not None and near is not None else [None]:
-            answer = attempt.solve(load, steps, closed)
-            certificate = None
-            if answer.status == "solved":
-                answer, certificate = certified(found, load, answer)
-            elif answer.status == "no_equilibrium" and not consistent:
-                if supports_contradict(found):
-                    return _Tried(list(methods), answer, None, contradiction=True)
-                consistent = True
-            tried = _Tried(list(methods), answer, certificate)
-            if certificate is not None and certificate.passed:
-                return tried
-            if certificate is not None:
-                near = answer.closed
-            first = first if first and (first.certificate or not certificate) else tried
-    assert first is not None, "there are attempts"
-    contradiction = not consistent and supports_contradict(found)
-    return _Tried(methods, first.answer, first.certificate, contradiction)

@@ -44,21 +44,30 @@ def solve_several(
     single : callable
         Solves one combination by itself.
     begin : callable
-        Called with the name of the first combination of those that begin; what it raises ends the run.
+        Called with the name of the first combination of those that begin, and again after their steps; what it raises
+        ends the run.
     """
     found = problem.discretisation
     rays = allowed_motions(problem.freedom.on_mesh)
     numbers = 8 * found.dof_count + 4 * len(found.contacts)
     size = int(np.clip(_MOST_NUMBERS // numbers, _FEWEST, _MOST))
     for first in range(0, len(combinations), size):
-        begin(combinations[first].name)
-        yield from _solve(problem, rays, combinations[first : first + size], single)
+        yield from _solve(problem, rays, combinations[first : first + size], single, begin)
 
 
 def _solve(
-    problem: ContactProblem, rays: Floats, combinations: Sequence[Combination], single: Callable[[Combination], Result]
+    problem: ContactProblem,
+    rays: Floats,
+    combinations: Sequence[Combination],
+    single: Callable[[Combination], Result],
+    begin: Callable[[str], None],
 ) -> Iterator[Result]:
     found = problem.discretisation
+
+    def watch() -> None:
+        begin(combinations[0].name)
+
+    watch()
     loads = {
         number: load
         for number, combination in enumerate(combinations)
@@ -70,7 +79,7 @@ def _solve(
             np.array([getattr(load, part) for load in loads.values()]).reshape(len(loads), -1)
             for part in ("nodal", "curvature", "couples")
         )
-        solved = _core.solve_together(problem.core, problem.reference, nodal, found.held.values)
+        solved = _core.solve_together(problem.core, problem.reference, nodal, found.held.values, watch)
         stresses = _core.solution_stresses(found.plate, solved, curvatures, couples)
         answers = dict(zip(loads, zip(solved, stresses, strict=True), strict=True))
     for number, combination in enumerate(combinations):

@@ -19,7 +19,7 @@ import numpy as np
 
 from signorini import Model, _core
 from signorini.discretise import Discretisation
-from signorini.problem import ContactProblem, contact_problem, spring_arrays
+from signorini.problem import ContactProblem, contact_problem
 
 ORDINARY = (ValueError, TypeError, RuntimeError, MemoryError, OverflowError)
 
@@ -90,7 +90,7 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
         *most, elements, rigidities = arguments
         _core.Plate(*most, None, (elements, rigidities))
 
-    spring = list(spring_arrays(found))
+    spring = list(found.springs.arrays)
     centre = np.zeros(2 * len(mesh.elements))
     lcp = problem.lcp(load)
     core, _, rest, cases, points, shared, reference, solved = made(problem, found)

@@ -10,7 +10,6 @@ use super::condense::{Form, FreeMotions, InterfaceResidual, PosedLcp};
 use super::problem::ContactProblem;
 use super::responses::Response;
 use crate::contact::tolerances;
-
 use crate::lcp::{Lcp, LcpFamily, LcpStatus, LemkeOptions, lemke};
 use on_set::OnSet;
 use rayon::prelude::*;
@@ -73,7 +72,9 @@ impl ContactProblem {
         let mut shared = CombinedCases { form, lcp, motions, q, family: None, on_set, distance, rest, cases };
         let (_, q) = shared.pose(&vec![1.0; shared.cases.len()]);
         let posed = Lcp::new(&shared.lcp.matrix, &q).ok();
-        let found = posed.and_then(|lcp| Some((lcp, lemke(&lcp, &LemkeOptions::default()).ok()?)));
+        let covering = self.covering(&shared.lcp.point, &shared.lcp.gap_is_z);
+        let options = LemkeOptions { covering: Some(&covering), ..LemkeOptions::default() };
+        let found = posed.and_then(|lcp| Some((lcp, lemke(&lcp, &options).ok()?)));
         if let Some((lcp, all)) = found {
             shared.family = LcpFamily::new(&lcp, &all.basis).ok().flatten();
             shared.on_set.begin_with(self.base.condensed.closed_points(&shared.lcp, &all.basis));
@@ -112,7 +113,7 @@ impl ContactProblem {
         }
         let closed = self.base.condensed.closed_points(&shared.lcp, &basis);
         let travel = match shared.form {
-            Form::Dual => sum.moved.iter().fold(0.0, |a: f64, b| a.max(b.abs())),
+            Form::Dual => (0..count).map(|i| self.lever(i) * sum.moved[i].abs()).fold(0.0, f64::max),
             Form::Stiffness => 0.0,
         };
         match shared.on_set.solve(&closed, &shared.distance, &sum.moved, &sum.reaction) {
@@ -127,13 +128,16 @@ impl ContactProblem {
 
     /// Whether every reaction pushes and every gap is open, beyond rounding.
     fn certain(&self, reaction: &[f64], gap: &[f64], travel: f64) -> bool {
-        let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let force = tolerances::SIGN * largest(reaction);
+        let force = tolerances::SIGN * self.largest_force(&[], reaction);
         let distance = &self.constraints.distance;
-        let moved = distance.iter().zip(gap).fold(0.0, |most: f64, (distance, gap)| most.max((distance - gap).abs()));
+        let moved = (0..gap.len()).map(|i| self.lever(i) * (distance[i] - gap[i]).abs()).fold(0.0, f64::max);
         // A stop far away says nothing of what happens at others.
-        let length = |i: usize| (tolerances::SIGN * moved.max(distance[i].abs())).max(tolerances::RESIDUAL * travel);
-        let holds = |i: usize| self.constraints.two_sided[i] || (reaction[i] >= -force && gap[i] >= -length(i));
+        let length = |i: usize| {
+            let moved = moved / self.lever(i);
+            (tolerances::SIGN * moved.max(distance[i].abs())).max(tolerances::RESIDUAL * travel / self.lever(i))
+        };
+        let holds =
+            |i: usize| self.constraints.two_sided[i] || (reaction[i] >= -force * self.lever(i) && gap[i] >= -length(i));
         let finite = reaction.iter().chain(gap).all(|value| value.is_finite());
         finite && (0..reaction.len()).all(holds)
     }

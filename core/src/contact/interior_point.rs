@@ -172,9 +172,7 @@ impl ContactProblem {
         let start = interior_point(&self.plate, &self.springs, &self.held, held_value, &all, load, watch);
         let mut solution = match start.outcome {
             Outcome::Solved => self.solve_from(load, held_value, &start.as_start(), watch)?,
-            Outcome::NoEquilibrium => self.without_solution(held_value, Outcome::NoEquilibrium),
-            Outcome::Interrupted => self.without_solution(held_value, Outcome::Interrupted),
-            Outcome::Unsolved => self.solve(load, held_value, None, None, watch)?,
+            outcome => self.without_solution(held_value, outcome),
         };
         solution.iterations += start.iterations;
         Ok(solution)

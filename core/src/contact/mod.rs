@@ -1,23 +1,25 @@
 //! Plates on one-sided supports: min ½uᵀKu − fᵀu subject to Gu ≤ g.
 //!
-//! From the ground up: `tolerances`; `condense`, from a plate on constraints to a linear complementarity problem and back;
-//! `points` of an active set; `problem`, the factor that every load case shares; `solution`, what one is answered with, and
-//! `start`, an answer to begin with; `rigid` motions; `refinement`, the residual and its corrections. On these stand the
-//! methods that look for the closed set: `active_set`, `proximal` where rounding decides, `interior_point`; and `solve`,
-//! from a load to displacements, reactions and gaps. `path` follows a load that grows; `responses` and `combine` solve many
-//! combinations of a few load cases at once.
+//! From the ground up: `tolerances`; `scale`, what forces and lengths are compared with; `condense`, from a plate on
+//! constraints to a linear complementarity problem and back; `points` of an active set; `problem`, the factor that every
+//! load case shares; `solution`, what one is answered with, and `start`, an answer to begin with; `rigid` motions; `kkt`,
+//! the equations of one contact set, their solvers and their refinement. On these stand the methods that look for the
+//! closed set: `active_set`, `proximal` where rounding decides, `interior_point`; and `solve`, from a load to displacements,
+//! reactions and gaps. `path` follows a load that grows; `responses` and `combine` solve many combinations of a few load
+//! cases at once.
 
 mod active_set;
 pub mod combine;
 pub mod condense;
 pub mod interior_point;
+mod kkt;
 pub mod path;
 mod points;
 pub mod problem;
 mod proximal;
-mod refinement;
 pub mod responses;
 mod rigid;
+mod scale;
 pub mod solution;
 pub mod solve;
 mod start;

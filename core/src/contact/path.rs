@@ -32,7 +32,7 @@ impl ContactProblem {
                 tolerances::proximal::COMPLIANCE,
                 None,
                 &mut |_| true,
-            )
+            )?
         } else {
             self.solve(load.start, load.held_value, None, None, &mut |_| true)?
         };

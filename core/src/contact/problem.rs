@@ -2,12 +2,13 @@
 
 use super::condense::Condensed;
 use super::points::ActivePoints;
+use super::scale::Scale;
 use crate::assembly::{HELD, Numbering, assemble};
 use crate::cholesky::{Analysis, Factor, FactorError};
 use crate::contact::tolerances;
 use crate::element::{DOFS, Kind};
 use crate::plate::Plate;
-use crate::residual::{Displacement, Rows, Springs, residual};
+use crate::residual::{Rows, Springs};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -65,6 +66,9 @@ pub struct ContactProblem {
     pub numbering: Numbering,
     pub base: Factored,
     pub seconds: Seconds,
+    pub(super) scale: Scale,
+    /// By what what is left of a condensed point's gap is a length.
+    pub(super) levers: Vec<f64>,
     analysis: Analysis,
     pub(super) first_limit: f64,
 }
@@ -99,7 +103,23 @@ impl ContactProblem {
         let mut analysis = None;
         let base = parts.factored_or_firmer(&numbering, all_closed, may_float, &mut analysis, &mut seconds)?;
         let Some(analysis) = analysis else { unreachable!("a factor has its analysis") };
-        Ok(Self { plate, springs, held, constraints, active, order, numbering, base, seconds, analysis, first_limit })
+        let scale = Scale::of(&plate);
+        let levers = (0..constraints.rows.len()).map(|row| scale.lever(&constraints.rows, row)).collect();
+        Ok(Self {
+            plate,
+            springs,
+            held,
+            constraints,
+            active,
+            order,
+            numbering,
+            base,
+            seconds,
+            scale,
+            levers,
+            analysis,
+            first_limit,
+        })
     }
 
     /// The factor with other stiffnesses at the points of the active set; the analysis is kept.
@@ -161,11 +181,6 @@ impl ContactProblem {
         Ok(self.scatter(&ordered))
     }
 
-    /// row_i·vector for every contact point.
-    pub fn at_points(&self, vector: &[f64]) -> Vec<f64> {
-        (0..self.constraints.rows.len()).map(|i| self.constraints.rows.dot(&self.plate, i, vector)).collect()
-    }
-
     /// Adds Gᵀ·factor to a nodal vector.
     pub fn spread(&self, factor: &[f64], vector: &mut [f64]) {
         for (i, &value) in factor.iter().enumerate() {
@@ -173,24 +188,6 @@ impl ContactProblem {
                 self.constraints.rows.scatter(&self.plate, i, value, vector);
             }
         }
-    }
-
-    /// f − Ku − springs − Gᵀ·reaction at every dof: out of balance where free, the support's upward force where held.
-    ///
-    /// Forces of the active set's points are not among them.
-    pub fn imbalance(&self, load: &[f64], displacement: &Displacement, reaction: &[f64]) -> Vec<f64> {
-        let mut out = residual(&self.plate, &self.springs, load, displacement);
-        let downward: Vec<f64> = reaction.iter().map(|r| -r).collect();
-        self.spread(&downward, &mut out);
-        out
-    }
-
-    /// distance − row·u + compliance·reaction: what is left of each gap, in double-double.
-    pub fn remaining(&self, displacement: &Displacement, reaction: &[f64]) -> Vec<f64> {
-        let c = &self.constraints;
-        (0..c.rows.len())
-            .map(|i| c.compliance[i] * reaction[i] - c.rows.beyond(&self.plate, i, displacement, c.distance[i]))
-            .collect()
     }
 }
 

@@ -133,11 +133,8 @@ impl ContactProblem {
             let left = |i: usize| -self.constraints.rows.beyond(&self.plate, i, &draft.displacement, target(i));
             draft.remaining = (0..draft.reaction.len()).map(left).collect();
         }
-        draft.worst = 0.0;
-        for (value, &held) in out.iter_mut().zip(&self.held) {
-            *value = if held { 0.0 } else { *value };
-            draft.worst = draft.worst.max(value.abs());
-        }
+        self.release_held(&mut out);
+        draft.worst = self.scale.largest(&out);
         draft.imbalance = out;
     }
 
@@ -176,7 +173,7 @@ impl ContactProblem {
                 (draft.displacement, draft.reaction, draft.worst) = before;
                 draft.settled = true;
             } else {
-                let force = draft.size();
+                let force = self.size(draft);
                 draft.settled = draft.worst <= tolerances::RESPONSE * force
                     || (round > 0 && draft.worst > tolerances::PROGRESS * before.2);
             }
@@ -201,16 +198,14 @@ impl ContactProblem {
         };
         Response { displacement: draft.displacement, reaction, moved, work, work_size }
     }
-}
 
-impl Draft<'_> {
-    /// The largest nodal force.
-    fn size(&self) -> f64 {
-        let load = match self.action {
+    /// The largest force of a draft.
+    fn size(&self, draft: &Draft) -> f64 {
+        let load = match draft.action {
             Action::Load(load) => load,
             _ => &[],
         };
-        let pushed = if matches!(self.action, Action::Point(_)) && self.remaining.is_empty() { 1.0 } else { 0.0 };
-        load.iter().chain(&self.reaction).fold(pushed, |largest: f64, f| largest.max(f.abs()))
+        let pushed = if matches!(draft.action, Action::Point(_)) && draft.remaining.is_empty() { 1.0 } else { 0.0 };
+        self.largest_force(load, &draft.reaction).max(pushed)
     }
 }

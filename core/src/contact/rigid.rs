@@ -1,5 +1,6 @@
-//! Rigid motions of a plate: its size, the motions at its dofs, and three equations in double-double.
+//! Rigid motions of a plate: the motions at its dofs, and three equations in double-double.
 
+use super::scale::Scale;
 use super::tolerances;
 use crate::double_double::DoubleDouble;
 use crate::plate::Plate;
@@ -18,20 +19,9 @@ pub(super) fn rigid_motions(plate: &Plate, centre: [f64; 2], size: f64) -> [Vec<
     [motion(0), motion(1), motion(2)]
 }
 
-/// Middle and size of the box around a plate.
-pub(super) fn extent(plate: &Plate) -> ([f64; 2], f64) {
-    let over = |k: usize, choose: fn(f64, f64) -> f64, start: f64| {
-        (0..plate.node_count()).map(|node| plate.point(node)[k]).fold(start, choose)
-    };
-    let least = [over(0, f64::min, f64::INFINITY), over(1, f64::min, f64::INFINITY)];
-    let most = [over(0, f64::max, f64::NEG_INFINITY), over(1, f64::max, f64::NEG_INFINITY)];
-    let centre = [0.5 * (least[0] + most[0]), 0.5 * (least[1] + most[1])];
-    (centre, f64::max(most[0] - least[0], most[1] - least[1]))
-}
-
 /// The rigid motion (deflection and slopes at the middle) nearest to the deflections of the nodes.
-pub(super) fn rigid_part(plate: &Plate, nodal: &[f64]) -> [f64; 3] {
-    let (centre, size) = extent(plate);
+pub(super) fn rigid_part(plate: &Plate, scale: &Scale, nodal: &[f64]) -> [f64; 3] {
+    let &Scale { centre, size, .. } = scale;
     let mut matrix = [[DoubleDouble::default(); 3]; 3];
     let mut right = [DoubleDouble::default(); 3];
     for (node, deflection) in nodal.iter().step_by(3).enumerate() {
@@ -48,11 +38,6 @@ pub(super) fn rigid_part(plate: &Plate, nodal: &[f64]) -> [f64; 3] {
     [w, sx / size, sy / size]
 }
 
-/// D = Et³/12 of the thickest element.
-pub(super) fn rigidity(plate: &Plate) -> f64 {
-    plate.material.young * plate.thickness.most().powi(3) / 12.0
-}
-
 /// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero.
 pub(super) fn eliminated(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleDouble; 3]) -> ([f64; 3], f64) {
     let mut order = Vec::new();
@@ -62,7 +47,7 @@ pub(super) fn eliminated(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleD
         let left = (0..3).filter(|i| !order.contains(i));
         let Some(pivot) = left.max_by(|&a, &b| matrix[a][a].hi.total_cmp(&matrix[b][b].hi)) else { break };
         largest = largest.max(matrix[pivot][pivot].hi);
-        if matrix[pivot][pivot].hi <= tolerances::proximal::HELD * largest {
+        if matrix[pivot][pivot].hi <= tolerances::HELD * largest {
             break;
         }
         order.push(pivot);

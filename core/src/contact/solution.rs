@@ -1,5 +1,6 @@
 //! What a contact problem is answered with.
 
+use super::problem::ContactProblem;
 use crate::residual::Displacement;
 
 /// One step of a solve, to whoever watches.
@@ -89,6 +90,72 @@ impl ContactSolution {
         }
         self.closed.fill(false);
         Self { outcome, ..self }
+    }
+}
+
+impl ContactProblem {
+    /// What there is to say where no solution was found.
+    pub(super) fn without_solution(&self, held_value: &[f64], outcome: Outcome) -> ContactSolution {
+        self.at_rest(held_value).failed(outcome)
+    }
+
+    /// Without a load or a reaction, and with the condensed points alone.
+    pub(super) fn at_rest(&self, held_value: &[f64]) -> ContactSolution {
+        let m = self.constraints.rows.len();
+        let mut displacement = Displacement::zeros(self.plate.dof_count());
+        for (dof, &held) in self.held.iter().enumerate() {
+            if held {
+                displacement.hi[dof] = held_value[dof];
+            }
+        }
+        ContactSolution {
+            outcome: Outcome::Unsolved,
+            displacement,
+            reaction: vec![0.0; m],
+            gap: vec![0.0; m],
+            closed: self.constraints.two_sided.clone(),
+            pivots: 0,
+            iterations: 0,
+            gradients: 0,
+            factorizations: 0,
+            corrections: 0,
+        }
+    }
+
+    /// The same on a contact set, given in the caller's order: every point, in the problem's order.
+    pub(super) fn at_rest_on(&self, held_value: &[f64], closed: &[bool]) -> ContactSolution {
+        let m = closed.len();
+        let closed = self.in_place(closed);
+        ContactSolution { reaction: vec![0.0; m], gap: vec![0.0; m], closed, ..self.at_rest(held_value) }
+    }
+
+    /// A contact set in the problem's order, the condensed points before those of the active set.
+    pub(super) fn in_place(&self, closed: &[bool]) -> Vec<bool> {
+        self.order.condensed.iter().chain(&self.order.active).map(|&i| closed[i]).collect()
+    }
+
+    /// A solution of every point in the caller's order.
+    pub(super) fn in_order(&self, found: ContactSolution) -> ContactSolution {
+        if self.active.is_empty() {
+            return found;
+        }
+        let mut all = found.clone();
+        for (at, &i) in self.order.condensed.iter().chain(&self.order.active).enumerate() {
+            (all.reaction[i], all.gap[i], all.closed[i]) = (found.reaction[at], found.gap[at], found.closed[at]);
+        }
+        all
+    }
+
+    /// Takes back the reactions of points that are open now.
+    pub(super) fn release_open(&self, solution: &mut ContactSolution) -> bool {
+        let mut any = false;
+        for (reaction, &closed) in solution.reaction.iter_mut().zip(&solution.closed) {
+            if !closed && *reaction != 0.0 {
+                *reaction = 0.0;
+                any = true;
+            }
+        }
+        any
     }
 }
 

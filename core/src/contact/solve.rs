@@ -1,14 +1,13 @@
 //! From a load to displacements, reactions and gaps.
 
 use super::condense::{Form, PosedLcp};
+use super::kkt::{Interface, Reduced};
 use super::problem::ContactProblem;
-use super::refinement::Reduced;
 use super::solution::{ContactSolution, Outcome, Progress, pivoting};
 use super::start::{Reference, Start};
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke_watched};
-use crate::residual::Displacement;
 
 /// At most this many contact states.
 const STATES: usize = 60;
@@ -16,8 +15,7 @@ const STATES: usize = 60;
 impl ContactProblem {
     /// Solves for one nodal load with the held dofs at `held_value` (both vectors over all dofs).
     ///
-    /// `form` chooses the unknowns of the LCP, see [`super::condense`]; the better conditioned one if `None`, and the
-    /// other one where that is beyond the arithmetic. The
+    /// `form` chooses the unknowns of the LCP, see [`super::condense`]; the better conditioned one if `None`. The
     /// solution is refined with the double-double residual; if that shows a point on the wrong side, the LCP is posed
     /// again with the refined figures. `watch` sees every step of an active set and stops it by returning false.
     pub fn solve(
@@ -28,12 +26,7 @@ impl ContactProblem {
         max_pivots: Option<usize>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
-        let solution = self.solve_beginning(load, held_value, form, max_pivots, None, watch)?;
-        if solution.outcome == Outcome::Unsolved && form.is_none() && self.active.is_empty() {
-            let other = if self.base.condensed.better_form() == Form::Dual { Form::Stiffness } else { Form::Dual };
-            return self.solve_beginning(load, held_value, Some(other), max_pivots, None, watch);
-        }
-        Ok(solution)
+        self.solve_beginning(load, held_value, form, max_pivots, None, watch)
     }
 
     /// As [`ContactProblem::solve`], beginning with the contact set, and for an active set with the displacement and the
@@ -73,7 +66,7 @@ impl ContactProblem {
         }
         let with = &self.base;
         let form = form.unwrap_or(with.condensed.better_form());
-        let mut solution = self.at_rest(load.len(), held_value);
+        let mut solution = self.at_rest(held_value);
         let mut first = start.map(|start| start.closed);
         let mut step = self.residual(load, &solution);
         let mut reduced = self.reduced(with, &step, form)?;
@@ -93,7 +86,12 @@ impl ContactProblem {
                     step = self.residual(load, &solution);
                     reduced = self.reduced(with, &step, form)?;
                 }
-                step = self.refine(load, &state, step, reduced, &mut solution)?;
+                let with = &self.base;
+                let mut interface = Interface { problem: self, with, state: &state, reduced: Some(reduced) };
+                let Some(left) = self.refine(load, 0.0, &mut interface, step, &mut solution)? else {
+                    return Ok(solution.failed(Outcome::Unsolved));
+                };
+                step = left;
             }
             solution.leave_open(&step.remaining);
             if settled || self.signs_hold(load, tolerances::RESIDUAL * travel, &solution) {
@@ -106,37 +104,10 @@ impl ContactProblem {
 
     /// The LCP that [`ContactProblem::solve`] poses first.
     pub fn lcp(&self, load: &[f64], held_value: &[f64], form: Option<Form>) -> Result<PosedLcp, FactorError> {
-        let rest = self.at_rest(load.len(), held_value);
+        let rest = self.at_rest(held_value);
         let form = form.unwrap_or(self.base.condensed.better_form());
         let reduced = self.reduced(&self.base, &self.residual(load, &rest), form)?;
         Ok(self.base.condensed.lcp(form, &reduced.interface, &rest.reaction))
-    }
-
-    /// What there is to say where no solution was found.
-    pub(super) fn without_solution(&self, held_value: &[f64], outcome: Outcome) -> ContactSolution {
-        self.at_rest(self.plate.dof_count(), held_value).failed(outcome)
-    }
-
-    pub(super) fn at_rest(&self, dofs: usize, held_value: &[f64]) -> ContactSolution {
-        let m = self.constraints.rows.len();
-        let mut displacement = Displacement::zeros(dofs);
-        for dof in 0..dofs {
-            if self.held[dof] {
-                displacement.hi[dof] = held_value[dof];
-            }
-        }
-        ContactSolution {
-            outcome: Outcome::Unsolved,
-            displacement,
-            reaction: vec![0.0; m],
-            gap: vec![0.0; m],
-            closed: self.constraints.two_sided.clone(),
-            pivots: 0,
-            iterations: 0,
-            gradients: 0,
-            factorizations: 0,
-            corrections: 0,
-        }
     }
 
     /// Poses the LCP from where the solution stands and solves it, beginning with a contact set if there is one.
@@ -153,7 +124,8 @@ impl ContactProblem {
             return (Outcome::Solved, self.constraints.two_sided.clone());
         }
         let posed = self.base.condensed.lcp(form, &reduced.interface, &solution.reaction);
-        let options = LemkeOptions { max_pivots, ..LemkeOptions::default() };
+        let covering = self.covering(&posed.point, &posed.gap_is_z);
+        let options = LemkeOptions { covering: Some(&covering), max_pivots };
         let basis = first.map(|closed| self.base.condensed.basis(&posed, closed));
         let solved = Lcp::new(&posed.matrix, &posed.q)
             .and_then(|lcp| lemke_watched(&lcp, &options, basis.as_deref(), &mut pivoting(watch)));
@@ -169,28 +141,17 @@ impl ContactProblem {
         }
     }
 
-    /// Takes back the reactions of points that are open now.
-    pub(super) fn release_open(&self, solution: &mut ContactSolution) -> bool {
-        let mut any = false;
-        for (reaction, &closed) in solution.reaction.iter_mut().zip(&solution.closed) {
-            if !closed && *reaction != 0.0 {
-                *reaction = 0.0;
-                any = true;
-            }
-        }
-        any
-    }
-
-    /// Size of the first element.
-    pub(super) fn across(&self) -> f64 {
-        self.plate.geometry(0).at.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()))
-    }
-
-    /// Largest nodal load; a couple counts by the force that it is at the size of the first element.
-    fn largest_load(&self, load: &[f64]) -> f64 {
-        let across = self.across();
-        let size = |(dof, f): (usize, &f64)| if dof % 3 == 0 { f.abs() } else { f.abs() / across };
-        load.iter().enumerate().map(size).fold(0.0, f64::max)
+    /// A covering vector (k,) for rows of the points, of which w is the reaction where z is the gap: a force and the length
+    /// by which it bends the plate, so that Lemke's path does not depend on units.
+    pub(super) fn covering(&self, points: &[usize], gap_is_z: &[bool]) -> Vec<f64> {
+        let power_of_two = |x: f64| x.log2().round().exp2();
+        let root = power_of_two(self.scale.stiffness.sqrt());
+        let rows = points.iter().zip(gap_is_z);
+        rows.map(|(&i, gap_is_z)| {
+            let lever = power_of_two(self.lever(i));
+            if *gap_is_z { root * lever } else { 1.0 / (root * lever) }
+        })
+        .collect()
     }
 
     /// Whether no reaction pulls and no gap is negative; lengths up to `nil` are none.
@@ -198,13 +159,14 @@ impl ContactProblem {
         let c = &self.constraints;
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         // Without a load, reactions are what the plate's stiffness makes of gaps.
-        let load = match self.largest_load(load) {
+        let load = match self.scale.largest(load) {
             0.0 => largest(&c.regularization) * largest(&c.distance),
             load => load,
         };
-        let force = tolerances::SIGN * largest(&solution.reaction).max(load);
-        let length: Vec<f64> = self.lengths(solution).iter().map(|l| (tolerances::SIGN * l).max(nil)).collect();
-        let holds = |i: usize| solution.reaction[i] >= -force && solution.gap[i] >= -length[i];
-        (0..c.two_sided.len()).all(|i| c.two_sided[i] || holds(i))
+        let force = tolerances::SIGN * self.largest_force(&[], &solution.reaction).max(load);
+        let length = self.lengths(solution);
+        let pushes = |i: usize| solution.reaction[i] >= -force * self.lever(i);
+        let opens = |i: usize| solution.gap[i] >= -(tolerances::SIGN * length[i]).max(nil / self.lever(i));
+        (0..c.two_sided.len()).all(|i| c.two_sided[i] || (pushes(i) && opens(i)))
     }
 }

@@ -13,6 +13,24 @@ pub(super) const SIGN: f64 = 1e-11;
 /// A correction that leaves more than this part of the residual before it is the last: two bits are not worth a solve.
 pub(super) const PROGRESS: f64 = 0.25;
 
+/// Residual of a solution of a set's equations, over what each of its entries is measured by.
+pub(super) const SOLVED: f64 = 1e-9;
+
+/// Units of rounding of the plate's own forces that a solution may leave if that is more: still more is left where a
+/// plate has yet to reach what holds it.
+pub(super) const ROUNDINGS: f64 = 4.0;
+
+/// Ten directions that together leave more than this part of the residual are the last.
+pub(super) const SLOW: f64 = 0.7;
+
+/// What a set's solution may leave before it is found anew, with nothing kept of the set before: four digits more than
+/// [`SIGN`] needs to be sure of what it judges.
+pub(super) const STALE: f64 = 1e-11;
+
+/// A pivot, in double-double, below this part of the largest is rounding of the lever arms: nothing holds that motion.
+/// 10¹⁰ times the square of ε.
+pub(super) const HELD: f64 = 1e-22;
+
 /// Residual, over the largest nodal force, of a response that is not worth another correction: sums of responses add no
 /// digits to it.
 pub(super) const RESPONSE: f64 = 1e-13;
@@ -79,9 +97,6 @@ pub(super) mod newton {
     /// contradict each other.
     pub(in crate::contact) const STALLED: f64 = 1e-3;
 
-    /// The same on a set that is given, without a second thought.
-    pub(in crate::contact) const STALLED_ON_SET: f64 = 1e-11;
-
     /// Residual, over the largest force, up to which multipliers are renewed: they follow an equilibrium.
     pub(in crate::contact) const BALANCED: f64 = 1e-3;
 
@@ -98,9 +113,6 @@ pub(super) mod newton {
     /// Curvature, over that of the factored matrix, from which on what cancels in its sum does not matter: ten digits are
     /// left.
     pub(in crate::contact) const PLAIN: f64 = 1e-6;
-
-    /// Part of D/a², the plate's own stiffness, below which what pushes is soft and rigid motions are found apart.
-    pub(in crate::contact) const SOFT: f64 = 1.0;
 
     /// Stiffness that these motions meet, over that of all points together, so that those that nothing holds end at the
     /// next point.
@@ -124,20 +136,6 @@ pub(super) mod proximal {
 
     /// Part of the deflection by which the load scales on the plate, below which no deflection counts.
     pub(in crate::contact) const NIL: f64 = 1e-6;
-
-    /// Residual of a solution, over what each of its entries is measured by.
-    pub(in crate::contact) const SOLVED: f64 = 1e-9;
-
-    /// Units of rounding of the plate's own forces that a solution may leave if that is more: still more is left where a
-    /// plate has yet to reach what holds it.
-    pub(in crate::contact) const ROUNDINGS: f64 = 4.0;
-
-    /// Ten directions that together leave more than this part of the residual are the last.
-    pub(in crate::contact) const PROGRESS: f64 = 0.7;
-
-    /// A pivot, in double-double, below this part of the largest is rounding of the lever arms: nothing holds that motion.
-    /// 10¹⁰ times the square of ε.
-    pub(in crate::contact) const HELD: f64 = 1e-22;
 }
 
 /// Load paths. Reactions and gaps count over the largest of their kind.

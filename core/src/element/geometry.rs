@@ -19,6 +19,11 @@ pub struct Jacobian {
 }
 
 impl Geometry {
+    /// How far the nodes reach from the first one along an axis.
+    pub fn size(&self) -> f64 {
+        self.at.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
+    }
+
     pub fn jacobian(&self, xi: f64, eta: f64) -> Jacobian {
         self.jacobian_of(serendipity(xi, eta))
     }

@@ -15,7 +15,7 @@ from signorini import _core
 from signorini.combine.proof import Proof, Sizes, Watch
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Floats
-from signorini.problem import ContactProblem, spring_arrays
+from signorini.problem import ContactProblem
 from signorini.result import FIELDS
 from signorini.supportpoints import SupportPoints
 
@@ -89,7 +89,7 @@ class _Measured:
     def __init__(self, problem: ContactProblem, names: list[str], watch: Watch) -> None:
         self._names, self._watch = names, watch
         found = self._found = problem.discretisation
-        self._springs = spring_arrays(found)
+        self._springs = found.springs.arrays
         elements, rows, stiffness, base = self._springs
         self._still = (elements, rows, stiffness, np.zeros_like(base))
         self._supports = [SupportPoints.of(found, index) for index in range(len(found.model.support))]

@@ -1,7 +1,8 @@
-//! The rigid motions of least energy of a plate on soft supports, for the shape that it has.
+//! Rigid motions of least energy of a plate on soft supports, for the shape that it has.
 
+use super::afloat::Afloat;
 use super::descent::Descent;
-use super::floating::Floating;
+use crate::contact::kkt::Floating;
 use crate::contact::rigid::eliminated;
 use crate::contact::tolerances;
 use crate::double_double::DoubleDouble;
@@ -10,26 +11,11 @@ use crate::superposition::sum_in_order;
 /// At most this many steps at a time.
 const STEPS: usize = 100;
 
-type Matrix = [[DoubleDouble; 3]; 3];
-
 impl Descent<'_> {
-    /// What springs and closed points resist the three motions with.
-    fn holding(&self, floating: &Floating) -> Matrix {
-        let mut matrix = Matrix::default();
-        let mut hold = |arm: [f64; 3], stiffness: f64| {
-            let scaled = arm.map(|a| stiffness.sqrt() * a);
-            for j in 0..3 {
-                for k in 0..=j {
-                    matrix[j][k].add_product(scaled[j], scaled[k]);
-                    matrix[k][j] = matrix[j][k];
-                }
-            }
-        };
-        let springs = floating.spring_arms.iter().zip(&self.problem.springs.stiffness);
-        springs.for_each(|(arm, &stiffness)| hold(*arm, stiffness));
-        let closed = (0..self.stretch.len()).filter(|&i| self.is_closed(i));
-        closed.for_each(|i| hold(floating.arms[i], self.penalty.stiffness[i]));
-        matrix
+    /// What springs and pushing points resist the three motions with.
+    fn holding(&self, floating: &Floating) -> [[DoubleDouble; 3]; 3] {
+        let pushing = |i: usize| if self.stretch[i] > 0.0 { self.factor.penalty.stiffness[i] } else { 0.0 };
+        floating.holding(pushing, &self.problem.springs.stiffness)
     }
 
     /// Forces (s,) of the springs.
@@ -42,29 +28,30 @@ impl Descent<'_> {
 
     /// Where what holds is soft, moves the plate as it is bent to the least energy; whether it was.
     pub(super) fn drift(&mut self) -> bool {
-        let Some(floating) = self.floating.take() else { return false };
-        let holding = eliminated(self.holding(&floating), Default::default()).1;
-        let soft = self.problem.base.firmer || holding < tolerances::newton::SOFT * floating.own_stiffness;
-        if soft && self.drifted(&floating) {
+        let Some(afloat) = self.afloat.take() else { return false };
+        let holding = eliminated(self.holding(&afloat.floating), Default::default()).1;
+        let soft = self.problem.base.firmer || holding < self.problem.scale.stiffness;
+        if soft && self.drifted(&afloat) {
             self.balance();
         }
-        self.floating = Some(floating);
+        self.afloat = Some(afloat);
         soft
     }
 
-    fn drifted(&mut self, floating: &Floating) -> bool {
-        let all = self.penalty.stiffness.iter().chain(&self.problem.springs.stiffness).sum::<f64>();
+    fn drifted(&mut self, afloat: &Afloat) -> bool {
+        let Afloat { floating, load, magnitude } = afloat;
+        let stiffness = &self.problem.springs.stiffness;
+        let all = self.factor.penalty.stiffness.iter().chain(stiffness).sum::<f64>();
         let mut moved = false;
         for _ in 0..STEPS {
-            let mut left = floating.load;
-            let mut magnitude = floating.magnitude;
+            let (mut left, mut magnitude) = (*load, *magnitude);
             let mut push = |force: f64, arm: &[f64; 3]| {
                 magnitude += force.abs();
                 (0..3).for_each(|k| left[k].add_product(-force, arm[k]));
             };
-            self.spring_forces().iter().zip(&floating.spring_arms).for_each(|(force, arm)| push(*force, arm));
-            let closed = (0..self.stretch.len()).filter(|&i| self.is_closed(i));
-            closed.for_each(|i| push(self.penalty.stiffness[i] * self.stretch[i], &floating.arms[i]));
+            self.spring_forces().iter().zip(&floating.springs).for_each(|(force, arm)| push(*force, arm));
+            let pushing = (0..self.stretch.len()).filter(|&i| self.stretch[i] > 0.0);
+            pushing.for_each(|i| push(self.factor.penalty.stiffness[i] * self.stretch[i], &floating.points[i]));
             if left.iter().all(|sum| sum.value().abs() <= tolerances::newton::RESULTANT * magnitude) {
                 break;
             }
@@ -72,17 +59,16 @@ impl Descent<'_> {
             (0..3).for_each(|k| matrix[k][k] += tolerances::newton::LEAST * all);
             let (step, _) = eliminated(matrix, left);
             let along = |arm: &[f64; 3]| (0..3).map(|k| arm[k] * step[k]).sum::<f64>();
-            let change: Vec<f64> = floating.arms.iter().map(along).collect();
-            let springs = floating.spring_arms.iter().zip(&self.problem.springs.stiffness);
+            let change: Vec<f64> = floating.points.iter().map(along).collect();
+            let springs = floating.springs.iter().zip(stiffness);
             let elastic = springs.map(|(arm, stiffness)| stiffness * along(arm).powi(2)).sum();
             let start = -sum_in_order(3, 3, |k| left[k].value() * step[k]);
-            let length = if self.imposed.is_some() { 1.0 } else { self.least_energy(start, elastic, &change) };
+            let length = self.least_energy(start, elastic, &change);
             if !(length > 0.0) {
                 break;
             }
-            let [w, sx, sy] = step.map(|s| length * s);
-            let motion = [w, sx / floating.size, sy / floating.size];
-            self.solution.displacement.add_rigid(&self.problem.plate, floating.centre, motion);
+            let motion = floating.motion(step.map(|s| length * s));
+            self.solution.displacement.add_rigid(&self.problem.plate, self.problem.scale.centre, motion);
             self.stretched();
             moved = true;
         }

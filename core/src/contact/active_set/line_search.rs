@@ -1,7 +1,7 @@
 //! The least energy along a direction.
 
 use super::descent::Descent;
-use super::direction::{Direction, dot};
+use crate::contact::kkt::{Direction, dot};
 use crate::contact::tolerances;
 use crate::residual::twice_the_energy;
 use crate::superposition::sum_in_order;
@@ -13,7 +13,7 @@ impl Descent<'_> {
     /// vᵀKv without the points.
     fn elastic_curvature(&self, direction: &Direction, change: &[f64]) -> f64 {
         let stiff = dot(&direction.nodal, &direction.force);
-        let carried = &self.own.as_ref().unwrap_or(self.given).carried;
+        let carried = &self.factor.factored().carried;
         let rest = stiff - carried.iter().zip(change).map(|(k, c)| k * c * c).sum::<f64>();
         if rest > tolerances::newton::PLAIN * stiff {
             return rest;
@@ -34,7 +34,7 @@ impl Descent<'_> {
 
     /// How far along a change of the stretches the energy falls, from its slope and the plate's curvature; 0 if it does not.
     pub(super) fn least_energy(&self, start: f64, elastic: f64, change: &[f64]) -> f64 {
-        let (k, stretch) = (&self.penalty.stiffness, &self.stretch);
+        let (k, stretch) = (&self.factor.penalty.stiffness, &self.stretch);
         let slope = |t: f64| -> f64 {
             let one = |i: usize| k[i] * ((stretch[i] + t * change[i]).max(0.0) - stretch[i].max(0.0)) * change[i];
             start + t * elastic + sum_in_order(change.len(), 4096, one)

@@ -7,27 +7,24 @@
 //! One factor, of K with the points closed that are expected to be, preconditions every direction; only where the set
 //! turns out to be quite another one is it factored anew.
 
-mod conjugate_gradients;
+mod afloat;
 mod descent;
-mod direction;
 mod drift;
-mod fixed;
-mod floating;
 mod line_search;
 mod newton;
 mod push;
 mod together;
 
+use super::kkt::{ActiveFactor, Residual};
 use super::points::ActivePoints;
 use super::problem::ContactProblem;
-use super::refinement::Residual;
 use super::solution::{ContactSolution, Outcome, Progress};
 use super::start::{Reference, Start};
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
 use crate::plate::Plate;
+use afloat::Afloat;
 use descent::Descent;
-use floating::Floating;
 use newton::Newton;
 
 impl ContactProblem {
@@ -37,11 +34,7 @@ impl ContactProblem {
         if points.is_empty() {
             return tolerances::newton::STIFFEST;
         }
-        let slenderness = |e: usize| {
-            let geometry = plate.geometry(e);
-            let size = geometry.at.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
-            plate.thickness.first(plate.kind, e) / size
-        };
+        let slenderness = |e: usize| plate.thickness.first(plate.kind, e) / plate.geometry(e).size();
         let thinnest = points.element.iter().map(|&e| slenderness(e)).fold(f64::INFINITY, f64::min);
         let limit = f64::min(tolerances::newton::LONG_WAVE * thinnest * thinnest, 1.0);
         let all_softer = points.penalized(limit).series.iter().all(|&s| s == 0.0);
@@ -72,12 +65,12 @@ impl ContactProblem {
         start: Option<&Start<'a>>,
         shares: bool,
     ) -> Result<Option<Newton<'a>>, FactorError> {
-        let mut solution = self.at_rest(load.len(), held_value);
+        let limit = if start.is_some() { tolerances::newton::STIFFEST } else { self.first_limit };
         let given = start.and_then(|start| start.factored).unwrap_or(&self.base);
-        let Some(state) = given.condensed.state(self.constraints.two_sided.clone()) else {
+        let Some(factor) = ActiveFactor::of(self, given, limit, shares) else {
             return Ok(None);
         };
-        solution.closed.clone_from(&self.constraints.two_sided);
+        let mut solution = self.at_rest(held_value);
         let mut multiplier = vec![0.0; self.active.len()];
         if let Some(start) = start {
             solution.displacement.hi.copy_from_slice(start.displacement);
@@ -85,22 +78,15 @@ impl ContactProblem {
                 *multiplier = if start.closed[i] { start.reaction[i] } else { 0.0 };
             }
         }
-        let limit = if start.is_some() { tolerances::newton::STIFFEST } else { self.first_limit };
         let mut descent = Descent {
             problem: self,
             load,
-            given,
-            limit,
-            penalty: self.active.penalized(limit),
-            own: None,
-            shares,
-            state,
+            factor,
             solution,
             stretch: vec![0.0; multiplier.len()],
             multiplier,
             residual: Residual::default(),
-            imposed: None,
-            floating: Floating::of(self, load),
+            afloat: Afloat::under(self, load),
             rounding: 0.0,
         };
         match start.and_then(|start| start.balanced) {

@@ -1,19 +1,18 @@
 //! From Newton step to Newton step until the set of closed points settles; a step waits for what its direction asks of the
 //! factor, so that many loads can ask it together.
 
-use super::conjugate_gradients::{ConjugateGradients, Followed};
 use super::descent::Descent;
-use super::direction::Direction;
 use crate::cholesky::FactorError;
+use crate::contact::kkt::{ConjugateGradients, Direction, Followed};
 use crate::contact::solution::{ContactSolution, Outcome, Progress};
 use crate::contact::tolerances;
 
 /// At most this many Newton steps.
-pub(super) const NEWTON: usize = 500;
+const NEWTON: usize = 500;
 /// Steps without the set settling after which directions are firm.
 const PATIENT: usize = 8;
 /// So many steps, one after another, that leave most of the residual end it: what is left is rounding.
-pub(super) const STALLS: usize = 3;
+const STALLS: usize = 3;
 /// So many on unchanged sets without a new least residual, up and down, end it as well.
 const LASTING: usize = 12;
 
@@ -78,7 +77,7 @@ impl<'a> Newton<'a> {
             match self.go_on(answer.take(), watch)? {
                 Next::End(outcome) => return Ok(outcome),
                 Next::Solve(mut vector) => {
-                    let factor = &self.descent.given.factor;
+                    let factor = &self.descent.factor.factored().factor;
                     factor.forward(&mut vector)?;
                     factor.backward(&mut vector)?;
                     answer = Some(vector);
@@ -97,21 +96,25 @@ impl<'a> Newton<'a> {
             let direction = match self.gradients.take() {
                 Some(mut gradients) => {
                     let along = match answer.take() {
-                        Some(solved) => self.descent.preconditioned(gradients.residual(), &solved),
-                        None if self.descent.shares() => {
+                        Some(solved) => self.descent.factor.moved(gradients.residual(), &solved),
+                        None if self.descent.factor.shares() => {
                             let asked = self.descent.problem.gather(gradients.residual());
                             self.gradients = Some(gradients);
                             return Ok(Next::Solve(asked));
                         }
-                        None => self.descent.precondition(gradients.residual())?,
+                        None => {
+                            let still = vec![0.0; self.descent.problem.constraints.rows.len()];
+                            self.descent.factor.response(gradients.residual(), &still)?
+                        }
                     };
-                    match self.descent.follow(&mut gradients, along) {
+                    match self.descent.factor.follow(&mut gradients, along) {
                         Followed::On => {
                             self.gradients = Some(gradients);
                             continue;
                         }
                         Followed::Impatient => {
-                            self.gradients = Some(self.descent.refactored(gradients)?);
+                            let imbalance = self.descent.residual.imbalance.clone();
+                            self.gradients = Some(self.descent.factor.refactored(gradients, imbalance)?);
                             continue;
                         }
                         Followed::Found(direction) => direction,
@@ -143,7 +146,7 @@ impl<'a> Newton<'a> {
         }
         let same = self.step > 1 && self.closed == self.last;
         let lost = self.since_settled == PATIENT || self.stalled == STALLS;
-        if lost && self.descent.limit == tolerances::newton::STIFFEST && self.started {
+        if lost && self.descent.factor.limit == tolerances::newton::STIFFEST && self.started {
             // The start was too far away: begin with springs that bend the plate, like from rest.
             (self.stalled, self.far) = (0, true);
             self.descent.penalize(self.descent.problem.first_limit);
@@ -153,7 +156,7 @@ impl<'a> Newton<'a> {
         if self.step > 1 && self.descent.drift() {
             self.closed = self.descent.pushing_points();
             // What is left would only send a loose plate away.
-            let force = self.descent.problem.largest_force(self.descent.load, &self.descent.solution);
+            let force = self.descent.problem.largest_force(self.descent.load, &self.descent.solution.reaction);
             settled = settled.max(tolerances::newton::SETTLED * force);
         }
         let tolerance = match (same, self.since_settled < PATIENT) {
@@ -162,7 +165,8 @@ impl<'a> Newton<'a> {
             (false, false) => tolerances::newton::FIRM,
         };
         if self.descent.residual.worst > settled || self.descent.residual.worst.is_nan() {
-            self.gradients = Some(self.descent.gradients(&self.closed, tolerance, true));
+            let (imbalance, rounding) = (self.descent.residual.imbalance.clone(), self.descent.rounding);
+            self.gradients = Some(self.descent.factor.gradients(&self.closed, imbalance, tolerance, rounding));
         }
         None
     }
@@ -177,7 +181,7 @@ impl<'a> Newton<'a> {
         descent.advance(direction, &self.closed);
         self.last = std::mem::replace(&mut self.closed, descent.pushing_points());
         let unchanged = self.closed == self.last;
-        let force = descent.problem.largest_force(descent.load, &descent.solution);
+        let force = descent.problem.largest_force(descent.load, &descent.solution.reaction);
         let force = force.max(descent.largest_push()).max(self.least);
         let settling =
             unchanged || descent.residual.worst <= tolerances::newton::NEARLY * tolerances::newton::SETTLED * force;
@@ -188,8 +192,11 @@ impl<'a> Newton<'a> {
             // Multipliers follow an equilibrium, not what comes before it.
             let balanced = descent.residual.worst <= tolerances::newton::BALANCED * force;
             let renewed = if balanced { descent.renew_multipliers() } else { f64::INFINITY };
-            if descent.limit < tolerances::newton::STIFFEST && renewed <= tolerances::newton::STEADY * force {
-                descent.penalize(f64::min(tolerances::newton::STIFFER * descent.limit, tolerances::newton::STIFFEST));
+            if descent.factor.limit < tolerances::newton::STIFFEST && renewed <= tolerances::newton::STEADY * force {
+                descent.penalize(f64::min(
+                    tolerances::newton::STIFFER * descent.factor.limit,
+                    tolerances::newton::STIFFEST,
+                ));
                 (self.before, self.lasting, self.lowest) = (f64::INFINITY, 0, f64::INFINITY);
             }
             self.closed = descent.pushing_points();
@@ -202,7 +209,7 @@ impl<'a> Newton<'a> {
         if !watch(Progress { step: self.step, changing, residual: worst / force }) {
             return Ok(Some(Outcome::Interrupted));
         }
-        if !settling || self.descent.limit != tolerances::newton::STIFFEST {
+        if !settling || self.descent.factor.limit != tolerances::newton::STIFFEST {
             return Ok(None);
         }
         Ok(self.settled(worst, force, unchanged))

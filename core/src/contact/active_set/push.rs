@@ -3,24 +3,12 @@
 use super::descent::Descent;
 
 impl Descent<'_> {
-    /// The part of a stretch that pushes.
-    pub(super) fn pushes(&self, i: usize, stretch: f64) -> f64 {
-        match &self.imposed {
-            Some(closed) => f64::from(u8::from(closed[i])) * stretch,
-            None => stretch.max(0.0),
-        }
-    }
-
-    pub(super) fn is_closed(&self, i: usize) -> bool {
-        self.imposed.as_ref().map_or(self.stretch[i] > 0.0, |closed| closed[i])
-    }
-
     pub(super) fn pushing(&self, i: usize) -> f64 {
-        self.pushes(i, self.stretch[i])
+        self.stretch[i].max(0.0)
     }
 
     pub(super) fn largest_push(&self) -> f64 {
-        let k = &self.penalty.stiffness;
+        let k = &self.factor.penalty.stiffness;
         (0..k.len()).fold(0.0, |most: f64, i| most.max(k[i] * self.pushing(i)))
     }
 
@@ -31,8 +19,8 @@ impl Descent<'_> {
 
     /// Springs no stiffer than a limit, over the plate's stiffness in shear.
     pub(super) fn penalize(&mut self, limit: f64) {
-        self.limit = limit;
-        self.penalty = self.problem.active.penalized(limit);
+        self.factor.limit = limit;
+        self.factor.penalty = self.problem.active.penalized(limit);
         self.balance();
     }
 
@@ -42,20 +30,20 @@ impl Descent<'_> {
         let mut any = false;
         let mut largest: f64 = 0.0;
         for i in 0..points.len() {
-            if self.penalty.series[i] > 0.0 {
+            if self.factor.penalty.series[i] > 0.0 {
                 let old = self.pushing(i);
-                let force = self.penalty.stiffness[i] * old;
-                self.stretch[i] += self.penalty.series[i] * (force - self.multiplier[i]);
+                let force = self.factor.penalty.stiffness[i] * old;
+                self.stretch[i] += self.factor.penalty.series[i] * (force - self.multiplier[i]);
                 largest = largest.max((force - self.multiplier[i]).abs());
                 self.multiplier[i] = force;
-                let more = self.penalty.stiffness[i] * (self.pushing(i) - old);
+                let more = self.factor.penalty.stiffness[i] * (self.pushing(i) - old);
                 points.scatter(&problem.plate, i, -more, &mut self.residual.imbalance);
                 any = true;
             }
         }
         if any {
             problem.release_held(&mut self.residual.imbalance);
-            self.residual.worst = self.residual.imbalance.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
+            self.residual.worst = problem.scale.largest(&self.residual.imbalance);
         }
         largest
     }

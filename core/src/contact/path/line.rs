@@ -2,8 +2,8 @@
 
 use super::load::PathLoad;
 use crate::cholesky::FactorError;
-use crate::contact::problem::{ContactProblem, Factored};
-use crate::contact::rigid::extent;
+use crate::contact::kkt::OnSet;
+use crate::contact::problem::ContactProblem;
 use crate::contact::solution::{ContactSolution, Outcome, differing};
 use crate::contact::tolerances;
 use crate::residual::{Displacement, Springs, residual};
@@ -87,52 +87,6 @@ pub(super) fn standing_on(solution: &ContactSolution, set: &[bool]) -> Option<Co
 }
 
 impl ContactProblem {
-    /// Displacements, reactions and gaps under one load on a contact set that is given, signs as they come.
-    pub fn solve_on(&self, load: &[f64], held_value: &[f64], closed: &[bool]) -> Result<ContactSolution, FactorError> {
-        self.on(load, held_value, closed, None, &mut None, 0.0)
-    }
-
-    fn on(
-        &self,
-        load: &[f64],
-        held_value: &[f64],
-        closed: &[bool],
-        start: Option<&ContactSolution>,
-        own: &mut Option<Factored>,
-        least: f64,
-    ) -> Result<ContactSolution, FactorError> {
-        if !self.active.is_empty() {
-            return self.solve_active_on(load, held_value, closed, start, own, least);
-        }
-        let mut solution = self.at_rest(load.len(), held_value);
-        let Some(state) = self.base.condensed.state(closed.to_vec()) else {
-            return Ok(solution.failed(Outcome::Unsolved));
-        };
-        let step = self.residual(load, &solution);
-        let motion = self.reduced(&self.base, &step, self.base.condensed.better_form())?;
-        let step = self.refine(load, &state, step, motion, &mut solution)?;
-        for i in 0..closed.len() {
-            solution.gap[i] = if closed[i] { 0.0 } else { step.remaining[i] };
-        }
-        let outcome = if step.worst.is_finite() { Outcome::Solved } else { Outcome::Unsolved };
-        Ok(ContactSolution { outcome, closed: closed.to_vec(), ..solution })
-    }
-
-    fn on_set(
-        &self,
-        path: &PathLoad,
-        load: &[f64],
-        closed: &[bool],
-        start: Option<&ContactSolution>,
-        own: &mut Option<Factored>,
-        least: f64,
-    ) -> Result<ContactSolution, FactorError> {
-        if path.proximal {
-            return Ok(self.solve_on_by_proximal_steps(load, path.held_value, closed, least));
-        }
-        self.on(load, path.held_value, closed, start, own, least)
-    }
-
     /// `None` where the set leaves the plate free.
     pub(super) fn line(
         &self,
@@ -140,15 +94,15 @@ impl ContactProblem {
         closed: &[bool],
         at: [f64; 2],
         start: Option<&ContactSolution>,
-        own: &mut Option<Factored>,
+        how: &mut OnSet,
     ) -> Result<Option<Line>, FactorError> {
         let loads = at.map(|t| load.at(t));
-        let least = f64::max(largest(&loads[0]), largest(&loads[1]));
-        let from = self.on_set(load, &loads[0], closed, start, own, least)?;
+        how.least = f64::max(self.scale.largest(&loads[0]), self.scale.largest(&loads[1]));
+        let from = self.solve_on_set(&loads[0], load.held_value, closed, start, how)?;
         if from.outcome != Outcome::Solved {
             return Ok(None);
         }
-        self.line_from(load, from, at, own)
+        self.line_from(load, from, at, how)
     }
 
     /// The line on the contact set of a solution, which holds at the first of two t.
@@ -157,18 +111,17 @@ impl ContactProblem {
         load: &PathLoad,
         from: ContactSolution,
         at: [f64; 2],
-        own: &mut Option<Factored>,
+        how: &mut OnSet,
     ) -> Result<Option<Line>, FactorError> {
         let loads = at.map(|t| load.at(t));
-        let least = f64::max(largest(&loads[0]), largest(&loads[1]));
-        let closed = &from.closed;
-        let to = self.on_set(load, &loads[1], closed, Some(&from), own, least)?;
+        how.least = f64::max(self.scale.largest(&loads[0]), self.scale.largest(&loads[1]));
+        let to = self.solve_on_set(&loads[1], load.held_value, &from.closed, Some(&from), how)?;
         if to.outcome != Outcome::Solved {
             return Ok(None);
         }
-        // Couples have another unit: the load counts only where no point reacts.
+        // A load that hardly presses on the points says nothing of what they do.
         let force = match largest(&from.reaction).max(largest(&to.reaction)) {
-            0.0 => largest(&loads[1]),
+            0.0 => self.scale.largest(&loads[1]),
             force => force.max(tolerances::path::UNSEEN * load.size(at[0])),
         };
         let length = f64::max(largest_length(&from), largest_length(&to));
@@ -181,7 +134,7 @@ impl ContactProblem {
     fn unbalanced(&self, solution: &ContactSolution) -> f64 {
         let (plate, dofs) = (&self.plate, self.held.len());
         let own = residual(plate, &Springs::default(), &vec![0.0; dofs], &solution.displacement);
-        let (middle, size) = extent(plate);
+        let (middle, size) = (self.scale.centre, self.scale.size);
         let work = |motion: [f64; 3]| {
             let mut rigid = Displacement::zeros(dofs);
             rigid.add_rigid(plate, middle, motion);

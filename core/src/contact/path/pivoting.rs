@@ -5,8 +5,8 @@ use super::load::{PathEnd, PathLoad};
 use super::trail::Trail;
 use crate::cholesky::FactorError;
 use crate::contact::condense::{Form, InterfaceResidual};
+use crate::contact::kkt::{OnSet, Residual};
 use crate::contact::problem::ContactProblem;
-use crate::contact::refinement::Residual;
 use crate::contact::solution::differing;
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
@@ -20,6 +20,7 @@ impl ContactProblem {
         let Some((found, sets)) = self.pivoted(load, &trail.here().closed)? else {
             return self.step_along(load, 0.0, trail);
         };
+        let mut how = OnSet::default();
         let mut t = 0.0;
         for (k, segment) in found.segments.iter().enumerate() {
             let far = match segment.to.min(load.end.max(segment.from)) {
@@ -27,8 +28,8 @@ impl ContactProblem {
                 _ => segment.from + load.span(segment.from),
             };
             let line = match standing_on(trail.here(), &sets[k]) {
-                Some(from) if far > t => self.line_from(load, from, [t, far], &mut None)?,
-                _ => self.line(load, &sets[k], [segment.from, far], None, &mut None)?,
+                Some(from) if far > t => self.line_from(load, from, [t, far], &mut how)?,
+                _ => self.line(load, &sets[k], [segment.from, far], None, &mut how)?,
             };
             let next = sets.get(k + 1);
             let to = line.as_ref().map_or(far, |line| {
@@ -67,32 +68,19 @@ impl ContactProblem {
         Ok(if infeasible { PathEnd::NoEquilibrium } else { end })
     }
 
-    /// The bases of the LCP along the path, and the contact set of each; in the other form where one stops.
+    /// The bases of the LCP along the path, and the contact set of each.
     fn pivoted(&self, load: &PathLoad, closed: &[bool]) -> Result<Option<Pivoted>, FactorError> {
-        let mut best = None;
-        let better = self.base.condensed.better_form();
-        for form in [better, if better == Form::Dual { Form::Stiffness } else { Form::Dual }] {
-            let rest = self.at_rest(load.start.len(), load.held_value);
-            let posed = self.base.condensed.lcp(
-                form,
-                &self.interface(&self.residual(load.start, &rest), form)?,
-                &rest.reaction,
-            );
-            let still = vec![0.0; load.add.len()];
-            let rate = self.without_travel(load.add, &still);
-            let along = self.base.condensed.lcp(form, &self.interface(&rate, form)?, &rest.reaction).q;
-            let basis = self.base.condensed.basis(&posed, closed);
-            let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| parametric(&lcp, &along, &basis, load.end));
-            let Ok(found) = solved else { continue };
-            let set = |basis: &Vec<bool>| self.base.condensed.closed_points(&posed, basis);
-            let sets = found.segments.iter().map(|segment| set(&segment.basis)).collect();
-            let stopped = found.end == ParametricEnd::Stopped;
-            best = Some((found, sets));
-            if !stopped {
-                break;
-            }
-        }
-        Ok(best)
+        let condensed = &self.base.condensed;
+        let form = condensed.better_form();
+        let rest = self.at_rest(load.held_value);
+        let posed = condensed.lcp(form, &self.interface(&self.residual(load.start, &rest), form)?, &rest.reaction);
+        let rate = self.without_travel(load.add, &vec![0.0; load.add.len()]);
+        let along = condensed.lcp(form, &self.interface(&rate, form)?, &rest.reaction).q;
+        let basis = condensed.basis(&posed, closed);
+        let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| parametric(&lcp, &along, &basis, load.end));
+        let Ok(found) = solved else { return Ok(None) };
+        let sets = found.segments.iter().map(|segment| condensed.closed_points(&posed, &segment.basis)).collect();
+        Ok(Some((found, sets)))
     }
 
     fn interface(&self, step: &Residual, form: Form) -> Result<InterfaceResidual, FactorError> {
@@ -101,7 +89,7 @@ impl ContactProblem {
 
     /// A load by itself: no gaps, nothing held elsewhere than at zero.
     fn without_travel(&self, load: &[f64], still: &[f64]) -> Residual {
-        let rest = self.at_rest(load.len(), still);
+        let rest = self.at_rest(still);
         let mut imbalance = load.to_vec();
         self.release_held(&mut imbalance);
         let step = self.residual_of(imbalance, load, &rest);

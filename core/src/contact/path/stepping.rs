@@ -4,7 +4,8 @@ use super::line::{Line, standing_on};
 use super::load::{MOST_EVENTS, PathEnd, PathLoad};
 use super::trail::Trail;
 use crate::cholesky::FactorError;
-use crate::contact::problem::{ContactProblem, Factored};
+use crate::contact::kkt::OnSet;
+use crate::contact::problem::ContactProblem;
 use crate::contact::solution::{ContactSolution, Outcome};
 use crate::contact::start::Start;
 use crate::contact::tolerances;
@@ -15,10 +16,10 @@ const ROUNDS: usize = 20;
 impl ContactProblem {
     /// As [`ContactProblem::path`], from some t on.
     pub(super) fn step_along(&self, load: &PathLoad, mut t: f64, trail: &mut Trail) -> Result<PathEnd, FactorError> {
-        let mut own = None;
+        let mut how = OnSet { uncondensed: load.proximal, ..OnSet::default() };
         let mut closed = trail.here().closed.clone();
         for _ in 0..=MOST_EVENTS {
-            let Some(line) = self.leaving(load, t, &closed, trail.here(), &mut own)? else {
+            let Some(line) = self.leaving(load, t, &closed, trail.here(), &mut how)? else {
                 return Ok(trail.stuck(t, PathEnd::Unsolved));
             };
             if !trail.leave(t, &line) {
@@ -29,7 +30,7 @@ impl ContactProblem {
             let mut line = line;
             if reach > line.at[1] && reach.is_finite() {
                 // Beyond its far end a line is less exact than up to it.
-                if let Some(longer) = self.line_from(load, line.ends[0].clone(), [t, reach], &mut own)? {
+                if let Some(longer) = self.line_from(load, line.ends[0].clone(), [t, reach], &mut how)? {
                     line = longer;
                     (to, points) = self.next_event(&line, t);
                 }
@@ -56,15 +57,15 @@ impl ContactProblem {
         t: f64,
         closed: &[bool],
         here: &ContactSolution,
-        own: &mut Option<Factored>,
+        how: &mut OnSet,
     ) -> Result<Option<Line>, FactorError> {
         let span = load.span(t);
         let mut set = closed.to_vec();
         for _ in 0..ROUNDS {
             let at = [t, t + span];
             let line = match standing_on(here, &set) {
-                Some(from) => self.line_from(load, from, at, own)?,
-                None => self.line(load, &set, at, Some(here), own)?,
+                Some(from) => self.line_from(load, from, at, how)?,
+                None => self.line(load, &set, at, Some(here), how)?,
             };
             let Some(line) = line else {
                 break;
@@ -80,7 +81,7 @@ impl ContactProblem {
                 displacement: &here.displacement.hi,
                 reaction: &here.reaction,
                 closed: &here.closed,
-                factored: own.as_ref(),
+                factored: how.own.as_ref(),
                 balanced: None,
             };
             let beyond = load.at(t + part * span);
@@ -91,14 +92,14 @@ impl ContactProblem {
                     tolerances::proximal::COMPLIANCE,
                     None,
                     &mut |_| true,
-                )
+                )?
             } else {
                 self.solve_from(&beyond, load.held_value, &start, &mut |_| true)?
             };
             if near.outcome != Outcome::Solved {
                 continue;
             }
-            if let Some(line) = self.line(load, &near.closed, [t, t + span], Some(&near), own)?
+            if let Some(line) = self.line(load, &near.closed, [t, t + span], Some(&near), how)?
                 && self.wrong(&line).is_some_and(|points| points.is_empty())
             {
                 return Ok(Some(line));

@@ -1,10 +1,9 @@
 //! From proximal step to proximal step, until the equations of one contact set give the right signs.
 
-use super::floating::Floating;
-use super::krylov::Direction;
-use super::regularized::Regularized;
-use super::saddle::Saddle;
-use crate::contact::refinement::Residual;
+use super::subproblem::Subproblem;
+use crate::cholesky::FactorError;
+use crate::contact::kkt::{Correction, Regularized, Residual, Uncondensed};
+use crate::contact::problem::ContactProblem;
 use crate::contact::solution::{ContactSolution, Outcome, Progress};
 use crate::contact::tolerances;
 
@@ -21,64 +20,69 @@ struct OnSet {
     within_rounding: bool,
 }
 
-impl Regularized<'_> {
-    pub(super) fn solve(
+/// Proximal steps under one load.
+pub(super) struct Steps<'a> {
+    pub(super) problem: &'a ContactProblem,
+    pub(super) regularized: Regularized<'a>,
+    pub(super) load: &'a [f64],
+}
+
+impl Steps<'_> {
+    pub(super) fn run(
         &self,
-        load: &[f64],
         at_rest: ContactSolution,
         mut given: Option<Vec<bool>>,
         watch: &mut dyn FnMut(Progress) -> bool,
-    ) -> ContactSolution {
-        let problem = self.problem;
+    ) -> Result<ContactSolution, FactorError> {
+        let &Self { problem, load, ref regularized } = self;
         let mut near = at_rest;
         let mut step = problem.residual(load, &near);
-        let mut proximal = None;
-        let mut state = None;
+        let mut subproblem = None;
+        let mut equations = None;
         let mut on_set: Option<OnSet> = None;
         let mut before = near.closed.clone();
         for number in 0..STEPS {
             // A set that was solved for before may be right where rounding would have the LCP choose another.
             let chosen = match given.take() {
                 Some(set) => Ok(set),
-                None => self.contact_set(&mut proximal, &step, &mut near, watch),
+                None => Subproblem::contact_set(&mut subproblem, regularized, &step, &mut near, watch),
             };
             near.closed = match chosen {
                 Ok(closed) => closed,
-                Err(outcome) => return on_set.map_or_else(|| near.failed(outcome), |on_set| on_set.solution),
+                Err(outcome) => return Ok(on_set.map_or_else(|| near.failed(outcome), |on_set| on_set.solution)),
             };
             let changing = before.iter().zip(&near.closed).filter(|(before, now)| before != now).count();
             let same = number > 0 && changing == 0;
             before.clone_from(&near.closed);
             if !same {
-                state = Saddle::of(self, &near.closed);
+                equations = regularized.on(&near.closed);
             }
-            let Some(saddle) = &state else {
-                return near.failed(Outcome::Unsolved);
+            let Some(equations) = &mut equations else {
+                return Ok(near.failed(Outcome::Unsolved));
             };
             if problem.release_open(&mut near) {
                 step = problem.residual(load, &near);
             }
-            let floating = Floating::of(self, &near.closed);
-            let settling = floating.as_ref().filter(|_| number < SETTLING);
-            let direction = self.direction(load, saddle, &step, settling, &near);
+            let Some(direction) = equations.direction(load, &step, number < SETTLING, &near)? else {
+                return Ok(near.failed(Outcome::Unsolved));
+            };
             near.follow(problem, &direction, 1.0);
-            near.corrections += 1;
             let mut next = problem.residual(load, &near);
             if same {
-                given = self.go_on(load, &mut near, on_set.as_ref(), &direction, &step, &next);
+                given = self.go_on(&mut near, on_set.as_ref(), &direction, &step, &next);
                 next = problem.residual(load, &near);
             }
             step = next;
-            let left = self.length(load, &step, &near);
+            let left = problem.length(load, &step, &near, 0.0);
             if !watch(Progress { step: number + 1, changing, residual: left }) {
-                return near.failed(Outcome::Interrupted);
+                return Ok(near.failed(Outcome::Interrupted));
             }
             // A proximal step's reactions push; those that the equations of a set give need not.
             if on_set.as_ref().is_none_or(|on_set| on_set.solution.closed != near.closed) {
-                let tried = self.on_set(load, &near, saddle, floating.as_ref(), &step);
-                let right = problem.signs_hold(load, tolerances::SIGN * self.least_length(load), &tried.solution);
-                if right && tried.within_rounding {
-                    return tried.solution;
+                let tried = self.on_set(&near, equations, &step)?;
+                let nil = tolerances::SIGN * problem.least_length(load);
+                if problem.signs_hold(load, nil, &tried.solution) && tried.within_rounding {
+                    return Ok(tried.solution);
                 }
                 on_set = Some(tried);
             }
@@ -87,33 +91,33 @@ impl Regularized<'_> {
             }
         }
         near.leave_open(&step.remaining);
-        near.solved()
+        Ok(near.solved())
     }
 
     /// The solution of the equations of the contact set that a solution has, beginning there.
     fn on_set(
         &self,
-        load: &[f64],
         near: &ContactSolution,
-        saddle: &Saddle,
-        floating: Option<&Floating>,
+        equations: &mut Uncondensed,
         from: &Residual,
-    ) -> OnSet {
+    ) -> Result<OnSet, FactorError> {
+        let (problem, load) = (self.problem, self.load);
         let mut solution = near.clone();
-        let left = self.refine(load, saddle, floating, from, &mut solution);
+        let Some(left) = problem.refine(load, 0.0, equations, from.clone(), &mut solution)? else {
+            return Ok(OnSet { solution: solution.failed(Outcome::Unsolved), within_rounding: false });
+        };
         solution.leave_open(&left.remaining);
-        let within_rounding = self.solved(load, &left, &solution);
-        OnSet { solution: solution.solved(), within_rounding }
+        let within_rounding = problem.satisfies(load, &left, &solution, 0.0);
+        Ok(OnSet { solution: solution.solved(), within_rounding })
     }
 
     /// Goes on after a second step in one set: towards what its equations give, or as far as the step leads. The set to
     /// go on with, where a point stops the way.
     fn go_on(
         &self,
-        load: &[f64],
         near: &mut ContactSolution,
         on_set: Option<&OnSet>,
-        direction: &Direction,
+        direction: &Correction,
         from: &Residual,
         to: &Residual,
     ) -> Option<Vec<bool>> {
@@ -127,7 +131,7 @@ impl Regularized<'_> {
                 set
             });
         }
-        if !self.solved(load, to, near) {
+        if !self.problem.satisfies(self.load, to, near, 0.0) {
             near.follow(self.problem, direction, self.reach(near, direction, from, to));
         }
         None
@@ -151,8 +155,8 @@ impl Regularized<'_> {
     /// How many times over a step may go on: while it leads down, no gap closes and no reaction pulls.
     ///
     /// What a second step in one set moves is what the regularization alone holds, so that it goes on as it began.
-    fn reach(&self, near: &ContactSolution, direction: &Direction, from: &Residual, to: &Residual) -> f64 {
-        let motion = direction.motion(&self.problem.plate);
+    fn reach(&self, near: &ContactSolution, direction: &Correction, from: &Residual, to: &Residual) -> f64 {
+        let motion = direction.motion(self.problem);
         // What is out of balance and what is left of gaps, by the motion and the reactions that answer them.
         let work = |step: &Residual| {
             let of_forces = motion.iter().zip(&step.imbalance).map(|(u, f)| u * f).sum::<f64>();

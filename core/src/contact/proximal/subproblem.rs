@@ -1,8 +1,6 @@
 //! The complementarity problem of one proximal step.
 
-use super::regularized::Regularized;
-use super::saddle::{Saddle, TOGETHER};
-use crate::contact::refinement::Residual;
+use crate::contact::kkt::{Regularized, Residual, Saddle, TOGETHER};
 use crate::contact::solution::{ContactSolution, Outcome, Progress, pivoting};
 use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke_watched};
 use rayon::prelude::*;
@@ -14,12 +12,12 @@ pub(super) struct Subproblem {
     matrix: Vec<f64>,
 }
 
-impl Regularized<'_> {
+impl Subproblem {
     /// `None` if what is two-sided contradicts itself beyond the arithmetic.
-    fn proximal(&self) -> Option<Subproblem> {
-        let problem = self.problem;
+    fn of(regularized: &Regularized) -> Option<Self> {
+        let problem = regularized.problem;
         let two_sided = &problem.constraints.two_sided;
-        let held = Saddle::of(self, two_sided)?;
+        let held = Saddle::of(regularized, two_sided)?;
         let points: Vec<usize> = (0..two_sided.len()).filter(|&i| !two_sided[i]).collect();
         let (rows, plate) = (&problem.constraints.rows, &problem.plate);
         // The matrix is symmetric, so that what a push does everywhere is a row.
@@ -38,42 +36,43 @@ impl Regularized<'_> {
                     *value = rows.dot(plate, other, &motions[k]);
                 }
                 let at = block * TOGETHER + k;
-                line[at] += self.compliance[points[at]];
+                line[at] += regularized.compliance[points[at]];
             }
         });
-        Some(Subproblem { held, points, matrix })
+        Some(Self { held, points, matrix })
     }
 
     /// The contact set of one proximal step; M is made when it is first asked for.
     pub(super) fn contact_set(
-        &self,
-        proximal: &mut Option<Subproblem>,
+        made: &mut Option<Self>,
+        regularized: &Regularized,
         step: &Residual,
         near: &mut ContactSolution,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Vec<bool>, Outcome> {
-        let problem = self.problem;
+        let problem = regularized.problem;
         let mut closed = problem.constraints.two_sided.clone();
         if closed.iter().all(|&both| both) {
             return Ok(closed);
         }
-        if proximal.is_none() {
-            *proximal = self.proximal();
+        if made.is_none() {
+            *made = Self::of(regularized);
         }
-        let Some(proximal) = proximal else {
+        let Some(Self { held, points, matrix }) = made else {
             return Err(Outcome::Unsolved);
         };
-        let points = &proximal.points;
-        let (nodal, _) = proximal.held.response(problem, &step.imbalance, &step.remaining);
+        let (nodal, _) = held.response(problem, &step.imbalance, &step.remaining);
         let gap = |(row, &point): (usize, &usize)| {
-            let acting = proximal.matrix[row * points.len()..].iter().zip(points);
+            let acting = matrix[row * points.len()..].iter().zip(points.iter());
             let pushed_by: f64 = acting.map(|(m, &other)| m * near.reaction[other]).sum();
             step.remaining[point] - problem.constraints.rows.dot(&problem.plate, point, &nodal) - pushed_by
         };
         let q: Vec<f64> = points.iter().enumerate().map(gap).collect();
         let basis: Vec<bool> = points.iter().map(|&point| near.closed[point]).collect();
-        let found = Lcp::new(&proximal.matrix, &q)
-            .and_then(|lcp| lemke_watched(&lcp, &LemkeOptions::default(), Some(&basis), &mut pivoting(watch)));
+        let covering = problem.covering(points, &vec![false; points.len()]);
+        let options = LemkeOptions { covering: Some(&covering), ..LemkeOptions::default() };
+        let found =
+            Lcp::new(matrix, &q).and_then(|lcp| lemke_watched(&lcp, &options, Some(&basis), &mut pivoting(watch)));
         let Ok(found) = found else {
             return Err(Outcome::Unsolved);
         };

@@ -1,0 +1,136 @@
+//! The factor by which an active set finds its directions: the one it was given, or that of its own set.
+
+use super::direction::Direction;
+use super::residual::Residual;
+use crate::cholesky::FactorError;
+use crate::contact::condense::ContactState;
+use crate::contact::points::Penalty;
+use crate::contact::problem::{ContactProblem, Factored};
+use crate::residual::twice_the_energy;
+
+/// A factor of K with the springs of some points, and the springs that closed points have.
+pub(in crate::contact) struct ActiveFactor<'a> {
+    pub(in crate::contact) problem: &'a ContactProblem,
+    /// Stiffest springs, over the plate's stiffness in shear.
+    pub(in crate::contact) limit: f64,
+    pub(in crate::contact) penalty: Penalty,
+    given: &'a Factored,
+    own: Option<Factored>,
+    /// Two-sided points, held.
+    pub(in crate::contact) state: ContactState,
+    /// Whether others ask the factor that it was given too; there are no two-sided points then.
+    shares: bool,
+    /// Conjugate gradient steps, and sets factored anew.
+    pub(in crate::contact) gradients: usize,
+    pub(in crate::contact) factorizations: usize,
+}
+
+impl<'a> ActiveFactor<'a> {
+    /// `None` if two-sided points contradict each other.
+    pub(in crate::contact) fn of(
+        problem: &'a ContactProblem,
+        given: &'a Factored,
+        limit: f64,
+        shares: bool,
+    ) -> Option<Self> {
+        let state = given.condensed.state(problem.constraints.two_sided.clone())?;
+        let penalty = problem.active.penalized(limit);
+        Some(Self { problem, limit, penalty, given, own: None, state, shares, gradients: 0, factorizations: 0 })
+    }
+
+    pub(in crate::contact) fn factored(&self) -> &Factored {
+        self.own.as_ref().unwrap_or(self.given)
+    }
+
+    /// The factor of its own set, if it has come to one.
+    pub(super) fn into_own(self) -> Option<Factored> {
+        self.own
+    }
+
+    /// Whether the next residual goes to a factor that others ask too.
+    pub(in crate::contact) fn shares(&self) -> bool {
+        self.shares && self.own.is_none()
+    }
+
+    /// Factors a set, with a little of the open points if it does not hold the plate; as far as that succeeds.
+    pub(super) fn refactor(&mut self, closed: &[bool]) -> Result<(), FactorError> {
+        let points = &self.problem.active;
+        let nothing = vec![0.0; closed.len()];
+        let slenderness = self.problem.plate.slenderness();
+        let retained = points.penalized(slenderness * slenderness / closed.len() as f64).stiffness;
+        for of_open in [nothing, retained] {
+            let full = closed.iter().zip(&self.penalty.stiffness).zip(&of_open);
+            let carried = full.map(|((&c, &k), &open)| if c { k } else { open }).collect();
+            match self.problem.refactored(carried) {
+                Ok(found) => {
+                    let Some(state) = found.condensed.state(self.problem.constraints.two_sided.clone()) else {
+                        continue;
+                    };
+                    self.state = state;
+                    self.own = Some(found);
+                    self.factorizations += 1;
+                    return Ok(());
+                }
+                Err(FactorError::NotPositiveDefinite { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+
+    /// vᵀKv with the springs of closed points, summed from squares: along a free motion a difference would be rounding.
+    pub(super) fn curvature(&self, closed: &[bool], vector: &[f64]) -> f64 {
+        let (points, plate) = (&self.problem.active, &self.problem.plate);
+        let spring = |i: usize| self.penalty.stiffness[i] * points.dot(plate, i, vector).powi(2);
+        twice_the_energy(plate, &self.problem.springs, vector)
+            + (0..closed.len()).filter(|&i| closed[i]).map(spring).sum::<f64>()
+    }
+
+    /// Points whose springs the factor carries otherwise than the set has them, and by how much.
+    pub(super) fn differing(&self, closed: &[bool]) -> Vec<(usize, f64)> {
+        let carried = &self.factored().carried;
+        let full = &self.penalty.stiffness;
+        let difference = |i: usize| if closed[i] { full[i] } else { 0.0 } - carried[i];
+        (0..closed.len()).map(|i| (i, difference(i))).filter(|&(_, d)| d != 0.0).collect()
+    }
+
+    /// Σ Δk r (r·v) over the points that differ.
+    pub(super) fn difference(&self, differing: &[(usize, f64)], vector: &[f64]) -> Vec<f64> {
+        let (points, plate) = (&self.problem.active, &self.problem.plate);
+        let mut out = vec![0.0; vector.len()];
+        for &(i, stiffness) in differing {
+            let pull = stiffness * points.dot(plate, i, vector);
+            points.scatter(plate, i, pull, &mut out);
+        }
+        self.problem.release_held(&mut out);
+        out
+    }
+
+    /// What K̃⁻¹ times a residual, in elimination order, moves; there are no two-sided points.
+    pub(in crate::contact) fn moved(&self, residual: &[f64], solved: &[f64]) -> Direction {
+        let (nodal, force) = (self.problem.scatter(solved), residual.to_vec());
+        Direction { nodal, force, reaction: Vec::new(), free: false }
+    }
+
+    /// The motion under an imbalance by the factor, with what is left of the two-sided points' gaps taken up, and the force
+    /// it has for that.
+    pub(in crate::contact) fn response(&self, imbalance: &[f64], remaining: &[f64]) -> Result<Direction, FactorError> {
+        let problem = self.problem;
+        let motions = problem.constraints.free_motions.len();
+        let still = Residual {
+            imbalance: imbalance.to_vec(),
+            remaining: remaining.to_vec(),
+            worst: 0.0,
+            work: vec![0.0; motions],
+            work_size: vec![0.0; motions],
+        };
+        let with = self.factored();
+        let reduced = problem.reduced(with, &still, with.condensed.better_form())?;
+        let (nodal, reaction) = problem.respond(with, &self.state, reduced)?;
+        let mut force = still.imbalance;
+        let back: Vec<f64> = reaction.iter().map(|r| -r).collect();
+        problem.spread(&back, &mut force);
+        problem.release_held(&mut force);
+        Ok(Direction { nodal, force, reaction, free: false })
+    }
+}

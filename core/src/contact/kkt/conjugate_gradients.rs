@@ -1,0 +1,154 @@
+//! Newton's direction for one set of closed points, by conjugate gradients on K with their springs, preconditioned with
+//! a factor that carries the springs of another set.
+//!
+//! Gould, Hribar & Nocedal (2001) for the preconditioner with two-sided points held.
+
+use super::active_factor::ActiveFactor;
+use super::direction::{Direction, dot};
+use crate::cholesky::FactorError;
+use crate::contact::scale::Scale;
+use crate::contact::tolerances;
+
+/// Conjugate gradients on their way to a direction.
+pub(in crate::contact) struct ConjugateGradients {
+    closed: Vec<bool>,
+    /// Points whose springs the factor carries otherwise than the set has them, and by how much.
+    differing: Vec<(usize, f64)>,
+    /// Length of the residual that ends them.
+    enough: f64,
+    /// Whether a factor of the set is to take over after so many steps, or else the direction is taken as it is.
+    patient: bool,
+    most: usize,
+    steps: usize,
+    residual: Vec<f64>,
+    total: Direction,
+    ahead: Direction,
+    /// Of the last residual and its preconditioned one.
+    product: f64,
+}
+
+impl ConjugateGradients {
+    /// What is to be preconditioned next.
+    pub(in crate::contact) fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+}
+
+/// What a step of conjugate gradients came to.
+pub(in crate::contact) enum Followed {
+    On,
+    /// There have been too many; a factor of the set would be better.
+    Impatient,
+    Found(Direction),
+}
+
+/// Conjugate gradients take this many steps before a factor of the present set, which costs about as much, replaces them;
+/// where a factor is asked together with others, so that a step costs a part of that, so many times as many.
+const PATIENCE: usize = 10;
+const SHARED: usize = 3;
+/// At most this many where it cannot be factored.
+const GRADIENTS: usize = 500;
+
+impl ActiveFactor<'_> {
+    /// Begins to seek the direction that leaves `tolerance` of an imbalance, or no more than `rounding`.
+    pub(in crate::contact) fn gradients(
+        &self,
+        closed: &[bool],
+        imbalance: Vec<f64>,
+        tolerance: f64,
+        rounding: f64,
+    ) -> ConjugateGradients {
+        let most = if self.shares() { SHARED * PATIENCE } else { PATIENCE };
+        let (size, reactions) = (imbalance.len(), self.problem.constraints.rows.len());
+        ConjugateGradients {
+            closed: closed.to_vec(),
+            differing: self.differing(closed),
+            enough: f64::max(tolerance * length(&self.problem.scale, &imbalance), rounding),
+            patient: true,
+            most,
+            steps: 0,
+            residual: imbalance,
+            total: Direction::zeros(size, reactions),
+            ahead: Direction::zeros(size, reactions),
+            product: f64::INFINITY,
+        }
+    }
+
+    /// Begins anew with a factor of their set, as far as that can be factored.
+    pub(in crate::contact) fn refactored(
+        &mut self,
+        gradients: ConjugateGradients,
+        imbalance: Vec<f64>,
+    ) -> Result<ConjugateGradients, FactorError> {
+        self.refactor(&gradients.closed)?;
+        let anew = self.gradients(&gradients.closed, imbalance, 0.0, gradients.enough);
+        Ok(ConjugateGradients { patient: false, most: GRADIENTS, ..anew })
+    }
+
+    /// The direction that leaves `tolerance` of an imbalance; the set is factored if that takes long.
+    pub(super) fn direction(
+        &mut self,
+        closed: &[bool],
+        imbalance: &[f64],
+        tolerance: f64,
+    ) -> Result<Direction, FactorError> {
+        let still = vec![0.0; self.problem.constraints.rows.len()];
+        let mut gradients = self.gradients(closed, imbalance.to_vec(), tolerance, 0.0);
+        loop {
+            let along = self.response(&gradients.residual, &still)?;
+            match self.follow(&mut gradients, along) {
+                Followed::On => {}
+                Followed::Impatient => gradients = self.refactored(gradients, imbalance.to_vec())?,
+                Followed::Found(direction) => return Ok(direction),
+            }
+        }
+    }
+
+    /// One step of conjugate gradients, with the motion that the factor has for the residual.
+    pub(in crate::contact) fn follow(&mut self, gradients: &mut ConjugateGradients, mut along: Direction) -> Followed {
+        gradients.steps += 1;
+        self.gradients += 1;
+        if gradients.differing.is_empty() {
+            return Followed::Found(along);
+        }
+        let next = dot(&gradients.residual, &along.nodal);
+        if !(next > 0.0) {
+            return Followed::Found(std::mem::take(&mut gradients.total));
+        }
+        let ahead = &mut gradients.ahead;
+        ahead.renew(next / gradients.product, &along);
+        gradients.product = next;
+        let difference = self.difference(&gradients.differing, &ahead.nodal);
+        let stiff = dot(&ahead.nodal, &ahead.force);
+        let mut curvature = stiff + dot(&ahead.nodal, &difference);
+        if !(curvature > tolerances::newton::PLAIN * stiff) {
+            curvature = self.curvature(&gradients.closed, &ahead.nodal);
+        }
+        if !(curvature > tolerances::newton::FREE * stiff) {
+            // The line search goes as far as the next points, before which no other direction balances the load.
+            along = std::mem::take(ahead);
+            along.free = true;
+            return Followed::Found(along);
+        }
+        let alpha = next / curvature;
+        gradients.total.add(alpha, ahead);
+        for (residual, (force, difference)) in gradients.residual.iter_mut().zip(ahead.force.iter().zip(&difference)) {
+            *residual -= alpha * (force + difference);
+        }
+        if length(&self.problem.scale, &gradients.residual) <= gradients.enough {
+            return Followed::Found(std::mem::take(&mut gradients.total));
+        }
+        match (gradients.steps == gradients.most, gradients.patient) {
+            (false, _) => Followed::On,
+            (true, true) => Followed::Impatient,
+            (true, false) => Followed::Found(std::mem::take(&mut gradients.total)),
+        }
+    }
+}
+
+/// Of nodal forces, a couple as the force that it is at the arm.
+fn length(scale: &Scale, nodal: &[f64]) -> f64 {
+    let of_couples = 1.0 / scale.arm;
+    let square = |f: &[f64]| f[0] * f[0] + (of_couples * f[1]).powi(2) + (of_couples * f[2]).powi(2);
+    nodal.chunks_exact(3).map(square).sum::<f64>().sqrt()
+}

@@ -1,0 +1,84 @@
+//! A set's equations condensed onto the contact points: one forward and one backward substitution a correction.
+
+use super::refinement::{Correction, KktSolver};
+use super::residual::Residual;
+use crate::cholesky::FactorError;
+use crate::contact::condense::{ContactState, Form, InterfaceResidual};
+use crate::contact::problem::{ContactProblem, Factored};
+use crate::contact::solution::ContactSolution;
+
+/// An imbalance after forward substitution, and what it does at the contact points.
+pub(in crate::contact) struct Reduced {
+    forward: Vec<f64>,
+    pub(in crate::contact) interface: InterfaceResidual,
+}
+
+/// The factor and one contact state of its condensed points.
+pub(in crate::contact) struct Interface<'a> {
+    pub(in crate::contact) problem: &'a ContactProblem,
+    pub(in crate::contact) with: &'a Factored,
+    pub(in crate::contact) state: &'a ContactState,
+    /// The first residual, if it has been reduced before.
+    pub(in crate::contact) reduced: Option<Reduced>,
+}
+
+impl KktSolver for Interface<'_> {
+    fn correction(
+        &mut self,
+        _: &[f64],
+        step: &Residual,
+        _: &ContactSolution,
+    ) -> Result<Option<Correction>, FactorError> {
+        let reduced = match self.reduced.take() {
+            Some(reduced) => reduced,
+            None => self.problem.reduced(self.with, step, self.with.condensed.better_form())?,
+        };
+        let (nodal, reaction) = self.problem.respond(self.with, self.state, reduced)?;
+        Ok(Some(Correction::of(nodal, reaction)))
+    }
+}
+
+impl ContactProblem {
+    pub(in crate::contact) fn reduced(
+        &self,
+        with: &Factored,
+        step: &Residual,
+        form: Form,
+    ) -> Result<Reduced, FactorError> {
+        let mut forward = self.gather(&step.imbalance);
+        with.factor.forward(&mut forward)?;
+        let trailing = &forward[forward.len() - self.numbering.trailing..];
+        let force = with.condensed.condensed_force(trailing);
+        let needs_flexibility = form == Form::Dual || with.condensed.better_form() == Form::Dual;
+        let displacement =
+            if needs_flexibility && !with.condensed.is_empty() { with.condensed.moved(trailing) } else { Vec::new() };
+        let (work, work_size, remaining) = (step.work.clone(), step.work_size.clone(), step.remaining.clone());
+        Ok(Reduced { forward, interface: InterfaceResidual { displacement, force, work, work_size, remaining } })
+    }
+
+    /// Motion of the plate and increments of the reactions in one contact state.
+    pub(super) fn respond(
+        &self,
+        with: &Factored,
+        state: &ContactState,
+        reduced: Reduced,
+    ) -> Result<(Vec<f64>, Vec<f64>), FactorError> {
+        let Reduced { mut forward, interface } = reduced;
+        let leading = forward.len() - self.numbering.trailing;
+        let mut reaction = Vec::new();
+        if !with.condensed.is_empty() {
+            let response = with.condensed.solve_state(state, &interface);
+            if with.condensed.better_form() == Form::Stiffness {
+                forward[leading..].copy_from_slice(&with.condensed.prescribing(&response.moved));
+            } else {
+                let carried = with.condensed.regularization.iter().zip(&response.moved).map(|(d, y)| d * y);
+                let push: Vec<f64> = carried.zip(&response.reaction).map(|(c, r)| c - r).collect();
+                let ahead = with.condensed.forwarded(&push);
+                forward[leading..].iter_mut().zip(&ahead).for_each(|(total, push)| *total += push);
+            }
+            reaction = response.reaction;
+        }
+        with.factor.backward(&mut forward)?;
+        Ok((self.scatter(&forward), reaction))
+    }
+}

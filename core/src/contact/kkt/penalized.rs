@@ -1,0 +1,94 @@
+//! A set of many points: their reactions are eliminated into K as springs, which a step of the method of multipliers
+//! (Rockafellar 1976) takes the excess of back.
+
+use super::active_factor::ActiveFactor;
+use super::floating::Held;
+use super::refinement::{Correction, KktSolver};
+use super::residual::Residual;
+use crate::cholesky::FactorError;
+use crate::contact::problem::{ContactProblem, Factored};
+use crate::contact::solution::ContactSolution;
+use crate::contact::tolerances;
+
+/// The factor with conjugate gradients, and one set of the active points.
+pub(super) struct Penalized<'a> {
+    factor: ActiveFactor<'a>,
+    closed: Vec<bool>,
+    held: Option<Held>,
+}
+
+impl<'a> Penalized<'a> {
+    /// `closed` is of all points, in the problem's order; `None` if two-sided points contradict each other.
+    pub(super) fn of(problem: &'a ContactProblem, given: &'a Factored, closed: &[bool]) -> Option<Self> {
+        let factor = ActiveFactor::of(problem, given, tolerances::newton::STIFFEST, false)?;
+        let softened = problem.active.compliance.iter().zip(&factor.penalty.series).map(|(c, s)| c + s);
+        let compliance: Vec<f64> = problem.constraints.compliance.iter().copied().chain(softened).collect();
+        // Beside rigid two-sided points the three equations are not all that holds.
+        let alone = problem.constraints.rows.is_empty();
+        let held = if alone { Held::by(problem, &compliance, closed) } else { None };
+        Some(Self { factor, closed: closed[problem.constraints.rows.len()..].to_vec(), held })
+    }
+
+    pub(super) fn into_own(self) -> Option<Factored> {
+        self.factor.into_own()
+    }
+
+    fn eliminated(&mut self, step: &Residual) -> Result<Option<Correction>, FactorError> {
+        let Self { factor, closed, .. } = self;
+        let (problem, points) = (factor.problem, &factor.problem.active);
+        let (two_sided, left) = step.remaining.split_at(problem.constraints.rows.len());
+        let pushing = |closed: &[bool]| (0..closed.len()).filter(|&i| closed[i]).collect::<Vec<_>>();
+        let pushing = pushing(closed);
+        let mut imbalance = step.imbalance.clone();
+        for &i in &pushing {
+            points.scatter(&problem.plate, i, factor.penalty.stiffness[i] * left[i], &mut imbalance);
+        }
+        problem.release_held(&mut imbalance);
+        let mut all = Correction::of(vec![0.0; imbalance.len()], vec![0.0; two_sided.len()]);
+        if !two_sided.is_empty() {
+            let first = factor.response(&imbalance, two_sided)?;
+            imbalance = factor.difference(&factor.differing(closed), &first.nodal);
+            imbalance.iter_mut().for_each(|force| *force = -*force);
+            (all.nodal, all.reaction) = (first.nodal, first.reaction);
+        }
+        let direction = factor.direction(closed, &imbalance, tolerances::newton::TIGHT)?;
+        if direction.free {
+            return Ok(None);
+        }
+        all.nodal.iter_mut().zip(&direction.nodal).for_each(|(total, part)| *total += part);
+        all.reaction.iter_mut().zip(&direction.reaction).for_each(|(total, part)| *total += part);
+        let moved = points.change(&problem.plate, &all.nodal);
+        all.reaction.resize(two_sided.len() + closed.len(), 0.0);
+        for &i in &pushing {
+            all.reaction[two_sided.len() + i] = factor.penalty.stiffness[i] * (moved[i] - left[i]);
+        }
+        Ok(Some(all))
+    }
+}
+
+impl KktSolver for Penalized<'_> {
+    fn correction(
+        &mut self,
+        load: &[f64],
+        step: &Residual,
+        solution: &ContactSolution,
+    ) -> Result<Option<Correction>, FactorError> {
+        match self.held.take() {
+            None => self.eliminated(step),
+            Some(held) => {
+                let problem = self.factor.problem;
+                let found = held.before(problem, load, step, solution, |step| self.eliminated(step));
+                self.held = Some(held);
+                found
+            }
+        }
+    }
+
+    fn is_settled(&self, step: &Residual, force: f64) -> bool {
+        let left = &step.remaining[self.factor.problem.constraints.rows.len()..];
+        let penalty = &self.factor.penalty;
+        // A support's own law is exact; what was put in series with it is not.
+        let softened = (0..left.len()).filter(|&i| self.closed[i] && penalty.series[i] > 0.0);
+        softened.map(|i| penalty.stiffness[i] * left[i].abs()).all(|push| push <= tolerances::newton::SETTLED * force)
+    }
+}

@@ -1,0 +1,185 @@
+//! What is out of balance and what is left of the gaps, and by what they are measured.
+//!
+//! Inside the methods points stand in the problem's order, the condensed ones before those of the active set.
+
+use super::direction::dot;
+use crate::contact::problem::ContactProblem;
+use crate::contact::solution::ContactSolution;
+use crate::contact::tolerances;
+use crate::residual::{Displacement, internal_magnitudes, residual};
+
+/// What is out of balance and what is left of the gaps.
+#[derive(Clone, Default)]
+pub(in crate::contact) struct Residual {
+    /// f − Ku − Gᵀ·reaction at every dof; 0 where it is held.
+    pub(in crate::contact) imbalance: Vec<f64>,
+    /// distance − row·u + compliance·reaction of every point that has a reaction.
+    pub(in crate::contact) remaining: Vec<f64>,
+    /// Largest imbalance as a force.
+    pub(in crate::contact) worst: f64,
+    /// Work of the load in each free rigid motion, and the sum of the magnitudes it is made of.
+    pub(in crate::contact) work: Vec<f64>,
+    pub(in crate::contact) work_size: Vec<f64>,
+}
+
+/// What a residual is measured by: forces, couples, and what is left of the gap of every point.
+pub(super) struct Sizes {
+    pub(super) force: f64,
+    couple: f64,
+    gap: Vec<f64>,
+}
+
+impl ContactProblem {
+    pub(in crate::contact) fn residual(&self, load: &[f64], solution: &ContactSolution) -> Residual {
+        self.residual_of(self.imbalance(load, &solution.displacement, &solution.reaction), load, solution)
+    }
+
+    /// The residual from what is out of balance at every dof, those held included.
+    pub(in crate::contact) fn residual_of(
+        &self,
+        mut imbalance: Vec<f64>,
+        load: &[f64],
+        solution: &ContactSolution,
+    ) -> Residual {
+        self.release_held(&mut imbalance);
+        let worst = self.scale.largest(&imbalance);
+        let (work, work_size) = self.works(load);
+        let remaining = self.remaining(&solution.displacement, &solution.reaction);
+        Residual { imbalance, remaining, worst, work, work_size }
+    }
+
+    /// f − Ku − springs − Gᵀ·reaction at every dof: out of balance where free, the support's upward force where held.
+    pub fn imbalance(&self, load: &[f64], displacement: &Displacement, reaction: &[f64]) -> Vec<f64> {
+        let mut out = residual(&self.plate, &self.springs, load, displacement);
+        let (condensed, active) = reaction.split_at(self.constraints.rows.len());
+        let downward: Vec<f64> = condensed.iter().map(|r| -r).collect();
+        self.spread(&downward, &mut out);
+        for (i, reaction) in active.iter().enumerate().filter(|(_, reaction)| **reaction != 0.0) {
+            self.active.scatter(&self.plate, i, -reaction, &mut out);
+        }
+        out
+    }
+
+    /// distance − row·u + compliance·reaction, in double-double, of as many points as there are reactions.
+    pub fn remaining(&self, displacement: &Displacement, reaction: &[f64]) -> Vec<f64> {
+        let c = &self.constraints;
+        let (condensed, active) = reaction.split_at(c.rows.len());
+        let left = |(i, reaction): (usize, &f64)| {
+            c.compliance[i] * reaction - c.rows.beyond(&self.plate, i, displacement, c.distance[i])
+        };
+        let mut remaining: Vec<f64> = condensed.iter().enumerate().map(left).collect();
+        if !active.is_empty() {
+            let overlap = self.active.overlap(&self.plate, displacement);
+            let all = active.iter().zip(&self.active.compliance).zip(overlap);
+            remaining.extend(all.map(|((reaction, compliance), overlap)| compliance * reaction - overlap));
+        }
+        remaining
+    }
+
+    /// Work of a load in each free rigid motion, and the sum of the magnitudes it is made of.
+    pub(in crate::contact) fn works(&self, load: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let of = |reduced: &Vec<f64>| {
+            let terms = reduced.iter().zip(load).map(|(u, f)| u * f);
+            (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>())
+        };
+        self.constraints.free_motions.iter().map(of).unzip()
+    }
+
+    /// Zeroes a nodal vector at the dofs held.
+    pub(in crate::contact) fn release_held(&self, vector: &mut [f64]) {
+        for (value, &held) in vector.iter_mut().zip(&self.held) {
+            if held {
+                *value = 0.0;
+            }
+        }
+    }
+
+    /// Largest force of a load and of reactions, of those that have a lever over that.
+    pub(in crate::contact) fn largest_force(&self, load: &[f64], reaction: &[f64]) -> f64 {
+        let reactions = reaction.iter().enumerate().map(|(i, r)| r.abs() / self.lever(i));
+        reactions.fold(self.scale.largest(load), f64::max)
+    }
+
+    /// By what what is left of a point's gap is a length: 1, or the plate's size where its row is of slopes.
+    pub(in crate::contact) fn lever(&self, point: usize) -> f64 {
+        self.levers.get(point).copied().unwrap_or(1.0)
+    }
+
+    /// What the gap of each point is measured by, the largest deflection or its own travel: a stop far away says nothing
+    /// of what happens at others.
+    pub(in crate::contact) fn lengths(&self, solution: &ContactSolution) -> Vec<f64> {
+        let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, |size: f64, w| size.max(w.abs()));
+        let travel = self.constraints.distance.iter().chain(&self.active.distance).take(solution.reaction.len());
+        travel.enumerate().map(|(i, travel)| travel.abs().max(deflection / self.lever(i))).collect()
+    }
+
+    /// A length by which those of a plate that hardly deflects are measured; far less than the load would deflect it.
+    pub(in crate::contact) fn least_length(&self, load: &[f64]) -> f64 {
+        let springs = &self.springs;
+        let settled: f64 = springs.stiffness.iter().zip(&springs.base).map(|(k, base)| (k * base).abs()).sum();
+        tolerances::proximal::NIL * (self.scale.sum(load) + settled) / self.scale.stiffness
+    }
+
+    /// Rounding of what the plate's own forces are the sum of, as a force.
+    pub(in crate::contact) fn rounding(&self, displacement: &Displacement) -> f64 {
+        let mut internal = internal_magnitudes(&self.plate, displacement);
+        self.release_held(&mut internal);
+        f64::EPSILON * self.scale.largest(&internal)
+    }
+
+    /// By a solution, and a force whose rounding is none of its fault.
+    pub(super) fn sizes(&self, load: &[f64], solution: &ContactSolution, least: f64) -> Sizes {
+        let or_one = |size: f64| if size > 0.0 { size } else { 1.0 };
+        let force = or_one(self.largest_force(load, &solution.reaction).max(least));
+        let nil = self.least_length(load);
+        let length = |(i, length): (usize, f64)| or_one(length.max(nil / self.lever(i)));
+        let gap = self.lengths(solution).into_iter().enumerate().map(length).collect();
+        Sizes { force, couple: force * self.scale.arm, gap }
+    }
+
+    /// What is out of balance at every dof, then what is left of the gaps of closed points.
+    pub(super) fn scaled(&self, step: &Residual, sizes: &Sizes, closed: &[bool]) -> Vec<f64> {
+        let forces =
+            step.imbalance.chunks(3).flat_map(|f| [f[0] / sizes.force, f[1] / sizes.couple, f[2] / sizes.couple]);
+        let closed = (0..step.remaining.len()).filter(|&i| closed[i]);
+        forces.chain(closed.map(|i| step.remaining[i] / sizes.gap[i])).collect()
+    }
+
+    /// Whether no more is out of balance, or left of closed gaps, than a settled set leaves.
+    pub(super) fn rests(&self, load: &[f64], step: &Residual, solution: &ContactSolution, least: f64) -> bool {
+        let force = self.largest_force(load, &solution.reaction).max(least);
+        let lengths = self.lengths(solution);
+        let meets = |i: usize| step.remaining[i].abs() <= tolerances::newton::SETTLED * lengths[i];
+        step.worst <= tolerances::newton::SETTLED * force
+            && (0..step.remaining.len()).all(|i| !solution.closed[i] || meets(i))
+    }
+
+    /// Length of what is out of balance and left of closed gaps.
+    pub(in crate::contact) fn length(
+        &self,
+        load: &[f64],
+        step: &Residual,
+        solution: &ContactSolution,
+        least: f64,
+    ) -> f64 {
+        let scaled = self.scaled(step, &self.sizes(load, solution, least), &solution.closed);
+        dot(&scaled, &scaled).sqrt()
+    }
+
+    /// Whether a residual is that of a solution of its set's equations.
+    pub(in crate::contact) fn satisfies(
+        &self,
+        load: &[f64],
+        step: &Residual,
+        solution: &ContactSolution,
+        least: f64,
+    ) -> bool {
+        let length = self.length(load, step, solution, least);
+        if length <= tolerances::SOLVED {
+            return true;
+        }
+        let force = self.largest_force(load, &solution.reaction).max(least);
+        let roundings = tolerances::ROUNDINGS * (self.plate.dof_count() as f64).sqrt();
+        force > 0.0 && length <= roundings * self.rounding(&solution.displacement) / force
+    }
+}

@@ -1,0 +1,65 @@
+//! A set's equations with nothing eliminated, for where rounding decides.
+
+use super::floating::{Held, after_rigid};
+use super::refinement::{Correction, KktSolver};
+use super::regularized::Regularized;
+use super::residual::Residual;
+use super::saddle::Saddle;
+use crate::cholesky::FactorError;
+use crate::contact::problem::ContactProblem;
+use crate::contact::rigid::rigid_part;
+use crate::contact::solution::ContactSolution;
+
+/// The saddle-point equations of one contact set.
+pub(in crate::contact) struct Uncondensed<'a> {
+    problem: &'a ContactProblem,
+    saddle: Saddle,
+    pub(in crate::contact) held: Option<Held>,
+}
+
+impl<'a> Regularized<'a> {
+    /// `None` if the equations are singular.
+    pub(in crate::contact) fn on(&self, closed: &[bool]) -> Option<Uncondensed<'a>> {
+        let saddle = Saddle::of(self, closed)?;
+        Some(Uncondensed { problem: self.problem, saddle, held: Held::by(self.problem, &self.compliance, closed) })
+    }
+}
+
+impl Uncondensed<'_> {
+    /// What a residual asks for: of a plate that nothing holds firmly a rigid motion first, by its resultants if `settling`,
+    /// else by the equations, and in either case added exactly; then what the equations make of the rest.
+    pub(in crate::contact) fn direction(
+        &self,
+        load: &[f64],
+        step: &Residual,
+        settling: bool,
+        solution: &ContactSolution,
+    ) -> Result<Option<Correction>, FactorError> {
+        let problem = self.problem;
+        let solver = |step: &Residual| {
+            let (nodal, reaction) = self.saddle.response(problem, &step.imbalance, &step.remaining);
+            Ok(Some(Correction::of(nodal, reaction)))
+        };
+        if let Some(held) = self.held.as_ref().filter(|_| settling) {
+            return held.before(problem, load, step, solution, solver);
+        }
+        let (nodal, reaction) = self.saddle.response(problem, &step.imbalance, &step.remaining);
+        if problem.held.contains(&true) {
+            return Ok(Some(Correction::of(nodal, reaction)));
+        }
+        let rigid = rigid_part(&problem.plate, &problem.scale, &nodal);
+        let rigid = Correction { rigid, nodal: vec![0.0; nodal.len()], reaction };
+        after_rigid(problem, load, rigid, solution, solver)
+    }
+}
+
+impl KktSolver for Uncondensed<'_> {
+    fn correction(
+        &mut self,
+        load: &[f64],
+        step: &Residual,
+        solution: &ContactSolution,
+    ) -> Result<Option<Correction>, FactorError> {
+        self.direction(load, step, true, solution)
+    }
+}

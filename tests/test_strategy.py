@@ -1,0 +1,155 @@
+"""The order in which a load's answer is sought: nothing twice, all of it watched, nothing that memory does not hold."""
+
+import numpy as np
+import pytest
+
+import signorini
+from signorini import InputError, Model, _core
+from signorini.discretise import discretise
+from signorini.memory import needed, needed_by_interior_point, needed_by_proximal_steps
+from signorini.problem import ContactProblem, contact_problem
+from signorini.strategy import answered, attempts, ways_along
+
+CLAMPED = {"edge": "left", "fix": "clamped"}
+PROPS = {"at": [[4, 0], [4, 3]], "resists": "down"}
+BETWEEN = {"at": [3.13, 2.37], "resists": "down"}
+BED = {"area": "all", "resists": "down", "stiffness": 2e7, "gap": "1e-4*x"}
+EVERY_METHOD = ("lemke", "active_set", "interior_point")
+
+
+def plate(*supports: dict[str, object], method: str = "auto", **more: object) -> Model:
+    return Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 3], "thickness": 0.2},
+        mesh={"divisions": [8, 6]},
+        support=list(supports),
+        load=[{"pressure": 5e3}, {"force": 4e5, "at": [3.8, 0.2]}],
+        solver={"method": method},
+        **more,
+    )
+
+
+@pytest.fixture
+def factored(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """Factorizations so far, and whether each was for an active set."""
+    made: list[bool] = []
+    core = _core.ContactProblem
+
+    def counted(*given):
+        made.append(given[-1])
+        return core(*given)
+
+    monkeypatch.setattr(_core, "ContactProblem", counted)
+    return made
+
+
+def test_a_problem_is_factored_once_for_each_method(factored: list[bool]) -> None:
+    problem = contact_problem(plate(CLAMPED, PROPS, method="lemke"))
+    assert problem.by("lemke") is problem
+    load = problem.discretisation.cases["load"]
+    problem.lcp(load.nodal, "dual"), problem.dual(load.nodal), problem.solve_carefully(load, 1e-9)
+    problem.by("interior_point").solve(load)
+    assert factored == [False]
+    for other in (problem.by("active_set"), problem.by("lemke").by("active_set").by("lemke").by("active_set")):
+        other.solve(load)
+    assert factored == [False, True]
+
+
+@pytest.mark.parametrize(
+    "supports", [(CLAMPED, PROPS), (CLAMPED, BETWEEN), (PROPS, BETWEEN, {"edge": "left"}), (BED,), (CLAMPED,)]
+)
+def test_the_better_form_is_the_one_that_the_core_takes(supports: tuple[dict[str, object], ...]) -> None:
+    problem = contact_problem(plate(*supports, method="lemke"))
+    load, held = problem.load("all"), problem.discretisation.held.values
+    for ours, theirs in zip(problem.lcp(load), problem.core.lcp(load, held), strict=True):
+        assert np.array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize("method", EVERY_METHOD)
+@pytest.mark.parametrize("supports", [(CLAMPED, PROPS), (CLAMPED, PROPS, BETWEEN, BED), (CLAMPED,)])
+def test_nothing_is_tried_twice(
+    supports: tuple[dict[str, object], ...], method: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every answer is that of a larger load, so that none is certified."""
+    tried: list[tuple[object, ...]] = []
+    solve, solve_carefully = ContactProblem.solve, ContactProblem.solve_carefully
+
+    def plain(self: ContactProblem, load, form, progress):
+        tried.append((self.method, form))
+        return solve(self, 1.01 * load, form, progress)
+
+    def careful(self: ContactProblem, load, part, closed, progress):
+        tried.append((part, None if closed is None else closed.tobytes()))
+        return solve_carefully(self, 1.01 * load, part, closed, progress)
+
+    problem = contact_problem(plate(*supports, method=method))
+    monkeypatch.setattr(ContactProblem, "solve", plain)
+    monkeypatch.setattr(ContactProblem, "solve_carefully", careful)
+    found = answered(problem, problem.discretisation.cases["load"])
+    assert not found.passed and len(set(tried)) == len(tried)
+    one_sided = len(supports) > 1
+    assert set(found.methods) == (set(EVERY_METHOD) if one_sided else {"lemke"})
+    other = {"dual": "stiffness", "stiffness": "dual"}[problem.better_form]
+    forms = [form for by, form in tried if by == "lemke"]
+    assert forms == ([problem.better_form, other] if one_sided else [problem.better_form])
+
+
+@pytest.mark.parametrize("method", EVERY_METHOD)
+def test_every_attempt_is_watched(method: str) -> None:
+    """Lemke's algorithm tells of every 64 pivots."""
+
+    class Enough(Exception):
+        """What a watcher raises."""
+
+    def enough(*now: float) -> None:
+        raise Enough
+
+    problem = contact_problem(plate(CLAMPED, PROPS, BED, method=method))
+    load = problem.discretisation.cases["load"]
+    for attempt in attempts(problem):
+        if attempt.form != "auto" and attempt.solve(load).pivots < 64:
+            continue
+        with pytest.raises(Enough):
+            attempt.solve(load, enough)
+
+
+def test_a_path_is_followed_once_with_each_core() -> None:
+    def ways(method: str) -> list[tuple[str, bool]]:
+        problem = contact_problem(plate(CLAMPED, PROPS, method=method))
+        return [(way.method, careful) for way, careful in ways_along(problem)]
+
+    assert ways("lemke") == [("lemke", False), ("active_set", False), ("lemke", True)]
+    assert ways("active_set") == [("active_set", False), ("lemke", False), ("lemke", True)]
+    assert ways("interior_point") == [("interior_point", False), ("active_set", False), ("lemke", True)]
+
+
+def test_what_memory_does_not_hold_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = contact_problem(plate(CLAMPED, PROPS, BED, method="active_set"))
+    size = problem.discretisation.dof_count, len(problem.gaps)
+
+    def methods(free: float) -> list[float | str]:
+        monkeypatch.setattr("signorini.memory.available", lambda: free)
+        return list(dict.fromkeys(attempt.part or attempt.problem.method for attempt in attempts(problem)))
+
+    assert methods(0.0) == ["active_set"]
+    assert [way.method for way, _ in ways_along(problem)] == ["active_set"]
+    assert methods(np.inf)[:2] == ["active_set", "lemke"] and methods(np.inf)[-1] == "interior_point"
+    problem.by("lemke").solve(problem.discretisation.cases["load"])
+    assert methods(0.0) == ["active_set", "lemke"]
+    assert needed_by_interior_point(*size) < needed_by_proximal_steps(*size)
+    assert methods(needed_by_interior_point(*size)) == ["active_set", "lemke", "interior_point"]
+    assert 1e-15 in methods(needed_by_proximal_steps(*size))
+
+
+def test_a_method_that_was_asked_for_and_does_not_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = plate(CLAMPED, PROPS, method="interior_point")
+    found = discretise(model)
+    enough = 1.1 * needed(len(found.mesh.elements))
+    assert enough < needed_by_interior_point(found.dof_count, len(found.contacts))
+    monkeypatch.setattr("signorini.memory.available", lambda: enough)
+    with pytest.raises(InputError, match=r'interior point method takes .* Leave solver.method at "auto"') as caught:
+        signorini.solve(model)
+    assert caught.value.place == "solver.method"
+    monkeypatch.setattr("signorini.memory.available", lambda: 2e9)
+    with pytest.raises(InputError, match=r"Solving 600,000 dofs by proximal .* 2.0 GB are free, enough for about 6"):
+        signorini.memory.require_memory_for_proximal_steps(600_000, 4)
