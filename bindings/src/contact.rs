@@ -321,4 +321,10 @@ impl ContactProblem {
     fn factor_entries(&self) -> usize {
         self.inner.base.factor.entries()
     }
+
+    /// Multiplications and additions that the factorization takes.
+    #[getter]
+    fn factor_flops(&self) -> f64 {
+        self.inner.base.factor.flops()
+    }
 }

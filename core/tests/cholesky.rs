@@ -1,7 +1,7 @@
-//! Substitution with a factor: one right-hand side against several side by side.
+//! Factors against dense arithmetic and on any number of threads; one right-hand side against several side by side.
 
-use signorini_core::assembly::{Numbering, assemble};
-use signorini_core::cholesky::{Analysis, Factor};
+use signorini_core::assembly::{LowerTriangle, Numbering, assemble};
+use signorini_core::cholesky::{Analysis, Factor, FactorError};
 use signorini_core::element::{Kind, Material, Thickness};
 use signorini_core::plate::Plate;
 use signorini_core::residual::{Rows, Springs};
@@ -29,16 +29,145 @@ fn strip(columns: usize, rows: usize) -> (Plate, Springs) {
 }
 
 /// A small factor, whose subtrees are not shared out, and one whose are.
-fn factors() -> [Factor; 2] {
-    [(3, 2, 0), (40, 20, 400_000)].map(|(columns, rows, entries)| {
+fn matrices() -> [LowerTriangle; 2] {
+    [(3, 2), (40, 20)].map(|(columns, rows)| {
         let (plate, springs) = strip(columns, rows);
         let free = vec![false; plate.dof_count()];
         let numbering = Numbering::new(&plate, &free, &free);
-        let matrix = assemble(&plate, &springs, &[], &numbering);
-        let factor = Analysis::new(&matrix).unwrap().factorize(&matrix).unwrap();
-        assert!(factor.entries() > entries);
-        factor
+        assemble(&plate, &springs, &[], &numbering)
     })
+}
+
+fn factors() -> [Factor; 2] {
+    matrices().map(|matrix| Analysis::new(&matrix).unwrap().factorize(&matrix).unwrap())
+}
+
+/// A sparse matrix that diagonal dominance makes positive definite: `links` entries of each column below the diagonal,
+/// all within groups of `group` columns, in no particular order and some of them in two parts.
+fn random(size: usize, links: usize, group: usize, seed: u64) -> LowerTriangle {
+    let mut state = seed;
+    let mut next = |below: usize| {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 33) as usize % below
+    };
+    let mut diagonal = vec![1.0; size];
+    let mut columns = vec![Vec::new(); size];
+    for column in 0..size {
+        let left = size.min((column / group + 1) * group) - column - 1;
+        for _ in 0..links.min(left) {
+            let (row, value) = (column + 1 + next(left), next(200) as f64 / 100.0 - 1.0);
+            columns[column].push((row, value));
+            diagonal[column] += f64::abs(value);
+            diagonal[row] += f64::abs(value);
+        }
+    }
+    let mut matrix = LowerTriangle { column_start: vec![0], row: vec![], value: vec![] };
+    for (column, mut entries) in columns.into_iter().enumerate() {
+        entries.insert(entries.len() / 2, (column, diagonal[column]));
+        matrix.row.extend(entries.iter().map(|entry| entry.0));
+        matrix.value.extend(entries.iter().map(|entry| entry.1));
+        matrix.column_start.push(matrix.row.len());
+    }
+    matrix
+}
+
+/// K times a vector.
+fn product(matrix: &LowerTriangle, vector: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; vector.len()];
+    for column in 0..vector.len() {
+        for at in matrix.column_start[column]..matrix.column_start[column + 1] {
+            let (row, value) = (matrix.row[at], matrix.value[at]);
+            out[row] += value * vector[column];
+            if row != column {
+                out[column] += value * vector[row];
+            }
+        }
+    }
+    out
+}
+
+#[test]
+fn any_pattern_is_solved() {
+    let shapes = [
+        (1, 0, 1),
+        (2, 1, 2),
+        (50, 0, 1),
+        (300, 3, 7),
+        (120, 60, 120),
+        (700, 2, 700),
+        (900, 5, 300),
+        (4000, 1, 4000),
+        (20_000, 2, 40),
+    ];
+    for (seed, (size, links, group)) in shapes.into_iter().enumerate() {
+        let matrix = random(size, links, group, seed as u64);
+        let factor = Analysis::new(&matrix).unwrap().factorize(&matrix).unwrap();
+        assert_eq!(factor.len(), size);
+        let expected = right(&factor, seed);
+        let mut found = product(&matrix, &expected);
+        factor.forward(&mut found).unwrap();
+        factor.backward(&mut found).unwrap();
+        assert!(expected.iter().zip(&found).all(|(x, y)| (x - y).abs() < 1e-9), "{size} {links} {group}");
+        // L Lᵀ of the trailing block is the Schur complement: L⁻ᵀ of a vector that is zero before it needs no more.
+        let trailing = size.min(5);
+        let block = factor.trailing_block(trailing);
+        let mut unit = vec![0.0; size];
+        unit[size - 1] = 1.0;
+        factor.backward(&mut unit).unwrap();
+        for i in 0..trailing {
+            let sum: f64 = (i..trailing).map(|k| block[(k, i)] * unit[size - trailing + k]).sum();
+            assert!((sum - f64::from(i == trailing - 1)).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn an_empty_matrix_has_an_empty_factor() {
+    let matrix = LowerTriangle { column_start: vec![0], row: vec![], value: vec![] };
+    let factor = Analysis::new(&matrix).unwrap().factorize(&matrix).unwrap();
+    assert!(factor.is_empty());
+    factor.forward(&mut []).unwrap();
+    assert_eq!(factor.trailing_block(0).nrows(), 0);
+}
+
+#[test]
+fn the_bits_do_not_depend_on_the_number_of_threads() {
+    let [small, large] = matrices();
+    for matrix in [small, large, random(30_000, 2, 300, 1), random(1500, 12, 1500, 2)] {
+        let bits = [1, 2, 3].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let factor = Analysis::new(&matrix).unwrap().factorize(&matrix).unwrap();
+                let mut one = right(&factor, 1);
+                factor.forward(&mut one).unwrap();
+                factor.backward(&mut one).unwrap();
+                let mut more: Vec<f64> = (0..9).flat_map(|seed| right(&factor, seed)).collect();
+                factor.solve_side_by_side(&mut more).unwrap();
+                one.append(&mut more);
+                one.into_iter().map(f64::to_bits).collect::<Vec<u64>>()
+            })
+        });
+        assert!(bits[0] == bits[1] && bits[0] == bits[2]);
+    }
+}
+
+#[test]
+fn a_pivot_that_fails_is_named() {
+    for mut matrix in matrices() {
+        let analysis = Analysis::new(&matrix).unwrap();
+        let size = matrix.column_start.len() - 1;
+        for column in [0, 1, size / 3, size / 2, size - 7, size - 1] {
+            let at = matrix.column_start[column]
+                + matrix.row[matrix.column_start[column]..].iter().position(|&row| row == column).unwrap();
+            for wrong in [-1.0, f64::NAN] {
+                let right = std::mem::replace(&mut matrix.value[at], wrong);
+                assert_eq!(analysis.factorize(&matrix).err(), Some(FactorError::NotPositiveDefinite { column }));
+                matrix.value[at] = right;
+            }
+        }
+        let factor = analysis.factorize(&matrix).unwrap();
+        assert!(factor.weakest_pivot(&matrix).1 > 1e-8);
+    }
 }
 
 fn right(factor: &Factor, seed: usize) -> Vec<f64> {

@@ -104,14 +104,19 @@ impl Eliminate<'_> {
                 }
             }
             let below = first + some;
-            let x: [[S::f64s; N]; TOGETHER] = std::array::from_fn(|k| negative::<S, N>(simd, &solved[k]));
+            let mut x = [[simd.splat_f64s(0.0); N]; TOGETHER];
+            for k in 0..TOGETHER {
+                let registers = S::as_simd_f64s(&solved[k].0).0;
+                for n in 0..N {
+                    x[k][n] = simd.neg_f64s(registers[n]);
+                }
+            }
             if some == TOGETHER {
-                let l: [&[f64]; TOGETHER] =
-                    std::array::from_fn(|k| &columns[(first + k) * height + below..(first + k + 1) * height]);
+                let l = tails(&columns[first * height..], height, below);
                 let factors = l[0].iter().zip(l[1]).zip(l[2]).zip(l[3]);
                 for (row, (((a, b), c), d)) in vector[below..].iter_mut().zip(factors) {
                     let row = S::as_mut_simd_f64s(&mut row.0).0;
-                    let l = [a, b, c, d].map(|l| simd.splat_f64s(*l));
+                    let l = [simd.splat_f64s(*a), simd.splat_f64s(*b), simd.splat_f64s(*c), simd.splat_f64s(*d)];
                     for n in 0..N {
                         for k in 0..TOGETHER {
                             row[n] = simd.mul_add_e_f64s(l[k], x[k][n], row[n]);
@@ -131,12 +136,6 @@ impl Eliminate<'_> {
             }
         }
     }
-}
-
-#[inline(always)]
-fn negative<S: Simd, const N: usize>(simd: S, value: &Lanes) -> [S::f64s; N] {
-    let registers = S::as_simd_f64s(&value.0).0;
-    std::array::from_fn(|n| simd.neg_f64s(registers[n]))
 }
 
 struct Substitute<'a> {
@@ -169,18 +168,26 @@ impl Substitute<'_> {
             let some = TOGETHER.min(count - first);
             let below = first + some;
             let mut sums = [[simd.splat_f64s(0.0); N]; TOGETHER];
-            // The last group repeats its last column.
-            let l: [&[f64]; TOGETHER] = std::array::from_fn(|k| {
-                let column = first + k.min(some - 1);
-                &columns[column * height + below..(column + 1) * height]
-            });
-            let factors = l[0].iter().zip(l[1]).zip(l[2]).zip(l[3]);
-            for (row, (((a, b), c), d)) in vector[below..].iter().zip(factors) {
-                let row = S::as_simd_f64s(&row.0).0;
-                let l = [a, b, c, d].map(|l| simd.splat_f64s(*l));
-                for n in 0..N {
-                    for k in 0..TOGETHER {
-                        sums[k][n] = simd.mul_add_e_f64s(l[k], row[n], sums[k][n]);
+            if some == TOGETHER {
+                let l = tails(&columns[first * height..], height, below);
+                let factors = l[0].iter().zip(l[1]).zip(l[2]).zip(l[3]);
+                for (row, (((a, b), c), d)) in vector[below..].iter().zip(factors) {
+                    let row = S::as_simd_f64s(&row.0).0;
+                    let l = [simd.splat_f64s(*a), simd.splat_f64s(*b), simd.splat_f64s(*c), simd.splat_f64s(*d)];
+                    for n in 0..N {
+                        for k in 0..TOGETHER {
+                            sums[k][n] = simd.mul_add_e_f64s(l[k], row[n], sums[k][n]);
+                        }
+                    }
+                }
+            } else {
+                for k in 0..some {
+                    let l = &columns[(first + k) * height + below..(first + k + 1) * height];
+                    for (row, l) in vector[below..].iter().zip(l) {
+                        let row = S::as_simd_f64s(&row.0).0;
+                        for n in 0..N {
+                            sums[k][n] = simd.mul_add_e_f64s(simd.splat_f64s(*l), row[n], sums[k][n]);
+                        }
                     }
                 }
             }
@@ -206,28 +213,39 @@ impl Substitute<'_> {
 /// Columns taken together, so that the vector is read and written once for all of them.
 const TOGETHER: usize = 4;
 
+/// The columns taken together, from row `below` on.
+///
+/// Written out, as the kernels' other arrays are: a closure given to `map` or `from_fn` is compiled without their
+/// instructions, and called for each row.
+#[inline(always)]
+fn tails(columns: &[f64], height: usize, below: usize) -> [&[f64]; TOGETHER] {
+    let (a, rest) = columns.split_at(height);
+    let (b, rest) = rest.split_at(height);
+    let (c, rest) = rest.split_at(height);
+    [&a[below..], &b[below..], &c[below..], &rest[below..height]]
+}
+
 /// vector ← (L₁⁻¹v₁, v₂ − L₂L₁⁻¹v₁) for the columns (L₁, L₂) of a supernode.
 #[inline(always)]
 fn eliminate(columns: &[f64], count: usize, vector: &mut [f64]) {
     let height = vector.len();
-    let mut j = 0;
-    while j + TOGETHER <= count {
-        let l: [&[f64]; TOGETHER] = std::array::from_fn(|k| &columns[(j + k) * height..(j + k + 1) * height]);
+    let whole = count - count % TOGETHER;
+    for j in (0..whole).step_by(TOGETHER) {
+        let l = tails(&columns[j * height..], height, j);
         for k in 0..TOGETHER {
-            let solved = vector[j + k] / l[k][j + k];
+            let solved = vector[j + k] / l[k][k];
             vector[j + k] = solved;
             for i in k + 1..TOGETHER {
-                vector[j + i] -= l[k][j + i] * solved;
+                vector[j + i] -= l[k][i] * solved;
             }
         }
         let [a, b, c, d] = [vector[j], vector[j + 1], vector[j + 2], vector[j + 3]];
-        let tails = l[0][j + 4..].iter().zip(&l[1][j + 4..]).zip(&l[2][j + 4..]).zip(&l[3][j + 4..]);
+        let tails = l[0][4..].iter().zip(&l[1][4..]).zip(&l[2][4..]).zip(&l[3][4..]);
         for (v, (((p, q), r), s)) in vector[j + 4..].iter_mut().zip(tails) {
             *v -= (a * p + b * q) + (c * r + d * s);
         }
-        j += TOGETHER;
     }
-    for j in j..count {
+    for j in whole..count {
         let l = &columns[j * height..(j + 1) * height];
         let solved = vector[j] / l[j];
         vector[j] = solved;
@@ -243,31 +261,50 @@ fn substitute(columns: &[f64], count: usize, vector: &mut [f64]) {
     let height = vector.len();
     let whole = count - count % TOGETHER;
     for j in (whole..count).rev() {
-        let l = &columns[j * height..(j + 1) * height];
-        vector[j] = (vector[j] - product(&l[j + 1..], &vector[j + 1..])) / l[j];
+        let l = &columns[j * height + j..(j + 1) * height];
+        let mut known = 0.0;
+        for (p, v) in l[1..].iter().zip(&vector[j + 1..]) {
+            known += p * v;
+        }
+        vector[j] = (vector[j] - known) / l[0];
     }
     for j in (0..whole).step_by(TOGETHER).rev() {
-        let tail = &vector[j + TOGETHER..];
-        let l: [&[f64]; TOGETHER] = std::array::from_fn(|k| &columns[(j + k) * height..(j + k + 1) * height]);
-        let sums: [f64; TOGETHER] = std::array::from_fn(|k| product(&l[k][j + TOGETHER..], tail));
+        let sums = products(tails(&columns[j * height..], height, j + TOGETHER), &vector[j + TOGETHER..]);
+        let l = tails(&columns[j * height..], height, j);
         for k in (0..TOGETHER).rev() {
-            let known: f64 = (k + 1..TOGETHER).map(|i| l[k][j + i] * vector[j + i]).sum();
-            vector[j + k] = (vector[j + k] - sums[k] - known) / l[k][j + k];
+            let mut known = sums[k];
+            for i in k + 1..TOGETHER {
+                known += l[k][i] * vector[j + i];
+            }
+            vector[j + k] = (vector[j + k] - known) / l[k][k];
         }
     }
 }
 
-/// Sums side by side, so that none waits for the one before.
+/// Products of columns and a vector, their sums side by side, so that none waits for the one before.
 #[inline(always)]
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    const LANES: usize = 16;
-    let mut lanes = [0.0; LANES];
-    let (whole_a, whole_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest: f64 = whole_a.remainder().iter().zip(whole_b.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in whole_a.zip(whole_b) {
-        for k in 0..LANES {
-            lanes[k] += x[k] * y[k];
+fn products(columns: [&[f64]; TOGETHER], vector: &[f64]) -> [f64; TOGETHER] {
+    let mut sums = [[0.0; LANES]; TOGETHER];
+    let whole = vector.len() - vector.len() % LANES;
+    for k in 0..TOGETHER {
+        for (at, (p, v)) in columns[k][whole..].iter().zip(&vector[whole..]).enumerate() {
+            sums[k][at] = p * v;
         }
     }
-    lanes.iter().sum::<f64>() + rest
+    let [a, b, c, d] = columns;
+    let blocks = a.chunks_exact(LANES).zip(b.chunks_exact(LANES)).zip(c.chunks_exact(LANES)).zip(d.chunks_exact(LANES));
+    for ((((a, b), c), d), v) in blocks.zip(vector.chunks_exact(LANES)) {
+        for n in 0..LANES {
+            sums[0][n] += a[n] * v[n];
+            sums[1][n] += b[n] * v[n];
+            sums[2][n] += c[n] * v[n];
+            sums[3][n] += d[n] * v[n];
+        }
+    }
+    let mut total = [0.0; TOGETHER];
+    for k in 0..TOGETHER {
+        let s = &sums[k];
+        total[k] = ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+    }
+    total
 }

@@ -1,134 +1,72 @@
-//! Sparse Cholesky factorization by `faer`, its solves, and its trailing block.
+//! Sparse Cholesky factorization, its solves, and its trailing block: supernodes of the elimination tree by the
+//! multifrontal method, over `faer`'s dense kernels.
 
+mod buffer;
 mod entry;
+mod error;
+mod front;
+mod graph;
+mod layout;
+mod merge;
+mod numeric;
+mod parts;
 mod substitution;
+mod tree;
 
 use crate::assembly::LowerTriangle;
+use buffer::Buffer;
 pub use entry::LANES;
 use entry::{Entry, Lanes};
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::llt::factor::{LltError as PivotError, LltParams, LltRegularization};
-use faer::sparse::linalg::SymbolicSupernodalParams;
-use faer::sparse::linalg::cholesky::{simplicial, supernodal};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Mat, Par, Spec};
+pub use error::FactorError;
+use faer::Mat;
+use numeric::Plan;
+use parts::Parts;
 use std::sync::Arc;
 use substitution::Schedule;
+use tree::Tree;
 
-/// Why there is no factor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FactorError {
-    /// The pivot of this column is not positive: something can move, or the arithmetic is at its end.
-    NotPositiveDefinite { column: usize },
-    /// The factor does not fit into memory.
-    OutOfMemory,
-}
-
-impl std::fmt::Display for FactorError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::NotPositiveDefinite { column } => write!(f, "the pivot of column {column} is not positive"),
-            Self::OutOfMemory => write!(f, "the factor does not fit into memory"),
-        }
-    }
-}
-
-impl std::error::Error for FactorError {}
-
-/// K = L Lᵀ with the columns in the order given.
-pub struct Factor {
-    symbolic: Arc<supernodal::SymbolicSupernodalCholesky<usize>>,
-    schedule: Arc<Schedule>,
-    values: Vec<f64>,
-}
-
-/// faer joins its threads in every supernode; on these matrices, whose supernodes are small, that costs more than it
-/// saves (160×160 `mitc9`: 0.55 s on one thread, 1.3 s on two).
-const PAR: Par = Par::Seq;
-
-fn buffer(request: StackReq) -> Result<MemBuffer, FactorError> {
-    MemBuffer::try_new(request).map_err(|_| FactorError::OutOfMemory)
-}
-
-/// Columns of the upper triangle's pattern, which the analysis reads.
-fn transposed(lower: &LowerTriangle) -> (Vec<usize>, Vec<usize>) {
-    let n = lower.column_start.len() - 1;
-    let mut start = vec![0; n + 1];
-    for &row in &lower.row {
-        start[row + 1] += 1;
-    }
-    for j in 0..n {
-        start[j + 1] += start[j];
-    }
-    let mut next = start.clone();
-    let mut index = vec![0; lower.row.len()];
-    for column in 0..n {
-        for &row in &lower.row[lower.column_start[column]..lower.column_start[column + 1]] {
-            index[next[row]] = column;
-            next[row] += 1;
-        }
-    }
-    (start, index)
-}
+/// Nanoseconds of work that are not shared out.
+const LEAST: f64 = 3e5;
 
 /// The pattern of L.
 #[derive(Clone)]
-pub struct Analysis {
-    symbolic: Arc<supernodal::SymbolicSupernodalCholesky<usize>>,
-    schedule: Arc<Schedule>,
+pub struct Analysis(Arc<Pattern>);
+
+struct Pattern {
+    tree: Tree,
+    parts: Parts,
+    plan: Plan,
+    schedule: Schedule,
 }
 
 impl Analysis {
+    /// Errors: `OutOfMemory` if there are more columns than 32 bits can number.
     pub fn new(matrix: &LowerTriangle) -> Result<Self, FactorError> {
-        let n = matrix.column_start.len() - 1;
-        let (start, index) = transposed(matrix);
-        let upper = SymbolicSparseColMatRef::new_unsorted_checked(n, n, &start, None, &index);
-        let mut parents = vec![0isize; n];
-        let mut counts = vec![0usize; n];
-        let request = simplicial::prefactorize_symbolic_cholesky_scratch::<usize>(n, index.len())
-            .or(supernodal::factorize_supernodal_symbolic_cholesky_scratch::<usize>(n));
-        let mut memory = buffer(request)?;
-        let stack = MemStack::new(&mut memory);
-        let tree = simplicial::prefactorize_symbolic_cholesky(&mut parents, &mut counts, upper, stack);
-        let symbolic = supernodal::factorize_supernodal_symbolic_cholesky(
-            upper,
-            tree,
-            &counts,
-            stack,
-            SymbolicSupernodalParams::default(),
-        )
-        .map_err(|_| FactorError::OutOfMemory)?;
-        let schedule = Arc::new(Schedule::new(&symbolic));
-        Ok(Self { symbolic: Arc::new(symbolic), schedule })
+        let tree = Tree::new(matrix)?;
+        let parts = Parts::new(&tree.parent, &tree.work(), LEAST);
+        let plan = Plan::new(&tree, &parts);
+        let schedule = Schedule::new(&tree, &parts);
+        Ok(Self(Arc::new(Pattern { tree, parts, plan, schedule })))
     }
 
+    /// K = L Lᵀ on all threads; the bits do not depend on their number.
     pub fn factorize(&self, matrix: &LowerTriangle) -> Result<Factor, FactorError> {
-        let n = matrix.column_start.len() - 1;
-        let mut values = Vec::new();
-        values.try_reserve_exact(self.symbolic.len_val()).map_err(|_| FactorError::OutOfMemory)?;
-        values.resize(self.symbolic.len_val(), 0.0);
-        let pattern = SymbolicSparseColMatRef::new_unsorted_checked(n, n, &matrix.column_start, None, &matrix.row);
-        let lower = SparseColMatRef::new(pattern, &matrix.value);
-        let params: Spec<LltParams, f64> = Spec::default();
-        let mut memory =
-            buffer(supernodal::factorize_supernodal_numeric_llt_scratch::<usize, f64>(&self.symbolic, PAR, params))?;
-        supernodal::factorize_supernodal_numeric_llt(
-            &mut values,
-            lower,
-            LltRegularization::default(),
-            &self.symbolic,
-            PAR,
-            MemStack::new(&mut memory),
-            params,
-        )
-        .map_err(|PivotError::NonPositivePivot { index }| FactorError::NotPositiveDefinite { column: index })?;
-        Ok(Factor { symbolic: self.symbolic.clone(), schedule: self.schedule.clone(), values })
+        let Pattern { tree, parts, plan, .. } = &*self.0;
+        let values = numeric::factorize(tree, parts, plan, matrix)?;
+        Ok(Factor { pattern: self.0.clone(), values })
     }
+}
+
+/// K = L Lᵀ with the columns in the order given.
+pub struct Factor {
+    pattern: Arc<Pattern>,
+    /// The numbers of L by parts.
+    values: Vec<Buffer>,
 }
 
 impl Factor {
     pub fn len(&self) -> usize {
-        self.symbolic.nrows()
+        self.pattern.tree.columns()
     }
 
     pub fn is_empty(&self) -> bool {
@@ -148,25 +86,44 @@ impl Factor {
             }
         }
         let mut weakest = (0, f64::INFINITY);
-        for s in 0..self.symbolic.n_supernodes() {
-            let node = self.view().supernode(s);
-            for j in 0..node.val().ncols() {
-                let part = node.val()[(j, j)].powi(2) / diagonal[node.start() + j];
-                if part < weakest.1 {
-                    weakest = (node.start() + j, part);
-                }
+        self.each_column(|places, values| {
+            let column = places.next().map_or(0, |column| column);
+            let part = values[0].powi(2) / diagonal[column];
+            if part < weakest.1 || (part == weakest.1 && column < weakest.0) {
+                weakest = (column, part);
             }
-        }
+        });
         weakest
     }
 
     /// Entries stored for L.
     pub fn entries(&self) -> usize {
-        self.values.len()
+        self.pattern.plan.entries()
     }
 
-    fn view(&self) -> supernodal::SupernodalLltRef<'_, usize, f64> {
-        supernodal::SupernodalLltRef::new(&self.symbolic, &self.values)
+    /// Multiplications and additions that the factorization takes; zeros that are stored for speed are not counted.
+    pub fn flops(&self) -> f64 {
+        self.pattern.tree.flops
+    }
+
+    /// Every column of L: the columns of the matrix that its rows are, itself first, and their values.
+    fn each_column(&self, mut visit: impl FnMut(&mut dyn Iterator<Item = usize>, &[f64])) {
+        let Pattern { tree, parts, .. } = &*self.pattern;
+        for (part, values) in parts.0.iter().zip(&self.values) {
+            let mut stored = 0;
+            for s in part.supernodes.clone() {
+                let (begin, width, height) = (tree.begin[s], tree.width(s), tree.height(s));
+                for panel in layout::panels(width, height) {
+                    for k in 0..panel.count {
+                        let at = stored + panel.at + k * panel.height;
+                        let places = (begin + panel.first + k..begin + width)
+                            .chain(tree.below(s).iter().map(|&place| place as usize));
+                        visit(&mut places.map(|place| tree.column[place] as usize), &values[at + k..at + panel.height]);
+                    }
+                }
+                stored += layout::size(width, height);
+            }
+        }
     }
 
     /// Overwrites `rhs`, one vector or several one after the other, with L⁻¹ times each.
@@ -174,27 +131,37 @@ impl Factor {
     /// Of several each has the bits that it has beside any others.
     pub fn forward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         if rhs.len() != self.len() {
-            return self.side_by_side(rhs, |lanes| self.schedule.forward(&self.values, lanes));
+            return self.side_by_side(rhs, |lanes| self.run_forward(lanes));
         }
-        self.schedule.forward(&self.values, rhs);
+        self.run_forward(rhs);
         Ok(())
     }
 
     /// Overwrites `rhs`, one vector or several one after the other, with L⁻ᵀ times each.
     pub fn backward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         if rhs.len() != self.len() {
-            return self.side_by_side(rhs, |lanes| self.schedule.backward(&self.values, lanes));
+            return self.side_by_side(rhs, |lanes| self.run_backward(lanes));
         }
-        self.schedule.backward(&self.values, rhs);
+        self.run_backward(rhs);
         Ok(())
     }
 
     /// Overwrites vectors one after the other with L⁻ᵀL⁻¹ times each, with the bits that it has beside any others, or alone.
     pub fn solve_side_by_side(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         self.side_by_side(rhs, |lanes| {
-            self.schedule.forward(&self.values, lanes);
-            self.schedule.backward(&self.values, lanes);
+            self.run_forward(lanes);
+            self.run_backward(lanes);
         })
+    }
+
+    fn run_forward<E: Entry>(&self, rhs: &mut [E]) {
+        let Pattern { tree, parts, schedule, .. } = &*self.pattern;
+        schedule.forward(tree, parts, &self.values, rhs);
+    }
+
+    fn run_backward<E: Entry>(&self, rhs: &mut [E]) {
+        let Pattern { tree, parts, schedule, .. } = &*self.pattern;
+        schedule.backward(tree, parts, &self.values, rhs);
     }
 
     fn side_by_side(&self, rhs: &mut [f64], solve: impl Fn(&mut [Lanes])) -> Result<(), FactorError> {
@@ -219,25 +186,13 @@ impl Factor {
     pub fn trailing_block(&self, size: usize) -> Mat<f64> {
         let first = self.len() - size;
         let mut block = Mat::zeros(size, size);
-        for s in 0..self.symbolic.n_supernodes() {
-            if self.symbolic.supernode_end()[s] <= first {
-                continue;
+        self.each_column(|rows, values| {
+            let mut rows = rows.peekable();
+            let Some(column) = rows.peek().and_then(|column| column.checked_sub(first)) else { return };
+            for (row, &value) in rows.zip(values) {
+                block[(row - first, column)] = value;
             }
-            let node = self.view().supernode(s);
-            let matrix = node.val();
-            for j in 0..matrix.ncols() {
-                let column = node.start() + j;
-                if column < first {
-                    continue;
-                }
-                for i in j..matrix.ncols() {
-                    block[(node.start() + i - first, column - first)] = matrix[(i, j)];
-                }
-                for (i, &row) in node.pattern().iter().enumerate() {
-                    block[(row - first, column - first)] = matrix[(matrix.ncols() + i, j)];
-                }
-            }
-        }
+        });
         block
     }
 }

@@ -1,221 +1,186 @@
-//! Forward and backward substitution, the subtrees of the elimination tree side by side.
+//! Forward and backward substitution, the parts of the elimination tree side by side.
 //!
 //! It is bound by reading L once each way, which one core alone cannot do at the speed of the memory, and which several
 //! right-hand sides share.
 
+use super::buffer::Buffer;
 use super::entry::Entry;
-use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
-use rayon::prelude::*;
+use super::layout;
+use super::parts::Parts;
+use super::tree::Tree;
+use std::ops::Range;
+use std::sync::OnceLock;
 
-/// Subtrees are split until none holds more than this part of L.
-const PART: usize = 16;
-/// Factors with fewer entries are not shared out: starting threads would cost more.
-const SMALL: usize = 400_000;
-const ABOVE: usize = usize::MAX;
-
-/// Which supernodes are worked on together: disjoint subtrees, and what is above them.
-pub(super) struct Schedule {
-    subtrees: Vec<Part>,
-    above: Part,
-}
+/// What each part works on.
+pub(super) struct Schedule(Vec<Share>);
 
 /// Supernodes in elimination order, over the rows that they touch.
-#[derive(Default)]
-struct Part {
+struct Share {
     supernodes: Vec<Supernode>,
-    /// Row of the matrix of each local one; the first `own` are the supernodes' columns.
-    rows: Vec<usize>,
-    own: usize,
-    /// Local rows below each supernode's columns, one supernode after the other.
+    /// Places of its own rows.
+    own: Range<usize>,
+    /// Own rows, and those below that belong to parts above.
+    rows: usize,
+    /// Rows of the parent part that those below are.
+    above: Vec<u32>,
+    /// Rows below each supernode's columns, one supernode after the other.
     below: Vec<u32>,
     /// Most rows of a supernode.
     tallest: usize,
 }
 
 struct Supernode {
-    /// Where its columns begin in L.
+    /// Where its columns begin in the part's L.
     values: usize,
     columns: usize,
     height: usize,
-    /// Local row of its first column.
+    /// Row of its first column.
     first: usize,
     /// Where its rows begin in `below`.
     below: usize,
 }
 
 impl Schedule {
-    pub(super) fn new(symbolic: &SymbolicSupernodalCholesky<usize>) -> Self {
-        let count = symbolic.n_supernodes();
-        let (begin, end) = (symbolic.supernode_begin(), symbolic.supernode_end());
-        let mut supernode_of = vec![0; symbolic.nrows()];
-        for s in 0..count {
-            supernode_of[begin[s]..end[s]].fill(s);
+    pub(super) fn new(tree: &Tree, parts: &Parts) -> Self {
+        let mut shares: Vec<Share> = Vec::new();
+        let mut foreign: Vec<Vec<u32>> = Vec::new();
+        let mut local = vec![u32::MAX; tree.columns()];
+        for part in &parts.0 {
+            let (share, places) = Share::new(tree, part.supernodes.clone(), &mut local);
+            shares.push(share);
+            foreign.push(places);
         }
-        let parent: Vec<usize> = (0..count)
-            .map(|s| symbolic.supernode(s).pattern().iter().min().map_or(ABOVE, |&row| supernode_of[row]))
-            .collect();
-        let mut part = vec![ABOVE; count];
-        let roots = subtrees(symbolic, &parent);
-        for (index, &root) in roots.iter().enumerate() {
-            part[root] = index;
-        }
-        for s in (0..count).rev() {
-            if part[s] == ABOVE && parent[s] != ABOVE {
-                part[s] = part[parent[s]];
+        for (index, part) in parts.0.iter().enumerate() {
+            let own = shares[index].own.clone();
+            for (row, place) in own.clone().enumerate() {
+                local[place] = row as u32;
+            }
+            for (row, &place) in foreign[index].iter().enumerate() {
+                local[place as usize] = (own.len() + row) as u32;
+            }
+            for &child in &part.children {
+                shares[child].above = foreign[child].iter().map(|&place| local[place as usize]).collect();
             }
         }
-        let mut local = vec![u32::MAX; symbolic.nrows()];
-        let mut members = vec![Vec::new(); roots.len() + 1];
-        for s in 0..count {
-            members[part[s].min(roots.len())].push(s);
-        }
-        let mut parts: Vec<Part> = members.iter().map(|those| Part::new(symbolic, those, &mut local)).collect();
-        let above = parts.pop().unwrap_or_default();
-        Self { subtrees: parts, above }
+        Self(shares)
     }
 
     /// Overwrites `rhs` with L⁻¹ times it.
-    pub(super) fn forward<E: Entry>(&self, values: &[f64], rhs: &mut [E]) {
-        let done: Vec<Vec<E>> = {
-            let rhs = &*rhs;
-            self.subtrees.par_iter().map(|part| part.forward(values, rhs)).collect()
-        };
-        for (part, vector) in self.subtrees.iter().zip(done) {
-            part.put_own(&vector, rhs);
-            for (&row, &value) in part.rows[part.own..].iter().zip(&vector[part.own..]) {
-                rhs[row].add(value);
+    pub(super) fn forward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Buffer], rhs: &mut [E]) {
+        let done: Vec<OnceLock<Vec<E>>> = self.0.iter().map(|_| OnceLock::new()).collect();
+        let given = &*rhs;
+        parts.climb(|index| {
+            let share = &self.0[index];
+            let mut vector = Vec::with_capacity(share.rows);
+            vector.extend(tree.column[share.own.clone()].iter().map(|&column| given[column as usize]));
+            vector.resize(share.rows, E::ZERO);
+            for &child in &parts.0[index].children {
+                let (child, other) = (&self.0[child], done[child].get().map_or(&[][..], |found| found));
+                for (&row, &value) in child.above.iter().zip(other.get(child.own.len()..).unwrap_or_default()) {
+                    vector[row as usize].add(value);
+                }
             }
-        }
-        let vector = self.above.forward(values, rhs);
-        self.above.put_own(&vector, rhs);
+            share.forward(&values[index], &mut vector);
+            done[index].get_or_init(|| vector);
+        });
+        self.put(tree, &done, rhs);
     }
 
     /// Overwrites `rhs` with L⁻ᵀ times it.
-    pub(super) fn backward<E: Entry>(&self, values: &[f64], rhs: &mut [E]) {
-        let vector = self.above.backward(values, rhs);
-        self.above.put_own(&vector, rhs);
-        let done: Vec<Vec<E>> = {
-            let rhs = &*rhs;
-            self.subtrees.par_iter().map(|part| part.backward(values, rhs)).collect()
-        };
-        for (part, vector) in self.subtrees.iter().zip(done) {
-            part.put_own(&vector, rhs);
+    pub(super) fn backward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Buffer], rhs: &mut [E]) {
+        let done: Vec<OnceLock<Vec<E>>> = self.0.iter().map(|_| OnceLock::new()).collect();
+        let given = &*rhs;
+        parts.descend(|index| {
+            let share = &self.0[index];
+            let mut vector = Vec::with_capacity(share.rows);
+            vector.extend(tree.column[share.own.clone()].iter().map(|&column| given[column as usize]));
+            if let Some(known) = done.get(parts.0[index].parent as usize).and_then(OnceLock::get) {
+                vector.extend(share.above.iter().map(|&row| known[row as usize]));
+            }
+            share.backward(&values[index], &mut vector);
+            done[index].get_or_init(|| vector);
+        });
+        self.put(tree, &done, rhs);
+    }
+
+    fn put<E: Entry>(&self, tree: &Tree, done: &[OnceLock<Vec<E>>], rhs: &mut [E]) {
+        for (share, found) in self.0.iter().zip(done) {
+            for (&column, &value) in tree.column[share.own.clone()].iter().zip(found.get().into_iter().flatten()) {
+                rhs[column as usize] = value;
+            }
         }
     }
 }
 
-/// Roots of disjoint subtrees of about equal size.
-fn subtrees(symbolic: &SymbolicSupernodalCholesky<usize>, parent: &[usize]) -> Vec<usize> {
-    let start = symbolic.col_ptr_for_val();
-    let total = symbolic.len_val();
-    if total < SMALL {
-        return Vec::new();
-    }
-    let mut weight: Vec<usize> = (0..parent.len()).map(|s| start[s + 1] - start[s]).collect();
-    let mut children = vec![Vec::new(); parent.len()];
-    let mut open = Vec::new();
-    for s in 0..parent.len() {
-        match parent[s] {
-            ABOVE => open.push(s),
-            above => {
-                weight[above] += weight[s];
-                children[above].push(s);
-            }
-        }
-    }
-    let mut roots = Vec::new();
-    while let Some(s) = open.pop() {
-        if weight[s] * PART <= total {
-            roots.push(s);
-        } else {
-            open.extend_from_slice(&children[s]);
-        }
-    }
-    roots
-}
-
-impl Part {
-    /// `local` is all `u32::MAX` and is left so.
-    fn new(symbolic: &SymbolicSupernodalCholesky<usize>, members: &[usize], local: &mut [u32]) -> Self {
-        let (begin, end) = (symbolic.supernode_begin(), symbolic.supernode_end());
-        let mut part = Self::default();
-        for &s in members {
-            for column in begin[s]..end[s] {
-                local[column] = part.rows.len() as u32;
-                part.rows.push(column);
-            }
-        }
-        part.own = part.rows.len();
-        for &s in members {
-            let pattern = symbolic.supernode(s).pattern();
-            let columns = end[s] - begin[s];
-            part.supernodes.push(Supernode {
-                values: symbolic.col_ptr_for_val()[s],
-                columns,
-                height: columns + pattern.len(),
-                first: local[begin[s]] as usize,
-                below: part.below.len(),
-            });
-            part.tallest = part.tallest.max(columns + pattern.len());
-            for &row in pattern {
-                if local[row] == u32::MAX {
-                    local[row] = part.rows.len() as u32;
-                    part.rows.push(row);
+impl Share {
+    /// `local` is all `u32::MAX` for the places above, and is left so. Returns the places of those with it.
+    fn new(tree: &Tree, supernodes: Range<usize>, local: &mut [u32]) -> (Self, Vec<u32>) {
+        let own = tree.begin[supernodes.start]..tree.begin[supernodes.end];
+        let mut share =
+            Self { supernodes: vec![], own: own.clone(), rows: 0, above: vec![], below: vec![], tallest: 0 };
+        let mut foreign = Vec::new();
+        let mut values = 0;
+        for s in supernodes {
+            let (columns, height) = (tree.width(s), tree.height(s));
+            let below = share.below.len();
+            share.supernodes.push(Supernode { values, columns, height, first: tree.begin[s] - own.start, below });
+            share.tallest = share.tallest.max(height);
+            values += layout::size(columns, height);
+            for &place in tree.below(s) {
+                if (place as usize) < own.end {
+                    share.below.push((place as usize - own.start) as u32);
+                    continue;
                 }
-                part.below.push(local[row]);
+                if local[place as usize] == u32::MAX {
+                    local[place as usize] = (own.len() + foreign.len()) as u32;
+                    foreign.push(place);
+                }
+                share.below.push(local[place as usize]);
             }
         }
-        for &row in &part.rows {
-            local[row] = u32::MAX;
+        for &place in &foreign {
+            local[place as usize] = u32::MAX;
         }
-        part
-    }
-
-    fn put_own<E: Entry>(&self, vector: &[E], rhs: &mut [E]) {
-        for (&row, &value) in self.rows[..self.own].iter().zip(vector) {
-            rhs[row] = value;
-        }
+        share.rows = own.len() + foreign.len();
+        (share, foreign)
     }
 
     /// The part's own rows solved, and what they add to the others.
-    fn forward<E: Entry>(&self, values: &[f64], rhs: &[E]) -> Vec<E> {
-        let mut vector = vec![E::ZERO; self.rows.len()];
-        for (value, &row) in vector.iter_mut().zip(&self.rows[..self.own]) {
-            *value = rhs[row];
-        }
+    fn forward<E: Entry>(&self, values: &[f64], vector: &mut [E]) {
         let mut dense = vec![E::ZERO; self.tallest];
         for node in &self.supernodes {
             let below = &self.below[node.below..node.below + node.height - node.columns];
-            let columns = &values[node.values..node.values + node.columns * node.height];
             let own = node.first..node.first + node.columns;
             let dense = &mut dense[..node.height];
             dense[..node.columns].copy_from_slice(&vector[own.clone()]);
             dense[node.columns..].fill(E::ZERO);
-            E::eliminate(columns, node.columns, dense);
+            for panel in layout::panels(node.columns, node.height) {
+                let columns = &values[node.values + panel.at..][..panel.count * panel.height];
+                E::eliminate(columns, panel.count, &mut dense[panel.first..]);
+            }
             vector[own].copy_from_slice(&dense[..node.columns]);
             for (&row, &value) in below.iter().zip(&dense[node.columns..]) {
                 vector[row as usize].add(value);
             }
         }
-        vector
     }
 
     /// The part's own rows solved, the others being given.
-    fn backward<E: Entry>(&self, values: &[f64], rhs: &[E]) -> Vec<E> {
-        let mut vector: Vec<E> = self.rows.iter().map(|&row| rhs[row]).collect();
+    fn backward<E: Entry>(&self, values: &[f64], vector: &mut [E]) {
         let mut dense = vec![E::ZERO; self.tallest];
         for node in self.supernodes.iter().rev() {
             let below = &self.below[node.below..node.below + node.height - node.columns];
-            let columns = &values[node.values..node.values + node.columns * node.height];
             let own = node.first..node.first + node.columns;
             let dense = &mut dense[..node.height];
             dense[..node.columns].copy_from_slice(&vector[own.clone()]);
             for (&row, value) in below.iter().zip(&mut dense[node.columns..]) {
                 *value = vector[row as usize];
             }
-            E::substitute(columns, node.columns, dense);
+            for panel in layout::panels(node.columns, node.height).rev() {
+                let columns = &values[node.values + panel.at..][..panel.count * panel.height];
+                E::substitute(columns, panel.count, &mut dense[panel.first..]);
+            }
             vector[own].copy_from_slice(&dense[..node.columns]);
         }
-        vector
     }
 }

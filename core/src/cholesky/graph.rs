@@ -1,0 +1,103 @@
+//! The graph of a matrix, its columns of the same pattern taken as one, and their elimination tree.
+
+use crate::assembly::LowerTriangle;
+
+/// Marks a root of a forest.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Blocks of consecutive columns, such as the dofs of a node, that have all rows in common.
+pub(super) struct Graph {
+    /// First column of each block; the number of columns at the end.
+    pub(super) first: Vec<usize>,
+    /// Where each block's neighbours begin in `below`.
+    start: Vec<usize>,
+    below: Vec<u32>,
+}
+
+impl Graph {
+    pub(super) fn new(matrix: &LowerTriangle) -> Self {
+        let n = matrix.column_start.len() - 1;
+        let rows = |column: usize| &matrix.row[matrix.column_start[column]..matrix.column_start[column + 1]];
+        let alike = |column: usize, next: usize| {
+            rows(column).len() == rows(next).len() + 1
+                && rows(column).iter().filter(|&&row| row != column).eq(rows(next).iter())
+        };
+        let mut first: Vec<usize> = (0..n).filter(|&column| column == 0 || !alike(column - 1, column)).collect();
+        let count = first.len();
+        first.push(n);
+        let mut block_of = vec![0; n];
+        for block in 0..count {
+            block_of[first[block]..first[block + 1]].fill(block as u32);
+        }
+        let mut met = vec![NONE; count];
+        let mut start = vec![0];
+        let mut below = Vec::new();
+        for block in 0..count {
+            for &row in rows(first[block]) {
+                let other = block_of[row];
+                if other as usize > block && met[other as usize] != block as u32 {
+                    met[other as usize] = block as u32;
+                    below.push(other);
+                }
+            }
+            start.push(below.len());
+        }
+        Self { first, start, below }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.first.len() - 1
+    }
+
+    /// Columns of a block.
+    pub(super) fn weight(&self, block: usize) -> usize {
+        self.first[block + 1] - self.first[block]
+    }
+
+    /// Neighbours that are eliminated later.
+    pub(super) fn below(&self, block: usize) -> &[u32] {
+        &self.below[self.start[block]..self.start[block + 1]]
+    }
+
+    fn transposed(&self) -> (Vec<usize>, Vec<u32>) {
+        let mut start = vec![0; self.len() + 1];
+        for &other in &self.below {
+            start[other as usize + 1] += 1;
+        }
+        for block in 0..self.len() {
+            start[block + 1] += start[block];
+        }
+        let mut next = start.clone();
+        let mut above = vec![0; self.below.len()];
+        for block in 0..self.len() {
+            for &other in self.below(block) {
+                above[next[other as usize]] = block as u32;
+                next[other as usize] += 1;
+            }
+        }
+        (start, above)
+    }
+
+    /// Parent of each block in the elimination tree (Liu 1990), and rows below each block's columns in L.
+    pub(super) fn elimination_tree(&self) -> (Vec<u32>, Vec<usize>) {
+        let (start, above) = self.transposed();
+        let mut parent = vec![NONE; self.len()];
+        let mut rows = vec![0; self.len()];
+        let mut met = vec![NONE; self.len()];
+        for block in 0..self.len() {
+            met[block] = block as u32;
+            for &other in &above[start[block]..start[block + 1]] {
+                let mut at = other as usize;
+                while met[at] != block as u32 {
+                    met[at] = block as u32;
+                    rows[at] += self.weight(block);
+                    if parent[at] == NONE {
+                        parent[at] = block as u32;
+                    }
+                    at = parent[at] as usize;
+                }
+            }
+        }
+        (parent, rows)
+    }
+}

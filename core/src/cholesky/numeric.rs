@@ -1,0 +1,259 @@
+//! The multifrontal method (Duff and Reid 1983): what a supernode leaves of the rows below it is added to its parent's.
+
+use super::buffer::Buffer;
+use super::error::FactorError;
+use super::merge::{Child, Run};
+use super::parts::Parts;
+use super::tree::Tree;
+use super::{front, layout};
+use crate::assembly::LowerTriangle;
+use faer::dyn_stack::MemBuffer;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// What is known of the numbers before there are any.
+pub(super) struct Plan {
+    /// Numbers of L that each part has.
+    entries: Vec<usize>,
+    /// Numbers that each part leaves to its parent.
+    left: Vec<usize>,
+    /// Most numbers at a time on each of two stacks: what supernodes of even and of odd depth leave, one after the other.
+    ///
+    /// A supernode's children are on top of one when it puts its own on the other.
+    stacks: [usize; 2],
+    odd: Vec<bool>,
+    /// Most numbers of a supernode, the upper triangle among them.
+    panel: usize,
+}
+
+impl Plan {
+    pub(super) fn new(tree: &Tree, parts: &Parts) -> Self {
+        let mut odd = vec![false; tree.len()];
+        for s in (0..tree.len()).rev() {
+            if let Some(parent) = tree.parent(s) {
+                odd[s] = !odd[parent];
+            }
+        }
+        let mut plan = Self { entries: Vec::new(), left: Vec::new(), stacks: [0; 2], odd, panel: 0 };
+        for part in &parts.0 {
+            let mut tops = [0; 2];
+            for s in part.supernodes.clone() {
+                let side = usize::from(plan.odd[s]);
+                if !part.roots.contains(&s) {
+                    tops[side] += left(tree, s);
+                    plan.stacks[side] = plan.stacks[side].max(tops[side]);
+                }
+                if part.children.is_empty() {
+                    tops[1 - side] -= tree.children(s).map(|child| left(tree, child)).sum::<usize>();
+                }
+                plan.panel = plan.panel.max(tree.width(s) * tree.height(s));
+            }
+            let size = |s: usize| layout::size(tree.width(s), tree.height(s));
+            plan.entries.push(part.supernodes.clone().map(size).sum());
+            plan.left.push(part.roots.iter().map(|&root| left(tree, root)).sum());
+        }
+        plan
+    }
+
+    /// Numbers stored for L.
+    pub(super) fn entries(&self) -> usize {
+        self.entries.iter().sum()
+    }
+}
+
+/// Numbers that a supernode leaves to its parent.
+fn left(tree: &Tree, s: usize) -> usize {
+    tree.below(s).len().pow(2)
+}
+
+/// The numbers of L by parts.
+///
+/// Fails with the first column in the order of elimination whose pivot is not positive, of the first part that has one.
+pub(super) fn factorize(
+    tree: &Tree,
+    parts: &Parts,
+    plan: &Plan,
+    matrix: &LowerTriangle,
+) -> Result<Vec<Buffer>, FactorError> {
+    let job = Job {
+        tree,
+        parts,
+        plan,
+        matrix,
+        desks: Mutex::default(),
+        spare: Mutex::default(),
+        done: parts.0.iter().map(|_| Mutex::new(None)).collect(),
+    };
+    parts.climb(|index| {
+        let result = job.eliminate(index);
+        *lock(&job.done[index]) = Some(result);
+    });
+    let done = job.done.into_iter().map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner));
+    let mut failed = None;
+    let mut all = Vec::new();
+    for result in done {
+        match result {
+            Some(Ok(done)) => all.push(done.values),
+            Some(Err(error)) => failed = Some(worse(failed, error)),
+            None => {}
+        }
+    }
+    failed.map_or(Ok(all), Err)
+}
+
+/// Of two errors the one to tell, whichever came first.
+fn worse(one: Option<FactorError>, other: FactorError) -> FactorError {
+    match (one, other) {
+        (Some(FactorError::NotPositiveDefinite { column: a }), FactorError::NotPositiveDefinite { column: b }) => {
+            FactorError::NotPositiveDefinite { column: a.min(b) }
+        }
+        (Some(FactorError::OutOfMemory), _) => FactorError::OutOfMemory,
+        (_, other) => other,
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A part whose columns are eliminated.
+struct Done {
+    values: Buffer,
+    /// What its roots leave, one after the other.
+    left: Buffer,
+}
+
+/// What one thread works with.
+struct Desk {
+    /// Row of a place in the supernode at hand.
+    local: Vec<u32>,
+    stacks: [Buffer; 2],
+    panel: Buffer,
+    scratch: MemBuffer,
+    runs: Vec<Run>,
+}
+
+struct Job<'a> {
+    tree: &'a Tree,
+    parts: &'a Parts,
+    plan: &'a Plan,
+    matrix: &'a LowerTriangle,
+    desks: Mutex<Vec<Desk>>,
+    /// Buffers whose numbers have been added to a parent's.
+    spare: Mutex<Vec<Buffer>>,
+    done: Vec<Mutex<Option<Result<Done, FactorError>>>>,
+}
+
+impl Job<'_> {
+    fn desk(&self) -> Result<Desk, FactorError> {
+        if let Some(desk) = lock(&self.desks).pop() {
+            return Ok(desk);
+        }
+        let mut local = Vec::new();
+        local.try_reserve_exact(self.tree.columns()).map_err(|_| FactorError::OutOfMemory)?;
+        local.resize(self.tree.columns(), 0);
+        let [even, odd] = self.plan.stacks;
+        let stacks = [Buffer::new(even)?, Buffer::new(odd)?];
+        let scratch = front::scratch().ok_or(FactorError::OutOfMemory)?;
+        Ok(Desk { local, stacks, panel: Buffer::new(self.plan.panel)?, scratch, runs: Vec::new() })
+    }
+
+    /// The smallest buffer that is large enough, whatever stands in it.
+    fn buffer(&self, len: usize) -> Result<Buffer, FactorError> {
+        let mut spare = lock(&self.spare);
+        let fits = (0..spare.len()).filter(|&at| spare[at].len() >= len).min_by_key(|&at| spare[at].len());
+        match fits {
+            Some(at) => Ok(spare.swap_remove(at)),
+            None => Buffer::new(len),
+        }
+    }
+
+    fn eliminate(&self, index: usize) -> Result<Done, FactorError> {
+        let part = &self.parts.0[index];
+        let mut given = Vec::new();
+        let mut failed = None;
+        for &child in &part.children {
+            match lock(&self.done[child]).as_mut() {
+                Some(Ok(done)) => given.push(std::mem::replace(&mut done.left, Buffer::new(0)?)),
+                Some(Err(error)) => failed = Some(worse(failed, *error)),
+                None => {}
+            }
+        }
+        if let Some(error) = failed {
+            return Err(error);
+        }
+        let mut desk = self.desk()?;
+        let mut done =
+            Done { values: Buffer::new(self.plan.entries[index])?, left: self.buffer(self.plan.left[index])? };
+        let result = self.supernodes(index, &given, &mut desk, &mut done);
+        lock(&self.desks).push(desk);
+        lock(&self.spare).extend(given);
+        result.map(|()| done)
+    }
+
+    fn supernodes(&self, index: usize, given: &[Buffer], desk: &mut Desk, done: &mut Done) -> Result<(), FactorError> {
+        let (tree, part) = (self.tree, &self.parts.0[index]);
+        let Desk { local, stacks, panel, scratch, runs } = desk;
+        let (mut tops, mut stored, mut out) = ([0; 2], 0, 0);
+        for s in part.supernodes.clone() {
+            let (width, height) = (tree.width(s), tree.height(s));
+            let side = usize::from(self.plan.odd[s]);
+            let [even, odd] = &mut *stacks;
+            let (mine, theirs) = if side == 0 { (even, &*odd) } else { (odd, &*even) };
+            for (row, place) in (tree.begin[s]..tree.begin[s + 1]).enumerate() {
+                local[place] = row as u32;
+            }
+            for (row, &place) in tree.below(s).iter().enumerate() {
+                local[place as usize] = (width + row) as u32;
+            }
+            runs.clear();
+            let mut children = Vec::new();
+            if part.children.is_empty() {
+                tops[1 - side] -= tree.children(s).map(|child| left(tree, child)).sum::<usize>();
+                let mut rest = &theirs[tops[1 - side]..];
+                for child in tree.children(s) {
+                    let values;
+                    (values, rest) = rest.split_at(left(tree, child));
+                    children.push(Child::new(values, tree.below(child), local, width, runs));
+                }
+            } else {
+                for (&from, given) in part.children.iter().zip(given) {
+                    let mut rest = &given[..];
+                    for &child in &self.parts.0[from].roots {
+                        let values;
+                        (values, rest) = rest.split_at(left(tree, child));
+                        children.push(Child::new(values, tree.below(child), local, width, runs));
+                    }
+                }
+            }
+            let panel = &mut panel[..width * height];
+            self.gather(s, local, panel);
+            children.iter().for_each(|child| child.add_to_panel(runs, panel, height));
+            front::eliminate(panel, height, scratch)
+                .map_err(|at| FactorError::NotPositiveDefinite { column: tree.column[tree.begin[s] + at] as usize })?;
+            let size = left(tree, s);
+            let rest = if part.roots.contains(&s) {
+                out += size;
+                &mut done.left[out - size..out]
+            } else {
+                tops[side] += size;
+                &mut mine[tops[side] - size..tops[side]]
+            };
+            front::leave(panel, height, rest);
+            children.iter().for_each(|child| child.add_to_rest(runs, rest, height, width));
+            stored += layout::store(panel, height, &mut done.values[stored..]);
+        }
+        Ok(())
+    }
+
+    /// The matrix's own entries of a supernode's columns.
+    fn gather(&self, s: usize, local: &[u32], panel: &mut [f64]) {
+        panel.fill(0.0);
+        let columns = &self.tree.column[self.tree.begin[s]..self.tree.begin[s + 1]];
+        for (&column, values) in columns.iter().zip(panel.chunks_exact_mut(self.tree.height(s))) {
+            let entries = self.matrix.column_start[column as usize]..self.matrix.column_start[column as usize + 1];
+            for (&row, &value) in self.matrix.row[entries.clone()].iter().zip(&self.matrix.value[entries]) {
+                values[local[self.tree.place[row] as usize] as usize] += value;
+            }
+        }
+    }
+}
