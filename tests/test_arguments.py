@@ -75,8 +75,11 @@ def slab() -> SimpleNamespace:
         (lambda s: s.problem.by("zz"), "method: Unknown method 'zz'."),
         (lambda s: s.problem.solve(s.load), "it must be a CaseLoad. Take discretisation.load(combination)"),
         (lambda s: s.problem.solve(s.problem.discretisation.cases["G"], "zz"), "form: Unknown form 'zz'."),
-        (lambda s: s.problem.solve_carefully(3, 1e-9), "load: found 3; it must be a CaseLoad."),
-        (lambda s: s.problem.solve_carefully(s.problem.discretisation.cases["G"], NAN), "part: found nan; it must be"),
+        (lambda s: s.problem.solve_by_proximal_steps(3, 1e-9), "load: found 3; it must be a CaseLoad."),
+        (
+            lambda s: s.problem.solve_by_proximal_steps(s.problem.discretisation.cases["G"], NAN),
+            "part: found nan; it must be",
+        ),
         (lambda s: solve(3), f"model: found 3; {MODEL}"),
         (lambda s: solve(None), f"model: found None; {MODEL}"),
         (lambda s: contact_problem({}), f"model: found {{}}; {MODEL}"),

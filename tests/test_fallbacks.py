@@ -39,7 +39,7 @@ def unsettled(monkeypatch: pytest.MonkeyPatch) -> set[str]:
         monkeypatch.setattr(ContactProblem, name, spoiled)
 
     spoil("solve")
-    spoil("solve_carefully")
+    spoil("solve_by_proximal_steps")
     return names
 
 
@@ -106,11 +106,11 @@ def test_with_care_an_ordinary_slab_has_its_ordinary_answer(part: float) -> None
     )
     problem = contact_problem(model)
     load = problem.discretisation.cases["load"]
-    plain, careful = problem.solve(load), problem.solve_carefully(load, part)
-    assert certify(problem.discretisation, load, careful.hi, careful.lo, careful.reaction).passed
-    assert (plain.closed == careful.closed).all() and 0 < plain.closed.sum() < len(plain.closed)
-    assert np.abs(plain.hi - careful.hi).max() < 1e-11 * np.abs(plain.hi).max()
-    assert np.abs(plain.reaction - careful.reaction).max() < 1e-8 * np.abs(plain.reaction).max()
+    plain, proximal = problem.solve(load), problem.solve_by_proximal_steps(load, part)
+    assert certify(problem.discretisation, load, proximal.hi, proximal.lo, proximal.reaction).passed
+    assert (plain.closed == proximal.closed).all() and 0 < plain.closed.sum() < len(plain.closed)
+    assert np.abs(plain.hi - proximal.hi).max() < 1e-11 * np.abs(plain.hi).max()
+    assert np.abs(plain.reaction - proximal.reaction).max() < 1e-8 * np.abs(plain.reaction).max()
 
 
 def test_what_no_method_settles_is_refused(unsettled: set[str]) -> None:

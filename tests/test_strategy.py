@@ -47,7 +47,7 @@ def test_a_problem_is_factored_once_for_each_method(factored: list[bool]) -> Non
     problem = contact_problem(plate(CLAMPED, PROPS, method="lemke"))
     assert problem.by("lemke") is problem
     load = problem.discretisation.cases["load"]
-    problem.lcp(load.nodal, "dual"), problem.dual(load.nodal), problem.solve_carefully(load, 1e-9)
+    problem.lcp(load.nodal, "dual"), problem.dual(load.nodal), problem.solve_by_proximal_steps(load, 1e-9)
     problem.by("interior_point").solve(load)
     assert factored == [False]
     for other in (problem.by("active_set"), problem.by("lemke").by("active_set").by("lemke").by("active_set")):
@@ -72,19 +72,19 @@ def test_nothing_is_tried_twice(
 ) -> None:
     """Every answer is that of a larger load, so that none is certified."""
     tried: list[tuple[object, ...]] = []
-    solve, solve_carefully = ContactProblem.solve, ContactProblem.solve_carefully
+    solve, solve_by_proximal_steps = ContactProblem.solve, ContactProblem.solve_by_proximal_steps
 
     def plain(self: ContactProblem, load, form, progress):
         tried.append((self.method, form))
         return solve(self, 1.01 * load, form, progress)
 
-    def careful(self: ContactProblem, load, part, closed, progress):
+    def proximal(self: ContactProblem, load, part, closed, progress):
         tried.append((part, None if closed is None else closed.tobytes()))
-        return solve_carefully(self, 1.01 * load, part, closed, progress)
+        return solve_by_proximal_steps(self, 1.01 * load, part, closed, progress)
 
     problem = contact_problem(plate(*supports, method=method))
     monkeypatch.setattr(ContactProblem, "solve", plain)
-    monkeypatch.setattr(ContactProblem, "solve_carefully", careful)
+    monkeypatch.setattr(ContactProblem, "solve_by_proximal_steps", proximal)
     found = answered(problem, problem.discretisation.cases["load"])
     assert not found.passed and len(set(tried)) == len(tried)
     one_sided = len(supports) > 1
@@ -116,7 +116,7 @@ def test_every_attempt_is_watched(method: str) -> None:
 def test_a_path_is_followed_once_with_each_core() -> None:
     def ways(method: str) -> list[tuple[str, bool]]:
         problem = contact_problem(plate(CLAMPED, PROPS, method=method))
-        return [(way.method, careful) for way, careful in ways_along(problem)]
+        return [(way.method, proximal) for way, proximal in ways_along(problem)]
 
     assert ways("lemke") == [("lemke", False), ("active_set", False), ("lemke", True)]
     assert ways("active_set") == [("active_set", False), ("lemke", False), ("lemke", True)]

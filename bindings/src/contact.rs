@@ -144,7 +144,7 @@ impl ContactProblem {
     /// compliance, beginning with a contact set `closed` (m,) if there is one; `progress` sees every step. All points
     /// must be condensed.
     #[pyo3(signature = (load, held_value, part, closed=None, progress=None))]
-    fn solve_carefully(
+    fn solve_by_proximal_steps(
         &self,
         py: Python<'_>,
         load: PyReadonlyArray1<'_, f64>,
@@ -236,9 +236,9 @@ impl ContactProblem {
     /// events), "no_equilibrium", "too_many" or "unsolved".
     ///
     /// `visit(t, switched, solution)` is called where it begins, at every event and where it ends, with the points that
-    /// open or close there and the contact set from there on. What it raises ends the path. `careful` solves by proximal
-    /// steps, as `solve_carefully` does.
-    #[pyo3(signature = (start, add, held_value, end, visit, careful=false))]
+    /// open or close there and the contact set from there on. What it raises ends the path. `proximal` solves by proximal
+    /// steps, as `solve_by_proximal_steps` does.
+    #[pyo3(signature = (start, add, held_value, end, visit, proximal=false))]
     #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
     fn path(
         &self,
@@ -248,16 +248,16 @@ impl ContactProblem {
         held_value: PyReadonlyArray1<'_, f64>,
         end: f64,
         visit: Py<PyAny>,
-        careful: bool,
+        proximal: bool,
     ) -> PyResult<&'static str> {
         let dofs = self.inner.plate.dof_count();
         let start = sized("the load", &start, dofs)?;
         let add = sized("the load to be added", &add, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        if careful && !self.inner.order.active.is_empty() {
+        if proximal && !self.inner.order.active.is_empty() {
             return Err(invalid("points of an active set are not condensed"));
         }
-        let load = PathLoad { start: &start, add: &add, held_value: &held_value, end, proximal: careful };
+        let load = PathLoad { start: &start, add: &add, held_value: &held_value, end, proximal };
         let tell = |py: Python<'_>, (t, switched, inner): (f64, Vec<i64>, contact::ContactSolution)| {
             visit.call1(py, (t, PyArray1::from_vec(py, switched), self.solution(inner))).map(|_| ())
         };

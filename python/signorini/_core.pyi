@@ -116,7 +116,7 @@ class ContactProblem:
         max_pivots: int | None = None,
         progress: Callable[[int, int, float], object] | None = None,
     ) -> ContactSolution: ...
-    def solve_carefully(
+    def solve_by_proximal_steps(
         self,
         load: _Floats,
         held_value: _Floats,
@@ -143,7 +143,7 @@ class ContactProblem:
         held_value: _Floats,
         end: float,
         visit: Callable[[float, _Ints, ContactSolution], object],
-        careful: bool = False,
+        proximal: bool = False,
     ) -> Literal["reached", "unbounded", "no_equilibrium", "too_many", "unsolved"]: ...
     def lcp(self, load: _Floats, held_value: _Floats, form: _Form = None) -> tuple[_Floats, _Floats, _Ints, _Bools]: ...
     def apply_inverse(self, load: _Floats) -> _Floats: ...

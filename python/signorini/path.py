@@ -106,8 +106,8 @@ def path(
         for bearing in (problem.freedom.outline, problem.freedom.on_mesh)
     )
     traced: Path | None = None
-    for way, careful in ways_along(problem):
-        other = _trace(way, problem, (start, add), loads, until, (limit, reached), watcher, careful)
+    for way, proximal in ways_along(problem):
+        other = _trace(way, problem, (start, add), loads, until, (limit, reached), watcher, proximal)
         traced = other if traced is None or (other is not None and other.end > traced.end) else traced
         if traced is not None and (traced.ending != "stopped" or traced.ends_with_the_mesh):
             break
@@ -143,7 +143,7 @@ def _trace(
     until: float | None,
     limits: tuple[float, float],
     watcher: Watcher,
-    careful: bool,
+    proximal: bool,
 ) -> Path | None:
     """Follow the path by one method, as far as its answers are certified and confirmed; None if not at all.
 
@@ -194,7 +194,7 @@ def _trace(
     limit, asked = limits[0], np.inf if until is None else until
     end = min(*limits, asked)
     try:
-        ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, careful)
+        ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, proximal)
     except NotCertifiedError:
         ended = "unsolved"
     count = confirmed(direct, loads, stops, watcher)

@@ -54,7 +54,7 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
     def steps(step: int, changing: int, residual: float) -> None:
         watcher(Progress(f"t = {stop.t:.6g} by itself", step, changing, residual))
 
-    tried = answered(problem, load, steps, careful=False)
+    tried = answered(problem, load, steps, proximal=False)
     if not tried.passed:
         return True
     direct = path_stop(found, stop.t, load, stop.points[:0], stop.points[:0], tried.answer)

@@ -297,7 +297,7 @@ class ContactProblem(Remade):
             solution = self.core.solve(load.nodal, held, form, progress=progress)
         return self._chosen(load, solution)
 
-    def solve_carefully(
+    def solve_by_proximal_steps(
         self, load: CaseLoad, part: float, closed: Bools | None = None, progress: Steps | None = None
     ) -> Answer:
         """Displacements, reactions and gaps of one load where rounding decides (docs/theory.md, section 6).
@@ -311,7 +311,7 @@ class ContactProblem(Remade):
             raise InputError(f"found {part:g}; it must be a finite number greater than 0.", place="part")
         require_memory_for_proximal_steps(len(load.nodal), len(self.gaps))
         held = self.discretisation.held.values
-        return self._chosen(load, self.condensed.core.solve_carefully(load.nodal, held, part, closed, progress))
+        return self._chosen(load, self.condensed.core.solve_by_proximal_steps(load.nodal, held, part, closed, progress))
 
     def _chosen(self, load: CaseLoad, solution: _core.ContactSolution) -> Answer:
         return chosen(self.discretisation, self.freedom, load.nodal, Answer.of(self.discretisation, solution))

@@ -41,7 +41,7 @@ class Attempt(NamedTuple):
         """Solve a load; where rounding decides, beginning with a contact set (m,) if there is one."""
         if self.part is None:
             return self.problem.solve(load, self.form, progress)
-        return self.problem.solve_carefully(load, self.part, closed, progress)
+        return self.problem.solve_by_proximal_steps(load, self.part, closed, progress)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +59,11 @@ class Tried:
         return self.certificate is not None and self.certificate.passed
 
 
-def attempts(problem: ContactProblem, careful: bool = True) -> Iterator[Attempt]:
+def attempts(problem: ContactProblem, proximal: bool = True) -> Iterator[Attempt]:
     """Every way to an answer, in the order in which they are tried until one is certified.
 
-    Without care only those of pivots and of active sets. What memory is not left for is not tried, but for the method
-    of the problem itself.
+    Without ``proximal`` only those of pivots and of active sets. What memory is not left for is not tried, but for the
+    method of the problem itself.
     """
     if problem.reference is not None:
         yield Attempt(problem)
@@ -72,13 +72,13 @@ def attempts(problem: ContactProblem, careful: bool = True) -> Iterator[Attempt]
         if way.method == "lemke":
             condensed = way
             yield from (Attempt(way, form) for form in _forms(way))
-            if careful:
-                yield from _carefully(way, _YIELDING)
-        elif careful or way.method == "active_set":
+            if proximal:
+                yield from _proximal(way, _YIELDING)
+        elif proximal or way.method == "active_set":
             yield Attempt(way)
-    if careful and condensed is not None:
+    if proximal and condensed is not None:
         # What another method has left imprecise.
-        yield from _carefully(condensed, _YIELDING[1:])
+        yield from _proximal(condensed, _YIELDING[1:])
 
 
 def ways_along(problem: ContactProblem) -> Iterator[tuple[ContactProblem, bool]]:
@@ -89,7 +89,7 @@ def ways_along(problem: ContactProblem) -> Iterator[tuple[ContactProblem, bool]]
             yield way, False
         if way.method == "lemke":
             condensed = way
-    if condensed is not None and _can_be_careful(found):
+    if condensed is not None and _may_take_steps(found):
         yield condensed, True
 
 
@@ -120,14 +120,14 @@ def _forms(problem: ContactProblem) -> tuple[Form, ...]:
     return ("stiffness", "dual") if problem.better_form == "stiffness" else ("dual", "stiffness")
 
 
-def _carefully(problem: ContactProblem, parts: Sequence[float]) -> Iterator[Attempt]:
+def _proximal(problem: ContactProblem, parts: Sequence[float]) -> Iterator[Attempt]:
     # Asked each time, since memory may be less than it was.
     for part, near in itertools.product(parts, (True, False)):
-        if _can_be_careful(problem.discretisation):
+        if _may_take_steps(problem.discretisation):
             yield Attempt(problem, part=part, near=near)
 
 
-def _can_be_careful(found: Discretisation) -> bool:
+def _may_take_steps(found: Discretisation) -> bool:
     """Whether there is time and memory for proximal steps."""
     return found.dof_count <= _MOST_DOFS and fits(needed_by_proximal_steps(found.dof_count, len(found.contacts)))
 
@@ -136,13 +136,13 @@ def answered(
     problem: ContactProblem,
     load: CaseLoad,
     progress: Steps | None = None,
-    careful: bool = True,
+    proximal: bool = True,
     beside: Floats | None = None,
 ) -> Tried:
     """Solve one load and certify the answer; where that fails, ask in every other form and by every other method.
 
     A basis that rounding makes singular in one form is regular in another. ``progress`` watches all that is tried, and
-    what it raises ends it. ``careful`` is that of `attempts`, ``beside`` (3n,) that of `certify`.
+    what it raises ends it. ``proximal`` is that of `attempts`, ``beside`` (3n,) that of `certify`.
     """
     found = problem.discretisation
     first: Tried | None = None
@@ -150,7 +150,7 @@ def answered(
     methods: tuple[Method, ...] = ()
     stepped = set[tuple[float, bytes | None]]()
     consistent = False
-    for attempt in attempts(problem, careful):
+    for attempt in attempts(problem, proximal):
         methods += () if attempt.problem.method in methods else (attempt.problem.method,)
         closed = near if attempt.near else None
         if attempt.part is not None:

@@ -120,7 +120,7 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
         (found.plate.stresses, [u, u, np.array([0.1, 0.0, 0.2]), centre]),
         (contact, [*constraints, held.dofs, np.zeros((0, found.dof_count)), False, *spring]),
         (problem.core.solve, [load, held.values, None, 100]),
-        (problem.core.solve_carefully, [load, held.values, 1e-9, np.ones(len(rows), np.bool_)]),
+        (problem.core.solve_by_proximal_steps, [load, held.values, 1e-9, np.ones(len(rows), np.bool_)]),
         (problem.core.lcp, [load, held.values, "dual"]),
         (problem.core.apply_inverse, [load]),
         (_core.lemke, [lcp.M, lcp.q, np.ones(len(lcp.q)), 1000, np.zeros(len(lcp.q), np.bool_)]),
