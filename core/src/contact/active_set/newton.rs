@@ -43,16 +43,17 @@ pub(super) struct Newton<'a> {
     /// Steps on unchanged sets since the least imbalance, and that.
     lasting: usize,
     lowest: f64,
-    /// A force that counts although nothing may push in the end.
+    /// A force that counts although nothing may push in the end: without a load, the largest on the way.
     least: f64,
+    unloaded: bool,
 }
 
 impl<'a> Newton<'a> {
     pub(super) fn new(descent: Descent<'a>, started: bool) -> Self {
         // From rest, the first step takes every point closed, as the factor does.
         let closed: Vec<bool> = descent.stretch.iter().map(|&s| s > 0.0 || !started).collect();
-        // Without a load nothing may push in the end, so forces count from those of the settlements at the start.
-        let least = if descent.load.iter().all(|&f| f == 0.0) { descent.largest_push() } else { 0.0 };
+        let unloaded = descent.load.iter().all(|&f| f == 0.0);
+        let least = if unloaded { descent.largest_push() } else { 0.0 };
         Self {
             descent,
             started,
@@ -67,6 +68,7 @@ impl<'a> Newton<'a> {
             lasting: 0,
             lowest: f64::INFINITY,
             least,
+            unloaded,
         }
     }
 
@@ -183,6 +185,9 @@ impl<'a> Newton<'a> {
         let unchanged = self.closed == self.last;
         let force = descent.problem.largest_force(descent.load, &descent.solution.reaction);
         let force = force.max(descent.largest_push()).max(self.least);
+        if self.unloaded {
+            self.least = force;
+        }
         let settling =
             unchanged || descent.residual.worst <= tolerances::newton::NEARLY * tolerances::newton::SETTLED * force;
         self.since_settled += 1;
