@@ -49,144 +49,144 @@ pub(super) const FIRMER: f64 = 64.0 * f64::EPSILON;
 /// Condensation onto the contact points.
 pub(super) mod interface {
     /// A point whose stiffness the factor carries to this part of it is carried whole: both are rounded a few times.
-    pub(in crate::contact) const ABSORBED: f64 = 1e-12;
+    pub(crate) const ABSORBED: f64 = 1e-12;
 
     /// A posed reaction this small, relative to the load, is zero: the load is balanced without it. So is a gap, relative
     /// to the largest move, and a lever, relative to the moves it is made of: 10⁴ ε of elimination.
-    pub(in crate::contact) const POSED: f64 = 1e-12;
+    pub(crate) const POSED: f64 = 1e-12;
 
     /// Rounding of a sum of stiffnesses times gaps over as many points as are condensed.
-    pub(in crate::contact) const POSED_SUM: f64 = 1e-14;
+    pub(crate) const POSED_SUM: f64 = 1e-14;
 
     /// A stiffness of which the projection leaves less than this part was rounding: half the digits.
-    pub(in crate::contact) const PROJECTED: f64 = 1e-6;
+    pub(crate) const PROJECTED: f64 = 1e-6;
 }
 
 /// The active set: Newton steps, their directions and the penalties of rigid points.
 pub(super) mod newton {
     /// Stiffest penalty, over the plate's stiffness in shear, at the end: multipliers converge the faster the stiffer it is,
     /// and residuals lose as many digits.
-    pub(in crate::contact) const STIFFEST: f64 = 1e4;
+    pub(crate) const STIFFEST: f64 = 1e4;
 
     /// How much stiffer the penalty becomes from stage to stage.
-    pub(in crate::contact) const STIFFER: f64 = 10.0;
+    pub(crate) const STIFFER: f64 = 10.0;
 
     /// Bending stiffness over that in shear of a wave of ten elements, over the square of thickness over element size:
     /// the first penalty.
-    pub(in crate::contact) const LONG_WAVE: f64 = 0.04;
+    pub(crate) const LONG_WAVE: f64 = 0.04;
 
     /// What conjugate gradients leave of the residual while the set still changes: its next change needs no more.
-    pub(in crate::contact) const LOOSE: f64 = 0.3;
+    pub(crate) const LOOSE: f64 = 0.3;
 
     /// The same after some steps without the set settling: true Newton directions then need fewer.
-    pub(in crate::contact) const FIRM: f64 = 1e-3;
+    pub(crate) const FIRM: f64 = 1e-3;
 
     /// The same where the set does not change: half the digits, the refined residual brings the others.
-    pub(in crate::contact) const TIGHT: f64 = 1e-8;
+    pub(crate) const TIGHT: f64 = 1e-8;
 
     /// Residual, over the largest force, at which the points are settled: 500 ε.
-    pub(in crate::contact) const SETTLED: f64 = 1e-13;
+    pub(crate) const SETTLED: f64 = 1e-13;
 
     /// Times that from which points are looked at anew although some still change sides.
-    pub(in crate::contact) const NEARLY: f64 = 1e3;
+    pub(crate) const NEARLY: f64 = 1e3;
 
     /// Steps on one set that leave this part of the residual tell that the rest is rounding.
-    pub(in crate::contact) const SLOW: f64 = 0.8;
+    pub(crate) const SLOW: f64 = 0.8;
 
     /// What rounding leaves at most of the largest force, in the thinnest plates; where it stalls above, supports
     /// contradict each other.
-    pub(in crate::contact) const STALLED: f64 = 1e-3;
+    pub(crate) const STALLED: f64 = 1e-3;
 
     /// Residual, over the largest force, up to which multipliers are renewed: they follow an equilibrium.
-    pub(in crate::contact) const BALANCED: f64 = 1e-3;
+    pub(crate) const BALANCED: f64 = 1e-3;
 
     /// Change of the multipliers, over the largest force, at which the next stage begins.
-    pub(in crate::contact) const STEADY: f64 = 5e-2;
+    pub(crate) const STEADY: f64 = 5e-2;
 
     /// Slope of the energy that ends a line search, over the slope at its start.
-    pub(in crate::contact) const FLAT: f64 = 1e-3;
+    pub(crate) const FLAT: f64 = 1e-3;
 
     /// Curvature along a direction, over that of the factored matrix, below which the plate is taken to be free along it:
     /// 500 ε, which the sum of squares leaves of nothing.
-    pub(in crate::contact) const FREE: f64 = 1e-13;
+    pub(crate) const FREE: f64 = 1e-13;
 
     /// Curvature, over that of the factored matrix, from which on what cancels in its sum does not matter: ten digits are
     /// left.
-    pub(in crate::contact) const PLAIN: f64 = 1e-6;
+    pub(crate) const PLAIN: f64 = 1e-6;
 
     /// Stiffness that these motions meet, over that of all points together, so that those that nothing holds end at the
     /// next point.
-    pub(in crate::contact) const LEAST: f64 = 1e-16;
+    pub(crate) const LEAST: f64 = 1e-16;
 
     /// Resultants, over the forces that they are the sum of, that are rounding.
-    pub(in crate::contact) const RESULTANT: f64 = 8.0 * f64::EPSILON;
+    pub(crate) const RESULTANT: f64 = 8.0 * f64::EPSILON;
 }
 
 /// Subproblem steps, where rounding decides.
 pub(super) mod proximal {
     /// Part of the plate's own compliance that increments of reaction meet where the contact set is given, and along a
     /// path: the root of what tells points apart that double precision can.
-    pub(in crate::contact) const COMPLIANCE: f64 = 1e-9;
+    pub(crate) const COMPLIANCE: f64 = 1e-9;
 
     /// Part of the plate's own stiffness that increments of deflection meet, all nodes together: so many times the root of
     /// the part by which reactions yield, and at least [`LEAST_STIFFNESS`]. Much less would drown the rest of an LCP in
     /// how far a loose plate goes.
-    pub(in crate::contact) const STIFFNESS: f64 = 100.0;
-    pub(in crate::contact) const LEAST_STIFFNESS: f64 = 1e-3;
+    pub(crate) const STIFFNESS: f64 = 100.0;
+    pub(crate) const LEAST_STIFFNESS: f64 = 1e-3;
 
     /// Part of the deflection by which the load scales on the plate, below which no deflection counts.
-    pub(in crate::contact) const NIL: f64 = 1e-6;
+    pub(crate) const NIL: f64 = 1e-6;
 }
 
 /// Load paths. Reactions and gaps count over the largest of their kind.
 pub(super) mod path {
     /// Of the wrong sign at the ends of a segment, they are rounding: a hundred times that of one solution, since a
     /// segment goes on from the end of the one before.
-    pub(in crate::contact) const SIGN: f64 = 1e-9;
+    pub(crate) const SIGN: f64 = 1e-9;
 
     /// Events nearer than this part of a step are one.
-    pub(in crate::contact) const SAME_EVENT: f64 = 1e-9;
+    pub(crate) const SAME_EVENT: f64 = 1e-9;
 
     /// Travel, over the largest deflection or gap, within which events of pivots are one.
-    pub(in crate::contact) const SAME_PLACE: f64 = 1e-10;
+    pub(crate) const SAME_PLACE: f64 = 1e-10;
 
     /// How far beyond an event, over a step, a solve tells the contact set after it where switching does not.
-    pub(in crate::contact) const BEYOND: [f64; 3] = [1e-3, 1e-5, 1e-7];
+    pub(crate) const BEYOND: [f64; 3] = [1e-3, 1e-5, 1e-7];
 
     /// With more than this a point that switches jumps instead.
-    pub(in crate::contact) const JUMP: f64 = 1e-9;
+    pub(crate) const JUMP: f64 = 1e-9;
 
     /// How far, over a segment's length, its refined end may be from where pivoting saw it.
-    pub(in crate::contact) const MOVED: f64 = 1e-3;
+    pub(crate) const MOVED: f64 = 1e-3;
 
     /// Gaps that change by less over a line stay; so do reactions whose rounding is less.
-    pub(in crate::contact) const STILL: f64 = 1e-10;
+    pub(crate) const STILL: f64 = 1e-10;
 
     /// Times that what the plate's own forces are out of balance by, which is their rounding, may be in one reaction.
-    pub(in crate::contact) const SHARE: f64 = 64.0;
+    pub(crate) const SHARE: f64 = 64.0;
 
     /// Reactions and gaps that are none.
-    pub(in crate::contact) const NOTHING: f64 = 1e-14;
+    pub(crate) const NOTHING: f64 = 1e-14;
 
     /// Part of the loads that a load is the sum of which, as a scale, turns [`SIGN`] into their rounding.
-    pub(in crate::contact) const UNSEEN: f64 = 1e-7;
+    pub(crate) const UNSEEN: f64 = 1e-7;
 }
 
 /// The interior point method, in units in which every dof has the stiffness 1.
 pub(super) mod interior_point {
     /// Relative duality gap and residuals asked for; where rounding keeps them larger, the last iterate is taken.
-    pub(in crate::contact) const GAP: f64 = 1e-11;
+    pub(crate) const GAP: f64 = 1e-11;
 
     /// Stiffness added to the dofs: less than Clarabel's own 1e-8, which a thin plate's bending is as soft as.
-    pub(in crate::contact) const REGULARIZATION: f64 = 1e-10;
+    pub(crate) const REGULARIZATION: f64 = 1e-10;
 
     /// So little added needs refinement for as long as each step leaves less than the one before by this factor: Clarabel's
     /// own, to a fifth, ends the last iterations before a proof of infeasibility is sharp.
-    pub(in crate::contact) const REFINING: f64 = 1.5;
+    pub(crate) const REFINING: f64 = 1.5;
 
     /// Residuals of a proof of infeasibility, over the magnitudes they are made of, up to which it is believed: √ε.
-    pub(in crate::contact) const PROOF: f64 = 1e-8;
+    pub(crate) const PROOF: f64 = 1e-8;
 
     /// What it must prove, over the magnitudes that is made of: so much more that the residuals could not undo it.
-    pub(in crate::contact) const MARGIN: f64 = 1e-6;
+    pub(crate) const MARGIN: f64 = 1e-6;
 }

@@ -127,7 +127,7 @@ impl Condensed {
     }
 
     /// Forces f̂ − S y that hold the points at displacements y under the forces f̂; where the rows pick single dofs.
-    pub(in crate::contact) fn holding_forces(&self, force: &[f64], moved: &[f64]) -> Vec<f64> {
+    pub(crate) fn holding_forces(&self, force: &[f64], moved: &[f64]) -> Vec<f64> {
         let Some(stiffness) = &self.stiffness else { return force.to_vec() };
         let of_motion = |i: usize| (0..self.len()).map(|j| stiffness[(i, j)] * moved[j]).sum::<f64>();
         force.iter().enumerate().map(|(i, f)| f - of_motion(i)).collect()
@@ -144,14 +144,14 @@ impl Condensed {
     }
 
     /// Gu of what back substitution makes of a forward-substituted vector, given its last part: contact rows live there.
-    pub(in crate::contact) fn moved(&self, forward: &[f64]) -> Vec<f64> {
+    pub(crate) fn moved(&self, forward: &[f64]) -> Vec<f64> {
         let mut on_dofs = Mat::from_fn(forward.len(), 1, |i, _| forward[i]);
         solve_upper_triangular_in_place(self.trailing.transpose(), on_dofs.as_mut(), Par::Seq);
         self.rows.iter().map(|row| row.iter().map(|&(dof, c)| c * on_dofs[(dof, 0)]).sum()).collect()
     }
 
     /// The last part of a vector Gᵀ·force after forward substitution; the rest of it is zero.
-    pub(in crate::contact) fn forwarded(&self, force: &[f64]) -> Vec<f64> {
+    pub(crate) fn forwarded(&self, force: &[f64]) -> Vec<f64> {
         let mut on_dofs = Mat::<f64>::zeros(self.trailing.nrows(), 1);
         for (row, force) in self.rows.iter().zip(force) {
             row.iter().for_each(|&(dof, c)| on_dofs[(dof, 0)] += c * force);
@@ -166,7 +166,7 @@ impl Condensed {
     }
 
     /// The LCP as elimination gives it: M does not depend on the interface, and q is linear in it.
-    pub(in crate::contact) fn posed(&self, form: Form, interface: &InterfaceResidual, reaction: &[f64]) -> PosedLcp {
+    pub(crate) fn posed(&self, form: Form, interface: &InterfaceResidual, reaction: &[f64]) -> PosedLcp {
         match (form, &self.stiffness) {
             (Form::Stiffness, Some(stiffness)) => self.stiffness_lcp(stiffness, interface, reaction),
             (Form::Stiffness, None) => self.flexibility_lcp(interface, reaction, true),

@@ -23,7 +23,7 @@ impl Condensed {
     }
 
     /// Whether the factor carries the whole stiffness of a compliant point.
-    pub(in crate::contact) fn absorbed(&self, i: usize) -> bool {
+    pub(crate) fn absorbed(&self, i: usize) -> bool {
         self.compliance[i] > 0.0
             && (1.0 - self.regularization[i] * self.compliance[i]).abs() < tolerances::interface::ABSORBED
     }

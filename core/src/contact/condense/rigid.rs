@@ -10,7 +10,7 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 
 /// The free motions in an LCP, as far as they do not depend on the load.
-pub(in crate::contact) struct FreeMotions {
+pub(crate) struct FreeMotions {
     /// N_J, and N_J(N_JᵀN_J)⁻¹.
     moves: Mat<f64>,
     dual: Mat<f64>,
@@ -23,14 +23,14 @@ pub(in crate::contact) struct FreeMotions {
 impl Condensed {
     /// The LCP with the free motions imposed: M_JJ ← QM_JJQ with Q = I − N_J(N_JᵀN_J)⁻¹N_Jᵀ, and M_OJ, q_J moved by the
     /// least that satisfies their equations.
-    pub(in crate::contact) fn balanced(&self, mut lcp: PosedLcp, interface: &InterfaceResidual) -> PosedLcp {
+    pub(crate) fn balanced(&self, mut lcp: PosedLcp, interface: &InterfaceResidual) -> PosedLcp {
         let motions = self.impose_motions(&mut lcp);
         motions.balance(&mut lcp.q, interface);
         lcp
     }
 
     /// Imposes the free motions on M, which no load has a part in.
-    pub(in crate::contact) fn impose_motions(&self, lcp: &mut PosedLcp) -> FreeMotions {
+    pub(crate) fn impose_motions(&self, lcp: &mut PosedLcp) -> FreeMotions {
         let free = self.moves.ncols();
         let order = lcp.q.len();
         let inside = lcp.gap_is_z.iter().filter(|&&gap| gap).count();
@@ -92,7 +92,7 @@ impl Condensed {
 
 impl FreeMotions {
     /// Imposes on q that the reactions of the posed state balance the load; what is rounding of either becomes zero.
-    pub(in crate::contact) fn balance(&self, q: &mut [f64], interface: &InterfaceResidual) {
+    pub(crate) fn balance(&self, q: &mut [f64], interface: &InterfaceResidual) {
         let (inside, free) = (self.moves.nrows(), self.moves.ncols());
         let length = interface.displacement.iter().chain(&interface.remaining).fold(0.0, |a: f64, b| a.max(b.abs()));
         q[inside..]

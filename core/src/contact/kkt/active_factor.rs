@@ -9,36 +9,31 @@ use crate::contact::problem::{ContactProblem, Factored};
 use crate::residual::twice_the_energy;
 
 /// A factor of K with the springs of some points, and the springs that closed points have.
-pub(in crate::contact) struct ActiveFactor<'a> {
-    pub(in crate::contact) problem: &'a ContactProblem,
+pub(crate) struct ActiveFactor<'a> {
+    pub(crate) problem: &'a ContactProblem,
     /// Stiffest springs, over the plate's stiffness in shear.
-    pub(in crate::contact) limit: f64,
-    pub(in crate::contact) penalty: Penalty,
+    pub(crate) limit: f64,
+    pub(crate) penalty: Penalty,
     given: &'a Factored,
     own: Option<Factored>,
     /// Two-sided points, held.
-    pub(in crate::contact) state: ContactState,
+    pub(crate) state: ContactState,
     /// Whether others ask the factor that it was given too; there are no two-sided points then.
     shares: bool,
     /// Conjugate gradient steps, and sets factored anew.
-    pub(in crate::contact) gradients: usize,
-    pub(in crate::contact) factorizations: usize,
+    pub(crate) gradients: usize,
+    pub(crate) factorizations: usize,
 }
 
 impl<'a> ActiveFactor<'a> {
     /// `None` if two-sided points contradict each other.
-    pub(in crate::contact) fn of(
-        problem: &'a ContactProblem,
-        given: &'a Factored,
-        limit: f64,
-        shares: bool,
-    ) -> Option<Self> {
+    pub(crate) fn of(problem: &'a ContactProblem, given: &'a Factored, limit: f64, shares: bool) -> Option<Self> {
         let state = given.condensed.state(problem.constraints.two_sided.clone())?;
         let penalty = problem.active.penalized(limit);
         Some(Self { problem, limit, penalty, given, own: None, state, shares, gradients: 0, factorizations: 0 })
     }
 
-    pub(in crate::contact) fn factored(&self) -> &Factored {
+    pub(crate) fn factored(&self) -> &Factored {
         self.own.as_ref().unwrap_or(self.given)
     }
 
@@ -48,7 +43,7 @@ impl<'a> ActiveFactor<'a> {
     }
 
     /// Whether the next residual goes to a factor that others ask too.
-    pub(in crate::contact) fn shares(&self) -> bool {
+    pub(crate) fn shares(&self) -> bool {
         self.shares && self.own.is_none()
     }
 
@@ -107,14 +102,14 @@ impl<'a> ActiveFactor<'a> {
     }
 
     /// What K̃⁻¹ times a residual, in elimination order, moves; there are no two-sided points.
-    pub(in crate::contact) fn moved(&self, residual: &[f64], solved: &[f64]) -> Direction {
+    pub(crate) fn moved(&self, residual: &[f64], solved: &[f64]) -> Direction {
         let (nodal, force) = (self.problem.scatter(solved), residual.to_vec());
         Direction { nodal, force, reaction: Vec::new(), free: false }
     }
 
     /// The motion under an imbalance by the factor, with what is left of the two-sided points' gaps taken up, and the force
     /// it has for that.
-    pub(in crate::contact) fn response(&self, imbalance: &[f64], remaining: &[f64]) -> Result<Direction, FactorError> {
+    pub(crate) fn response(&self, imbalance: &[f64], remaining: &[f64]) -> Result<Direction, FactorError> {
         let problem = self.problem;
         let motions = problem.constraints.free_motions.len();
         let still = Residual {

@@ -10,7 +10,7 @@ use crate::contact::scale::Scale;
 use crate::contact::tolerances;
 
 /// Conjugate gradients on their way to a direction.
-pub(in crate::contact) struct ConjugateGradients {
+pub(crate) struct ConjugateGradients {
     closed: Vec<bool>,
     /// Points whose springs the factor carries otherwise than the set has them, and by how much.
     differing: Vec<(usize, f64)>,
@@ -29,13 +29,13 @@ pub(in crate::contact) struct ConjugateGradients {
 
 impl ConjugateGradients {
     /// What is to be preconditioned next.
-    pub(in crate::contact) fn residual(&self) -> &[f64] {
+    pub(crate) fn residual(&self) -> &[f64] {
         &self.residual
     }
 }
 
 /// What a step of conjugate gradients came to.
-pub(in crate::contact) enum Followed {
+pub(crate) enum Followed {
     On,
     /// There have been too many; a factor of the set would be better.
     Impatient,
@@ -51,7 +51,7 @@ const GRADIENTS: usize = 500;
 
 impl ActiveFactor<'_> {
     /// Begins to seek the direction that leaves `tolerance` of an imbalance, or no more than `rounding`.
-    pub(in crate::contact) fn gradients(
+    pub(crate) fn gradients(
         &self,
         closed: &[bool],
         imbalance: Vec<f64>,
@@ -75,7 +75,7 @@ impl ActiveFactor<'_> {
     }
 
     /// Begins anew with a factor of their set, as far as that can be factored.
-    pub(in crate::contact) fn refactored(
+    pub(crate) fn refactored(
         &mut self,
         gradients: ConjugateGradients,
         imbalance: Vec<f64>,
@@ -105,7 +105,7 @@ impl ActiveFactor<'_> {
     }
 
     /// One step of conjugate gradients, with the motion that the factor has for the residual.
-    pub(in crate::contact) fn follow(&mut self, gradients: &mut ConjugateGradients, mut along: Direction) -> Followed {
+    pub(crate) fn follow(&mut self, gradients: &mut ConjugateGradients, mut along: Direction) -> Followed {
         gradients.steps += 1;
         self.gradients += 1;
         if gradients.differing.is_empty() {

@@ -2,7 +2,7 @@
 
 /// A displacement, the force that the factored matrix has for it, and what it adds to two-sided points' reactions.
 #[derive(Default)]
-pub(in crate::contact) struct Direction {
+pub(crate) struct Direction {
     pub nodal: Vec<f64>,
     pub force: Vec<f64>,
     pub reaction: Vec<f64>,
@@ -10,17 +10,17 @@ pub(in crate::contact) struct Direction {
     pub free: bool,
 }
 
-pub(in crate::contact) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 impl Direction {
-    pub(in crate::contact) fn zeros(size: usize, reactions: usize) -> Self {
+    pub(crate) fn zeros(size: usize, reactions: usize) -> Self {
         Self { nodal: vec![0.0; size], force: vec![0.0; size], reaction: vec![0.0; reactions], free: false }
     }
 
     /// self·beta + other
-    pub(in crate::contact) fn renew(&mut self, beta: f64, other: &Self) {
+    pub(crate) fn renew(&mut self, beta: f64, other: &Self) {
         for (mine, new) in
             [(&mut self.nodal, &other.nodal), (&mut self.force, &other.force), (&mut self.reaction, &other.reaction)]
         {
@@ -30,7 +30,7 @@ impl Direction {
         }
     }
 
-    pub(in crate::contact) fn add(&mut self, alpha: f64, other: &Self) {
+    pub(crate) fn add(&mut self, alpha: f64, other: &Self) {
         for (mine, new) in
             [(&mut self.nodal, &other.nodal), (&mut self.force, &other.force), (&mut self.reaction, &other.reaction)]
         {

@@ -15,18 +15,18 @@ use crate::double_double::DoubleDouble;
 type Matrix = [[DoubleDouble; 3]; 3];
 
 /// What the three rigid motions w, w + x and w + y about the middle, over the plate's size, do.
-pub(in crate::contact) struct Floating {
-    pub(in crate::contact) size: f64,
+pub(crate) struct Floating {
+    pub(crate) size: f64,
     /// At every dof.
-    pub(in crate::contact) nodal: [Vec<f64>; 3],
+    pub(crate) nodal: [Vec<f64>; 3],
     /// At every contact point and spring.
-    pub(in crate::contact) points: Vec<[f64; 3]>,
-    pub(in crate::contact) springs: Vec<[f64; 3]>,
+    pub(crate) points: Vec<[f64; 3]>,
+    pub(crate) springs: Vec<[f64; 3]>,
 }
 
 impl Floating {
     /// Nothing where a dof is held.
-    pub(in crate::contact) fn of(problem: &ContactProblem) -> Option<Self> {
+    pub(crate) fn of(problem: &ContactProblem) -> Option<Self> {
         if problem.held.contains(&true) {
             return None;
         }
@@ -42,7 +42,7 @@ impl Floating {
     }
 
     /// What springs and points hold the motions with, given the stiffness of both; that of open points is 0.
-    pub(in crate::contact) fn holding(&self, of_points: impl Fn(usize) -> f64, of_springs: &[f64]) -> Matrix {
+    pub(crate) fn holding(&self, of_points: impl Fn(usize) -> f64, of_springs: &[f64]) -> Matrix {
         let mut matrix = Matrix::default();
         let mut hold = |arm: &[f64; 3], stiffness: f64| {
             let scaled = arm.map(|a| stiffness.sqrt() * a);
@@ -60,7 +60,7 @@ impl Floating {
     }
 
     /// Resultants of nodal forces.
-    pub(in crate::contact) fn resultants(&self, nodal: &[f64]) -> [DoubleDouble; 3] {
+    pub(crate) fn resultants(&self, nodal: &[f64]) -> [DoubleDouble; 3] {
         [0, 1, 2].map(|k| {
             let mut sum = DoubleDouble::default();
             self.nodal[k].iter().zip(nodal).for_each(|(u, f)| sum.add_product(*u, *f));
@@ -69,13 +69,13 @@ impl Floating {
     }
 
     /// The motion (deflection and slopes at the middle) of amounts of the three.
-    pub(in crate::contact) fn motion(&self, [w, x, y]: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn motion(&self, [w, x, y]: [f64; 3]) -> [f64; 3] {
         [w, x / self.size, y / self.size]
     }
 }
 
 /// What holds a plate afloat in one contact set.
-pub(in crate::contact) struct Held {
+pub(crate) struct Held {
     floating: Floating,
     /// Compliance of the points that are closed.
     compliance: Vec<Option<f64>>,
@@ -85,7 +85,7 @@ pub(in crate::contact) struct Held {
 impl Held {
     /// Given the compliance that increments of every point's reaction meet; nothing where a dof is held, or springs and
     /// closed points hold the plate as firmly as it holds together.
-    pub(in crate::contact) fn by(problem: &ContactProblem, compliance: &[f64], closed: &[bool]) -> Option<Self> {
+    pub(crate) fn by(problem: &ContactProblem, compliance: &[f64], closed: &[bool]) -> Option<Self> {
         let floating = Floating::of(problem)?;
         let acting = |(&c, &closed): (&f64, &bool)| (closed && c > 0.0).then_some(c);
         let compliance: Vec<_> = compliance.iter().zip(closed).map(acting).collect();

@@ -8,18 +8,18 @@ use crate::contact::problem::{ContactProblem, Factored};
 use crate::contact::solution::ContactSolution;
 
 /// An imbalance after forward substitution, and what it does at the contact points.
-pub(in crate::contact) struct Reduced {
+pub(crate) struct Reduced {
     forward: Vec<f64>,
-    pub(in crate::contact) interface: InterfaceResidual,
+    pub(crate) interface: InterfaceResidual,
 }
 
 /// The factor and one contact state of its condensed points.
-pub(in crate::contact) struct Interface<'a> {
-    pub(in crate::contact) problem: &'a ContactProblem,
-    pub(in crate::contact) with: &'a Factored,
-    pub(in crate::contact) state: &'a ContactState,
+pub(crate) struct Interface<'a> {
+    pub(crate) problem: &'a ContactProblem,
+    pub(crate) with: &'a Factored,
+    pub(crate) state: &'a ContactState,
     /// The first residual, if it has been reduced before.
-    pub(in crate::contact) reduced: Option<Reduced>,
+    pub(crate) reduced: Option<Reduced>,
 }
 
 impl KktSolver for Interface<'_> {
@@ -39,12 +39,7 @@ impl KktSolver for Interface<'_> {
 }
 
 impl ContactProblem {
-    pub(in crate::contact) fn reduced(
-        &self,
-        with: &Factored,
-        step: &Residual,
-        form: Form,
-    ) -> Result<Reduced, FactorError> {
+    pub(crate) fn reduced(&self, with: &Factored, step: &Residual, form: Form) -> Result<Reduced, FactorError> {
         let mut forward = self.gather(&step.imbalance);
         with.factor.forward(&mut forward)?;
         let trailing = &forward[forward.len() - self.numbering.trailing..];

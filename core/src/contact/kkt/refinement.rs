@@ -18,7 +18,7 @@ const CORRECTIONS: usize = 80;
 const LAST: usize = 10;
 
 /// A solver of one contact set's equations.
-pub(in crate::contact) trait KktSolver {
+pub(crate) trait KktSolver {
     /// What a residual asks for; `None` where the set does not hold the plate.
     fn correction(
         &mut self,
@@ -35,11 +35,11 @@ pub(in crate::contact) trait KktSolver {
 
 /// A rigid motion of the plate, a motion of its nodes on top of it, and increments of reaction.
 #[derive(Clone)]
-pub(in crate::contact) struct Correction {
+pub(crate) struct Correction {
     /// Deflection and slopes at the middle of the plate.
-    pub(in crate::contact) rigid: [f64; 3],
-    pub(in crate::contact) nodal: Vec<f64>,
-    pub(in crate::contact) reaction: Vec<f64>,
+    pub(crate) rigid: [f64; 3],
+    pub(crate) nodal: Vec<f64>,
+    pub(crate) reaction: Vec<f64>,
 }
 
 /// A direction and the residual that it takes away, which is of length 1 and orthogonal to all others.
@@ -51,7 +51,7 @@ struct Taken {
 impl ContactProblem {
     /// Refines a solution on its contact set, from its residual on, and returns what is left; `None` where the set does
     /// not hold the plate. Forces far below `least` are rounding.
-    pub(in crate::contact) fn refine(
+    pub(crate) fn refine(
         &self,
         load: &[f64],
         least: f64,
@@ -134,7 +134,7 @@ impl ContactProblem {
 
 impl ContactSolution {
     /// Goes along a correction.
-    pub(in crate::contact) fn follow(&mut self, problem: &ContactProblem, direction: &Correction, length: f64) {
+    pub(crate) fn follow(&mut self, problem: &ContactProblem, direction: &Correction, length: f64) {
         if direction.rigid != [0.0; 3] {
             let rigid = direction.rigid.map(|motion| length * motion);
             self.displacement.add_rigid(&problem.plate, problem.scale.centre, rigid);
@@ -156,7 +156,7 @@ impl Correction {
     }
 
     /// The motion of all nodes (3n).
-    pub(in crate::contact) fn motion(&self, problem: &ContactProblem) -> Vec<f64> {
+    pub(crate) fn motion(&self, problem: &ContactProblem) -> Vec<f64> {
         let mut all = Displacement { hi: self.nodal.clone(), lo: vec![0.0; self.nodal.len()] };
         all.add_rigid(&problem.plate, problem.scale.centre, self.rigid);
         all.hi

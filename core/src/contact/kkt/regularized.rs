@@ -4,17 +4,17 @@ use crate::contact::problem::ContactProblem;
 use crate::contact::tolerances;
 
 /// A contact problem with what increments meet.
-pub(in crate::contact) struct Regularized<'a> {
-    pub(in crate::contact) problem: &'a ContactProblem,
+pub(crate) struct Regularized<'a> {
+    pub(crate) problem: &'a ContactProblem,
     /// Compliance of every point's support, and at least what its increments meet.
-    pub(in crate::contact) compliance: Vec<f64>,
+    pub(crate) compliance: Vec<f64>,
     /// Stiffness that an increment of deflection meets at every node.
     pub(super) bed: f64,
 }
 
 impl<'a> Regularized<'a> {
     /// Increments of reaction meet at least `part` of the plate's own compliance.
-    pub(in crate::contact) fn of(problem: &'a ContactProblem, part: f64) -> Self {
+    pub(crate) fn of(problem: &'a ContactProblem, part: f64) -> Self {
         assert!(problem.active.is_empty(), "all points are condensed");
         let stiffness = problem.scale.stiffness;
         let least = |i: usize| part / (problem.lever(i) * problem.lever(i) * stiffness);

@@ -10,16 +10,16 @@ use crate::residual::{Displacement, internal_magnitudes, residual};
 
 /// What is out of balance and what is left of the gaps.
 #[derive(Clone, Default)]
-pub(in crate::contact) struct Residual {
+pub(crate) struct Residual {
     /// f − Ku − Gᵀ·reaction at every dof; 0 where it is held.
-    pub(in crate::contact) imbalance: Vec<f64>,
+    pub(crate) imbalance: Vec<f64>,
     /// distance − row·u + compliance·reaction of every point that has a reaction.
-    pub(in crate::contact) remaining: Vec<f64>,
+    pub(crate) remaining: Vec<f64>,
     /// Largest imbalance as a force.
-    pub(in crate::contact) worst: f64,
+    pub(crate) worst: f64,
     /// Work of the load in each free rigid motion, and the sum of the magnitudes it is made of.
-    pub(in crate::contact) work: Vec<f64>,
-    pub(in crate::contact) work_size: Vec<f64>,
+    pub(crate) work: Vec<f64>,
+    pub(crate) work_size: Vec<f64>,
 }
 
 /// What a residual is measured by: forces, couples, and what is left of the gap of every point.
@@ -30,17 +30,12 @@ pub(super) struct Sizes {
 }
 
 impl ContactProblem {
-    pub(in crate::contact) fn residual(&self, load: &[f64], solution: &ContactSolution) -> Residual {
+    pub(crate) fn residual(&self, load: &[f64], solution: &ContactSolution) -> Residual {
         self.residual_of(self.imbalance(load, &solution.displacement, &solution.reaction), load, solution)
     }
 
     /// The residual from what is out of balance at every dof, those held included.
-    pub(in crate::contact) fn residual_of(
-        &self,
-        mut imbalance: Vec<f64>,
-        load: &[f64],
-        solution: &ContactSolution,
-    ) -> Residual {
+    pub(crate) fn residual_of(&self, mut imbalance: Vec<f64>, load: &[f64], solution: &ContactSolution) -> Residual {
         self.release_held(&mut imbalance);
         let worst = self.scale.largest(&imbalance);
         let (work, work_size) = self.works(load);
@@ -77,7 +72,7 @@ impl ContactProblem {
     }
 
     /// Work of a load in each free rigid motion, and the sum of the magnitudes it is made of.
-    pub(in crate::contact) fn works(&self, load: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    pub(crate) fn works(&self, load: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let of = |reduced: &Vec<f64>| {
             let terms = reduced.iter().zip(load).map(|(u, f)| u * f);
             (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>())
@@ -86,7 +81,7 @@ impl ContactProblem {
     }
 
     /// Zeroes a nodal vector at the dofs held.
-    pub(in crate::contact) fn release_held(&self, vector: &mut [f64]) {
+    pub(crate) fn release_held(&self, vector: &mut [f64]) {
         for (value, &held) in vector.iter_mut().zip(&self.held) {
             if held {
                 *value = 0.0;
@@ -95,33 +90,33 @@ impl ContactProblem {
     }
 
     /// Largest force of a load and of reactions, of those that have a lever over that.
-    pub(in crate::contact) fn largest_force(&self, load: &[f64], reaction: &[f64]) -> f64 {
+    pub(crate) fn largest_force(&self, load: &[f64], reaction: &[f64]) -> f64 {
         let reactions = reaction.iter().enumerate().map(|(i, r)| r.abs() / self.lever(i));
         reactions.fold(self.scale.largest(load), f64::max)
     }
 
     /// By what what is left of a point's gap is a length: 1, or the plate's size where its row is of slopes.
-    pub(in crate::contact) fn lever(&self, point: usize) -> f64 {
+    pub(crate) fn lever(&self, point: usize) -> f64 {
         self.levers.get(point).copied().unwrap_or(1.0)
     }
 
     /// What the gap of each point is measured by, the largest deflection or its own travel: a stop far away says nothing
     /// of what happens at others.
-    pub(in crate::contact) fn lengths(&self, solution: &ContactSolution) -> Vec<f64> {
+    pub(crate) fn lengths(&self, solution: &ContactSolution) -> Vec<f64> {
         let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, |size: f64, w| size.max(w.abs()));
         let travel = self.constraints.distance.iter().chain(&self.active.distance).take(solution.reaction.len());
         travel.enumerate().map(|(i, travel)| travel.abs().max(deflection / self.lever(i))).collect()
     }
 
     /// A length by which those of a plate that hardly deflects are measured; far less than the load would deflect it.
-    pub(in crate::contact) fn least_length(&self, load: &[f64]) -> f64 {
+    pub(crate) fn least_length(&self, load: &[f64]) -> f64 {
         let springs = &self.springs;
         let settled: f64 = springs.stiffness.iter().zip(&springs.base).map(|(k, base)| (k * base).abs()).sum();
         tolerances::proximal::NIL * (self.scale.sum(load) + settled) / self.scale.stiffness
     }
 
     /// Rounding of what the plate's own forces are the sum of, as a force.
-    pub(in crate::contact) fn rounding(&self, displacement: &Displacement) -> f64 {
+    pub(crate) fn rounding(&self, displacement: &Displacement) -> f64 {
         let mut internal = internal_magnitudes(&self.plate, displacement);
         self.release_held(&mut internal);
         f64::EPSILON * self.scale.largest(&internal)
@@ -155,25 +150,13 @@ impl ContactProblem {
     }
 
     /// Length of what is out of balance and left of closed gaps.
-    pub(in crate::contact) fn length(
-        &self,
-        load: &[f64],
-        step: &Residual,
-        solution: &ContactSolution,
-        least: f64,
-    ) -> f64 {
+    pub(crate) fn length(&self, load: &[f64], step: &Residual, solution: &ContactSolution, least: f64) -> f64 {
         let scaled = self.scaled(step, &self.sizes(load, solution, least), &solution.closed);
         dot(&scaled, &scaled).sqrt()
     }
 
     /// Whether a residual is that of a solution of its set's equations.
-    pub(in crate::contact) fn satisfies(
-        &self,
-        load: &[f64],
-        step: &Residual,
-        solution: &ContactSolution,
-        least: f64,
-    ) -> bool {
+    pub(crate) fn satisfies(&self, load: &[f64], step: &Residual, solution: &ContactSolution, least: f64) -> bool {
         let length = self.length(load, step, solution, least);
         if length <= tolerances::SOLVED {
             return true;

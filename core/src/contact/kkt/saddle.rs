@@ -21,13 +21,13 @@ use faer::sparse::{SparseColMat, Triplet};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Right-hand sides for which the factor is read once: two registers of the widest machines.
-pub(in crate::contact) const TOGETHER: usize = 16;
+pub(crate) const TOGETHER: usize = 16;
 
 /// Solves with one right-hand side, each of what the one before left.
 const REFINEMENTS: usize = 4;
 
 /// The system of one contact state, factored.
-pub(in crate::contact) struct Saddle {
+pub(crate) struct Saddle {
     factor: Lu<usize, f64>,
     /// Closed points, one a row behind the free dofs; behind them what thin elements have inside.
     points: Vec<usize>,
@@ -39,7 +39,7 @@ pub(in crate::contact) struct Saddle {
 
 impl Saddle {
     /// `None` if the system is singular.
-    pub(in crate::contact) fn of(regularized: &Regularized, closed: &[bool]) -> Option<Self> {
+    pub(crate) fn of(regularized: &Regularized, closed: &[bool]) -> Option<Self> {
         let problem = regularized.problem;
         let (plate, constraints, numbering) = (&problem.plate, &problem.constraints, &problem.numbering);
         let points: Vec<usize> = (0..closed.len()).filter(|&i| closed[i]).collect();
@@ -94,7 +94,7 @@ impl Saddle {
     }
 
     /// The motion of the nodes and the increments of reaction that an imbalance and what is left of the gaps ask for.
-    pub(in crate::contact) fn response(
+    pub(crate) fn response(
         &self,
         problem: &ContactProblem,
         imbalance: &[f64],
@@ -113,11 +113,7 @@ impl Saddle {
     }
 
     /// The motions of the nodes under [`TOGETHER`] imbalances alone.
-    pub(in crate::contact) fn motions(
-        &self,
-        problem: &ContactProblem,
-        imbalances: &[Vec<f64>; TOGETHER],
-    ) -> [Vec<f64>; TOGETHER] {
+    pub(crate) fn motions(&self, problem: &ContactProblem, imbalances: &[Vec<f64>; TOGETHER]) -> [Vec<f64>; TOGETHER] {
         let still = vec![0.0; problem.constraints.rows.len()];
         let unknown = self.solve(imbalances.each_ref().map(|imbalance| self.right(problem, imbalance, &still)));
         let free = problem.numbering.len();

@@ -11,13 +11,13 @@ use crate::contact::tolerances;
 
 /// How the equations of sets are solved, one after another.
 #[derive(Default)]
-pub(in crate::contact) struct OnSet {
+pub(crate) struct OnSet {
     /// Whether by the uncondensed equations; without points of an active set.
-    pub(in crate::contact) uncondensed: bool,
+    pub(crate) uncondensed: bool,
     /// Forces far below are rounding.
-    pub(in crate::contact) least: f64,
+    pub(crate) least: f64,
     /// The factor that the last set of many points came to.
-    pub(in crate::contact) own: Option<Factored>,
+    pub(crate) own: Option<Factored>,
 }
 
 impl ContactProblem {
@@ -27,7 +27,7 @@ impl ContactProblem {
     }
 
     /// As [`ContactProblem::solve_on`], beginning with an answer if there is one.
-    pub(in crate::contact) fn solve_on_set(
+    pub(crate) fn solve_on_set(
         &self,
         load: &[f64],
         held_value: &[f64],

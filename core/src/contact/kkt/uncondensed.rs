@@ -11,15 +11,15 @@ use crate::contact::rigid::rigid_part;
 use crate::contact::solution::ContactSolution;
 
 /// The saddle-point equations of one contact set.
-pub(in crate::contact) struct Uncondensed<'a> {
+pub(crate) struct Uncondensed<'a> {
     problem: &'a ContactProblem,
     saddle: Saddle,
-    pub(in crate::contact) held: Option<Held>,
+    pub(crate) held: Option<Held>,
 }
 
 impl<'a> Regularized<'a> {
     /// `None` if the equations are singular.
-    pub(in crate::contact) fn on(&self, closed: &[bool]) -> Option<Uncondensed<'a>> {
+    pub(crate) fn on(&self, closed: &[bool]) -> Option<Uncondensed<'a>> {
         let saddle = Saddle::of(self, closed)?;
         Some(Uncondensed { problem: self.problem, saddle, held: Held::by(self.problem, &self.compliance, closed) })
     }
@@ -28,7 +28,7 @@ impl<'a> Regularized<'a> {
 impl Uncondensed<'_> {
     /// What a residual asks for: of a plate that nothing holds firmly a rigid motion first, by its resultants if `settling`,
     /// else by the equations, and in either case added exactly; then what the equations make of the rest.
-    pub(in crate::contact) fn direction(
+    pub(crate) fn direction(
         &self,
         load: &[f64],
         step: &Residual,
