@@ -125,7 +125,11 @@ impl ContactProblem {
     /// By a solution, and a force whose rounding is none of its fault.
     pub(super) fn sizes(&self, load: &[f64], solution: &ContactSolution, least: f64) -> Sizes {
         let or_one = |size: f64| if size > 0.0 { size } else { 1.0 };
-        let force = or_one(self.largest_force(load, &solution.reaction).max(least));
+        let force = match self.largest_force(load, &solution.reaction).max(least) {
+            // Nothing acts and no point reacts: what the plate's own forces are the sum of.
+            0.0 => or_one(self.rounding(&solution.displacement) / f64::EPSILON),
+            force => force,
+        };
         let nil = self.least_length(load);
         let length = |(i, length): (usize, f64)| or_one(length.max(nil / self.lever(i)));
         let gap = self.lengths(solution).into_iter().enumerate().map(length).collect();
@@ -155,14 +159,14 @@ impl ContactProblem {
         dot(&scaled, &scaled).sqrt()
     }
 
-    /// Whether a residual is that of a solution of its set's equations.
+    /// Whether a residual is that of a solution of its set's equations; where nothing acts there is nothing to miss.
     pub(crate) fn satisfies(&self, load: &[f64], step: &Residual, solution: &ContactSolution, least: f64) -> bool {
         let length = self.length(load, step, solution, least);
-        if length <= tolerances::SOLVED {
-            return true;
-        }
         let force = self.largest_force(load, &solution.reaction).max(least);
+        if length <= tolerances::SOLVED || force == 0.0 {
+            return length.is_finite();
+        }
         let roundings = tolerances::ROUNDINGS * (self.plate.dof_count() as f64).sqrt();
-        force > 0.0 && length <= roundings * self.rounding(&solution.displacement) / force
+        length <= roundings * self.rounding(&solution.displacement) / force
     }
 }
