@@ -109,3 +109,31 @@ def test_these_plates_lift_off_in_part_and_one_that_weighs_more_does_not() -> No
     elsewhere = raft(300.0, (1.0, 1.0)), raft(300.0, (2.8, 2.6))
     with pytest.raises(AssertionError):
         assert_alike(*elsewhere, GRID)
+
+
+@pytest.mark.parametrize("radius", [0.05, 0.15, 0.3])
+@pytest.mark.parametrize("way", [{"resists": "both"}, {"resists": "down"}, {"resists": "down", "stiffness": 1e13}])
+def test_rigid_pads_within_an_element_hold_both_slopes_alike(radius: float, way: dict[str, object]) -> None:
+    places = [[x, y] for x in (1.5, 8.5) for y in (1.5, 8.5)]
+    tables = {
+        "material": {"E": 3e10, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [10, 10], "thickness": 0.2},
+        "mesh": {"divisions": [10, 10]},
+        "support": [{"area": {"circle": {"center": place, "radius": radius}}, **way} for place in places],
+        "load": [{"pressure": 1e4}],
+        "probe": [{"at": at} for at in ([0, 5], [10, 5], [5, 0], [5, 10])],
+    }
+    deflection = [probe.deflection for probe in solve(Model.model_validate(tables))["all"].probes]
+    assert deflection == pytest.approx([deflection[0]] * 4, rel=1e-9)
+
+
+def test_a_rigid_pad_within_an_element_holds_a_plate_by_itself() -> None:
+    tables = {
+        "material": {"E": 3e10, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        "mesh": {"divisions": [1, 1]},
+        "support": [{"area": {"rectangle": [1, 1, 1.8, 1.8]}, "resists": "both"}],
+        "load": [{"at": [1.4, 1.4], "force": 1e4}],
+    }
+    result = solve(Model.model_validate(tables))["all"]
+    assert result.certificate.passed and sum(result.reactions.values()) == pytest.approx(1e4)

@@ -237,6 +237,25 @@ def test_the_deflection_is_the_least_that_a_general_solver_finds(case):
     assert np.abs(ways @ best.x).max() < 1e-5
 
 
+@pytest.mark.parametrize(("length", "force", "method"), [(1, 1, "auto"), (37.3, 1e7, "auto"), (1e3, 1e-3, "active_set")])
+def test_rounding_does_not_turn_a_plate_up_to_its_stops(length, force, method):
+    """A curvature has no resultant, but its forces leave 1e-10 of themselves in the stops."""
+    tables = {
+        "material": {"E": 3e10 * force / length**2, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [10 * length, 10 * length], "thickness": 0.05 * length},
+        "mesh": {"divisions": [8, 8]},
+        "support": [
+            {"at": [[7.3206 * length, 5 * length], [5 * length, 3.2138 * length]]},
+            {"edge": ["left", "right", "top", "bottom"], "resists": "down", "gap": 6.5e-3 * length},
+        ],
+        "load": [{"curvature": [1e-5 / length, 0, 0]}],
+        "solver": {"method": method},
+    }
+    result = signorini.solve(signorini.validate(tables))["all"]
+    assert result.deflection.max() / length == pytest.approx(1.7728e-4, rel=1e-3)
+    assert [choice.what for choice in result.not_unique] == ["deflection"]
+
+
 def test_lines_at_one_place_do_not_push_against_each_other():
     """The active set alone may settle with 1e14 N that cancel, and the load lost among them."""
     line, middle = [[1.0, 1.0], [9.0, 1.0]], [5.872380588388019, 4.512647218289596]

@@ -27,6 +27,8 @@ _ON_OUTLINE = 1e-4
 """Distance, over the plate's size, within which a point is on the hull; that of a circle is a polygon."""
 _APART = 0.25
 """Distance, over an element's size, below which one of two points is enough: sides may cross an outline in a corner."""
+_FOUR = 4
+"""Points on the hull, whether of a circle or a rectangle, that hold both slopes and prefer no direction."""
 _NUDGE = 1e-4
 """Distance, over an element's size, at which to look for the elements around a point."""
 _SAME_PLACE = 1e-9
@@ -72,8 +74,11 @@ def outline_points(mesh: Mesh, plate: Plate, support: Support, covered: Bools) -
         Elements of which it has a part.
     """
     size = float(np.sqrt(mesh.element_area[covered].mean()))
-    candidates = _spread(_candidates(mesh, support), _APART * size)
-    corners = outline(mesh, plate, support)
+    corners, all_of_them = outline(mesh, plate, support), _candidates(mesh, support)
+    candidates = _spread(all_of_them, _APART * size)
+    if len(candidates) < _FOUR:
+        # Within an element or two: a mean and fewer points may hold one of two slopes, by which corner comes first.
+        candidates = _spread(all_of_them, _APART * float(np.ptp(corners, axis=0).min()))
     return _around(mesh, candidates[_off_hull(corners, candidates) <= _ON_OUTLINE * mesh.size], size, covered)
 
 
