@@ -237,7 +237,9 @@ def test_the_deflection_is_the_least_that_a_general_solver_finds(case):
     assert np.abs(ways @ best.x).max() < 1e-5
 
 
-@pytest.mark.parametrize(("length", "force", "method"), [(1, 1, "auto"), (37.3, 1e7, "auto"), (1e3, 1e-3, "active_set")])
+@pytest.mark.parametrize(
+    ("length", "force", "method"), [(1, 1, "auto"), (37.3, 1e7, "auto"), (1e3, 1e-3, "active_set")]
+)
 def test_rounding_does_not_turn_a_plate_up_to_its_stops(length, force, method):
     """A curvature has no resultant, but its forces leave 1e-10 of themselves in the stops."""
     tables = {
