@@ -131,3 +131,18 @@ def test_razzaque_skew_plate(tmp_path, element):
     assert (errors[1:] < errors[:-1]).all()
     assert errors[-1] < 5e-4
     assert abs(deflections[-1] / 7.945e-3 - 1) < 3e-3
+
+
+@pytest.mark.parametrize("divisions", [5, 8, 17])
+def test_a_rigid_circle_has_no_beginning(divisions: int) -> None:
+    """A square plate on a circle is its own mirror image, wherever elements lie on the circle's rightmost point."""
+    model = signorini.Model(
+        material={"E": 3e10, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.1},
+        mesh={"divisions": [divisions, divisions]},
+        support=[{"circle": {"center": [5, 5], "radius": 2.5358}, "resists": "both"}],
+        load=[{"pressure": 1e4}],
+        probe=[{"at": at} for at in ([1, 5], [9, 5], [5, 1], [5, 9])],
+    )
+    deflection = [probe.deflection for probe in signorini.solve(model)["all"].probes]
+    assert deflection == pytest.approx([deflection[0]] * 4, rel=1e-10)

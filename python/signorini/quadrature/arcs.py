@@ -37,7 +37,7 @@ class Arc(ABC):
         """Find the arc lengths (r,) at which sides (k, 3, 2) meet the arc, in any order, some of them twice."""
 
     def breaks(self, sides: Floats) -> Floats:
-        """Divide the arc where sides (k, 3, 2) meet it: increasing arc lengths from 0 to its length."""
+        """Divide the arc where sides (k, 3, 2) meet it: increasing arc lengths, once along it."""
         s, least = self.crossings(sides), _TOUCHED * self.length
         s = np.sort(s[(s > least) & (s < self.length - least)])
         s = np.concatenate([[0.0], s, [self.length]])
@@ -94,6 +94,15 @@ class FullCircle(Arc):
         _, points = with_circles(quadratics(sides[near]), np.repeat(circle, len(near), axis=0))
         angle = np.arctan2(points[:, 1] - self.center[1], points[:, 0] - self.center[0])
         return np.asarray(np.mod(angle, 2.0 * np.pi) * self.radius)
+
+    def breaks(self, sides: Floats) -> Floats:
+        """Divide it where sides (k, 3, 2) meet it, and nowhere else: it begins and ends at the first of them."""
+        s = np.sort(self.crossings(sides))
+        least = _TOUCHED * self.length
+        s = s[np.append(True, np.diff(s) > least)[: len(s)]]
+        if len(s) > 1 and s[0] + self.length - s[-1] <= least:
+            s = s[:-1]
+        return np.append(s, s[0] + self.length) if len(s) else np.array([0.0, self.length])
 
 
 def arcs_of(curve: Curve) -> list[Arc]:
