@@ -78,10 +78,12 @@ module = sys.modules["signorini.{module}"]
 real = module.{name}
 def paused(*given, **more):
     print("here", flush=True)
-    time.sleep({seconds})
+    for _ in range({seconds} * 20):
+        time.sleep(0.05)
     return real(*given, **more)
 module.{name} = paused
 """
+"""Many short sleeps: a signal between Python's last look and the system's sleep waits until the sleep ends."""
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
@@ -279,7 +281,8 @@ def slow(name, *given):
     if name.partition(".")[0] == "{module}":
         print("here", flush=True)
         try:
-            time.sleep(30)
+            for _ in range(600):
+                time.sleep(0.05)
         except BaseException:
             raise ImportError(name)  # as an extension module that is interrupted may
     return real(name, *given)
