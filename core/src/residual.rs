@@ -170,6 +170,7 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
             } else {
                 internal_force(plate.element_stiffness(e), &displacement.strained(plate, e))
             };
+            balance(&plate.geometry(e).at, &mut force);
             plate.into_frames(e, &mut force);
             force
         })
@@ -187,6 +188,22 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
         springs.rows.scatter(plate, row, -springs.stiffness[row] * stretch, &mut out);
     }
     out
+}
+
+/// Lets the first node's force and couples balance those of the others, as those of an element do.
+///
+/// What rounded rows of K_e leave as a resultant would be a load that only the supports can take, and may turn a plate
+/// on soft ones far. This is the transpose of stripping the first node's rigid motion, so that what K_e stands for stays
+/// symmetric.
+fn balance(at: &[[f64; 2]; 8], force: &mut [f64; DOFS]) {
+    let mut first = [0.0; 3];
+    for (i, at) in at.iter().enumerate().skip(1) {
+        let [w, x, y] = [force[3 * i], force[3 * i + 1], force[3 * i + 2]];
+        first[0] -= w;
+        first[1] -= x + at[0] * w;
+        first[2] -= y + at[1] * w;
+    }
+    force[..3].copy_from_slice(&first);
 }
 
 /// uᵀKu of plate and springs for a vector of doubles, as a sum of squares that no rigid motion cancels in.
@@ -361,5 +378,26 @@ mod tests {
             sum.value()
         });
         assert_eq!(internal_force(&lower, &displacement), one_by_one);
+    }
+
+    #[test]
+    fn forces_of_a_plate_have_no_resultant() {
+        let points = [[0.0, 0.0], [5.0, 0.0], [5.0, 0.8], [0.0, 0.8], [2.5, 0.0], [5.0, 0.4], [2.5, 0.8], [0.0, 0.4]];
+        let material = crate::element::Material { young: 3e10, poisson: 0.2, shear_factor: 5.0 / 6.0 };
+        for (kind, thickness) in [(crate::element::Kind::Mitc9, 0.07), (crate::element::Kind::Q8r, 0.003)] {
+            let thickness = crate::element::Thickness::Constant(thickness);
+            let plate = Plate::new(points.to_vec(), vec![[0, 1, 2, 3, 4, 5, 6, 7]], thickness, material, kind, None);
+            let plate = plate.unwrap();
+            // A curvature, whose internal forces are far less than the shears that cancel in them.
+            let bent = |[x, y]: [f64; 2]| [0.5 * x * x + 0.2 * x * y, x + 0.2 * y, 0.2 * x];
+            let hi = points.iter().flat_map(|&point| bent(point)).collect();
+            let displacement = Displacement { hi, lo: vec![0.0; 24] };
+            let forces = residual(&plate, &Springs::default(), &[0.0; 24], &displacement);
+            let largest = forces.iter().fold(0.0, |size: f64, f| size.max(f.abs()));
+            let sums = points.iter().zip(forces.chunks(3)).fold([0.0; 3], |sum, (point, f)| {
+                [sum[0] + f[0], sum[1] + f[1] + point[0] * f[0], sum[2] + f[2] + point[1] * f[0]]
+            });
+            assert!(largest > 0.0 && sums.iter().all(|s| s.abs() <= 20.0 * f64::EPSILON * largest), "{sums:?} {largest}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 """Plates at the ends of what can be asked, each with a judge: a closed form, plain statics, or the same said otherwise.
 
-Ribbons, steps of thickness and of pressure, forces near the edge of a bed, supports that coincide, loads that balance
+Ribbons, steps of thickness and of pressure, forces near the edge of a bed and on it, supports that coincide, loads that balance
 themselves between stops, and stiffnesses from 1e-16 to 1e18 of the plate's. A judge shares no code with the program: it
 knows the plate's true answer, or compares two ways of saying one plate.
 """
@@ -49,7 +49,10 @@ class Extreme:
 def extreme(rng: Random) -> Extreme:
     """Draw a model with its judge."""
     return rng.choice(
-        [ribbon, stepped_strip, stepped_panel, near_the_edge, coincident, redundant, self_balanced, stiffness]
+        [
+            *(ribbon, stepped_strip, stepped_panel, near_the_edge, on_the_edge),
+            *(coincident, redundant, self_balanced, stiffness),
+        ]
     )(rng)
 
 
@@ -202,6 +205,37 @@ def near_the_edge(rng: Random) -> Extreme:
         return [] if result is None else _close("reaction of the bed", result.reactions["bed"], 1e5, _SAME * 1e5)
 
     return Extreme("near the edge", tables, judge)
+
+
+def on_the_edge(rng: Random) -> Extreme:
+    """Draw a load whose resultant lies on the edge of a rigid bed, beside springs that hardly hold the plate.
+
+    All of them turn it by is rounding of the load, whatever the unit of length.
+    """
+    thickness, divisions = 10 ** rng.uniform(-2, 0), [rng.choice([2, 4, 6]), rng.choice([3, 8, 12])]
+    # Softer springs than these of the plate's D/a^4 are turned by the rounding of the load itself.
+    soft = 10 ** rng.uniform(-9, 0) * 3e10 * thickness**3 / 12 / 1e4
+    bed_ends_at = rng.choice([5.0, 2.5])
+
+    def in_units(of: float) -> Tables:
+        bed: Tables = {"area": {"rectangle": [0, 0, bed_ends_at * of, 10 * of]}, "resists": "down"}
+        return {
+            "material": {"E": 3e10, "nu": 0.2},
+            "plate": {"shape": "rectangle", "size": [10 * of, 10 * of], "thickness": thickness * of},
+            "mesh": {"divisions": divisions},
+            "support": [bed, {"area": "all", "resists": "up", "stiffness": soft / of}],
+            "load": [{"pressure": 0.1, "area": {"rectangle": [0, 0, 2 * bed_ends_at * of, 10 * of]}}],
+        }
+
+    unit = rng.choice([2.5, 12.0, 37.3, 100.0])
+
+    def judge(result: Result | None) -> list[str]:
+        other = solved(in_units(unit))
+        if result is None or other is None:
+            return ["said to have no equilibrium"]
+        return _deflections(result, (other.deflection / unit).tolist(), _LIMIT, at=result.deflection.tolist())
+
+    return Extreme("on the edge", in_units(1.0), judge)
 
 
 def coincident(rng: Random) -> Extreme:

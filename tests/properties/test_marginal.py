@@ -266,3 +266,22 @@ def test_stiff_two_sided_springs_react_with_all_digits(stiffness):
     loads = [{"pressure": 1.0}, {"force": 4.0, "at": [2.3, 1.9]}]
     result = run([{"at": INSIDE, "resists": "both", "stiffness": stiffness}], loads, thickness=4e-3)
     assert result.supports[0].reactions.sum() == pytest.approx(20.0, rel=1e-8)
+
+
+@pytest.mark.parametrize("soft", [1e-4, 1e-8, 1e-10])
+def test_a_load_on_the_edge_of_a_bed_does_not_turn_the_plate_on_soft_springs(soft) -> None:
+    """What rounding leaves of a resultant of the plate's own forces would be a moment that only the springs take."""
+    found = []
+    for unit in (1.0, 12.0, 100.0):
+        bed = {"area": {"rectangle": [0, 0, 5 * unit, 10 * unit]}, "resists": "down"}
+        slab = Model(
+            material={"E": 3e10, "nu": 0.2},
+            plate={"shape": "rectangle", "size": [10 * unit, 10 * unit], "thickness": 0.0736 * unit},
+            mesh={"divisions": [2, 12]},
+            support=[bed, {"area": "all", "resists": "up", "stiffness": soft / unit}],
+            load=[{"pressure": 0.1}],
+        )
+        result = solve(slab)["all"]
+        assert result.certificate.passed and not result.not_unique
+        found.append(result.deflection / unit)
+    assert np.abs(found - found[0]).max() <= 1e-6 * np.abs(found[0]).max()
