@@ -272,7 +272,15 @@ def _unresisted(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, 
     if not freedom.count or total == 0:
         return None
     work, one_sided = work_of(found, freedom, nodal), bearing.moves
-    best = linprog(-work / total, A_ub=one_sided, b_ub=np.zeros(len(one_sided)), bounds=(-1, 1), method="highs")
+    best = linprog(
+        -work / total,
+        A_ub=one_sided,
+        b_ub=np.zeros(len(one_sided)),
+        bounds=(-1, 1),
+        method="highs",
+        # By default 1e-7 of the load may be overlooked, which a certificate sees.
+        options={"primal_feasibility_tolerance": _WORK, "dual_feasibility_tolerance": _WORK},
+    )
     return None if best.x is None or work @ best.x <= _WORK * total else np.asarray(best.x)
 
 

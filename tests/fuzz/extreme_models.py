@@ -1,8 +1,8 @@
 """Plates at the ends of what can be asked, each with a judge: a closed form, plain statics, or the same said otherwise.
 
-Ribbons, steps of thickness and of pressure, forces near the edge of a bed and on it, supports that coincide, loads that balance
-themselves between stops, and stiffnesses from 1e-16 to 1e18 of the plate's. A judge shares no code with the program: it
-knows the plate's true answer, or compares two ways of saying one plate.
+Ribbons, steps of thickness and of pressure, forces near the edge of a bed and on it, supports that coincide, loads that
+balance themselves between stops, and stiffnesses from 1e-16 to 1e18 of the plate's. A judge shares no code with the
+program: it knows the plate's true answer, or compares two ways of saying one plate.
 """
 
 from __future__ import annotations

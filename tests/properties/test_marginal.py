@@ -37,7 +37,7 @@ def test_resultant_on_the_edge_of_the_hull(points, at):
 
 
 @pytest.mark.parametrize("points", [CORNERS, INSIDE], ids=["nodes", "between nodes"])
-@pytest.mark.parametrize("beyond", [1e-6, 1e-3, 0.1])
+@pytest.mark.parametrize("beyond", [1e-7, 1e-6, 1e-3, 0.1])
 def test_resultant_just_beyond_the_edge_of_the_hull(points, beyond):
     supports = [{"name": "bearings", "at": [[x, y + 0.2] for x, y in points[:2]] + [[2.0, 2.0]], "resists": "down"}]
     (ax, ay), (bx, by) = supports[0]["at"][:2]
@@ -285,3 +285,12 @@ def test_a_load_on_the_edge_of_a_bed_does_not_turn_the_plate_on_soft_springs(sof
         assert result.certificate.passed and not result.not_unique
         found.append(result.deflection / unit)
     assert np.abs(found - found[0]).max() <= 1e-6 * np.abs(found[0]).max()
+
+
+@pytest.mark.parametrize("beyond", [1e-8, 1e-7, 1e-6])
+def test_a_plate_on_two_adjacent_walls_tips_about_its_diagonal(beyond) -> None:
+    """A tolerance of 1e-7, which linear programs have by default, would leave that to a certificate to find."""
+    supports = [{"edge": ["right", "top"], "gap": "1e-4*abs(x)", "resists": "down"}]
+    with pytest.raises(NoEquilibriumError, match=r"tips about the line x \+ y = 4 through"):
+        solve(model(supports, [{"force": 1.0, "at": [2 - beyond, 2 - beyond]}]))
+    solve(model(supports, [{"force": 1.0, "at": [2 + beyond, 2 + beyond]}]))
