@@ -397,7 +397,10 @@ mod tests {
             let sums = points.iter().zip(forces.chunks(3)).fold([0.0; 3], |sum, (point, f)| {
                 [sum[0] + f[0], sum[1] + f[1] + point[0] * f[0], sum[2] + f[2] + point[1] * f[0]]
             });
-            assert!(largest > 0.0 && sums.iter().all(|s| s.abs() <= 20.0 * f64::EPSILON * largest), "{sums:?} {largest}");
+            assert!(
+                largest > 0.0 && sums.iter().all(|s| s.abs() <= 20.0 * f64::EPSILON * largest),
+                "{sums:?} {largest}"
+            );
         }
     }
 }

@@ -265,13 +265,14 @@ def _with_least_deflection(
     one_sided = ~found.contacts.two_sided
     pushing = one_sided & (answer.reaction > _NIL * _force(found, nodal, answer))
     # Of a load without a resultant the plate's own forces may leave more in its stops than that.
-    internal = found.plate.internal_magnitude(found.held.dofs, answer.hi, answer.lo)
-    if (answer.reaction[pushing] <= np.finfo(float).eps * internal).all():
+    rounding = np.finfo(float).eps * found.plate.internal_magnitude(found.held.dofs, answer.hi, answer.lo)
+    if (answer.reaction[pushing] <= rounding).all():
         pushing[:] = False
     free = _unmoved(freedom.moves[pushing], freedom.count)
     if free.shape[1] and elsewhere is not None:
         for reaction in elsewhere():
-            pushing |= one_sided & (reaction > _NIL * float(np.abs(reaction).max()))
+            # Where a path begins without load all reactions are rounding.
+            pushing |= one_sided & (reaction > max(_NIL * float(np.abs(reaction).max()), rounding))
         free = _unmoved(freedom.moves[pushing], freedom.count)
     if not free.shape[1]:
         return answer

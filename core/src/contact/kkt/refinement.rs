@@ -82,13 +82,13 @@ impl ContactProblem {
             if taken.is_empty() && length <= tolerances::PROGRESS * before {
                 (*solution, step) = (trial, next);
                 lengths.push(length);
-                if is_rounding(&after) && solver.is_settled(&step, sizes.force) {
+                if is_within(&after, tolerances::RESIDUAL) && solver.is_settled(&step, sizes.force) {
                     break;
                 }
                 continue;
             }
             let own = *rounding.get_or_insert_with(|| self.rounding(&trial.displacement) / sizes.force);
-            if before <= own.max(tolerances::RESIDUAL) {
+            if is_within(&residual, own.max(tolerances::RESIDUAL)) {
                 if length < before {
                     (*solution, step) = (trial, next);
                 }
@@ -124,7 +124,7 @@ impl ContactProblem {
             taken.push(Taken { direction, change });
             lengths.push(length);
             let slow = lengths.len() > LAST && length > tolerances::SLOW * lengths[lengths.len() - 1 - LAST];
-            if slow || is_rounding(&left) {
+            if slow || is_within(&left, tolerances::RESIDUAL) {
                 break;
             }
         }
@@ -174,8 +174,8 @@ impl Correction {
     }
 }
 
-fn is_rounding(scaled: &[f64]) -> bool {
-    scaled.iter().all(|value| value.abs() <= tolerances::RESIDUAL)
+fn is_within(scaled: &[f64], limit: f64) -> bool {
+    scaled.iter().all(|value| value.abs() <= limit)
 }
 
 fn norm(a: &[f64]) -> f64 {
