@@ -162,3 +162,12 @@ def test_however_little_holds_the_plate_is_told(beyond):
         solve(model([{"case": "Q", "force": 20.0, "at": [3 + beyond, 2]}], None, bed))
     extra = float(str(none.value).partition("An extra ")[2].split()[0])
     assert extra == pytest.approx(20.0 * beyond / 3, rel=1e-5)
+
+
+@pytest.mark.parametrize("curvature", [1e-7, 1e-1, 1e3])
+def test_curvature_without_a_resultant_hides_no_tipping(curvature):
+    """Its couples at nodes may be 1e12 times the load, whose resultant alone decides."""
+    loads = [{"case": "G", "force": 1.0, "at": [1.5, 1 - 1e-6]}, {"case": "G", "curvature": [curvature, 0, curvature]}]
+    bearings = [{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}]
+    with pytest.raises(NoEquilibriumError, match="tips about the line y = 1 through"):
+        solve(model(loads, supports=bearings))

@@ -246,6 +246,22 @@ impl Plate {
         }
     }
 
+    /// Lets the force and couples of an element's first node, in x and y, balance those of the others.
+    ///
+    /// An element's own forces have no resultant. What rounding leaves of one would be a load that only the supports can
+    /// take, and would turn a plate on soft ones far. Of forces K_e u it is the transpose of stripping the first node's
+    /// rigid motion off u, so that what stands for K_e stays symmetric.
+    pub fn balance(&self, e: usize, force: &mut [f64; DOFS]) {
+        let mut first = [0.0; 3];
+        for (i, at) in self.geometry(e).at.iter().enumerate().skip(1) {
+            let [w, x, y] = [force[3 * i], force[3 * i + 1], force[3 * i + 2]];
+            first[0] -= w;
+            first[1] -= x + at[0] * w;
+            first[2] -= y + at[1] * w;
+        }
+        force[..3].copy_from_slice(&first);
+    }
+
     /// Rows over an element's dofs, in the nodes' frames, that give w, θx or θy at a reference point.
     ///
     /// `field`: 0 for w, 1 for θx, 2 for θy. The second value is the row's part on the two centre rotations.
@@ -295,6 +311,7 @@ impl Plate {
         for j in 0..DOFS {
             nodal[j] = all[j] - coupling[0][j] * all[DOFS] - coupling[1][j] * all[DOFS + 1];
         }
+        self.balance(e, &mut nodal);
         self.into_frames(e, &mut nodal);
         for (i, &node) in self.elements[e].iter().enumerate() {
             for a in 0..3 {

@@ -170,7 +170,7 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
             } else {
                 internal_force(plate.element_stiffness(e), &displacement.strained(plate, e))
             };
-            balance(&plate.geometry(e).at, &mut force);
+            plate.balance(e, &mut force);
             plate.into_frames(e, &mut force);
             force
         })
@@ -188,22 +188,6 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
         springs.rows.scatter(plate, row, -springs.stiffness[row] * stretch, &mut out);
     }
     out
-}
-
-/// Lets the first node's force and couples balance those of the others, as those of an element do.
-///
-/// What rounded rows of K_e leave as a resultant would be a load that only the supports can take, and may turn a plate
-/// on soft ones far. This is the transpose of stripping the first node's rigid motion, so that what K_e stands for stays
-/// symmetric.
-fn balance(at: &[[f64; 2]; 8], force: &mut [f64; DOFS]) {
-    let mut first = [0.0; 3];
-    for (i, at) in at.iter().enumerate().skip(1) {
-        let [w, x, y] = [force[3 * i], force[3 * i + 1], force[3 * i + 2]];
-        first[0] -= w;
-        first[1] -= x + at[0] * w;
-        first[2] -= y + at[1] * w;
-    }
-    force[..3].copy_from_slice(&first);
 }
 
 /// uᵀKu of plate and springs for a vector of doubles, as a sum of squares that no rigid motion cancels in.

@@ -173,7 +173,7 @@ def _resultants(found: Discretisation, freedom: RigidFreedom) -> Iterator[Result
     """Resultants of many combinations, from those of their load cases."""
     combinations = found.model.effective_combinations
     used = combinations.cases
-    nodal = {case: found.cases[case].nodal for case in found.cases if case in used}
+    nodal = {case: found.cases[case].weighing for case in found.cases if case in used}
     of_case = {case: found.rigid_motions.T @ load for case, load in nodal.items()}
     size = {case: float(np.abs(load[::3]).sum()) for case, load in nodal.items()}
     scale = np.array([1.0, found.mesh.size, found.mesh.size])
@@ -190,7 +190,7 @@ def _resultants(found: Discretisation, freedom: RigidFreedom) -> Iterator[Result
 
 
 def _resultant(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> Resultant:
-    nodal = found.load(combination).nodal
+    nodal = found.load(combination).weighing
     message = why_none(found, freedom, combination)
     brink = not message and on_the_brink(found, freedom, nodal)
     limit = nearest_limit(found, freedom, combination)
@@ -216,6 +216,6 @@ def _of(
         at = (float(x), float(y))
     if not message:
         return Resultant(combination.name, force, at, (mx, my), "", brink, limit, None)
-    ends = tipping_axis(found, freedom, found.load(combination).nodal)
+    ends = tipping_axis(found, freedom, found.load(combination).weighing)
     axis = None if ends is None else ((float(ends[0, 0]), float(ends[0, 1])), (float(ends[1, 0]), float(ends[1, 1])))
     return Resultant(combination.name, force, at, (mx, my), message, brink, limit, axis)

@@ -92,17 +92,17 @@ def path(
         raise InputError(f'the load "{add}" is zero; it must be one that grows. Name another.', place="add")
     watcher(Progress(stage="factor"))
     problem = contact_problem(found)
-    message = no_equilibrium(found, problem.freedom, loads[0].nodal)
+    message = no_equilibrium(found, problem.freedom, loads[0].weighing)
     if message:
         raise NoEquilibriumError(f"{start or 'without load'}: {message}")
-    if floats(found, problem.freedom, loads[0].nodal, loads[1].nodal):
+    if floats(found, problem.freedom, loads[0].weighing, loads[1].weighing):
         raise InputError(
             f"nothing presses the plate on its supports: neither {start or 'the start, which is no load,'} nor {add} "
             "has a resultant, so it may rest anywhere. Add its weight.",
             place="add",
         )
     limit, reached = (
-        largest_factor(found, problem.freedom, bearing, loads[0].nodal, loads[1].nodal)
+        largest_factor(found, problem.freedom, bearing, loads[0].weighing, loads[1].weighing)
         for bearing in (problem.freedom.outline, problem.freedom.on_mesh)
     )
     traced: Path | None = None

@@ -26,7 +26,7 @@ CONTRADICTION = (
 
 def why_none(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> str:
     """Say why no reactions balance a combination, what would, or nothing where they exist."""
-    message = no_equilibrium(found, freedom, found.load(combination).nodal)
+    message = no_equilibrium(found, freedom, found.load(combination).weighing)
     limit = nearest_limit(found, freedom, combination) if message else None
     if limit is None:
         return message
@@ -62,8 +62,8 @@ def nearest_limit(found: Discretisation, freedom: RigidFreedom, combination: Com
     ('G', 0.25)
     """
     acting = {case: factor for case, factor in (combination.factors or {}).items() if factor != 0.0}
-    nodal = {case: factor * found.cases[case].nodal for case, factor in acting.items()}
-    whole = found.load(combination).nodal
+    nodal = {case: factor * found.cases[case].weighing for case, factor in acting.items()}
+    whole = found.load(combination).weighing
     if len(acting) < 2 or not freedom.count or not whole.any():
         return None
     limits = [

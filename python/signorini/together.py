@@ -71,7 +71,7 @@ def _solve(
     loads = {
         number: load
         for number, combination in enumerate(combinations)
-        if _surely_balanced(problem, rays, (load := found.load(combination)).nodal)
+        if _surely_balanced(problem, rays, (load := found.load(combination)).weighing)
     }
     answers: dict[int, tuple[_core.ContactSolution, Floats]] = {}
     if loads:

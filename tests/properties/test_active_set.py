@@ -102,3 +102,29 @@ def test_a_load_on_few_points_has_no_reference() -> None:
     tables = slab(0.2, 3e7, [{"pressure": 2e3}]).model_dump(exclude_unset=True) | {"solver": {"method": "lemke"}}
     problem = contact_problem(Model.model_validate(tables))
     assert problem.core.reference(problem.load("all"), problem.discretisation.held.values) is None
+
+
+def test_a_set_that_stalls_is_solved_to_the_last_digits() -> None:
+    """Points a hair apart that hold both ways leave Newton's steps 1e-8 of the load."""
+    circle = {"center": [1.2, 0.8], "radius": 0.45}
+    both = {"at": [[4.0, 0.17527323774190315], [3.5, 0.25188007620575553]], "resists": "both"}
+    plate = Model(
+        material={"E": 1000.0, "nu": 0.3},
+        plate={"shape": "rectangle", "size": [4.0, 4.0], "thickness": 0.4},
+        mesh={"divisions": [1, 3]},
+        support=[{"circle": circle, "resists": "up", "gap": "0.01*x", "settlement": "0.01*y"}, both],
+        load=[{"curvature": [0.01, -0.02, 0.01]}, {"force": -3.0, "at": [1.1767772987065075, 1.5]}],
+        solver={"method": "active_set"},
+    )
+    result = signorini.solve(plate)["all"]
+    assert result.method == "active_set" and result.certificate.equilibrium < 1e-11
+
+
+@pytest.mark.parametrize("elements", [60, 100])
+def test_corrections_end_in_rounding_whatever_the_number_of_dofs(elements) -> None:
+    """What is left at many dofs is no more at any of them; nothing takes it away."""
+    soil = {"area": "all", "resists": "both", "stiffness": 3e7}
+    loads = [{"pressure": 2e3}, {"pressure": 500e3, "area": {"rectangle": [0.5, 0.5, 1.5, 1.5]}}]
+    tables = slab(load=loads, divisions=elements).model_dump(exclude_unset=True)
+    problem = contact_problem(Model(**{**tables, "support": [soil]}))
+    assert problem.solve(problem.discretisation.cases["load"]).corrections <= 2

@@ -46,6 +46,8 @@ pub(super) struct Newton<'a> {
     /// A force that counts although nothing may push in the end: without a load, the largest on the way.
     least: f64,
     unloaded: bool,
+    /// Whether it ended because it stalled, so that its set may have a better solution.
+    pub(super) fell_short: bool,
 }
 
 impl<'a> Newton<'a> {
@@ -69,6 +71,7 @@ impl<'a> Newton<'a> {
             lowest: f64::INFINITY,
             least,
             unloaded,
+            fell_short: false,
         }
     }
 
@@ -230,6 +233,7 @@ impl<'a> Newton<'a> {
         self.stalled = if idle && worst > tolerances::newton::SLOW * self.before { self.stalled + 1 } else { 0 };
         if self.stalled == STALLS || self.lasting == LASTING {
             if worst <= tolerances::newton::STALLED * force {
+                self.fell_short = true;
                 return Some(Outcome::Solved);
             }
             if !self.started || self.far || self.lasting == LASTING {
