@@ -14,7 +14,7 @@ PACKAGE = ROOT / "python" / "signorini"
 # From the ground up; a folder counts as one module. A module imports from its own layer and from those before it,
 # never in a circle.
 LAYERS = (
-    {"errors", "arguments", "rooms", "files", "regular", "remade", "memory", "_core"},
+    {"errors", "arguments", "rooms", "files", "regular", "brief", "remade", "memory", "_core"},
     {"tessellation"},
     {"plot", "vtk", "table"},
     {"expression"},

@@ -120,8 +120,17 @@ def test_what_is_asked_of_copies_is_answered_alike(things: dict[str, object], ho
     load = problem.load("all")
     for one, other in zip(problem.lcp(load, "stiffness"), again[2].lcp(load, "stiffness"), strict=True):
         assert one.tobytes() == other.tobytes()
-    with pytest.raises(ValueError, match="read-only"):
-        again[0].mesh.points[0] = 0.0
+    for one in (result, again[0], path.at(0.7)):
+        for array in (one.mesh.points, one.deflection, one.moment, one.fields["mx"], one.supports[0].reactions):
+            with pytest.raises(ValueError, match="read-only"):
+                array[0] = 0.0
+
+
+def test_what_things_say_of_themselves_is_short(things: dict[str, object]) -> None:
+    for name in ("result", "path", "problem"):
+        said = repr(things[name])
+        assert said.startswith(f"{type(things[name]).__name__}(") and len(said) < 1000, name
+    assert "deflection=array(" in repr(things["result"])
 
 
 def test_a_pickled_result_holds_its_fields_and_no_factor() -> None:

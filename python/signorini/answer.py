@@ -8,6 +8,7 @@ from typing import Literal, Self
 import numpy as np
 
 from signorini import _core
+from signorini.brief import Brief
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 
@@ -47,8 +48,8 @@ class NotUnique:
         return f"{self.otherwise}; {shown}"
 
 
-@dataclass(frozen=True, eq=False)
-class Answer:
+@dataclass(frozen=True, eq=False, repr=False)
+class Answer(Brief):
     """Displacements, reactions, gaps and states of one load; numbers are NaN unless solved.
 
     Parameters

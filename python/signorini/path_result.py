@@ -11,6 +11,7 @@ import numpy as np
 
 from signorini import _core, arguments
 from signorini.answer import Answer, NotUnique
+from signorini.brief import Brief
 from signorini.certificate import Certificate, certified
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
@@ -35,8 +36,8 @@ AT_LIMIT = 1e-6
 Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
 
-@dataclass(frozen=True, eq=False)
-class Segment:
+@dataclass(frozen=True, eq=False, repr=False)
+class Segment(Brief):
     """A stretch of the path on which no point opens or closes, so that everything is linear in t.
 
     Parameters
@@ -57,7 +58,7 @@ class Segment:
         return self.begin.t == self.end.t
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Path(Remade):
     """The answer of a plate to start + t add, for every t from 0 to where the path ends.
 

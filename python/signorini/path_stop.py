@@ -9,6 +9,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.answer import Answer
+from signorini.brief import Brief
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
 from signorini.support_result import support_result
@@ -38,8 +39,8 @@ class Switch:
         return "closes" if self.closes else "opens"
 
 
-@dataclass(frozen=True, eq=False)
-class PathStop:
+@dataclass(frozen=True, eq=False, repr=False)
+class PathStop(Brief):
     """The path at one t. Between two stops all is linear in t, but for the extremes and the work.
 
     Parameters

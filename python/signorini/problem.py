@@ -67,7 +67,7 @@ class Lcp(NamedTuple):
         return np.where(self.gap_is_z, w, z), np.where(self.gap_is_z, z, w)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ContactProblem(Remade):
     """A discretised model on its supports, factored once and condensed onto its contact points.
 

@@ -7,8 +7,10 @@ from copy import deepcopy
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from signorini.brief import Brief
 
-class Remade:
+
+class Remade(Brief):
     """Base of immutable dataclasses that are pickled by their fields; cached properties are left behind.
 
     Fields in ``_made`` are left behind too. They are made again from the others when they are first asked for, with the
@@ -40,6 +42,7 @@ class Remade:
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take them back."""
         self.__dict__.update(state)
+        self._close_arrays()
 
     def __copy__(self) -> Self:
         """Share every field."""

@@ -37,7 +37,7 @@ Status = Literal["solved", "no_equilibrium"]
 FIELDS = ("deflection", "rotation_x", "rotation_y", "mx", "my", "mxy", "qx", "qy")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Result(Remade):
     """One combination. Numbers are NaN where there is no equilibrium.
 
@@ -151,6 +151,7 @@ class Result(Remade):
     def fields(self) -> Mapping[str, Floats]:
         """Every field (n,) by name: deflection, rotation_x, rotation_y, mx, my, mxy, qx, qy."""
         values = np.column_stack([self.deflection, self.rotation, self.moment, self.shear])
+        values.flags.writeable = False
         return dict(zip(FIELDS, values.T, strict=True))
 
     def probe(self, points: Points) -> list[ProbeResult]:

@@ -27,7 +27,7 @@ _REASONS = 5
 """Combinations without equilibrium that a message names where none has one."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Results(Remade, Mapping[str, Result]):
     """Results by combination, in the order of the model.
 

@@ -14,11 +14,12 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.supports import STIFFEST_SPRING, can_let_go
 from signorini.kinds import describe
 from signorini.model import Support
+from signorini.remade import Remade
 from signorini.supportpoints import SupportPoints
 
 
-@dataclass(frozen=True, eq=False)
-class SupportResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class SupportResult(Remade):
     """What one support does.
 
     Parameters

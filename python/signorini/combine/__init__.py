@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini import _core
+from signorini.brief import Brief
 from signorini.certificate import FIGURES, TOLERANCE
 from signorini.combine.block import Block, Column, Layout
 from signorini.combine.envelope import Envelope, Extremes, SupportEnvelope
@@ -42,8 +43,8 @@ Several = Callable[[Sequence[Combination], Single], Iterable[Result]]
 Sink = Callable[[Iterable[tuple[str, Column]]], None]
 
 
-@dataclass(frozen=True, eq=False)
-class Combined:
+@dataclass(frozen=True, eq=False, repr=False)
+class Combined(Brief):
     """What is known of all combinations together.
 
     Parameters

@@ -32,7 +32,7 @@ _STRAIGHT = 1e-3
 _ALONG_SIDE = np.linspace(-1.0, 1.0, 9)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class AreaContact(Remade):
     """Contact of one area support.
 

@@ -32,7 +32,7 @@ from signorini.remade import Remade
 __all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "Rows", "Springs", "discretise"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Discretisation(Remade):
     """A model as arrays. Dofs are (w, θ1, θ2) node by node; θ1, θ2 are θx, θy unless ``held.frames`` says otherwise."""
 

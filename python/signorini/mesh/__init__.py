@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from signorini.brief import Brief
 from signorini.errors import InputError
 from signorini.mesh import checks as mesh_checks
 from signorini.mesh.boxtree import BoxTree
@@ -30,8 +31,8 @@ _ON_EDGE = 1e-9
 _PAST_CURVED_EDGE = 2e-2
 
 
-@dataclass(frozen=True, eq=False)
-class Location:
+@dataclass(frozen=True, eq=False, repr=False)
+class Location(Brief):
     """Where points are: their elements (q,), −1 outside the mesh, and reference points (q, 2), NaN outside."""
 
     elements: Ints
@@ -43,7 +44,7 @@ class Location:
         return np.asarray(self.elements >= 0)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mesh(Remade):
     """A mesh of isoparametric 8-node quadrilaterals. It checks itself when it is made.
 
