@@ -351,6 +351,28 @@ def test_a_reader_that_leaves_gets_no_traceback() -> None:
     assert errors == ""
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+@pytest.mark.parametrize(("combination", "code"), [("", 0), ("[[load]]\ncase = 'lift'\npressure = -1e6\n", 3)])
+def test_what_nobody_reads_changes_no_exit_code(slab: Path, combination: str, code: int) -> None:
+    """Neither does a full disk that standard output or standard error is sent to: results are in files."""
+    slab.write_text(slab.read_text().replace("[[combination]]", f"{combination}[[combination]]", 1))
+    if code:
+        slab.write_text(slab.read_text() + '[[combination]]\nname = "lift"\nfactors = { lift = 1 }\n')
+    command = [sys.executable, "-m", "signorini", "solve", str(slab)]
+    for shown, said in (("/dev/full", "/dev/null"), ("/dev/null", "/dev/full")):
+        with open(shown, "w") as stdout, open(said, "w") as stderr:
+            assert subprocess.run(command, stdout=stdout, stderr=stderr).returncode == code
+    read, write = os.pipe()
+    os.close(read)
+    with os.fdopen(write, "w") as nobody:
+        done = subprocess.run(command, stdout=nobody, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == code and "Errno" not in done.stderr and "Traceback" not in done.stderr
+    with open("/dev/full", "w") as full:
+        schema = subprocess.run([*command[:3], "schema"], stdout=full, stderr=subprocess.PIPE, text=True)
+    assert schema.returncode == 1
+    assert schema.stderr == "Error: standard output takes no more of the schema: No space left on device.\n"
+
+
 def test_a_terminal_without_the_symbols_gets_plain_ones(slab: Path) -> None:
     running = process("solve", slab, env={**os.environ, "PYTHONIOENCODING": "ascii"})
     out, errors = running.communicate(timeout=60)

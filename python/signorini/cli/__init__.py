@@ -13,19 +13,15 @@ from types import FrameType
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 import signorini
-from signorini.cli import interrupts, tables
+from signorini.cli import interrupts, streams, tables
 from signorini.cli.cells import visible
 from signorini.cli.progress import transient_line
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini.inputfile import with_line
 
 _MOST_REASONS = 20
-_WIDTH_OF_FILES = 160
-"""Where the output is no terminal, tables keep their width up to this, so that programs find a row on a line."""
-
 _OPTIONS = {"start": "--from", "add": "--add", "until": "--until"}
 """What the arguments of `signorini.path` are called on the command line."""
 
@@ -53,11 +49,8 @@ def main() -> None:
             stream.reconfigure(errors="replace")
     try:
         app()
-        sys.stdout.flush()
-    except BrokenPipeError:
-        # The reader has gone, as in `signorini schema | head`; what is left in the buffer must not raise at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)
+    finally:
+        streams.flush()
 
 
 def _terminate(number: int, frame: FrameType | None) -> None:
@@ -67,7 +60,7 @@ def _terminate(number: int, frame: FrameType | None) -> None:
 
 def _version(wanted: bool) -> None:
     if wanted:
-        _stdout().print(f"signorini {signorini.__version__}")
+        streams.stdout().print(f"signorini {signorini.__version__}")
         raise typer.Exit
 
 
@@ -112,10 +105,10 @@ def solve(
                 files.write(results, directory, table)
         except SignoriniError:
             if files.former_results(directory):
-                _stderr().print(f"Nothing is written; {visible(directory)} holds the results of an earlier run.")
+                streams.stderr().print(f"Nothing is written; {visible(directory)} holds the results of an earlier run.")
             raise
-        tables.print_results(_stdout(), results)
-        _stdout().print(f"Written to {visible(directory)}{os.sep}")
+        tables.print_results(streams.stdout(), results)
+        streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
         _refuse(results.unbalanced, results.unbalanced_count)
 
 
@@ -141,8 +134,8 @@ def check(
             require_free(picture)
         found = checked(model)
         found.save_picture(picture)
-        tables.print_check(_stdout(), found)
-        _stdout().print(f"Drawn in {visible(picture)}")
+        tables.print_check(streams.stdout(), found)
+        streams.stdout().print(f"Drawn in {visible(picture)}")
         unbalanced = {resultant.name: resultant.message for resultant in found.resultants if resultant.message}
         _refuse(unbalanced, len(unbalanced))
 
@@ -179,8 +172,8 @@ def path(
         with files.room_for_path(directory) as room, transient_line() as show, interrupts.at_once(room):
             found = signorini.path(model, start, add, until, progress=show)
         files.write_path(found, directory)
-        print_path(_stdout(), found)
-        _stdout().print(f"Written to {visible(directory)}{os.sep}")
+        print_path(streams.stdout(), found)
+        streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
         if found.ending == "stopped":
             why = "rounding decides which points are in contact. Take a finer mesh, or give rigid supports a stiffness"
             if found.ends_with_the_mesh:
@@ -195,8 +188,15 @@ def path(
 def schema() -> None:
     """Print the JSON Schema of the input file, with which editors complete and check it."""
     with _messages():
-        print_raw = _stdout().file.write
-        print_raw(json.dumps(signorini.schema(), indent=2, ensure_ascii=False) + "\n")
+        try:
+            # Here what is shown is all there is: a part of it is no schema.
+            print(json.dumps(signorini.schema(), indent=2, ensure_ascii=False), flush=True)
+        except BrokenPipeError:
+            streams.discard(sys.stdout)
+            raise typer.Exit(1) from None
+        except OSError as error:
+            streams.discard(sys.stdout)
+            raise SignoriniError(f"standard output takes no more of the schema: {error.strerror}.") from None
 
 
 def _refuse(unbalanced: Mapping[str, str], count: int) -> None:
@@ -224,7 +224,7 @@ def _messages(file: Path | None = None) -> Iterator[None]:
         _end(interrupts.SAID, interrupts.INTERRUPTED)
     except MemoryError:
         _end("Error: not enough memory. Take a coarser mesh.", SignoriniError.exit_code)
-    except (typer.Exit, BrokenPipeError):
+    except typer.Exit:
         raise
     except BaseException as error:
         # What Rust calls a panic arrives as an exception that is none of Python's ordinary ones.
@@ -238,21 +238,5 @@ def _messages(file: Path | None = None) -> Iterator[None]:
 
 
 def _end(message: str, code: int) -> None:
-    _stderr().print(visible(message))
+    streams.stderr().print(visible(message))
     raise typer.Exit(code)
-
-
-def _stdout() -> Console:
-    return _console(stderr=False)
-
-
-def _stderr() -> Console:
-    return _console(stderr=True)
-
-
-def _console(*, stderr: bool) -> Console:
-    """Make a console that takes text as it is: no markup, no colours guessed, no lines broken."""
-    console = Console(stderr=stderr, markup=False, highlight=False, emoji=False, soft_wrap=True)
-    if not console.is_terminal:
-        console.width = max(console.width, _WIDTH_OF_FILES)
-    return console

@@ -1,0 +1,77 @@
+"""What is shown: on standard output and standard error, which nobody may be reading any more.
+
+Results are in files; what is shown of them is a copy. So a reader that has gone, as in ``signorini solve f.toml |
+head``, or a full disk behind a redirection, changes nothing of how a run ends.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import suppress
+from typing import IO, Any
+
+from rich.console import Console
+
+_WIDTH_OF_FILES = 160
+"""Where the output is no terminal, tables keep their width up to this, so that programs find a row on a line."""
+
+
+def stdout() -> Console:
+    """Give the console of what a run says."""
+    return _console(sys.stdout)
+
+
+def stderr() -> Console:
+    """Give the console of why it ends as it does."""
+    return _console(sys.stderr)
+
+
+def flush() -> None:
+    """Write what is left, if somebody takes it: nothing may be raised when the process ends."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            discard(stream)
+
+
+def discard(stream: IO[str]) -> None:
+    """Let all that is still to come go nowhere, what a buffer holds too."""
+    # A stream that tests put there has no file behind it.
+    with suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+
+
+class _Shown:
+    """A stream that takes everything, whoever reads it."""
+
+    def __init__(self, stream: IO[str]) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        try:
+            return self._stream.write(text)
+        except OSError:
+            discard(self._stream)
+            return len(text)
+
+    def flush(self) -> None:
+        try:
+            self._stream.flush()
+        except OSError:
+            discard(self._stream)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+def _console(stream: IO[str]) -> Console:
+    """Make a console that takes text as it is: no markup, no colours guessed, no lines broken."""
+    shown: Any = _Shown(stream)
+    console = Console(file=shown, markup=False, highlight=False, emoji=False, soft_wrap=True)
+    if not console.is_terminal:
+        console.width = max(console.width, _WIDTH_OF_FILES)
+    return console
