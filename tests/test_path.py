@@ -287,3 +287,25 @@ def test_where_a_coarse_mesh_ends_short_of_an_outline_the_path_says_so(tmp_path:
     assert found.end == pytest.approx(found.mesh_limit, rel=1e-6) and found.mesh_limit < 0.99 * found.limit
     result = run("path", file, "--from", "G", "--add", "Q")
     assert result.exit_code == 4 and "but not at the contact points of this mesh" in " ".join(result.output.split())
+
+
+@pytest.mark.parametrize("stiffness", [1e2, 1e4])
+def test_a_path_from_no_load_does_not_depend_on_how_large_the_load_is(stiffness) -> None:
+    """At t = 0 the plate has fallen until a soft stop, which bears nothing yet, holds it; events may be at t = 1e-12."""
+    events = []
+    for pressure in (1e6, 1e3, 1.0, 1e-3):
+        model = Model(
+            material={"E": 30e9, "nu": 0.2},
+            plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+            mesh={"divisions": [4, 4]},
+            support=[
+                {"edge": "left", "stiffness": 1e6},
+                {"edge": "right", "resists": "down", "settlement": 1e-6},
+                {"at": [3, 3], "gap": 1e-11, "stiffness": stiffness},
+            ],
+            load=[{"pressure": pressure}],
+        )
+        found = signorini.path(model, start=None, add="load")
+        assert found.ending == "no_more_events"
+        events.append([pressure * event.t for event in found.events])
+    assert np.array(events) == pytest.approx(np.tile(events[0], (4, 1)), rel=1e-6)

@@ -48,9 +48,12 @@ def condition(twin, closed):
     """Condition number of the equations of one contact set, every dof and point scaled to one."""
     scale = 1 / np.sqrt(np.diag(twin.K).clip(1e-300))
     rows = twin.G[closed] * scale
-    lengths = np.linalg.norm(rows, axis=1).clip(1e-300)
-    rows = rows / lengths[:, None]
-    compliance = np.diag(twin.compliance[closed] / lengths**2)
+    lengths = np.linalg.norm(rows, axis=1)
+    # A point that no free dof moves is by itself.
+    moved = lengths > 0
+    lengths = lengths[moved]
+    rows = rows[moved] / lengths[:, None]
+    compliance = np.diag(twin.compliance[closed][moved] / lengths**2)
     return np.linalg.cond(np.block([[scale[:, None] * twin.K * scale, rows.T], [rows, -compliance]]))
 
 
@@ -92,7 +95,9 @@ def slowness(found, segment, points):
     force = max(np.abs(answer.reaction).max(initial=0) for answer in (first, second))
     force = max(force, *(np.abs(load_at(found, t).nodal).max() for t in (a, b)))
     length = max(np.abs(found.problem.gaps).max(), *(np.abs(answer.gap).max() for answer in (first, second)))
-    reacting, away = np.abs(second.reaction - first.reaction) / force, np.abs(second.gap - first.gap) / (length or 1.0)
+    # Where the load vanishes on the way a stretch may be one rounding of t long.
+    reacting = np.abs(second.reaction - first.reaction) / (force or 1.0)
+    away = np.abs(second.gap - first.gap) / (length or 1.0)
     with np.errstate(divide="ignore"):
         return ((b - a) / np.where(segment.closed, reacting, away)[points]).max()
 

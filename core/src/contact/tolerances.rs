@@ -151,7 +151,7 @@ pub(super) mod path {
     pub(crate) const SAME_PLACE: f64 = 1e-10;
 
     /// How far beyond an event, over a step, a solve tells the contact set after it where switching does not.
-    pub(crate) const BEYOND: [f64; 3] = [1e-3, 1e-5, 1e-7];
+    pub(crate) const BEYOND: [f64; 5] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11];
 
     /// With more than this a point that switches jumps instead.
     pub(crate) const JUMP: f64 = 1e-9;

@@ -95,6 +95,19 @@ impl ContactProblem {
         reactions.fold(self.scale.largest(load), f64::max)
     }
 
+    /// As [`ContactProblem::largest_force`], of forces that count at least; without a load also what bends the plate as far
+    /// as closed points are away, beside which reactions of springs that just touch are rounding.
+    fn acting(&self, load: &[f64], solution: &ContactSolution, least: f64) -> f64 {
+        let force = self.largest_force(load, &solution.reaction).max(least);
+        if force == 0.0 || load.iter().any(|&f| f != 0.0) {
+            return force;
+        }
+        let travel = self.constraints.distance.iter().chain(&self.active.distance);
+        let reached = travel.zip(&solution.closed).enumerate().filter(|(_, (_, closed))| **closed);
+        let farthest = reached.map(|(i, (travel, _))| travel.abs() * self.lever(i)).fold(0.0, f64::max);
+        force.max(self.scale.stiffness * farthest)
+    }
+
     /// By what what is left of a point's gap is a length: 1, or the plate's size where its row is of slopes.
     pub(crate) fn lever(&self, point: usize) -> f64 {
         self.levers.get(point).copied().unwrap_or(1.0)
@@ -125,7 +138,7 @@ impl ContactProblem {
     /// By a solution, and a force whose rounding is none of its fault.
     pub(super) fn sizes(&self, load: &[f64], solution: &ContactSolution, least: f64) -> Sizes {
         let or_one = |size: f64| if size > 0.0 { size } else { 1.0 };
-        let force = match self.largest_force(load, &solution.reaction).max(least) {
+        let force = match self.acting(load, solution, least) {
             // Nothing acts and no point reacts: what the plate's own forces are the sum of.
             0.0 => or_one(self.rounding(&solution.displacement) / f64::EPSILON),
             force => force,
@@ -162,7 +175,7 @@ impl ContactProblem {
     /// Whether a residual is that of a solution of its set's equations; where nothing acts there is nothing to miss.
     pub(crate) fn satisfies(&self, load: &[f64], step: &Residual, solution: &ContactSolution, least: f64) -> bool {
         let length = self.length(load, step, solution, least);
-        let force = self.largest_force(load, &solution.reaction).max(least);
+        let force = self.acting(load, solution, least);
         if length <= tolerances::SOLVED || force == 0.0 {
             return length.is_finite();
         }
