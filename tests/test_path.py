@@ -291,7 +291,7 @@ def test_where_a_coarse_mesh_ends_short_of_an_outline_the_path_says_so(tmp_path:
 
 @pytest.mark.parametrize("stiffness", [1e2, 1e4])
 def test_a_path_from_no_load_does_not_depend_on_how_large_the_load_is(stiffness) -> None:
-    """At t = 0 the plate has fallen until a soft stop, which bears nothing yet, holds it; events may be at t = 1e-12."""
+    """At t = 0 the plate lies on a soft stop that bears nothing yet; events may be at t = 1e-12."""
     events = []
     for pressure in (1e6, 1e3, 1.0, 1e-3):
         model = Model(
