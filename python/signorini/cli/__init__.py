@@ -190,7 +190,8 @@ def schema() -> None:
     with _messages():
         try:
             # Here what is shown is all there is: a part of it is no schema.
-            print(json.dumps(signorini.schema(), indent=2, ensure_ascii=False), flush=True)
+            sys.stdout.write(json.dumps(signorini.schema(), indent=2, ensure_ascii=False) + "\n")
+            sys.stdout.flush()
         except BrokenPipeError:
             streams.discard(sys.stdout)
             raise typer.Exit(1) from None
