@@ -173,9 +173,9 @@ def _resultants(found: Discretisation, freedom: RigidFreedom) -> Iterator[Result
     """Resultants of many combinations, from those of their load cases."""
     combinations = found.model.effective_combinations
     used = combinations.cases
-    nodal = {case: found.cases[case].weighing for case in found.cases if case in used}
-    of_case = {case: found.rigid_motions.T @ load for case, load in nodal.items()}
-    size = {case: float(np.abs(load[::3]).sum()) for case, load in nodal.items()}
+    weighing = {case: found.cases[case].weighing for case in found.cases if case in used}
+    of_case = {case: found.rigid_motions.T @ load for case, load in weighing.items()}
+    size = {case: float(np.abs(load[::3]).sum()) for case, load in weighing.items()}
     scale = np.array([1.0, found.mesh.size, found.mesh.size])
     motions = allowed_motions(freedom.outline)
     for combination in combinations:
@@ -190,12 +190,12 @@ def _resultants(found: Discretisation, freedom: RigidFreedom) -> Iterator[Result
 
 
 def _resultant(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> Resultant:
-    nodal = found.load(combination).weighing
+    weighing = found.load(combination).weighing
     message = why_none(found, freedom, combination)
-    brink = not message and on_the_brink(found, freedom, nodal)
+    brink = not message and on_the_brink(found, freedom, weighing)
     limit = nearest_limit(found, freedom, combination)
-    total = float(np.abs(nodal[::3]).sum())
-    return _of(found, freedom, combination, found.rigid_motions.T @ nodal, total, message, brink, limit)
+    total = float(np.abs(weighing[::3]).sum())
+    return _of(found, freedom, combination, found.rigid_motions.T @ weighing, total, message, brink, limit)
 
 
 def _of(

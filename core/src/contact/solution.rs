@@ -129,9 +129,9 @@ impl ContactProblem {
         ContactSolution { reaction: vec![0.0; m], gap: vec![0.0; m], closed, ..self.at_rest(held_value) }
     }
 
-    /// A contact set in the problem's order, the condensed points before those of the active set.
-    pub(super) fn in_place(&self, closed: &[bool]) -> Vec<bool> {
-        self.order.condensed.iter().chain(&self.order.active).map(|&i| closed[i]).collect()
+    /// Values of every point in the problem's order, the condensed points before those of the active set.
+    pub(super) fn in_place<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        self.order.condensed.iter().chain(&self.order.active).map(|&i| values[i]).collect()
     }
 
     /// A solution of every point in the caller's order.

@@ -154,7 +154,7 @@ impl ContactProblem {
         .collect()
     }
 
-    /// Whether no reaction pulls and no gap is negative; lengths up to `nil` are none.
+    /// Whether no reaction pulls and no gap is negative, points in the problem's order; lengths up to `nil` are none.
     pub(super) fn signs_hold(&self, load: &[f64], nil: f64, solution: &ContactSolution) -> bool {
         let c = &self.constraints;
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
@@ -167,6 +167,7 @@ impl ContactProblem {
         let length = self.lengths(solution);
         let pushes = |i: usize| solution.reaction[i] >= -force * self.lever(i);
         let opens = |i: usize| solution.gap[i] >= -(tolerances::SIGN * length[i]).max(nil / self.lever(i));
-        (0..c.two_sided.len()).all(|i| c.two_sided[i] || (pushes(i) && opens(i)))
+        let mut one_sided = (0..solution.reaction.len()).filter(|&i| c.two_sided.get(i) != Some(&true));
+        one_sided.all(|i| pushes(i) && opens(i))
     }
 }

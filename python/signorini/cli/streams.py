@@ -30,10 +30,7 @@ def stderr() -> Console:
 def flush() -> None:
     """Write what is left, if somebody takes it: nothing may be raised when the process ends."""
     for stream in (sys.stdout, sys.stderr):
-        try:
-            stream.flush()
-        except OSError:
-            discard(stream)
+        _Shown(stream).flush()
 
 
 def discard(stream: IO[str]) -> None:

@@ -98,7 +98,7 @@ class Mesh(Remade):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take arrays that are a mesh's, and make them read-only."""
-        for array in (state["points"], state["elements"], *state["edges"].values()):
+        for array in state["edges"].values():
             array.flags.writeable = False
         super().__setstate__(state | {"edges": MappingProxyType(state["edges"])})
 

@@ -60,24 +60,14 @@ impl ContactProblem {
             return Ok(found);
         }
         let exact = self.solve_on(load, held_value, &found.closed)?;
-        if !self.points_stay(load, &exact) {
+        let (reaction, gap) = (self.in_place(&exact.reaction), self.in_place(&exact.gap));
+        let in_place = ContactSolution { reaction, gap, ..exact.clone() };
+        if exact.outcome != Outcome::Solved || !self.signs_hold(load, 0.0, &in_place) {
             return Ok(found);
         }
         let ContactSolution { iterations, gradients, factorizations, .. } = found;
         let corrections = found.corrections + exact.corrections;
         Ok(ContactSolution { iterations, gradients, factorizations, corrections, ..exact })
-    }
-
-    /// Whether what solves the equations of its contact set is a solution: no point of the active set pulls or overlaps.
-    fn points_stay(&self, load: &[f64], solution: &ContactSolution) -> bool {
-        let largest = |size: f64, value: &f64| size.max(value.abs());
-        let force = solution.reaction.iter().fold(self.scale.largest(load), largest);
-        let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, largest);
-        let stays = |(&i, travel): (&usize, &f64)| {
-            solution.reaction[i] >= -tolerances::SIGN * force
-                && solution.gap[i] >= -tolerances::SIGN * travel.abs().max(deflection)
-        };
-        solution.outcome == Outcome::Solved && self.order.active.iter().zip(&self.active.distance).all(stays)
     }
 
     /// Newton's method at its start, on a factor that others may share; `None` if two-sided points contradict each other.

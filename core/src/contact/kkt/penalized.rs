@@ -37,8 +37,7 @@ impl<'a> Penalized<'a> {
         let Self { factor, closed, .. } = self;
         let (problem, points) = (factor.problem, &factor.problem.active);
         let (two_sided, left) = step.remaining.split_at(problem.constraints.rows.len());
-        let pushing = |closed: &[bool]| (0..closed.len()).filter(|&i| closed[i]).collect::<Vec<_>>();
-        let pushing = pushing(closed);
+        let pushing: Vec<usize> = (0..closed.len()).filter(|&i| closed[i]).collect();
         let mut imbalance = step.imbalance.clone();
         for &i in &pushing {
             points.scatter(&problem.plate, i, factor.penalty.stiffness[i] * left[i], &mut imbalance);

@@ -102,8 +102,7 @@ impl ContactProblem {
         if force == 0.0 || load.iter().any(|&f| f != 0.0) {
             return force;
         }
-        let travel = self.constraints.distance.iter().chain(&self.active.distance);
-        let reached = travel.zip(&solution.closed).enumerate().filter(|(_, (_, closed))| **closed);
+        let reached = self.travels().zip(&solution.closed).enumerate().filter(|(_, (_, closed))| **closed);
         let farthest = reached.map(|(i, (travel, _))| travel.abs() * self.lever(i)).fold(0.0, f64::max);
         force.max(self.scale.stiffness * farthest)
     }
@@ -113,12 +112,17 @@ impl ContactProblem {
         self.levers.get(point).copied().unwrap_or(1.0)
     }
 
+    /// How far every point is from its support.
+    fn travels(&self) -> impl Iterator<Item = &f64> {
+        self.constraints.distance.iter().chain(&self.active.distance)
+    }
+
     /// What the gap of each point is measured by, the largest deflection or its own travel: a stop far away says nothing
     /// of what happens at others.
     pub(crate) fn lengths(&self, solution: &ContactSolution) -> Vec<f64> {
         let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, |size: f64, w| size.max(w.abs()));
-        let travel = self.constraints.distance.iter().chain(&self.active.distance).take(solution.reaction.len());
-        travel.enumerate().map(|(i, travel)| travel.abs().max(deflection / self.lever(i))).collect()
+        let travels = self.travels().take(solution.reaction.len());
+        travels.enumerate().map(|(i, travel)| travel.abs().max(deflection / self.lever(i))).collect()
     }
 
     /// A length by which those of a plate that hardly deflects are measured; far less than the load would deflect it.

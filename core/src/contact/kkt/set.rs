@@ -61,10 +61,8 @@ impl ContactProblem {
         let mut solution = self.at_rest_on(held_value, closed);
         if let Some(start) = start {
             solution.displacement = start.displacement.clone();
-            let order = self.order.condensed.iter().chain(&self.order.active);
-            for ((reaction, &i), closed) in solution.reaction.iter_mut().zip(order).zip(&solution.closed) {
-                *reaction = if *closed { start.reaction[i] } else { 0.0 };
-            }
+            solution.reaction = self.in_place(&start.reaction);
+            self.release_open(&mut solution);
         }
         let step = self.residual(load, &solution);
         let mut refine = |solver: &mut dyn KktSolver| self.refine(load, how.least, solver, step.clone(), &mut solution);

@@ -36,19 +36,20 @@ impl Uncondensed<'_> {
         solution: &ContactSolution,
     ) -> Result<Option<Correction>, FactorError> {
         let problem = self.problem;
-        let solver = |step: &Residual| {
+        let solved = |step: &Residual| {
             let (nodal, reaction) = self.saddle.response(problem, &step.imbalance, &step.remaining);
-            Ok(Some(Correction::of(nodal, reaction)))
+            Correction::of(nodal, reaction)
         };
+        let solver = |step: &Residual| Ok(Some(solved(step)));
         if let Some(held) = self.held.as_ref().filter(|_| settling) {
             return held.before(problem, load, step, solution, solver);
         }
-        let (nodal, reaction) = self.saddle.response(problem, &step.imbalance, &step.remaining);
+        let found = solved(step);
         if problem.held.contains(&true) {
-            return Ok(Some(Correction::of(nodal, reaction)));
+            return Ok(Some(found));
         }
-        let rigid = rigid_part(&problem.plate, &problem.scale, &nodal);
-        let rigid = Correction { rigid, nodal: vec![0.0; nodal.len()], reaction };
+        let rigid = rigid_part(&problem.plate, &problem.scale, &found.nodal);
+        let rigid = Correction { rigid, nodal: vec![0.0; found.nodal.len()], ..found };
         after_rigid(problem, load, rigid, solution, solver)
     }
 }
