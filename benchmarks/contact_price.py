@@ -22,8 +22,8 @@ import numpy as np
 from tensionless import slab_a
 
 from signorini import Model, solve
+from signorini.contact.problem import contact_problem
 from signorini.discretise import discretise
-from signorini.problem import contact_problem
 
 LINEAR, CONTACT = "both", "down"
 TARGETS = {"soil": 1.5, "100 points": 1.2}

@@ -21,9 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from signorini import InputError, Model, contact_problem
-from signorini.certificate import certify
-from signorini.equilibrium import no_equilibrium
-from signorini.problem import ContactProblem
+from signorini.contact.certificate import certify
+from signorini.contact.problem import ContactProblem
+from signorini.equilibrium.balance import no_equilibrium
 
 METHODS = ("lemke", "active_set", "interior_point")
 TOLERANCE = 1e-8

@@ -18,7 +18,7 @@ import time
 import numpy as np
 
 from signorini import Model, path
-from signorini.problem import contact_problem
+from signorini.contact.problem import contact_problem
 
 _AT = (0.5, 3.5, 6.5, 9.5)
 _POINTS = {"name": "points", "at": [[x, y] for x in _AT for y in _AT], "resists": "down"}

@@ -40,8 +40,8 @@ import random_models
 from random_plates import reactions_exist
 
 from signorini import InputError, NoEquilibriumError, NotCertifiedError, path, solve, validate
+from signorini.contact.strategy import answered
 from signorini.discretise import discretise
-from signorini.strategy import answered
 
 _FAR = 1e-4
 """Of the limit, how far from it equilibrium must exist, or not."""

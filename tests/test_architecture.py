@@ -14,39 +14,34 @@ PACKAGE = ROOT / "python" / "signorini"
 # From the ground up; a folder counts as one module. A module imports from its own layer and from those before it,
 # never in a circle.
 LAYERS = (
-    {"errors", "arguments", "rooms", "files", "regular", "brief", "remade", "memory", "_core"},
-    {"tessellation"},
-    {"plot", "vtk", "table"},
-    {"expression"},
-    {"regions", "mesh", "quadrature", "model", "tomllines", "inputfile"},
-    {"discretise"},
-    {"answer", "dependence", "leastnorm", "selection", "slenderness", "softness", "refusal"}
-    | {"tipping", "equilibrium", "stability", "factoring", "problem", "progress", "certificate", "strategy"}
-    | {"contact_field", "kinds", "sketch"},
-    {"supportpoints", "support_result", "probe_result", "notebook", "result", "combine", "together", "solve"}
-    | {"path_stop", "path_check", "path_result", "path"},
-    {"tabulated", "output", "check"},
+    {"errors", "_core"},
+    {"base", "expression", "shapes"},
+    {"plot"},
+    {"mesh", "model"},
+    {"discretise", "formats"},
+    {"equilibrium"},
+    {"contact"},
+    {"results"},
+    {"analysis"},
+    {"output"},
     {"__init__"},
     {"cli"},
     {"__main__"},
 )
 # Modules that take arrays and know nothing else of the package.
-ALONE = {
-    "tessellation": {"_core"},
-    "plot": {"errors", "files", "tessellation", "_core"},
-    "vtk": {"errors", "files"},
-    "table": {"errors", "files"},
-}
+ALONE = {"shapes": {"errors", "_core"}, "plot": {"base", "errors", "shapes", "_core"}}
 # Packages that only these modules may import.
 ONLY_IN = {
     "matplotlib": {"plot"},
-    "meshio": {"mesh", "vtk"},
-    "pyarrow": {"table"},
+    "meshio": {"mesh", "formats"},
+    "pyarrow": {"formats"},
     "typer": {"cli"},
     "rich": {"cli"},
-    "pydantic": {"model", "inputfile", "expression"},
-    "pydantic_core": {"model", "inputfile", "expression"},
+    "pydantic": {"model", "formats", "expression"},
+    "pydantic_core": {"model", "formats", "expression"},
 }
+# All that a folder's __init__ holds.
+DECLARATIONS = (ast.Import, ast.ImportFrom, ast.Assign, ast.Expr)
 LAYER_OF = {module: number for number, layer in enumerate(LAYERS) for module in layer}
 
 
@@ -85,6 +80,34 @@ def arrows(package: Path) -> dict[str, set[str]]:
     return graph
 
 
+def arrows_between_files(package: Path) -> dict[str, set[str]]:
+    """Return which files each file imports."""
+    files = {place.removesuffix(".py").removesuffix("/__init__"): (place, tree) for place, _, tree in sources(package)}
+    modules = {place.partition("/")[0] for place in files} | {"_core"}
+    graph: dict[str, set[str]] = {}
+    for own, (place, tree) in files.items():
+        folder = ("signorini", *Path(place).parts[:-1])
+        targets = {name.replace(".", "/").removeprefix("signorini/") for name in imported(place, tree, modules)}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom):
+                parents = folder[: len(folder) - node.level + 1] if node.level else ()
+                source = "/".join([*parents, *(node.module or "").split(".")]).strip("/").removeprefix("signorini/")
+                targets |= {f"{source}/{alias.name}" for alias in node.names}
+                if any(f"{source}/{alias.name}" in files for alias in node.names):
+                    targets.discard(source)
+        graph[own] = (targets & files.keys()) - {own}
+    return graph
+
+
+def circle_of(graph: dict[str, set[str]]) -> list[str]:
+    """Return a circle of the graph, empty if there is none."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
 def faults(package: Path) -> list[str]:
     """Say every way in which a package breaks the rules above."""
     graph, found = arrows(package), []
@@ -98,11 +121,12 @@ def faults(package: Path) -> list[str]:
                 found.append(
                     f"{module} imports {target}, but it takes arrays and may know no module except {ALONE[module]}."
                 )
-    try:
-        TopologicalSorter(graph).prepare()
-    except CycleError as error:
-        found.append(f"These modules import each other in a circle: {' <- '.join(error.args[1])}.")
+    for circle in filter(None, (circle_of(graph), circle_of(arrows_between_files(package)))):
+        found.append(f"These modules import each other in a circle: {' <- '.join(circle)}.")
+        break
     for place, module, tree in sources(package):
+        if place.endswith("/__init__.py") and any(not isinstance(node, DECLARATIONS) for node in tree.body):
+            found.append(f"{place} holds code; a folder's __init__ only hands on names.")
         for name in sorted({name.partition(".")[0] for name in imported(place, tree, set(graph))}):
             if module not in ONLY_IN.get(name, {module}):
                 found.append(f"{place} imports {name}, which belongs in {' and '.join(sorted(ONLY_IN[name]))} alone.")
@@ -119,21 +143,27 @@ def test_imports_run_one_way() -> None:
 @pytest.mark.parametrize(
     ("files", "fault"),
     [
-        ({"mesh.py": "def f():\n    from signorini.solve import solve"}, "mesh imports solve, which stands above it"),
+        (
+            {"mesh.py": "def f():\n    from signorini.analysis.solve import solve"},
+            "mesh imports analysis, which stands above",
+        ),
         ({"mesh.py": "from signorini import cli", "cli.py": ""}, "mesh imports cli, which stands above it"),
         ({"mesh.py": "from . import cli", "cli.py": ""}, "mesh imports cli, which stands above it"),
-        ({"mesh.py": "from .solve import solve"}, "mesh imports solve, which stands above it"),
-        ({"mesh.py": "import signorini.solve as s"}, "mesh imports solve, which stands above it"),
-        ({"solve.py": "from signorini import load"}, "solve imports __init__, which stands above it"),
-        ({"plot/a.py": "from ..vtk import write_vtu"}, "plot imports vtk, but it takes arrays"),
+        ({"mesh.py": "from .analysis.solve import solve"}, "mesh imports analysis, which stands above it"),
+        ({"mesh.py": "import signorini.analysis.solve as s"}, "mesh imports analysis, which stands above it"),
+        ({"contact/a.py": "from signorini import load"}, "contact imports __init__, which stands above it"),
+        ({"plot/a.py": "from ..expression import Expression"}, "plot imports expression, but it takes arrays"),
         ({"mesh.py": "import signorini.model", "model.py": "import signorini.mesh"}, "in a circle"),
+        ({"mesh/a.py": "import signorini.mesh.b", "mesh/b.py": "from signorini.mesh.a import c"}, "in a circle"),
+        ({"mesh/__init__.py": "from signorini.mesh.a import b", "mesh/a.py": "from . import b"}, "in a circle"),
         ({"helpers.py": ""}, "helpers has no layer: place it in LAYERS"),
         (
-            {"result.py": "def f():\n    import matplotlib.pyplot"},
-            "result.py imports matplotlib, which belongs in plot",
+            {"results.py": "def f():\n    import matplotlib.pyplot"},
+            "results.py imports matplotlib, which belongs in plot",
         ),
         ({"model.py": "from rich.table import Table"}, "model.py imports rich, which belongs in cli alone"),
-        ({"solve.py": "def f():\n    print(1)"}, "solve.py:2 prints"),
+        ({"contact.py": "def f():\n    print(1)"}, "contact.py:2 prints"),
+        ({"mesh/__init__.py": "class Mesh: ..."}, "mesh/__init__.py holds code"),
     ],
 )
 def test_a_broken_rule_is_named(tmp_path: Path, files: dict[str, str], fault: str) -> None:

@@ -8,8 +8,8 @@ import pytest
 
 import signorini
 from signorini import InputError, Model, contact_problem, path, solve
+from signorini.analysis.solve import solve_one
 from signorini.model import Combination, Support
-from signorini.solve import solve_one
 
 NAN = float("nan")
 POINTS = "it must be a point [x, y] or a sequence of them"

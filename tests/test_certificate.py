@@ -10,9 +10,9 @@ import pytest
 import signorini
 from signorini import InputError, Model, solve
 from signorini import path as follow
-from signorini.certificate import Certificate, certify
+from signorini.contact.certificate import Certificate, certify
+from signorini.contact.problem import contact_problem
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.problem import contact_problem
 
 CORNERS = [[0.5, 0.5], [3.5, 0.4], [3.3, 3.6], [0.4, 3.2]]
 PUSH = [{"pressure": 5.0}, {"force": 30.0, "at": [0.7, 0.9]}]

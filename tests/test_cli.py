@@ -12,8 +12,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import signorini
-from signorini.certificate import Certificate
 from signorini.cli import app
+from signorini.contact.certificate import Certificate
 
 SLAB = """
 title = "Slab [bold]on[/bold] pads"
@@ -157,7 +157,7 @@ def test_results_of_an_earlier_run_are_called_so(slab: Path) -> None:
 
 def test_what_is_not_certified_is_refused_and_not_written(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     refused = Certificate(penetration=1e-3, tension=0.0, complementarity=0.0, equilibrium=0.0, balance=0.0)
-    monkeypatch.setattr("signorini.strategy.certified", lambda found, load, answer, beside: (answer, refused))
+    monkeypatch.setattr("signorini.contact.strategy.certified", lambda found, load, answer, beside: (answer, refused))
     done = run("solve", slab)
     assert (done.exit_code, done.stdout) == (4, "")
     assert 'Combination "calm" is refused' in done.stderr

@@ -12,9 +12,9 @@ import pytest
 
 import signorini
 from signorini import InputError, Model, NoEquilibriumError, validate
+from signorini.analysis.solve import solve_one
 from signorini.model import Combination
 from signorini.output import results_json
-from signorini.solve import solve_one
 
 LEGS = [[1, 1], [3, 1], [3.1, 3.3], [1, 3]]
 
@@ -319,7 +319,7 @@ def test_nothing_half_written_is_left(tmp_path, monkeypatch):
     def fail(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("signorini.combine._Run.solve", fail)
+    monkeypatch.setattr("signorini.analysis.combinations.combined._Run.solve", fail)
     with pytest.raises(KeyboardInterrupt):
         signorini.solve(Model(**tables()), table=tmp_path / "t.parquet")
     assert list(tmp_path.iterdir()) == []

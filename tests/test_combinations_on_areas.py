@@ -11,8 +11,8 @@ import pytest
 
 import signorini
 from signorini import Model, _core, contact_problem
-from signorini.solve import solve_one
-from signorini.together import mean_load, solve_several
+from signorini.analysis.batch import mean_load, solve_several
+from signorini.analysis.solve import solve_one
 
 SUPPORTS = {
     "soil": [{"name": "soil", "area": "all", "resists": "down", "stiffness": 2e3}],
@@ -119,7 +119,7 @@ def test_what_is_not_certified_is_solved_by_itself(monkeypatch):
     problem = contact_problem(model)
     solve = _core.solve_together
     monkeypatch.setattr(
-        "signorini.together._core.solve_together",
+        "signorini.analysis.batch._core.solve_together",
         lambda core, start, loads, held, watch: solve(core, start, 1.01 * loads, held),
     )
     begun, alone = [], []

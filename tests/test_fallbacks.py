@@ -5,8 +5,8 @@ import pytest
 
 import signorini
 from signorini import Model, NotCertifiedError
-from signorini.certificate import certify
-from signorini.problem import ContactProblem, contact_problem
+from signorini.contact.certificate import certify
+from signorini.contact.problem import ContactProblem, contact_problem
 
 
 def slab(method: str = "auto", divisions: int = 8) -> Model:
@@ -70,7 +70,7 @@ def test_few_points_go_from_lemke_to_the_active_set(unsettled: set[str]) -> None
 def test_with_too_many_points_for_lemke_the_interior_point_method_follows(
     unsettled: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("signorini.factoring.MOST_POINTS", 20)
+    monkeypatch.setattr("signorini.contact.factoring.MOST_POINTS", 20)
     by_active_set = signorini.solve(slab("active_set"))["all"]
     unsettled.add("active_set")
     result = signorini.solve(slab())["all"]

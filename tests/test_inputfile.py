@@ -10,9 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from signorini.errors import InputError
-from signorini.inputfile import load, schema
+from signorini.formats.inputfile import load, schema
+from signorini.formats.toml_lines import Lines
 from signorini.model import Model
-from signorini.tomllines import Lines
 
 EXAMPLE = """\
 title = "Slab on bearings"

@@ -15,9 +15,9 @@ from typer.testing import CliRunner
 
 import signorini
 import signorini_command
-from signorini import rooms
+from signorini.base import rooms
+from signorini.base.files import replacing_together
 from signorini.cli import app, interrupts
-from signorini.files import replacing_together
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
 
@@ -88,7 +88,8 @@ module.{name} = paused
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 @pytest.mark.parametrize(
-    ("module", "name"), [("strategy", "certified"), ("output", "reactions_csv"), ("files", "_exchange")]
+    ("module", "name"),
+    [("contact.strategy", "certified"), ("output.write", "reactions_csv"), ("base.files", "_exchange")],
 )
 def test_a_signal_leaves_the_old_results(slab: Path, number: int, code: int, module: str, name: str) -> None:
     slab.write_text(SLAB.format(title="second", along=4))
@@ -207,7 +208,7 @@ def hidden(slab: Path) -> list[Path]:
 
 
 def test_what_a_killed_run_left_goes_with_the_next_success(slab: Path) -> None:
-    running = started(slab, PAUSED.format(module="strategy", name="certified", seconds=30))
+    running = started(slab, PAUSED.format(module="contact.strategy", name="certified", seconds=30))
     assert running.stdout is not None and running.stdout.readline() == "here\n"
     (inside,) = hidden(slab)
     solves = lambda: CliRunner().invoke(app, ["solve", str(slab)]).exit_code  # noqa: E731
@@ -306,7 +307,7 @@ def test_signals_are_as_before_after_a_solve(tmp_path: Path) -> None:
 
 
 def test_a_mesh_that_cannot_fit_is_refused_before_it_is_made(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("signorini.memory.available", lambda: 2e9)
+    monkeypatch.setattr("signorini.base.memory.available", lambda: 2e9)
     slab.write_text(SLAB.format(title="large", along=1000))
     begun = time.monotonic()
     done = CliRunner().invoke(app, ["solve", str(slab)])
@@ -328,7 +329,7 @@ def test_a_limit_on_the_address_space_is_a_message(slab: Path) -> None:
 def test_contact_points_that_cannot_fit_are_refused(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     rigid = SLAB.format(title="rigid", along=40).replace("at = [[1, 1], [3, 1], [3, 3], [1, 3]]", 'area = "all"')
     slab.write_text(f'solver.method = "lemke"\n{rigid}')
-    monkeypatch.setattr("signorini.memory.available", lambda: 2e8)
+    monkeypatch.setattr("signorini.base.memory.available", lambda: 2e8)
     done = CliRunner().invoke(app, ["solve", str(slab)])
     assert done.exit_code == 2
     assert "slab.toml:7: support: The problem of 1,760 contact points that need condensing takes about 0.6 GB" in (

@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from signorini._core import serendipity
+from signorini.discretise.quadrature import area_quadrature
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import annulus, disc, rectangle
 from signorini.mesh.subdivision import divisions_from_size, subdivide
-from signorini.quadrature import area_quadrature
-from signorini.regions import Polyline, Ring
+from signorini.shapes import Polyline, Ring
 
 SQUARE = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]], float)
 ELEMENT = np.arange(8)[None]

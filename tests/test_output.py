@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 import signorini
 from signorini.errors import InputError
-from signorini.output import path_csv, reactions_csv, results_json, room_for, unique_slugs, write, write_path
+from signorini.output import path_csv, reactions_csv, results_json, unique_slugs, write, write_path
+from signorini.output.directory import room_for
 
 
 def model(**changes: object) -> signorini.Model:

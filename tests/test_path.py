@@ -11,9 +11,9 @@ from typer.testing import CliRunner
 
 import signorini
 from signorini import Model
+from signorini.analysis.path_check import confirmed
 from signorini.cli import app
 from signorini.output import path_json
-from signorini.path_check import confirmed
 
 SLAB = """
 title = "Slab on pads"

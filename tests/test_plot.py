@@ -23,7 +23,7 @@ from signorini.plot import (
     save,
     supports,
 )
-from signorini.tessellation import tessellate
+from signorini.shapes.tessellation import tessellate
 
 # A square whose right edge bulges, and its neighbour on the left.
 POINTS = np.array(

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from signorini import Model, _core, contact_problem
-from signorini.certificate import FIGURES, TOLERANCE, certify
-from signorini.combine.terms import terms_of
+from signorini.analysis.combinations.terms import terms_of
+from signorini.contact.certificate import FIGURES, TOLERANCE, certify
 
 FACTORS = np.array([[1.0, 1.5, 0.0], [1.35, 0.0, 1.0], [1.0, 1.0, 1.0]])
 

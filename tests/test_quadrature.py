@@ -9,12 +9,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from signorini.discretise.quadrature import area_quadrature, curve_quadrature, edge_quadrature, off_plate
+from signorini.discretise.quadrature.roots import roots
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import annulus, disc, rectangle
-from signorini.quadrature import area_quadrature, curve_quadrature, edge_quadrature, off_plate
-from signorini.quadrature.roots import roots
-from signorini.regions import Circle, Polygon, Polyline, Rectangle, Ring
+from signorini.shapes import Circle, Polygon, Polyline, Rectangle, Ring
 
 
 def distorted(mesh, bend, seed=1):

@@ -7,10 +7,10 @@ import pytest
 
 import signorini
 from signorini import Model
-from signorini.certificate import Certificate
+from signorini.contact.certificate import Certificate
+from signorini.contact.problem import contact_problem
+from signorini.contact.refusal import refusal
 from signorini.errors import InputError, NotCertifiedError
-from signorini.problem import contact_problem
-from signorini.refusal import refusal
 
 
 def on_soft_edges(stiffness: float) -> Model:
@@ -64,6 +64,6 @@ def test_a_refusal_speaks_of_curvature_only_where_all_else_passed() -> None:
 
 
 def test_a_path_without_an_answer_names_the_soft_support(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(import_module("signorini.path"), "_trace", lambda *_: None)
+    monkeypatch.setattr(import_module("signorini.analysis.path"), "_trace", lambda *_: None)
     with pytest.raises(NotCertifiedError, match="The stiffness of bed"):
         signorini.path(on_a_soft_bed(1e-5), start=None, add="load")

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import signorini
+from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.mesh.meshfile import read as read_mesh
-from signorini.regular import read_regular
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="pipes and devices of POSIX")
 

@@ -7,9 +7,9 @@ import pytest
 from tensionless import slab_a
 
 from signorini import Model
-from signorini.certificate import certify
+from signorini.contact.certificate import certify
+from signorini.contact.problem import contact_problem
 from signorini.discretise import Discretisation, Rows, discretise
-from signorini.problem import contact_problem
 
 
 @pytest.fixture(scope="module")

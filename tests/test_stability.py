@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from signorini import Model, solve
-from signorini.check import check as checked
+from signorini.analysis.check import check as checked
 from signorini.errors import NoEquilibriumError
 
 SQUARE = [[1, 1], [3, 1], [3, 3], [1, 3]]

@@ -5,10 +5,15 @@ import pytest
 
 import signorini
 from signorini import InputError, Model, _core
+from signorini.base.memory import (
+    needed,
+    needed_by_interior_point,
+    needed_by_proximal_steps,
+    require_memory_for_proximal_steps,
+)
+from signorini.contact.problem import ContactProblem, contact_problem
+from signorini.contact.strategy import answered, attempts, ways_along
 from signorini.discretise import discretise
-from signorini.memory import needed, needed_by_interior_point, needed_by_proximal_steps
-from signorini.problem import ContactProblem, contact_problem
-from signorini.strategy import answered, attempts, ways_along
 
 CLAMPED = {"edge": "left", "fix": "clamped"}
 PROPS = {"at": [[4, 0], [4, 3]], "resists": "down"}
@@ -128,7 +133,7 @@ def test_what_memory_does_not_hold_is_not_tried(monkeypatch: pytest.MonkeyPatch)
     size = problem.discretisation.dof_count, len(problem.gaps)
 
     def methods(free: float) -> list[float | str]:
-        monkeypatch.setattr("signorini.memory.available", lambda: free)
+        monkeypatch.setattr("signorini.base.memory.available", lambda: free)
         return list(dict.fromkeys(attempt.part or attempt.problem.method for attempt in attempts(problem)))
 
     assert methods(0.0) == ["active_set"]
@@ -146,10 +151,10 @@ def test_a_method_that_was_asked_for_and_does_not_fit_is_refused(monkeypatch: py
     found = discretise(model)
     enough = 1.1 * needed(len(found.mesh.elements))
     assert enough < needed_by_interior_point(found.dof_count, len(found.contacts))
-    monkeypatch.setattr("signorini.memory.available", lambda: enough)
+    monkeypatch.setattr("signorini.base.memory.available", lambda: enough)
     with pytest.raises(InputError, match=r'interior point method takes .* Leave solver.method at "auto"') as caught:
         signorini.solve(model)
     assert caught.value.place == "solver.method"
-    monkeypatch.setattr("signorini.memory.available", lambda: 2e9)
+    monkeypatch.setattr("signorini.base.memory.available", lambda: 2e9)
     with pytest.raises(InputError, match=r"Solving 600,000 dofs by proximal .* 2.0 GB are free, enough for about 6"):
-        signorini.memory.require_memory_for_proximal_steps(600_000, 4)
+        require_memory_for_proximal_steps(600_000, 4)

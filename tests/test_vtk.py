@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from signorini.errors import InputError
-from signorini.vtk import displacement_vector, write_vtu
+from signorini.formats.vtk import displacement_vector, write_vtu
 
 # Two elements side by side, the right one with a curved edge.
 POINTS = np.array(

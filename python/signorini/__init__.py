@@ -15,18 +15,38 @@ Examples
 300000
 """
 
-from signorini._core import __version__
-from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
-from signorini.inputfile import load, schema
-from signorini.model import Model, validate
-from signorini.path import path
-from signorini.path_result import Path
-from signorini.probe_result import ProbeResult
-from signorini.problem import ContactProblem, contact_problem
-from signorini.progress import Progress
-from signorini.result import Result
-from signorini.solve import Results, solve
-from signorini.support_result import SupportResult
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from signorini._core import __version__
+    from signorini.analysis.path import path
+    from signorini.analysis.solve import Results, solve
+    from signorini.base.progress import Progress
+    from signorini.contact.problem import ContactProblem, contact_problem
+    from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
+    from signorini.formats.inputfile import load, schema
+    from signorini.model import Model, validate
+    from signorini.results.load_path import Path
+    from signorini.results.probe_result import ProbeResult
+    from signorini.results.result import Result
+    from signorini.results.support_result import SupportResult
+
+_HOME = {
+    "_core": ("__version__",),
+    "analysis.path": ("path",),
+    "analysis.solve": ("Results", "solve"),
+    "base.progress": ("Progress",),
+    "contact.problem": ("ContactProblem", "contact_problem"),
+    "errors": ("InputError", "NoEquilibriumError", "NotCertifiedError", "SignoriniError"),
+    "formats.inputfile": ("load", "schema"),
+    "model": ("Model", "validate"),
+    "results.load_path": ("Path",),
+    "results.probe_result": ("ProbeResult",),
+    "results.result": ("Result",),
+    "results.support_result": ("SupportResult",),
+}
+"""Where public names are; each is read when it is first asked for, as some take long."""
 
 __all__ = [
     "ContactProblem",
@@ -49,3 +69,15 @@ __all__ = [
     "solve",
     "validate",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _HOME.items():
+        if name in names:
+            value = globals()[name] = getattr(import_module(f"signorini.{module}"), name)
+            return value
+    raise AttributeError(f"module 'signorini' has no attribute {name!r}", name=name)
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from signorini import Model, _core
+from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.discretise import Discretisation
-from signorini.problem import ContactProblem, contact_problem
 
 ORDINARY = (ValueError, TypeError, RuntimeError, MemoryError, OverflowError)
 

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import spsolve
 
 import signorini
 from signorini import Model, NoEquilibriumError
-from signorini.problem import contact_problem
+from signorini.contact.problem import contact_problem
 
 CHECKERBOARD = [{"pressure": "1e5*sin(3.14159265358979*x)*sin(3.14159265358979*y)"}, {"pressure": 1e4}]
 

@@ -5,9 +5,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from signorini import InputError, Model, NotCertifiedError
-from signorini.combine import combine
-from signorini.problem import contact_problem
-from signorini.solve import solve_one
+from signorini.analysis.combinations import combine
+from signorini.analysis.solve import solve_one
+from signorini.contact.problem import contact_problem
 
 
 @st.composite

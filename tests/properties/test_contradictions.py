@@ -8,10 +8,10 @@ import pytest
 
 import signorini
 from signorini import InputError, Model, path, solve
-from signorini.check import check
+from signorini.analysis.check import check
 from signorini.discretise import discretise
+from signorini.discretise.quadrature.crossings import evaluate, quadratics
 from signorini.mesh.meshers import disc
-from signorini.quadrature.crossings import evaluate, quadratics
 
 ACROSS = {"line": [[0.5, 2.1], [3.5, 2.1]]}
 OBLIQUE = {"line": [[2.2, 0.5], [2.6, 3.5]]}

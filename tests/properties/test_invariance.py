@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from signorini import Model, NoEquilibriumError, solve
-from signorini.problem import contact_problem
+from signorini.contact.problem import contact_problem
 
 BEARINGS = [[0.7, 0.6], [3.4, 0.5], [3.3, 3.2], [0.5, 3.5], [2.0, 1.9]]
 

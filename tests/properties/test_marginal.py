@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from signorini import InputError, Model, NoEquilibriumError, NotCertifiedError, solve
-from signorini.problem import contact_problem
+from signorini.contact.problem import contact_problem
 
 CORNERS = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]
 INSIDE = [[0.7, 0.6], [3.4, 0.5], [3.3, 3.2], [0.5, 3.5]]

@@ -9,8 +9,8 @@ import pytest
 
 import signorini
 from signorini import Model, NoEquilibriumError
-from signorini.certificate import certify
-from signorini.problem import contact_problem
+from signorini.contact.certificate import certify
+from signorini.contact.problem import contact_problem
 
 PLATES = range(30)
 
@@ -72,7 +72,7 @@ def test_the_interior_point_method_has_every_kind_of_point() -> None:
 
 def test_with_more_points_than_the_lcp_takes_the_active_set_makes_it_exact(monkeypatch: pytest.MonkeyPatch) -> None:
     by_lemke = signorini.solve(Model(**table("lemke")))["all"]
-    monkeypatch.setattr("signorini.factoring.MOST_POINTS", 20)
+    monkeypatch.setattr("signorini.contact.factoring.MOST_POINTS", 20)
     problem = contact_problem(Model(**table("interior_point")))
     assert len(problem.gaps) > 20 and problem.method == "interior_point"
     load = problem.discretisation.cases["load"]

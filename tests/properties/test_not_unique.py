@@ -9,11 +9,11 @@ from scipy.optimize import LinearConstraint, minimize
 
 import signorini
 from signorini import _core, contact_problem
-from signorini.dependence import Dependence
+from signorini.contact.dependence import Dependence
+from signorini.contact.strategy import attempts
 from signorini.discretise import discretise
+from signorini.discretise.quadrature import area_quadrature
 from signorini.output import results_json
-from signorini.quadrature import area_quadrature
-from signorini.strategy import attempts
 
 CORNERS = [[0, 0], [4, 0], [4, 3], [0, 3]]
 INSIDE = [3.13, 2.37]

@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from signorini import InputError, Model, NoEquilibriumError, solve
-from signorini.problem import contact_problem
+from signorini.contact.problem import contact_problem
 
 FEW = 7
 """Contact points whose every state is tried."""

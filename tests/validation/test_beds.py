@@ -7,7 +7,7 @@ import pytest
 
 import signorini
 from signorini import Model, contact_problem
-from signorini.check import check
+from signorini.analysis.check import check
 from signorini.discretise import discretise
 from signorini.errors import InputError, NoEquilibriumError
 
@@ -254,7 +254,7 @@ def test_points_on_the_outline_leave_pressures_as_well_answered_as_means_alone()
     from scipy.sparse import csr_array
     from scipy.sparse.linalg import splu
 
-    from signorini.quadrature import area_quadrature
+    from signorini.discretise.quadrature import area_quadrature
 
     def flexibility(n: int, coarse: int, outline: bool) -> np.ndarray:
         found = discretise(

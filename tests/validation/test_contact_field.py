@@ -5,7 +5,7 @@ import pytest
 
 import signorini
 from signorini import Model
-from signorini.contact_field.lines import thinned
+from signorini.results.contact_field.lines import thinned
 
 
 def solved(**keys: object) -> signorini.Result:

@@ -6,7 +6,7 @@ import pytest
 
 import signorini
 from signorini import Model
-from signorini.certificate import CERTIFIABLE, Certificate
+from signorini.contact.certificate import CERTIFIABLE, Certificate
 from signorini.errors import NotCertifiedError
 
 

@@ -6,8 +6,8 @@ from rich.console import Console
 from rich.text import Text
 
 from signorini.cli.cells import in_unit, number, table
-from signorini.path_result import Path
-from signorini.path_stop import PathStop
+from signorini.results.load_path import Path
+from signorini.results.path_stop import PathStop
 
 _MOST_EVENTS = 40
 """Events printed; of more the first and last halves of these."""

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from rich.console import Console
 from rich.text import Text
 
-from signorini.certificate import FIGURES
+from signorini.analysis.combinations import Combined
 from signorini.cli.cells import in_unit, number, point, table
-from signorini.combine import Combined
+from signorini.contact.certificate import FIGURES
 from signorini.model import Units
 
 _MOST_NAMED = 5

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from signorini.rooms import remove
+from signorini.base.rooms import remove
 
 INTERRUPTED = 130
 TERMINATED = 143

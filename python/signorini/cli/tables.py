@@ -8,15 +8,15 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from signorini.check import Check
+from signorini.analysis.check import Check
+from signorini.analysis.solve import Results
 from signorini.cli.cells import in_unit, number, per_area, point, table, unit_of
 from signorini.cli.governing import print_combined
 from signorini.discretise import Discretisation
-from signorini.kinds import MEANINGS, SYMBOLS, describe, kinds
 from signorini.model import Support, Units
-from signorini.result import Result
-from signorini.solve import Results
-from signorini.support_result import SupportResult
+from signorini.results.result import Result
+from signorini.results.support_result import SupportResult
+from signorini.results.support_words import MEANINGS, SYMBOLS, describe, kinds
 
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _MOST_OPEN = 8

@@ -12,14 +12,14 @@ from itertools import pairwise
 import numpy as np
 
 from signorini.discretise.places import curve, region
+from signorini.discretise.quadrature.crossings import evaluate, quadratics, with_circles, with_segments
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import ContactPoints
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
 from signorini.model import AnnulusPlate, DiscPlate, Model, Plate, Support
-from signorini.quadrature.crossings import evaluate, quadratics, with_circles, with_segments
-from signorini.regions import Region
+from signorini.shapes import Region
 
 _SAME_PLACE = 1e-9
 """Part of the plate's size within which points are one."""

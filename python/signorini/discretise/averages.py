@@ -15,11 +15,11 @@ import numpy as np
 
 from signorini.discretise.outlines import outline
 from signorini.discretise.places import region
+from signorini.discretise.quadrature.arcs import arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model, Plate, Support
-from signorini.quadrature.arcs import arcs_of
-from signorini.regions import Circle, Curve, Polyline, Region, Ring
+from signorini.shapes import Circle, Curve, Polyline, Region, Ring
 
 STRIP = 1e-2
 """Part of an element's area that each point on the outline stands for: enough to act where a bed is a little stiff."""

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from signorini.base.memory import require_memory
 from signorini.discretise.places import curve, region
 from signorini.expression import Expression
 from signorini.expression.levels import Drawing
-from signorini.memory import require_memory
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import annulus, disc, rectangle
 from signorini.model import AnnulusPlate, DiscPlate, Load, MeshPlate, Model, RectanglePlate, Support
-from signorini.regions import Curve, Region
-from signorini.regions.outlines import Box, Point
+from signorini.shapes import Curve, Region
+from signorini.shapes.outlines import Box, Point
 
 
 def mesh_of(model: Model) -> Mesh:

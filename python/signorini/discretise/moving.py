@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from signorini.discretise.loads import CaseLoad, push
+from signorini.discretise.quadrature import area_quadrature
 from signorini.mesh import Mesh
 from signorini.model import Moving
 from signorini.model.moving import Wheel
-from signorini.quadrature import area_quadrature
-from signorini.regions import Polygon
+from signorini.shapes import Polygon
 
 _GAUSS = 3
 

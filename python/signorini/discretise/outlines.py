@@ -8,8 +8,8 @@ from signorini.discretise.places import curve, region
 from signorini.discretise.rows import Floats
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, DiscPlate, Plate, Support
-from signorini.regions import Curve, Region
-from signorini.regions.outlines import Point
+from signorini.shapes import Curve, Region
+from signorini.shapes.outlines import Point
 
 _TURN = 360
 """Points of a full circle: the arcs between them rise by 4e-5 of the radius over their chords."""

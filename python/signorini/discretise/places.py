@@ -6,11 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.errors import InputError, unknown
-from signorini.mesh import Mesh
-from signorini.model import AnnulusPlate, Area, DiscPlate, Load, Plate, Support
-from signorini.quadrature import (
+from signorini.discretise.quadrature import (
     LineQuadrature,
     Quadrature,
     area_quadrature,
@@ -18,8 +14,12 @@ from signorini.quadrature import (
     edge_quadrature,
     off_plate,
 )
-from signorini.quadrature.stepped import OFF, Levels
-from signorini.regions import Circle, Curve, Polygon, Polyline, Rectangle, Region, Ring
+from signorini.discretise.quadrature.stepped import OFF, Levels
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.errors import InputError, unknown
+from signorini.mesh import Mesh
+from signorini.model import AnnulusPlate, Area, DiscPlate, Load, Plate, Support
+from signorini.shapes import Circle, Curve, Polygon, Polyline, Rectangle, Region, Ring
 
 _SECTOR_SLACK = 1e-3
 """Part of a circle that a sector's outline, made of parabolas, may leave out."""

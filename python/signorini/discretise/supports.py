@@ -12,11 +12,11 @@ from signorini import _core
 from signorini.discretise.averages import STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
 from signorini.discretise.holds import holds_deflection, nodes_at
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area, located, mesh_edges
+from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
 from signorini.expression.levels import Level
 from signorini.mesh import Mesh
 from signorini.model import Model, Plate, Support
-from signorini.quadrature.stepped import INSIDE
 
 _GAUSS = 3
 _GAUSS_RIGID = 2

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini import _core
+from signorini.discretise.quadrature.stepped import Cut, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.model import Model
-from signorini.quadrature.stepped import Cut, crossed, cut_by
 
 _RANGE = (1e-6, 10.0)
 """Thickness over the plate's size: beyond, double precision holds no plate, or the plate is a block."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from signorini.regions import Ring
+from signorini.shapes import Ring
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.subdivision import subdivide
-from signorini.regions.outlines import Point
+from signorini.shapes.outlines import Point
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

@@ -18,12 +18,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from signorini.base.regular import open_regular
 from signorini.errors import InputError
 from signorini.expression import LARGEST
 from signorini.mesh import Mesh
 from signorini.mesh.checks import loops, on_boundary
 from signorini.mesh.isoparametric import SIDES
-from signorini.regular import open_regular
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]

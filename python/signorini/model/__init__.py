@@ -11,8 +11,8 @@ from signorini.model.load import Load, Probe
 from signorini.model.moving import Moving
 from signorini.model.output import ENVELOPED, Output
 from signorini.model.plate import AnnulusPlate, DiscPlate, Material, MeshOptions, MeshPlate, RectanglePlate
-from signorini.model.problems import validate
 from signorini.model.support import Support
+from signorini.model.validation import validate
 from signorini.model.whole import Model, Solver, Units
 
 Plate = RectanglePlate | DiscPlate | AnnulusPlate | MeshPlate

@@ -18,6 +18,7 @@ from signorini.model.base import (
     listed,
     numbers_schema,
 )
+from signorini.model.problems import BRANCHES
 
 _MOST_CORNERS = 2000
 _FORMS = ("rectangle", "circle", "polygon")
@@ -97,3 +98,4 @@ AnyArea = Annotated[
         custom_error_message='it must be "all" or a table with one of rectangle, circle, polygon.',
     ),
 ]
+BRANCHES["area"] = {"all": Area, "table": Area}

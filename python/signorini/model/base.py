@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 import reprlib
 from collections.abc import Callable, Iterable, Iterator
 from numbers import Integral, Real
@@ -24,9 +23,8 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from signorini.errors import InputError
 from signorini.expression import LARGEST, Expression
-
-Path = tuple[str | int, ...]
-"""Where something stands in the model: keys and, counted from 0, positions in lists."""
+from signorini.model.problems import explained
+from signorini.model.words import Path, as_list, describe
 
 Complaint = tuple[Path, str]
 
@@ -53,8 +51,6 @@ class _InWords(ModelMetaclass):
             try:
                 return super().__call__(*args, **keys)
             except ValidationError as error:
-                from signorini.model.problems import explained
-
                 raise explained(error, cls, keys) from None
 
 
@@ -91,28 +87,6 @@ class Table(BaseModel, metaclass=_InWords):
     def given(self, keys: Iterable[str]) -> list[str]:
         """Those of the keys that have a value."""
         return [key for key in keys if getattr(self, key) is not None]
-
-
-def describe(value: object) -> str:
-    """Show a value the way the input file writes it, cut short when long."""
-    match value:
-        case bool():
-            return str(value).lower()
-        case None:
-            return "nothing"
-        case str():
-            shown = value if len(value) <= 60 else f"{value[:57]}..."
-            return f'"{shown}"' if shown.isprintable() else f'"{repr(shown)[1:-1]}"'
-        case dict():
-            return "a table"
-        case float():
-            return repr(float(value)).removesuffix(".0")
-        case int() if abs(value) > 10**20:
-            return "an integer of more than 20 digits"
-        case datetime.date() | datetime.time():
-            return f"the date or time {value}"
-        case _:
-            return reprlib.repr(value)
 
 
 def number(value: object) -> float:
@@ -180,11 +154,6 @@ def _scalar(
     limits = {"exclusiveMinimum": above} if above is not None else {"minimum": at_least} if at_least is not None else {}
     schema = {"anyOf": [{"type": "number", **limits}, {"type": "string"}]}
     return PlainValidator(read), PlainSerializer(lambda expression: expression.source), WithJsonSchema(schema)
-
-
-def as_list(value: Any) -> Any:
-    """Turn a NumPy array into lists; leave anything else as it is."""
-    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def listed(length: int, form: str) -> Callable[[object], object]:

@@ -7,8 +7,9 @@ from typing import Annotated, Any, Generic, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainSerializer, WithJsonSchema
 
-from signorini.model.base import Complaint, Number, Table, Text, as_list, describe
+from signorini.model.base import Complaint, Number, Table, Text
 from signorini.model.factortable import FactorTable, read_factor_table
+from signorini.model.words import as_list, describe
 
 Value = TypeVar("Value")
 

@@ -7,9 +7,9 @@ import io
 from dataclasses import dataclass
 from pathlib import Path
 
+from signorini.base.regular import read_regular
 from signorini.expression import LARGEST
-from signorini.model.base import describe
-from signorini.regular import read_regular
+from signorini.model.words import describe
 
 _LARGEST_FILE = 200_000_000
 

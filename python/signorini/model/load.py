@@ -8,19 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
 
 from signorini.model.area import AnyArea, Circle
-from signorini.model.base import (
-    Complaint,
-    Edges,
-    Number,
-    Points,
-    Polyline,
-    Scalar,
-    Table,
-    Text,
-    describe,
-    listed,
-    numbers_schema,
-)
+from signorini.model.base import Complaint, Edges, Number, Points, Polyline, Scalar, Table, Text, listed, numbers_schema
+from signorini.model.words import describe
 
 Kind = Literal["pressure", "force", "line_load", "moment", "self_weight", "curvature"]
 

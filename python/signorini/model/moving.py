@@ -9,18 +9,8 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
-from signorini.model.base import (
-    Complaint,
-    NonNegative,
-    Number,
-    Polyline,
-    Positive,
-    Table,
-    Text,
-    as_list,
-    listed,
-    numbers_schema,
-)
+from signorini.model.base import Complaint, NonNegative, Number, Polyline, Positive, Table, Text, listed, numbers_schema
+from signorini.model.words import as_list
 
 _END = 1e-9
 """A last step shorter than this part of a step is none."""

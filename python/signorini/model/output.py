@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
-from signorini.model.base import Complaint, Table, Text, describe
+from signorini.model.base import Complaint, Table, Text
+from signorini.model.words import describe
 
 FEW = 12
 """Combinations up to which each is written by itself."""

@@ -19,11 +19,12 @@ from signorini.model.base import (
     Positive,
     PositiveScalar,
     Table,
-    describe,
     listed,
     number,
     numbers_schema,
 )
+from signorini.model.problems import BRANCHES
+from signorini.model.words import describe
 
 _DEFAULT_ALONG = 20
 _FARTHEST = 1e6
@@ -234,3 +235,4 @@ class MeshPlate(_Plate):
 
 
 AnyPlate = Annotated[RectanglePlate | DiscPlate | AnnulusPlate | MeshPlate, Field(discriminator="shape")]
+BRANCHES["plate"] = {"rectangle": RectanglePlate, "disc": DiscPlate, "annulus": AnnulusPlate, "mesh": MeshPlate}

@@ -8,25 +8,23 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from signorini.errors import InputError
-from signorini.model.area import Area
-from signorini.model.base import Path, Table, as_list, describe
-from signorini.model.plate import AnnulusPlate, DiscPlate, MeshPlate, RectanglePlate
-from signorini.model.whole import Model
+from signorini.model.words import Path, as_list, describe
 
 _MOST_LISTED = 20
 _MOST_READ = 1000
 
-# pydantic puts the branch it took into the path; these are not keys of the input
-_BRANCHES: dict[str, dict[str, type[Table]]] = {
-    "plate": {"rectangle": RectanglePlate, "disc": DiscPlate, "annulus": AnnulusPlate, "mesh": MeshPlate},
-    "area": {"all": Area, "table": Area},
-}
 _LISTS = ("support", "load", "combination", "moving", "probe")
+
+BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}
+"""Of keys that take one of several tables, these by what pydantic puts into its path for them, which is no key of the
+input. The modules of the tables enter them, which stand above this one."""
+TOP: dict[str, tuple[type[BaseModel], ...]] = {}
+"""Keys of the whole model with the tables below each, so that a key in the wrong one is told its place."""
 
 
 @dataclass(frozen=True)
@@ -60,44 +58,9 @@ class Problem:
         return f'{keys} ("{self.label}")' if self.label else keys
 
 
-def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Path], int] | None = None) -> Model:
-    """Make a model of nested mappings and lists, as read from an input file.
-
-    Parameters
-    ----------
-    data : mapping
-        The tables, under the keys of the input file.
-    source : str
-        Name of the file they come from, for messages.
-    line_of : callable, optional
-        Line in that file of a path of keys and positions (these count from 0).
-
-    Returns
-    -------
-    Model
-
-    Raises
-    ------
-    InputError
-        Naming everything that is wrong, each with its place.
-
-    Examples
-    --------
-    >>> validate({"material": {"E": 30e9, "nu": 0.5}, "plate": {"shape": "disc", "radius": 1, "thickness": 0.1},
-    ...           "load": [{"pressure": 1}]})
-    Traceback (most recent call last):
-        ...
-    signorini.errors.InputError: material.nu: found 0.5; it must be less than 0.5.
-    """
-    try:
-        return Model.model_validate(data)
-    except ValidationError as error:
-        raise explained(error, Model, data, source, line_of) from None
-
-
 def explained(
     error: ValidationError,
-    root: type[Table],
+    root: type[BaseModel],
     data: Any,
     source: str = "",
     line_of: Callable[[Path], int] | None = None,
@@ -120,7 +83,7 @@ def explained(
     return InputError("\n  ".join([f"{count} problems:", *listed]), place=source)
 
 
-def _problems(errors: list[ErrorDetails], data: Any, root: type[Table]) -> list[Problem]:
+def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> list[Problem]:
     """Put every error in words, but for those that only echo another one."""
     resolved = [(details, *_resolve(details["loc"], data, root)) for details in errors]
     misspelt = {
@@ -134,19 +97,19 @@ def _problems(errors: list[ErrorDetails], data: Any, root: type[Table]) -> list[
         echo = (kind == "missing" and path in misspelt) or (kind == "too_short" and details["input"])
         if kind in ("union_tag_invalid", "union_tag_not_found"):
             path = (*path, "shape")
-            field = RectanglePlate.model_fields["shape"]
+            field = next(iter(BRANCHES["plate"].values())).model_fields["shape"]
         if not echo:
             found.append(Problem(path, _label(path, data), _message(details, path, table, field)))
     return list(dict.fromkeys(found))
 
 
-def _resolve(loc: Path, data: Any, root: type[Table]) -> tuple[Path, type[Table], FieldInfo | None]:
+def _resolve(loc: Path, data: Any, root: type[BaseModel]) -> tuple[Path, type[BaseModel], FieldInfo | None]:
     """Walk pydantic's path; return it as the user wrote it, with the table and field that its last key belongs to."""
     path: list[str | int] = []
-    owner: type[Table] = root
-    inner: type[Table] | None = root
+    owner: type[BaseModel] = root
+    inner: type[BaseModel] | None = root
     field: FieldInfo | None = None
-    branches: dict[str, type[Table]] = {}
+    branches: Mapping[str, type[BaseModel]] = {}
     value = data
     for position, key in enumerate(loc):
         value = as_list(value)
@@ -162,7 +125,7 @@ def _resolve(loc: Path, data: Any, root: type[Table]) -> tuple[Path, type[Table]
             if inner is not None:
                 owner, field = inner, inner.model_fields.get(key)
                 inner = _table_in(field.annotation) if field is not None else None
-            branches = _BRANCHES.get(key, {})
+            branches = BRANCHES.get(key, {})
             path.append(key)
             value = value.get(key) if isinstance(value, Mapping) else None
     return tuple(path), owner, field
@@ -172,8 +135,17 @@ def _is_list(value: object) -> bool:
     return isinstance(as_list(value), list | tuple)
 
 
-def _table_in(annotation: object) -> type[Table] | None:
-    if isinstance(annotation, type) and issubclass(annotation, Table):
+def tables_of(root: type[BaseModel]) -> dict[str, tuple[type[BaseModel], ...]]:
+    """Collect the keys of a table with the tables below each."""
+    below = {name: _table_in(field.annotation) for name, field in root.model_fields.items()}
+    return {
+        name: tuple(BRANCHES[name].values()) if name in BRANCHES else (table,) if table is not None else ()
+        for name, table in below.items()
+    }
+
+
+def _table_in(annotation: object) -> type[BaseModel] | None:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     return next((table for part in get_args(annotation) if (table := _table_in(part))), None)
 
@@ -189,7 +161,7 @@ def _label(path: Path, data: Any) -> str:
     return ""
 
 
-def _message(details: ErrorDetails, path: Path, table: type[Table], field: FieldInfo | None) -> str:
+def _message(details: ErrorDetails, path: Path, table: type[BaseModel], field: FieldInfo | None) -> str:
     key = next((str(part) for part in reversed(path) if isinstance(part, str)), "")
     context = details.get("ctx", {})
     found = f"found {describe(as_list(details['input']))}"
@@ -233,28 +205,28 @@ def _message(details: ErrorDetails, path: Path, table: type[Table], field: Field
             return f"{found}; it does not fit here. {about}"
 
 
-def _unknown_key(path: Path, table: type[Table]) -> str:
+def _unknown_key(path: Path, table: type[BaseModel]) -> str:
     key = str(path[-1])
     hint = _suggest(key, table.model_fields)
     if not hint and len(path) > 1:
-        headers = {name: f"[[{name}]]" if name in _LISTS else f"[{name}]" for name in _TABLES}
-        owners = [headers[name] for name, tables in _TABLES.items() if _has(tables, key) and name != path[0]]
+        headers = {name: f"[[{name}]]" if name in _LISTS else f"[{name}]" for name, tables in TOP.items() if tables}
+        owners = [headers[name] for name, tables in TOP.items() if _has(tables, key) and name != path[0]]
         if key in headers:
             hint = f" It is a table of its own: {headers[key]}."
-        elif key in Model.model_fields:
+        elif key in TOP:
             hint = " It belongs above the first table."
         elif owners:
             hint = f" It belongs in {' or '.join(owners)}."
     return f"unknown key '{key}'.{hint} Allowed here: {', '.join(table.model_fields)}."
 
 
-def _has(tables: Iterable[type[Table]], key: str) -> bool:
+def _has(tables: Iterable[type[BaseModel]], key: str) -> bool:
     return any(key in table.model_fields for table in tables)
 
 
 def _unknown_shape(plate: object) -> str:
     shape = plate.get("shape") if isinstance(plate, Mapping) else getattr(plate, "shape", None)
-    shapes = list(_BRANCHES["plate"])
+    shapes = list(BRANCHES["plate"])
     return (
         f"found {describe(shape)}; this version has {', '.join(shapes)}.{_suggest(shape, shapes)} "
         'For any other outline mesh the plate in another program and give shape = "mesh" with its file.'
@@ -271,10 +243,3 @@ def _nearest(found: object, allowed: Iterable[str]) -> str:
 def _suggest(found: object, allowed: Iterable[str]) -> str:
     near = _nearest(found, allowed)
     return f" Did you mean '{near}'?" if near else ""
-
-
-_TABLES: dict[str, tuple[type[Table], ...]] = {
-    name: tuple(_BRANCHES[name].values()) if name in _BRANCHES else (table,)
-    for name, field in Model.model_fields.items()
-    if (table := _table_in(field.annotation)) is not None
-}

@@ -19,8 +19,8 @@ from signorini.model.base import (
     Scalar,
     Table,
     Text,
-    describe,
 )
+from signorini.model.words import describe
 
 Place = Literal["at", "edge", "line", "circle", "area"]
 Component = Literal["w", "slope", "twist"]

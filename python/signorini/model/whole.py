@@ -16,6 +16,7 @@ from signorini.model.load import Load, Probe
 from signorini.model.moving import Moving
 from signorini.model.output import FEW, Output
 from signorini.model.plate import AnyPlate, Material, MeshOptions, MeshPlate
+from signorini.model.problems import TOP, tables_of
 from signorini.model.support import Support
 
 _MOST_ELEMENTS = 10_000_000
@@ -227,3 +228,6 @@ def _repeated(table: str, names: list[str], key: str = "name") -> Iterator[Compl
                 (table, index, key),
                 f'the name "{name}" is taken by {table}[{first[name] + 1}]; each name may stand once.',
             )
+
+
+TOP.update(tables_of(Model))

@@ -10,12 +10,12 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 
+from signorini.base.files import require_free
+from signorini.base.regular import read_regular
+from signorini.base.rooms import alone_in, room_beside
 from signorini.errors import InputError
-from signorini.files import require_free
 from signorini.model import Model
 from signorini.output.names import CSV, JSON, PATH_CSV, PATH_JSON, PATH_PICTURE, expected_names
-from signorini.regular import read_regular
-from signorini.rooms import alone_in, room_beside
 
 _OURS = re.compile(r"[\w.-]+\.(vtu|png)|reactions\.csv|results\.json|combinations\.parquet")
 _KEYS_OF_RESULTS = {"schema", "title", "units", "model", "combinations", "seconds", "files"}

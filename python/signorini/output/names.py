@@ -7,10 +7,10 @@ import unicodedata
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from signorini.analysis.solve import Results
 from signorini.model import Model
-from signorini.result import Result
-from signorini.solve import Results
-from signorini.tabulated import ENVELOPE, TABLE
+from signorini.output.envelope_json import ENVELOPE, TABLE
+from signorini.results.result import Result
 
 JSON, CSV = "results.json", "reactions.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"

@@ -8,13 +8,13 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
+from signorini.analysis.solve import Results
 from signorini.output.cells import name_cell
+from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.names import file_names
-from signorini.probe_result import ProbeResult
-from signorini.result import Result
-from signorini.solve import Results
-from signorini.support_result import SupportResult
-from signorini.tabulated import envelope_json, table_json
+from signorini.results.probe_result import ProbeResult
+from signorini.results.result import Result
+from signorini.results.support_result import SupportResult
 
 SCHEMA = 1
 _COLUMNS = (

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from signorini.errors import InputError
 from signorini.plot.plan import INK, checked_mesh, draw_outlines, literal, plan_axes
-from signorini.tessellation import tessellate
+from signorini.shapes.tessellation import tessellate
 
 _NOISE = 1e-9
 

@@ -11,13 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
-from signorini.files import replacing
+from signorini.base.files import replacing
 from signorini.plot.balance import BalanceMark, draw_balances
 from signorini.plot.field import contour
 from signorini.plot.marks import Entry, LoadMark, SupportMark, draw_legend, draw_load, draw_supports
 from signorini.plot.plan import INK, checked_mesh, draw_outlines, draw_sheet, literal, plan_axes
 from signorini.plot.pressure import PressureLayer, pressure
-from signorini.tessellation import tessellate
+from signorini.shapes.tessellation import tessellate
 
 DRAWN_BY = "signorini"
 """What the metadata of pictures name as the program that drew them."""

@@ -10,7 +10,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.errors import InputError
-from signorini.tessellation import Tessellation
+from signorini.shapes.tessellation import Tessellation
 
 INK = "#1c2733"
 _SHEET = "#eef2f5"

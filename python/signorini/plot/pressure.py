@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from signorini.plot.field import add_colour_bar, colour_scale
 from signorini.plot.plan import INK, checked_mesh, draw_outlines, draw_sheet, literal, plan_axes
-from signorini.tessellation import Tessellation, tessellate
+from signorini.shapes.tessellation import Tessellation, tessellate
 
 _ON_OUTLINE = 1e-9
 """Part of the plate's size within which a point is on an area's outline."""

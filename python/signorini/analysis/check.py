@@ -1,0 +1,221 @@
+"""A model before it is solved: its size, its loads' resultants, whether its supports can balance them, its picture."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from signorini.base.regular import open_regular
+from signorini.discretise import Discretisation, discretise
+from signorini.discretise.rows import Floats
+from signorini.equilibrium.balance import RigidFreedom, allowed_motions, rigid_freedom, tipping_axis
+from signorini.equilibrium.limits import nearest_limit, on_the_brink, why_none
+from signorini.errors import InputError
+from signorini.model import Combination, Model
+from signorini.results.marks import load_marks, support_marks
+
+_NO_FORCE = 1e-12
+_WORK = 1e-10
+"""Work below this part of the load times the motion is rounding."""
+_FORMATS = (".png", ".svg", ".pdf")
+_HEAD = 1000
+"""Bytes of a picture within which its metadata are."""
+
+
+@dataclass(frozen=True)
+class Resultant:
+    """What the load of one combination amounts to.
+
+    Parameters
+    ----------
+    name : str
+        The combination.
+    force : float
+        Sum of the forces, positive down.
+    at : (x, y) or None
+        The point at which that force alone would do the same to a rigid plate; None where the forces sum to zero.
+    couple : (mx, my)
+        Couples about the middle of the plate.
+    message : str
+        Why no reactions balance it; empty where they do.
+    brink : bool
+        Whether they only just do: the load is on the edge of what the supports can hold. Of many combinations neither
+        this nor the limit is asked.
+    limit : (case, factor) or None
+        The nearest limit of equilibrium: the case, and the factor on top of its own that reaches it alone.
+    axis : ((x, y), (x, y)) or None
+        Two points of the line about which the plate tips, if it does.
+    """
+
+    name: str
+    force: float
+    at: tuple[float, float] | None
+    couple: tuple[float, float]
+    message: str
+    brink: bool
+    limit: tuple[str, float] | None
+    axis: tuple[tuple[float, float], tuple[float, float]] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """A model that can be solved as far as can be told without solving it."""
+
+    discretisation: Discretisation
+    resultants: tuple[Resultant, ...]
+
+    @property
+    def balanced(self) -> bool:
+        """Whether every combination can be balanced."""
+        return not any(resultant.message for resultant in self.resultants)
+
+    def save_picture(self, path: str | os.PathLike[str]) -> None:
+        """Draw mesh, supports, loads, their resultants and the lines about which they tip the plate to a file.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written, or its suffix names no format of pictures.
+        """
+        # Only this method needs matplotlib.
+        from signorini.plot import BalanceMark, check_picture, save
+
+        require_picture(path)
+        found = self.discretisation
+        figure = check_picture(
+            found.mesh.points,
+            found.mesh.elements,
+            supports=support_marks(found),
+            loads=load_marks(found),
+            balance=[BalanceMark(r.name, r.at, r.force < 0, bool(r.message), r.axis) for r in self.resultants],
+            title=found.model.title,
+            length=found.model.units.length,
+        )
+        try:
+            save(figure, path)
+        except FileNotFoundError:
+            raise InputError(f"there is no directory {Path(path).parent} to write the picture to.", str(path)) from None
+        except OSError as error:
+            raise InputError(f"the picture cannot be written: {error.strerror or error}.", str(path)) from None
+
+
+def require_picture(path: str | os.PathLike[str]) -> None:
+    """Refuse a file whose suffix names no format of pictures.
+
+    Raises
+    ------
+    InputError
+        If the suffix is another.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in _FORMATS:
+        raise InputError(f'found the suffix "{suffix}"; a picture ends in {", ".join(_FORMATS)}.', str(path))
+
+
+def require_free(path: str | os.PathLike[str]) -> None:
+    """Refuse a picture's name that a file has which is no picture of ours, by its metadata.
+
+    Raises
+    ------
+    InputError
+        If there is such a file.
+    """
+    # Only this function needs matplotlib.
+    from signorini.plot import DRAWN_BY
+
+    if not os.path.lexists(path):
+        return
+    try:
+        with open_regular(path, sys.maxsize) as file:
+            ours = DRAWN_BY.encode() in file.read(_HEAD)
+    except OSError:
+        ours = False
+    if not ours:
+        raise InputError(
+            "it is there already, and it is no picture that signorini drew. Move it, or name another file with -o.",
+            str(path),
+        )
+
+
+def check(model: Model) -> Check:
+    """Mesh a model, place its supports and loads, and ask of every combination whether reactions can balance it.
+
+    Raises
+    ------
+    InputError
+        If the model says something that cannot be, or the plate is a mechanism.
+
+    Examples
+    --------
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     support=[{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
+    ...     load=[{"force": 20e3, "at": [2, 1.5]}],
+    ... )
+    >>> found = check(model)
+    >>> found.balanced, round(found.resultants[0].force, 6), found.resultants[0].at
+    (True, 20000.0, (2.0, 1.5))
+    """
+    found = discretise(model)
+    freedom = rigid_freedom(found)
+    if model.tabulated:
+        return Check(found, tuple(_resultants(found, freedom)))
+    return Check(found, tuple(_resultant(found, freedom, c) for c in model.effective_combinations))
+
+
+def _resultants(found: Discretisation, freedom: RigidFreedom) -> Iterator[Resultant]:
+    """Resultants of many combinations, from those of their load cases."""
+    combinations = found.model.effective_combinations
+    used = combinations.cases
+    weighing = {case: found.cases[case].weighing for case in found.cases if case in used}
+    of_case = {case: found.rigid_motions.T @ load for case, load in weighing.items()}
+    size = {case: float(np.abs(load[::3]).sum()) for case, load in weighing.items()}
+    scale = np.array([1.0, found.mesh.size, found.mesh.size])
+    motions = allowed_motions(freedom.outline)
+    for combination in combinations:
+        factors = combination.factors or {}
+        resultant = np.sum([np.zeros(3), *(factor * of_case[case] for case, factor in factors.items())], axis=0)
+        total = sum(abs(factor) * size[case] for case, factor in factors.items())
+        work = motions @ (resultant / scale @ freedom.motions) if len(motions) else np.zeros(0)
+        message = ""
+        if work.max(initial=0.0) > _WORK * total:
+            message = why_none(found, freedom, combination)
+        yield _of(found, freedom, combination, resultant, total, message)
+
+
+def _resultant(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> Resultant:
+    weighing = found.load(combination).weighing
+    message = why_none(found, freedom, combination)
+    brink = not message and on_the_brink(found, freedom, weighing)
+    limit = nearest_limit(found, freedom, combination)
+    total = float(np.abs(weighing[::3]).sum())
+    return _of(found, freedom, combination, found.rigid_motions.T @ weighing, total, message, brink, limit)
+
+
+def _of(
+    found: Discretisation,
+    freedom: RigidFreedom,
+    combination: Combination,
+    resultant: Floats,
+    total: float,
+    message: str,
+    brink: bool = False,
+    limit: tuple[str, float] | None = None,
+) -> Resultant:
+    least = _NO_FORCE * total * np.array([1.0, found.mesh.size, found.mesh.size])
+    force, mx, my = (float(part) for part in np.where(np.abs(resultant) > least, resultant, 0.0))
+    at = None
+    if force:
+        x, y = ((found.middle + np.array([mx, my]) / force) / found.mesh.size).round(12) * found.mesh.size + 0.0
+        at = (float(x), float(y))
+    if not message:
+        return Resultant(combination.name, force, at, (mx, my), "", brink, limit, None)
+    ends = tipping_axis(found, freedom, found.load(combination).weighing)
+    axis = None if ends is None else ((float(ends[0, 0]), float(ends[0, 1])), (float(ends[1, 0]), float(ends[1, 1])))
+    return Resultant(combination.name, force, at, (mx, my), message, brink, limit, axis)

@@ -1,0 +1,181 @@
+"""Some combinations' results as columns: what is written of each, whoever solved it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from signorini.contact.certificate import FIGURES
+from signorini.discretise import Discretisation
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.model import Combination, Model
+from signorini.results.result import FIELDS, Result
+from signorini.results.support_points import SupportPoints
+
+Column = Sequence[str] | Floats | Ints
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Which columns a model's combinations have."""
+
+    model: Model
+    supports: tuple[SupportPoints, ...]
+    fields: tuple[str, ...]
+    probes: Floats
+
+    @classmethod
+    def of(cls, found: Discretisation, fields: Sequence[str]) -> Layout:
+        """Lay out the columns of a model; ``fields`` are those that envelopes are sought of."""
+        points = tuple(SupportPoints.of(found, index) for index in range(len(found.model.support)))
+        return cls(found.model, points, tuple(fields), found.probe_positions)
+
+    @property
+    def point_count(self) -> int:
+        """Number of points of all supports."""
+        return sum(len(points.positions) for points in self.supports)
+
+    @property
+    def slices(self) -> list[slice]:
+        """Which of all supports' points are each support's."""
+        ends = np.cumsum([0, *(len(points.positions) for points in self.supports)]).tolist()
+        return [slice(a, b) for a, b in pairwise(ends)]
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Results of consecutive combinations (k,); NaN and 0 where there is no equilibrium.
+
+    Parameters
+    ----------
+    first : int
+        Number of the first of them.
+    solved : (k,) array
+    method, not_unique : lists of str
+    iterations : (k,) array
+    certificate : (k, 5) array
+        In the order of the certificate's figures.
+    reaction, gap, closed : (k, p) arrays
+        Of every point of every support.
+    probes : (k, 8q) array
+        Every field at every probe.
+    peaks, places : (k, f, 2) arrays
+        Largest and smallest value of each enveloped field, and the nodes they are at.
+    """
+
+    first: int
+    combinations: Sequence[Combination]
+    solved: Bools
+    method: list[str]
+    not_unique: list[str]
+    iterations: Ints
+    certificate: Floats
+    reaction: Floats
+    gap: Floats
+    closed: Bools
+    probes: Floats
+    peaks: Floats
+    places: Ints
+
+    @classmethod
+    def empty(cls, layout: Layout, first: int, combinations: Sequence[Combination]) -> Block:
+        """Make room for combinations that are still to be solved."""
+        count, points, fields = len(combinations), layout.point_count, len(layout.fields)
+
+        def nan(*shape: int) -> Floats:
+            return np.full((count, *shape), np.nan)
+
+        return cls(
+            first,
+            combinations,
+            np.zeros(count, np.bool_),
+            ["equilibrium check"] * count,
+            [""] * count,
+            np.zeros(count, np.int64),
+            nan(len(FIGURES)),
+            nan(points),
+            nan(points),
+            np.zeros((count, points), np.bool_),
+            nan(len(FIELDS) * len(layout.probes)),
+            nan(fields, 2),
+            np.zeros((count, fields, 2), np.int64),
+        )
+
+    @property
+    def numbers(self) -> Ints:
+        """Numbers (k,) of the combinations among all."""
+        return self.first + np.arange(len(self.combinations))
+
+    def put(self, row: int, layout: Layout, result: Result) -> None:
+        """Fill the row of a combination that was solved by itself."""
+        self.solved[row] = result.status == "solved"
+        self.method[row] = result.method
+        self.iterations[row] = result.iterations
+        self.not_unique[row] = ", ".join(dict.fromkeys(one.what for one in result.not_unique))
+        if not self.solved[row]:
+            return
+        figures = asdict(result.certificate)
+        self.certificate[row] = [figures[name] for name in FIGURES]
+        for where, support in zip(layout.slices, result.supports, strict=True):
+            self.reaction[row, where] = support.reactions
+            self.gap[row, where] = support.gaps
+            self.closed[row, where] = support.closed
+        values = [(p.deflection, *p.rotation, *p.moment, *p.shear) for p in result.probes]
+        self.probes[row] = np.array(values).ravel()
+        for at, name in enumerate(layout.fields):
+            field = result.fields[name]
+            self.places[row, at] = field.argmax(), field.argmin()
+            self.peaks[row, at] = field[self.places[row, at]]
+
+    def columns(self, layout: Layout, nodes: Floats) -> Iterator[tuple[str, Column]]:
+        """Yield every column (k,) with its name; ``nodes`` (n, 2) are the positions of the mesh's nodes."""
+        yield "combination", [combination.name for combination in self.combinations]
+        yield "status", ["solved" if solved else "no_equilibrium" for solved in self.solved]
+        yield "method", self.method
+        yield "iterations", self.iterations
+        yield "not_unique", self.not_unique
+        yield from self._factors(layout.model)
+        for where, support, points in zip(layout.slices, layout.model.support, layout.supports, strict=True):
+            reaction, closed = self.reaction[:, where], self.closed[:, where]
+            yield f"reaction:{support.name}", reaction.sum(axis=1)
+            yield f"closed:{support.name}", np.where(self.solved, closed.sum(axis=1), 0)
+            yield f"open:{support.name}", np.where(self.solved, (~closed).sum(axis=1), 0)
+            if support.place == "at":
+                for number in range(len(points.positions)):
+                    yield f"reaction_at:{support.name}[{number + 1}]", reaction[:, number]
+                for number in range(len(points.positions) if points.rows.size else 0):
+                    yield f"gap_at:{support.name}[{number + 1}]", self.gap[:, where][:, number]
+        for index in range(self.probes.shape[1]):
+            probe, field = divmod(index, len(FIELDS))
+            yield f"probe[{probe + 1}]:{FIELDS[field]}", self.probes[:, index]
+        for at, name in enumerate(layout.fields):
+            for side, what in enumerate(("max", "min")):
+                yield f"{what}:{name}", self.peaks[:, at, side]
+                place = np.where(self.solved[:, None], nodes[self.places[:, at, side]], np.nan)
+                yield f"{what}_x:{name}", place[:, 0]
+                yield f"{what}_y:{name}", place[:, 1]
+        for index, name in enumerate(FIGURES):
+            yield f"certificate:{name}", self.certificate[:, index]
+
+    def _factors(self, model: Model) -> Iterator[tuple[str, Floats]]:
+        """Factors of the cases; of a moving load also where it stands, both NaN if it stands in two places."""
+        travelled = {at: (load.case, s) for load in model.moving for at, s in load.positions.items()}
+        factor = {case: np.zeros(len(self.combinations)) for case in (*model.cases, *(m.case for m in model.moving))}
+        position = {load.case: np.full(len(self.combinations), np.nan) for load in model.moving}
+        for row, combination in enumerate(self.combinations):
+            standing: set[str] = set()
+            for case, value in (combination.factors or {}).items():
+                name, s = travelled.get(case, (case, 0.0))
+                factor[name][row] = value
+                if name in position:
+                    position[name][row] = s
+                if name in standing:
+                    factor[name][row] = position[name][row] = np.nan
+                standing.add(name)
+        for case, values in factor.items():
+            yield f"factor:{case}", values
+        for case, values in position.items():
+            yield f"position:{case}", values

@@ -1,0 +1,149 @@
+"""What every combination is a sum of: the plate at rest, under each load case, and pushed at each contact point.
+
+Displacements, fields, probes and the supports' forces are linear in the coefficients of this sum; only those of the
+points are the answer of a contact problem.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini import _core
+from signorini.analysis.combinations.certificate_bounds import Proof, Sizes, Watch
+from signorini.contact.problem import ContactProblem
+from signorini.discretise import CaseLoad
+from signorini.discretise.rows import Floats
+from signorini.results.result import FIELDS
+from signorini.results.support_points import SupportPoints
+
+_TOGETHER = 32
+"""Load cases whose displacements are in memory at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """The terms (b,) of the sum: one at rest, one a load case, one a contact point.
+
+    Parameters
+    ----------
+    cases : tuple of str
+        The load cases, in the order of the terms.
+    shared : _core.CombinedCases
+        The contact problem condensed for all of them.
+    fields : dict of (b, n) arrays
+        Those that envelopes are sought of, "reaction" among them.
+    probes : (b, 8q) array
+        Every field at every probe.
+    fixed : (b, f) array
+        Upward force of held nodes and springs, support by support.
+    proof : Proof
+        What certificates are made of.
+    """
+
+    cases: tuple[str, ...]
+    shared: _core.CombinedCases
+    fields: dict[str, Floats]
+    probes: Floats
+    fixed: Floats
+    proof: Proof
+
+
+def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[str]) -> Terms:
+    """Solve for every term.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        With every contact point in its LCP.
+    cases : sequence of str
+        Load cases that occur in some combination.
+    enveloped : sequence of str
+        Fields that envelopes are sought of.
+    """
+    found, core = problem.discretisation, problem.core
+    names = [name for name in FIELDS if name in enveloped]
+    measured = _Measured(problem, names, Watch.of(found, cases))
+    rest = _core.rest_response(core, found.held.values)
+    measured.add([rest], None, at_rest=True)
+    responses: list[_core.Response] = []
+    for first in range(0, len(cases), _TOGETHER):
+        loads = [found.cases[case] for case in cases[first : first + _TOGETHER]]
+        solved = _core.load_responses(core, np.array([load.nodal for load in loads]))
+        measured.add(solved, loads)
+        responses += [response.at_points() for response in solved]
+    points: list[_core.Response] = []
+    for first in range(0, len(found.contacts), _TOGETHER):
+        solved = _core.point_responses(core, first, min(first + _TOGETHER, len(found.contacts)))
+        measured.add(solved, None)
+        points += [response.at_points() for response in solved]
+    shared = _core.combined_cases(core, rest, responses, points)
+    return measured.terms(tuple(cases), shared)
+
+
+class _Measured:
+    """Collects what is read from each term, so that its displacements can go."""
+
+    def __init__(self, problem: ContactProblem, names: list[str], watch: Watch) -> None:
+        self._names, self._watch = names, watch
+        found = self._found = problem.discretisation
+        self._springs = found.springs.arrays
+        elements, rows, stiffness, base = self._springs
+        self._still = (elements, rows, stiffness, np.zeros_like(base))
+        self._supports = [SupportPoints.of(found, index) for index in range(len(found.model.support))]
+        xi = found.probes.xi
+        self._values: Floats = _core.serendipity(xi)[0] if len(xi) else np.zeros((0, 8))
+        self._fields: list[Floats] = []
+        self._probes: list[Floats] = []
+        self._fixed: list[Floats] = []
+        self._sizes: list[Sizes] = []
+
+    def add(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> None:
+        """Read some terms."""
+        found = self._found
+        if loads is None:
+            nothing = CaseLoad.none(found.mesh.node_count, len(found.mesh.elements))
+            loads = [nothing] * len(responses)
+        nodes = found.mesh.node_count
+        stresses = np.zeros((len(responses), nodes, 5))
+        if len(self._values) or set(self._names) - {"deflection"}:
+            curvatures, couples = (
+                np.array([getattr(load, part) for load in loads]) for part in ("curvature", "couples")
+            )
+            stresses = _core.response_stresses(found.plate, responses, curvatures, couples)
+        for response, load, stress in zip(responses, loads, stresses, strict=True):
+            self._add(response, load, stress, at_rest)
+
+    def _add(self, response: _core.Response, load: CaseLoad, stress: Floats, at_rest: bool) -> None:
+        found, hi, lo, reaction = self._found, response.hi, response.lo, response.reaction
+        springs = self._springs if at_rest else self._still
+        displacement = hi + lo
+        nodal = displacement.reshape(-1, 3)
+        every = np.column_stack([nodal[:, 0], found.held.to_global(nodal[:, 1:]), stress])
+        spread = found.contact_rows.T @ reaction
+        imbalance = found.plate.residual(springs, load.nodal, hi, lo) - spread
+        at_holds = np.where(found.held.dofs, imbalance, 0.0)
+        pull = found.spring_forces(hi, lo, springs[3])
+        on_plate = at_holds + spread + found.spring_rows.T @ pull
+        kept = [every[:, FIELDS.index(name)] for name in self._names]
+        if self._names:
+            kept.append(on_plate[::3])
+        self._fields.append(np.array(kept).reshape(len(kept), found.mesh.node_count))
+        at_probes = np.einsum("qi,qif->qf", self._values, every[found.mesh.elements[found.probes.elements]])
+        self._probes.append(at_probes.ravel())
+        forces = [np.concatenate([at_holds[::3][points.nodes], pull[points.springs]]) for points in self._supports]
+        self._fixed.append(np.concatenate([np.zeros(0), *forces]))
+        self._sizes.append(Sizes.of(found, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest))
+
+    def terms(self, cases: tuple[str, ...], shared: _core.CombinedCases) -> Terms:
+        """Put the terms together."""
+        names = [*self._names, "reaction"] if self._names else []
+        fields = {name: np.array([field[i] for field in self._fields]) for i, name in enumerate(names)}
+        proof = Proof.of(self._found, self._sizes)
+        return Terms(cases, shared, fields, _table(self._probes), _table(self._fixed), proof)
+
+
+def _table(rows: Iterable[Floats]) -> Floats:
+    return np.ascontiguousarray(np.array(list(rows)))

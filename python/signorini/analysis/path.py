@@ -1,0 +1,217 @@
+"""Load paths: every event between a load and more of another, exactly."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import fields
+
+import numpy as np
+
+from signorini import _core
+from signorini.analysis.path_check import confirmed
+from signorini.base import arguments
+from signorini.base.progress import Progress, Watcher
+from signorini.contact.answer import Answer
+from signorini.contact.certificate import Certificate, certified, certify
+from signorini.contact.problem import ContactProblem, contact_problem
+from signorini.contact.refusal import uncertain
+from signorini.contact.selection import chosen, doubtful
+from signorini.contact.strategy import ways_along
+from signorini.discretise import CaseLoad, Discretisation, discretise
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.equilibrium.balance import no_equilibrium
+from signorini.equilibrium.limits import CONTRADICTION, floats, largest_factor, supports_contradict
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
+from signorini.model import Model
+from signorini.results.load_path import AT_LIMIT, Ending, Path, ahead, beside
+from signorini.results.path_stop import PathStop, path_stop
+
+_NAMED = 20
+"""Combinations that a message names."""
+_LOST = 1e-6
+"""What reactions may miss of the loads that have a resultant: a path decides by less than a single answer shows."""
+
+
+def path(
+    model: Model, start: str | None, add: str, until: float | None = None, progress: Watcher | None = None
+) -> Path:
+    """Follow start + t add from t = 0: every t at which a contact point opens or closes, and where equilibrium ends.
+
+    Parameters
+    ----------
+    model : Model
+    start : str or None
+        Name of a load case or combination; of two with one name the case is meant. None begins without load.
+    add : str
+        Name of the load that grows.
+    until : float, optional
+        The largest t wanted; by default to the end of equilibrium, or until there are no more events.
+    progress : callable, optional
+        Called with a `Progress` as meshing and factoring begin, at every event, and by what confirms some of them.
+
+    Raises
+    ------
+    InputError
+        If the model says something that cannot be, or has no such case or combination.
+    NoEquilibriumError
+        If the start has no equilibrium.
+    NotCertifiedError
+        If the answer at a stop fails its certificate, or the start was not solved.
+
+    Examples
+    --------
+    A pressure grows on a clamped plate with a prop under its middle, which it meets at some t and then presses.
+
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.1},
+    ...     mesh={"divisions": [4, 4]},
+    ...     support=[
+    ...         {"edge": ["left", "right", "bottom", "top"], "fix": "clamped"},
+    ...         {"name": "prop", "at": [2, 2], "resists": "down", "gap": 0.001},
+    ...     ],
+    ...     load=[{"case": "Q", "pressure": 10e3}],
+    ... )
+    >>> found = path(model, start=None, add="Q")
+    >>> (event,) = found.events
+    >>> event.switched[0].support, event.switched[0].closes, found.ending
+    ('prop', True, 'no_more_events')
+    >>> round(found.at(event.t).supports[1].reaction, 6), round(found.at(event.t).probe([2, 2])[0].deflection, 12)
+    (0.0, 0.001)
+    """
+    watcher = arguments.watching(progress, "progress")
+    watcher(Progress(stage="mesh"))
+    found = discretise(model)
+    if add is None:
+        raise InputError("found None; it must be the name of the load that grows.", place="add")
+    loads = _load(found, start, "start"), _load(found, add, "add")
+    until = None if until is None else arguments.number(until, "until")
+    if until is not None and not 0 < until < np.inf:
+        raise InputError(f"found {until:g}; it must be a finite number greater than 0.", place="until")
+    if not loads[1].nodal.any():
+        raise InputError(f'the load "{add}" is zero; it must be one that grows. Name another.', place="add")
+    watcher(Progress(stage="factor"))
+    problem = contact_problem(found)
+    message = no_equilibrium(found, problem.freedom, loads[0].weighing)
+    if message:
+        raise NoEquilibriumError(f"{start or 'without load'}: {message}")
+    if floats(found, problem.freedom, loads[0].weighing, loads[1].weighing):
+        raise InputError(
+            f"nothing presses the plate on its supports: neither {start or 'the start, which is no load,'} nor {add} "
+            "has a resultant, so it may rest anywhere. Add its weight.",
+            place="add",
+        )
+    limit, reached = (
+        largest_factor(found, problem.freedom, bearing, loads[0].weighing, loads[1].weighing)
+        for bearing in (problem.freedom.outline, problem.freedom.on_mesh)
+    )
+    traced: Path | None = None
+    for way, proximal in ways_along(problem):
+        other = _trace(way, problem, (start, add), loads, until, (limit, reached), watcher, proximal)
+        traced = other if traced is None or (other is not None and other.end > traced.end) else traced
+        if traced is not None and (traced.ending != "stopped" or traced.ends_with_the_mesh):
+            break
+    if traced is None and supports_contradict(found):
+        raise NoEquilibriumError(CONTRADICTION)
+    if traced is None:
+        raise NotCertifiedError(
+            f"The contact problem at t = 0 has no answer that could be certified. {uncertain(found)}"
+        )
+    return traced
+
+
+def _load(found: Discretisation, name: str | None, argument: str) -> CaseLoad:
+    """The load of a case or, if there is none of that name, of a combination."""
+    if name is None:
+        return 0.0 * next(iter(found.cases.values()))
+    arguments.name(name, "load case or combination", argument)
+    if name in found.cases:
+        return found.cases[name]
+    combinations = found.model.effective_combinations if found.model.combination else ()
+    for combination in combinations:
+        if combination.name == name:
+            return found.load(combination)
+    names = [*found.cases, *(combination.name for combination in itertools.islice(combinations, _NAMED))]
+    raise InputError(unknown("load case or combination", name, names), place=argument)
+
+
+def _trace(
+    problem: ContactProblem,
+    direct: ContactProblem,
+    names: tuple[str | None, str],
+    loads: tuple[CaseLoad, CaseLoad],
+    until: float | None,
+    limits: tuple[float, float],
+    watcher: Watcher,
+    proximal: bool,
+) -> Path | None:
+    """Follow the path by one method, as far as its answers are certified and confirmed; None if not at all.
+
+    ``limits`` are those of the supports' outlines and of the contact points of the mesh.
+    """
+    found = problem.discretisation
+    stops: list[PathStop] = []
+    sets: list[Bools] = []
+    shown: list[Bools] = []
+    pushing: list[Floats] = []
+    certificates: list[Certificate] = []
+    doubts: list[int] = []
+    before: list[tuple[float, Answer]] = []
+
+    def visit(t: float, points: Ints, solution: _core.ContactSolution) -> None:
+        load = loads[0] + t * loads[1]
+        answer = Answer.of(found, solution)
+        # What stands on one set at both ends of a segment is proven between them.
+        sets.append(answer.closed)
+        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, sets[-2:], beside(loads, t))
+        if not certificate.passed:
+            raise NotCertifiedError
+        pushing[:] = [*pushing[-1:], answer.reaction]
+        neighbours = tuple(pushing)
+        for earlier, its in before:
+            amid = (0.5 * (its.reaction + answer.reaction)[None], 0.5 * (its.gap + answer.gap)[None])
+            if earlier < t and doubtful(found, problem.freedom, *amid).any():
+                doubts.append(len(stops) - 1)
+        before[:] = [(t, answer)]
+
+        def elsewhere() -> Iterator[Floats]:
+            yield from neighbours
+            yield from ahead(problem, loads, t, solution.closed)
+
+        least = chosen(found, problem.freedom, load.nodal, answer, elsewhere)
+        if least is not answer:
+            answer, certificate = certified(found, load, least, beside(loads, t))
+        # Of points that repeat each other all open or close, not only the one that the path is followed with.
+        shown.append(answer.closed)
+        switched = np.flatnonzero(shown[-1] != shown[-2]) if len(shown) > 1 else points
+        stop = path_stop(found, t, load, points, switched, answer)
+        if certificate.lost > _LOST:
+            raise NotCertifiedError
+        certificates.append(certificate)
+        stops.append(stop)
+        watcher(Progress(f"t = {t:.6g}, event {len(stops)}"))
+
+    limit, asked = limits[0], np.inf if until is None else until
+    end = min(*limits, asked)
+    try:
+        ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, proximal)
+    except NotCertifiedError:
+        ended = "unsolved"
+    count = confirmed(direct, loads, stops, watcher)
+    if count == 0:
+        return None
+    whole = count == len(stops)
+    del stops[count:], certificates[count:]
+    near_limit = stops[-1].t >= limit * (1 - AT_LIMIT)
+    ending: Ending = "stopped"
+    if whole and ended == "unbounded":
+        ending = "no_more_events"
+    elif whole and ended != "too_many" and near_limit:
+        ending = "no_equilibrium"
+    elif whole and ended == "reached" and end == asked:
+        ending = "until"
+    figures = [figure.name for figure in fields(Certificate)]
+    worst = Certificate(**{name: max(getattr(one, name) for one in certificates) for name in figures})
+    doubted = tuple(index for index in doubts if index < len(stops) - 1)
+    return Path(*names, problem, tuple(stops), ending, *limits, worst, loads, sets[0], doubted)

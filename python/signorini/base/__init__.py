@@ -1,0 +1,1 @@
+"""What all else stands on: files, memory, arguments, pickling."""

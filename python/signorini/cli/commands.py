@@ -1,0 +1,245 @@
+"""The command line: solve, check, path, schema."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Annotated
+
+import typer
+
+import signorini
+from signorini.cli import interrupts, streams, tables
+from signorini.cli.cells import visible
+from signorini.cli.progress import transient_line
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
+from signorini.formats.inputfile import with_line
+
+_MOST_REASONS = 20
+_OPTIONS = {"start": "--from", "add": "--add", "until": "--until"}
+"""What the arguments of `signorini.path` are called on the command line."""
+
+app = typer.Typer(
+    name="signorini",
+    help="Plates on supports that can let go: finite elements for Reissner-Mindlin plates, one-sided supports solved "
+    "exactly, every result with a certificate.",
+    epilog="Exit codes: 0 solved, 2 bad input, 3 no equilibrium in some combination, 4 not certified.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+InputFile = Annotated[Path, typer.Argument(metavar="FILE", help="The input file, TOML.", show_default=False)]
+
+
+def main() -> None:
+    """Run the command line; the process ends with its exit code."""
+    signal.signal(signal.SIGTERM, _terminate)
+    for stream in (sys.stdout, sys.stderr):
+        # A name or symbol that the terminal's encoding lacks must not end the run.
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    try:
+        app()
+    finally:
+        streams.flush()
+
+
+def _terminate(number: int, frame: FrameType | None) -> None:
+    """Unwind, so that files half written are removed."""
+    sys.exit(interrupts.TERMINATED)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        streams.stdout().print(f"signorini {signorini.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None: ...
+
+
+@app.command()
+def solve(
+    file: InputFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Directory of the results. [default: FILE-results]"),
+    ] = None,
+    threads: Annotated[
+        int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one a core]")
+    ] = None,
+) -> None:
+    """Solve every combination; write results.json, reactions.csv, a .vtu file and a picture each; print a table.
+
+    Of many combinations write combinations.parquet, envelopes, and all of this for those that govern.
+    """
+    with _messages(file):
+        from signorini.output import write
+        from signorini.output.directory import former_results, room_for
+        from signorini.output.envelope_json import TABLE
+
+        if threads is not None:
+            # Rust's threads start at their first use and read this then.
+            os.environ["RAYON_NUM_THREADS"] = str(threads)
+        model = signorini.load(file)
+        directory = output if output is not None else file.with_name(f"{file.stem}-results")
+        try:
+            with room_for(directory, model) as room, transient_line() as show:
+                table = room / TABLE if model.tabulated else None
+                with interrupts.at_once(room):
+                    results = signorini.solve(model, progress=show, table=table)
+                show("writing the results")
+                write(results, directory, table)
+        except SignoriniError:
+            if former_results(directory):
+                streams.stderr().print(f"Nothing is written; {visible(directory)} holds the results of an earlier run.")
+            raise
+        tables.print_results(streams.stdout(), results)
+        streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
+        _refuse(results.unbalanced, results.unbalanced_count)
+
+
+@app.command()
+def check(
+    file: InputFile,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="PICTURE", help="The picture, .png .svg .pdf. [default: FILE-check.png]"
+        ),
+    ] = None,
+) -> None:
+    """Validate, mesh, draw, and see whether the supports can balance every combination; solve nothing."""
+    with _messages(file):
+        from signorini.analysis.check import check as checked
+        from signorini.analysis.check import require_free, require_picture
+
+        model = signorini.load(file)
+        picture = output if output is not None else file.with_name(f"{file.stem}-check.png")
+        require_picture(picture)
+        if output is None:
+            require_free(picture)
+        found = checked(model)
+        found.save_picture(picture)
+        tables.print_check(streams.stdout(), found)
+        streams.stdout().print(f"Drawn in {visible(picture)}")
+        unbalanced = {resultant.name: resultant.message for resultant in found.resultants if resultant.message}
+        _refuse(unbalanced, len(unbalanced))
+
+
+@app.command()
+def path(
+    file: InputFile,
+    add: Annotated[
+        str,
+        typer.Option("--add", metavar="CASE", help="The load that grows, a case or combination.", show_default=False),
+    ],
+    start: Annotated[
+        str | None,
+        typer.Option("--from", metavar="CASE", help="The load at t = 0, a case or combination. [default: none]"),
+    ] = None,
+    until: Annotated[
+        float | None,
+        typer.Option(metavar="T", help="The largest t. [default: to the end of equilibrium or of the events]"),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Directory of the files. [default: FILE-path]")
+    ] = None,
+) -> None:
+    """Follow one load as another grows: every t at which supports open or close, and where equilibrium ends.
+
+    Write path.json, path.csv and path.png; print the events.
+    """
+    with _messages(file):
+        from signorini.cli.events import print_path
+        from signorini.output import write_path
+        from signorini.output.directory import room_for_path
+
+        model = signorini.load(file)
+        directory = output if output is not None else file.with_name(f"{file.stem}-path")
+        with room_for_path(directory) as room, transient_line() as show, interrupts.at_once(room):
+            found = signorini.path(model, start, add, until, progress=show)
+        write_path(found, directory)
+        print_path(streams.stdout(), found)
+        streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
+        if found.ending == "stopped":
+            why = "rounding decides which points are in contact. Take a finer mesh, or give rigid supports a stiffness"
+            if found.ends_with_the_mesh:
+                why = (
+                    f"to t = {found.limit:.6g}, reactions on the outlines of the supports balance the load, but not at "
+                    "the contact points of this mesh. Take a finer mesh there"
+                )
+            raise NotCertifiedError(f"the path was followed to t = {found.end:.6g} only; beyond, {why}.")
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of the input file, with which editors complete and check it."""
+    with _messages():
+        try:
+            # Here what is shown is all there is: a part of it is no schema.
+            sys.stdout.write(json.dumps(signorini.schema(), indent=2, ensure_ascii=False) + "\n")
+            sys.stdout.flush()
+        except BrokenPipeError:
+            streams.discard(sys.stdout)
+            raise typer.Exit(1) from None
+        except OSError as error:
+            streams.discard(sys.stdout)
+            raise SignoriniError(f"standard output takes no more of the schema: {error.strerror}.") from None
+
+
+def _refuse(unbalanced: Mapping[str, str], count: int) -> None:
+    """End with the exit code of no equilibrium if a combination has none; say why of the first few."""
+    if count:
+        reasons = [f"{name}: {message}" for name, message in unbalanced.items()][:_MOST_REASONS]
+        more = [f"And {count - len(reasons)} more."] if count > len(reasons) else []
+        raise NoEquilibriumError("\n".join(reasons + more))
+
+
+@contextmanager
+def _messages(file: Path | None = None) -> Iterator[None]:
+    """Turn what can go wrong with an input file into a message on standard error and an exit code."""
+    try:
+        yield
+    except InputError as error:
+        place = _OPTIONS.get(error.place)
+        text = f"{place}: {error.message}" if place else error if file is None else with_line(error, file)
+        _end(f"Error: {text}", error.exit_code)
+    except NoEquilibriumError as error:
+        _end(f"No equilibrium.\n{error}", error.exit_code)
+    except SignoriniError as error:
+        _end(f"Error: {error}", error.exit_code)
+    except KeyboardInterrupt:
+        _end(interrupts.SAID, interrupts.INTERRUPTED)
+    except MemoryError:
+        _end("Error: not enough memory. Take a coarser mesh.", SignoriniError.exit_code)
+    except typer.Exit:
+        raise
+    except BaseException as error:
+        # What Rust calls a panic arrives as an exception that is none of Python's ordinary ones.
+        if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
+            raise
+        _end(
+            f"Internal error ({type(error).__name__}: {' '.join(str(error).split())}). This is a fault of signorini "
+            f"{signorini.__version__}; please report it with the input file.",
+            SignoriniError.exit_code,
+        )
+
+
+def _end(message: str, code: int) -> None:
+    streams.stderr().print(visible(message))
+    raise typer.Exit(code)

@@ -1,0 +1,1 @@
+"""The contact problem of a plate, the methods that solve it, and the certificate that judges their answers."""

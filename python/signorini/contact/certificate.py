@@ -1,0 +1,330 @@
+"""The certificate: how far an answer is from a solution, computed by code that did not solve it.
+
+It takes the displacements, reactions and the statement of the problem, and recomputes gaps, nodal forces and the
+three global balances from them. It reads no factor, no condensed matrix, and no status.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini.contact.answer import Answer
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.rows import Bools, Floats
+
+TOLERANCE = 1e-8
+CERTIFIABLE = 1e-4
+"""Part of the forces that act which arithmetic may leave unknown. What is out of balance all over a plate adds up as
+in a random walk and loads add up plainly, so that an answer is wrong by hardly more; a larger part would excuse all."""
+_ROUNDINGS = 4.0
+"""Units of rounding, of the internal and contact forces that cancel at a node, below which no imbalance can be seen."""
+_NIL = 1e-6
+"""Deflections below this part of F a²/D are rounding of the elimination."""
+_UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
+"""Part of a size which, as a scale, turns the tolerance into that size's rounding."""
+
+FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
+LIMITED = ("tension", "equilibrium", "balance")
+"""Figures that the rounding of the plate's own forces may limit."""
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Errors of an answer, each relative to a size stated here; ``passed`` means all are within tolerance.
+
+    Parameters
+    ----------
+    penetration : float
+        Deepest penetration, or largest violation of a held deflection, over the largest deflection, or, where supports
+        leave none, a millionth of the deflection F a²/D by which the load F scales on a plate of size a. Violations of
+        held slopes count over the largest slope, or that deflection over a.
+    tension : float
+        Largest reaction of the wrong sign over the largest reaction or nodal load.
+    complementarity : float
+        Largest lesser one of a reaction and its gap, each over the size that it is judged by above.
+    equilibrium : float
+        Largest nodal force out of balance over the largest nodal load (couples over the element size).
+    balance : float
+        Largest of the three global resultants out of balance over the sum of the load's magnitudes.
+    tension_limit, equilibrium_limit, balance_limit : float
+        What double precision can show of the three for this plate: internal forces of thin plates, and forces by which
+        supports push against each other, are so much larger than the loads that their rounding counts. A figure over
+        the tolerance is judged by its limit; 0 where none is.
+    rounding : float
+        Where a figure is judged by its limit, what rounding may be of the forces that act: of loads, of reactions, and,
+        where settlements move the plate, of what bends it. Over 1e-4 that certifies nothing. 0 where no figure is.
+    lost : float
+        Where curvatures or loads that balance themselves act beside others: largest of force and two moments by which
+        reactions miss the resultant of those others, over the sum of their magnitudes or the largest total of a
+        support. Over 1e-4 the others are lost in the rounding of what has no resultant. 0 where all or nothing has one.
+    """
+
+    penetration: float
+    tension: float
+    complementarity: float
+    equilibrium: float
+    balance: float
+    tension_limit: float = 0.0
+    equilibrium_limit: float = 0.0
+    balance_limit: float = 0.0
+    rounding: float = 0.0
+    lost: float = 0.0
+
+    @property
+    def limited(self) -> bool:
+        """Whether arithmetic limits a figure that passed."""
+        return self.passed and max(self.tension, self.equilibrium, self.balance) > TOLERANCE
+
+    @property
+    def passed(self) -> bool:
+        """Whether every figure is within tolerance, or within a limit that still certifies."""
+        within = (getattr(self, name) <= max(TOLERANCE, getattr(self, f"{name}_limit", 0.0)) for name in FIGURES)
+        return all(within) and self.rounding <= CERTIFIABLE and self.lost <= CERTIFIABLE
+
+    def __str__(self) -> str:
+        """Say it in a line."""
+        figures = ", ".join(f"{name} {getattr(self, name):.1e}" for name in FIGURES)
+        limits = ", ".join(f"{name} to {getattr(self, f'{name}_limit'):.0e}" for name in LIMITED)
+        note = f"; arithmetic limits {limits}" if self.limited or self.rounding > CERTIFIABLE else ""
+        lost = f"; reactions miss the load by {self.lost:.0e} of it" if self.lost > CERTIFIABLE else ""
+        return f"{'passed' if self.passed else 'failed'}: {figures}{note}{lost}"
+
+
+def certify(
+    found: Discretisation,
+    load: CaseLoad,
+    hi: Floats,
+    lo: Floats,
+    reaction: Floats,
+    closed: Sequence[Bools] = (),
+    beside: Floats | None = None,
+) -> Certificate:
+    """Judge displacements ``hi + lo`` (3n,) and the contact points' reactions (m,) under a load.
+
+    ``closed`` are contact sets (m,) on which they claim to be solutions: what open points of one react with and how far
+    its closed ones are open counts as complementarity too. An answer at both ends of a stretch that stands on one set
+    proves all between them, which is linear. ``beside`` is a nodal load (3n,) of the size that the load is a difference
+    of, or a small part of: its rounding is none of the answer's fault.
+
+    Examples
+    --------
+    >>> from signorini import Model
+    >>> from signorini.contact.problem import contact_problem
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     mesh={"divisions": [4, 4]},
+    ...     support=[{"edge": ["left"], "fix": "clamped"}, {"at": [4, 2], "resists": "down"}],
+    ...     load=[{"pressure": 5e3}],
+    ... )
+    >>> problem = contact_problem(model)
+    >>> found, load = problem.discretisation, problem.discretisation.cases["load"]
+    >>> answer = problem.solve(load)
+    >>> certify(found, load, answer.hi, answer.lo, answer.reaction).passed
+    True
+    >>> certify(found, load, answer.hi, answer.lo, -answer.reaction).passed
+    False
+    """
+    contacts, held, size = found.contacts, found.held, found.mesh.size
+    beside = np.zeros(3) if beside is None else beside
+    with np.errstate(invalid="ignore"):
+        imbalance = found.plate.residual(found.springs.arrays, load.nodal, hi, lo)
+        imbalance = imbalance - found.contact_rows.T @ reaction
+        at_holds = np.where(held.dofs, imbalance, 0.0)
+        at_free = np.where(held.dofs, 0.0, imbalance)
+
+        gap = _gap(found, hi, lo, reaction)
+        force = np.where(contacts.slope, reaction / size, reaction)
+        slip = np.where(held.dofs, hi + lo - held.values, 0.0).reshape(-1, 3)
+        # Travel counts by its rounding, and at its own point: a stop far away must not excuse what happens at others.
+        travel, idle = _UNSEEN * np.abs(contacts.distance), not load.nodal.any()
+        length = _largest(
+            hi[::3],
+            least_deflection(found, load),
+            _UNSEEN * _loaded_deflection(found, beside),
+            travel if idle else 0.0,
+            _UNSEEN * found.springs.base if idle else 0.0,
+        )
+        slope = _largest(hi.reshape(-1, 3)[:, 1:], length / size)
+        lengths = np.where(contacts.slope, slope, np.maximum(travel, length)) + (length == 0.0)
+        open_by = np.maximum(np.where(contacts.two_sided, np.abs(gap), -gap), 0.0)
+
+        across = float(np.sqrt(found.mesh.element_area.mean()))
+        # Forces count from what bending to the deflection takes, less the rigid motion in it; under no load, from what
+        # shearing to the travel does.
+        bent = length if idle else _largest(np.minimum(np.abs(_bent(found, hi)), length))
+        bending = _rigidity(found, found.thickness.max()) * bent / size**2
+        rest = _UNSEEN * _largest(bending, _by_force(beside, across))
+        if idle:
+            shear = found.model.material.E * found.thickness.max()
+            rest = max(rest, _UNSEEN * shear * _largest(length, contacts.distance))
+        scale = _largest(_by_force(load.nodal, across) or _largest(_by_force(at_holds, across), force), rest)
+        pressing = _largest(scale, force)
+        reacting, away = np.abs(force) / (pressing or 1.0), np.abs(gap) / lengths
+        both = np.max([np.minimum(reacting, away), *(np.where(those, away, reacting) for those in closed)], axis=0)
+        pull = found.spring_forces(hi, lo)
+        against = at_holds + found.spring_rows.T @ pull + found.contact_rows.T @ reaction
+        out_of_balance, total = _balance(found, load.nodal, against)
+        figures = {
+            "penetration": _largest(
+                open_by / lengths, _ratio(_largest(slip[:, 0]), length), _ratio(_largest(slip[:, 1:]), slope)
+            ),
+            "tension": _ratio(_largest(np.where(contacts.two_sided, 0.0, np.maximum(-force, 0.0))), pressing),
+            "complementarity": _largest(np.where(contacts.two_sided, 0.0, both)),
+            "equilibrium": _ratio(_by_force(at_free, across), scale),
+            "balance": _ratio(out_of_balance, _largest(total, rest)),
+        }
+        lost = _lost(found, load, against, _totals(found, at_holds, pull, reaction))
+    worst = _largest(*(figures[name] for name in LIMITED))
+    if worst <= TOLERANCE or not np.isfinite(worst):
+        return Certificate(**figures, lost=lost)
+
+    def left_by_rounding(at: Bools) -> float:
+        return _ROUNDINGS * float(np.finfo(float).eps) * sum(forces_at_nodes(found, hi, lo, reaction, at))
+
+    at_nodes = left_by_rounding(~held.dofs)
+    # Roundings of the dofs add up as in a random walk; those of the dofs held are in the resultants too.
+    many = np.sqrt(found.dof_count)
+    resultant = many * left_by_rounding(np.ones_like(held.dofs))
+    size = _largest(total, rest)
+    # Beside settlements a load may be nothing: what bends the plate, and what supports push with, count as well.
+    bending = _largest(scale, _bending_force(found, hi))
+    pushing = _largest(size, _reaching(found, _pushes(found, hi, lo, reaction)))
+    # A reaction that balances nothing but rounding may have either sign.
+    limits = {
+        "tension": (many * at_nodes, pressing, pressing),
+        "equilibrium": (at_nodes, scale, bending),
+        "balance": (resultant, size, pushing),
+    }
+    judged = [limits[name] for name in LIMITED if figures[name] > TOLERANCE]
+    return Certificate(
+        **figures,
+        **{f"{name}_limit": _ratio(rounding, loads) for name, (rounding, loads, _) in limits.items()},
+        rounding=max(_ratio(rounding, acting) for rounding, _, acting in judged),
+        lost=lost,
+    )
+
+
+def _bent(found: Discretisation, hi: Floats) -> Floats:
+    """Deflections (n,) of the nodes without the rigid motion nearest to them."""
+    motions = found.rigid_motions[::3]
+    return np.asarray(hi[::3] - motions @ np.linalg.lstsq(motions, hi[::3])[0])
+
+
+def certified(
+    found: Discretisation, load: CaseLoad, answer: Answer, beside: Floats | None = None
+) -> tuple[Answer, Certificate]:
+    """Judge an answer, and where it fails what stands for it; that which passes, or else the last."""
+    for turn in answer.in_turn:
+        certificate = certify(found, load, turn.hi, turn.lo, turn.reaction, beside=beside)
+        if certificate.passed:
+            break
+    return turn, certificate
+
+
+def least_deflection(found: Discretisation, load: CaseLoad) -> float:
+    """Deflection below which that of a load is rounding."""
+    return _NIL * _loaded_deflection(found, load.nodal)
+
+
+def forces_at_nodes(
+    found: Discretisation, hi: Floats, lo: Floats, reaction: Floats, at: Bools | None = None
+) -> tuple[float, float]:
+    """Largest sum of what cancels at one of the dofs ``at`` (3n,): in the plate, and between its supports.
+
+    Their rounding is what arithmetic leaves out of balance. Without ``at`` the dofs are those that are free. Examples
+    are in `signorini.contact.refusal`.
+    """
+    at = ~found.held.dofs if at is None else at
+    across = float(np.sqrt(found.mesh.element_area.mean()))
+    internal = found.plate.internal_magnitude(~at, hi, lo)
+    return float(internal), _by_force(np.where(at, _pushes(found, hi, lo, reaction), 0.0), across)
+
+
+def _pushes(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
+    """Sums (3n,) of the magnitudes that supports push with.
+
+    Those that nearly repeat each other push against each other, and their forces are carried as doubles.
+    """
+    pull = np.abs(found.spring_forces(hi, lo))
+    return np.asarray(abs(found.contact_rows).T @ np.abs(reaction) + abs(found.spring_rows).T @ pull)
+
+
+def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
+    contacts = found.contacts
+    rows = contacts.rows
+    return contacts.compliance * reaction + found.plate.openings(
+        rows.elements, rows.coefficients, contacts.distance, hi, lo
+    )
+
+
+def _balance(found: Discretisation, nodal: Floats, against: Floats) -> tuple[float, float]:
+    """Largest resultant of a load and of what supports set against it, and the size it is part of."""
+    size = found.mesh.size
+    motions = found.rigid_motions / np.array([1.0, size, size])
+    # Threads of a linear algebra library would cost more than these sums.
+    resultant = np.einsum("ij,i->j", motions, nodal - against)
+    return _largest(resultant), max(_reaching(found, nodal), _reaching(found, against))
+
+
+def _lost(found: Discretisation, load: CaseLoad, against: Floats, totals: Floats) -> float:
+    """What the forces of supports (3n,) leave of the loads that have a resultant, where there are others too."""
+    if load.all_weighs or not load.weighing.any():
+        return 0.0
+    missing, _ = _balance(found, load.weighing, against)
+    return _ratio(missing, _largest(_reaching(found, load.weighing), totals))
+
+
+def _totals(found: Discretisation, at_holds: Floats, pull: Floats, reaction: Floats) -> Floats:
+    """Upward force (s,) of every support; of those that hold a node together the first has it."""
+    contacts, many = found.contacts, len(found.model.support)
+    forces = np.where(contacts.slope, 0.0, contacts.direction * reaction)
+    at_nodes = found.held.dofs[::3]
+    return np.asarray(
+        np.bincount(found.held.support[::3][at_nodes], at_holds[::3][at_nodes], many)
+        + np.bincount(found.springs.support, pull, many)
+        + np.bincount(contacts.support, forces, many)
+    )
+
+
+def _reaching(found: Discretisation, nodal: Floats) -> float:
+    """Sum of the magnitudes that nodal forces have in a resultant."""
+    reach = np.abs(found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).max(axis=1)
+    return float((np.abs(nodal) * reach).sum())
+
+
+def _loaded_deflection(found: Discretisation, nodal: Floats) -> float:
+    """Deflection by which a load scales on the plate."""
+    forces, *couples = np.abs(nodal.reshape(-1, 3)).sum(axis=0)
+    size = found.mesh.size
+    return float(forces + sum(couples) / size) * size**2 / _rigidity(found, found.thickness.min())
+
+
+def _bending_force(found: Discretisation, hi: Floats) -> float:
+    """Force that bends the plate as far as a deflection (3n,) is from a plane."""
+    motions = found.rigid_motions[::3] / np.array([1.0, found.mesh.size, found.mesh.size])
+    deflection = hi[::3]
+    plane = motions @ np.linalg.lstsq(motions, deflection, rcond=None)[0]
+    area = float(found.mesh.element_area.sum())
+    return _rigidity(found, found.thickness.min()) * _largest(deflection - plane) * area / found.mesh.size**4
+
+
+def _rigidity(found: Discretisation, thickness: float) -> float:
+    return found.model.material.E * float(thickness) ** 3 / 12
+
+
+def _by_force(nodal: Floats, across: float) -> float:
+    """Largest nodal force; couples count by the force they are at an element's size apart."""
+    return _largest(nodal.reshape(-1, 3) / [1.0, across, across])
+
+
+def _largest(*values: Floats | float) -> float:
+    """Largest magnitude; NaN where there is one."""
+    return float(np.max([np.abs(value).max(initial=0.0) for value in values]))
+
+
+def _ratio(error: float, size: float) -> float:
+    return 0.0 if error == 0.0 else float(error / size) if size > 0.0 else float("inf")

@@ -1,0 +1,156 @@
+"""From a discretisation to a factored core problem: which method it is for, and what its factor carries."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from signorini import _core
+from signorini.base.memory import fits, needed, needed_by_points, require_memory_for_points
+from signorini.contact.slenderness import of_shape
+from signorini.contact.softness import softest
+from signorini.discretise import ContactPoints, Discretisation
+from signorini.discretise.rows import Floats
+from signorini.equilibrium.balance import RigidFreedom, restraining_points
+from signorini.errors import InputError, SignoriniError
+
+Method = Literal["lemke", "active_set", "interior_point"]
+
+MOST_POINTS = 6000
+"""Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
+
+_FEW = 300
+"""Elastic points up to which Lemke's algorithm is the quicker one."""
+
+_FEW_IN_AREAS = 500
+"""Points of areas up to which it is, rigid ones included."""
+
+_FEW_RIGID = 3000
+"""Rigid points, along lines for the most part, up to which it is."""
+
+_CARRIED = 100.0
+"""Stiffness that the factor carries at restraining points, over D/a²: about a plate's own under a point load."""
+
+
+def method_of(found: Discretisation) -> Method:
+    """The method asked for, or else the better one; without one-sided points all come to Lemke's without a pivot."""
+    asked, contacts = found.model.solver.method, found.contacts
+    one_sided = ~contacts.two_sided
+    if not one_sided.any():
+        return "lemke"
+    if asked != "auto":
+        return asked
+    in_areas = np.array([support.area is not None for support in found.model.support])[contacts.support]
+    elastic, areal = contacts.compliance[one_sided] > 0, in_areas[one_sided]
+    many = elastic.sum() > _FEW or areal.sum() > _FEW_IN_AREAS or len(areal) > _FEW_RIGID
+    return "active_set" if many else "lemke"
+
+
+def base_of(found: Discretisation, method: Method) -> Method:
+    """The method whose factor a method takes: what that of interior points finds is made exact by one of the others."""
+    if method != "interior_point":
+        return method
+    return "active_set" if len(found.contacts) > MOST_POINTS else "lemke"
+
+
+def can_be_factored(found: Discretisation, base: Method) -> bool:
+    """Whether its points are few enough to be condensed, and memory is left for them and for one more factor."""
+    points = _condensed_points(found, base)
+    return points <= MOST_POINTS and fits(needed(len(found.mesh.elements)) + needed_by_points(points))
+
+
+def factored(found: Discretisation, freedom: RigidFreedom, base: Method) -> _core.ContactProblem:
+    """Order, factor and condense for Lemke's algorithm or for an active set.
+
+    Raises
+    ------
+    InputError
+        If there are more points than can be condensed, or K cannot be factored.
+    SignoriniError
+        If it does not fit into memory.
+    """
+    by_active_set = base == "active_set"
+    _require_condensable(_condensed_points(found, base), not by_active_set, found.model.solver.method)
+    # The points of the active set are springs to the condensed ones, and hold what they hold.
+    motions = freedom.motions[:, :0] if by_active_set else freedom.motions
+    return core_problem(found, found.contacts, regularization(found, freedom), motions, by_active_set)
+
+
+def _condensed_points(found: Discretisation, base: Method) -> int:
+    """How many contact points are condensed: all, or beside an active set the two-sided ones."""
+    return int(found.contacts.two_sided.sum()) if base == "active_set" else len(found.contacts)
+
+
+def _require_condensable(points: int, of_all: bool, asked: str) -> None:
+    advice = "Take a coarser mesh, or give long lines and areas a stiffness."
+    if of_all and asked == "lemke":
+        advice = 'Leave solver.method at "auto", which condenses fewer.'
+    if points > MOST_POINTS:
+        raise InputError(
+            f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. {advice}",
+            place="support",
+        )
+    require_memory_for_points(points, advice, "support")
+
+
+def core_problem(
+    found: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, by_active_set: bool
+) -> _core.ContactProblem:
+    """Order, factor and condense; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
+    free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T
+    rows = contacts.rows
+    try:
+        return _core.ContactProblem(
+            found.plate,
+            found.held.dofs,
+            found.springs.arrays,
+            (
+                rows.elements,
+                rows.coefficients,
+                contacts.distance,
+                contacts.compliance,
+                contacts.two_sided,
+                carried,
+            ),
+            free_motions,
+            by_active_set,
+        )
+    except RuntimeError as error:
+        if found.model.plate.element == "q8r":
+            raise InputError(
+                "q8r bends in some shapes without resistance, and on this mesh the supports do not hold them all. "
+                'Take element = "mitc9" or a finer mesh.',
+                place="plate.element",
+            ) from None
+        if soft := softest(found):
+            raise InputError(soft.why, place=soft.place) from None
+        why = of_shape(found) or (
+            "The plate's parts are too unlike for double precision: see that the thickness, the elements' sides and "
+            "the stiffnesses of the supports do not differ wildly."
+        )
+        raise InputError(f"The stiffness matrix cannot be factored: {error}. {why}", place="plate") from None
+    except MemoryError:
+        raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
+
+
+def regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
+    """Stiffness (m,) that the factor carries at contact points.
+
+    Compliant ones are there with their own, unless they are stiffer than the plate in shear; where one-sided supports
+    alone hold the plate, some rigid ones are there too, about as stiff as a plate under a point load.
+    """
+    contacts, material = found.contacts, found.model.material
+    thickness = found.thickness.max()
+    shear = found.model.plate.shear_factor * material.E * thickness / (2 * (1 + material.nu))
+    with np.errstate(divide="ignore"):
+        stiffness = np.where(contacts.compliance > 0, 1.0 / contacts.compliance, np.inf)
+    carried = np.where(stiffness <= shear, stiffness, 0.0)
+    if not freedom.regular:
+        rigidity = _CARRIED * material.E * thickness**3 / 12
+        needed = np.zeros(len(contacts))
+        needed[contacts.two_sided] = rigidity
+        needed[restraining_points(freedom, np.minimum(stiffness, rigidity / found.mesh.size**2))] = rigidity
+        needed[~contacts.slope] /= found.mesh.size**2
+        carried = np.maximum(carried, np.minimum(needed, stiffness))
+    return np.asarray(carried)

@@ -1,0 +1,188 @@
+"""From what the engineer said to arrays: mesh, plate, held dofs, springs, contact points and loads."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from signorini import _core
+from signorini.base.arguments import known, made_by
+from signorini.base.remade import Remade
+from signorini.discretise.averages import PlateStiffness
+from signorini.discretise.frames import Held
+from signorini.discretise.holds import hold
+from signorini.discretise.loads import CaseLoad, case_loads
+from signorini.discretise.meshing import mesh_of
+from signorini.discretise.moving import Cases
+from signorini.discretise.places import located
+from signorini.discretise.redundancy import Repeated, that_can_act
+from signorini.discretise.rows import Floats, Rows
+from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
+from signorini.discretise.thickness import Thickness, thickness_of
+from signorini.errors import InputError
+from signorini.mesh import Location, Mesh
+from signorini.model import Combination, Model
+
+__all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "Rows", "Springs", "discretise"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Discretisation(Remade):
+    """A model as arrays. Dofs are (w, θ1, θ2) node by node; θ1, θ2 are θx, θy unless ``held.frames`` says otherwise."""
+
+    model: Model
+    mesh: Mesh
+    plate: _core.Plate
+    thickness: Thickness
+    plate_stiffness: PlateStiffness
+    held: Held
+    springs: Springs
+    contacts: ContactPoints
+    repeated: Repeated
+    cases: Mapping[str, CaseLoad]
+    probes: Location
+    probe_positions: Floats
+    seconds: Mapping[str, float]
+
+    _made = MappingProxyType({"plate": lambda found: _plate(found.model, found.mesh, found.thickness, found.held)})
+
+    @property
+    def dof_count(self) -> int:
+        """Number of dofs, those held included."""
+        return 3 * self.mesh.node_count
+
+    @cached_property
+    def points(self) -> ContactPoints:
+        """Contact points and, behind them, those that repeat them (m + r,)."""
+        return ContactPoints.join([self.contacts, self.repeated.points])
+
+    @cached_property
+    def contact_rows(self) -> csr_array:
+        """Contact points' rows (m, 3n)."""
+        return self.contacts.rows.matrix(self.mesh.elements, self.dof_count)
+
+    @cached_property
+    def point_rows(self) -> csr_array:
+        """Rows (m + r, 3n) of contact points and, behind them, of those that repeat them.
+
+        These follow from the others where no dof is held; at held dofs each has its own.
+        """
+        return self.points.rows.matrix(self.mesh.elements, self.dof_count)
+
+    @cached_property
+    def spring_rows(self) -> csr_array:
+        """Springs' rows (m, 3n)."""
+        return self.springs.rows.matrix(self.mesh.elements, self.dof_count)
+
+    def spring_forces(self, hi: Floats, lo: Floats, base: Floats | None = None) -> Floats:
+        """Upward forces (s,) of springs at displacements (3n,), whose bases (s,) are those of the model unless given.
+
+        Stretches are summed in extended precision: a stiff spring between nodes moves by the rounding of theirs.
+        """
+        springs = self.springs
+        at_rest = springs.base if base is None else base
+        rows = springs.rows
+        return -springs.stiffness * self.plate.openings(rows.elements, rows.coefficients, at_rest, hi, lo)
+
+    @cached_property
+    def rigid_motions(self) -> Floats:
+        """Nodal vectors (3n, 3) of the rigid motions w = 1, w = x − x0, w = y − y0 about the plate's middle."""
+        return self.held.rigid_motions(self.mesh.points, self.middle)
+
+    @property
+    def middle(self) -> Floats:
+        """Middle of the plate's bounding box."""
+        return self.mesh.middle
+
+    def load(self, combination: Combination) -> CaseLoad:
+        """Sum of the cases times their factors.
+
+        Raises
+        ------
+        InputError
+            If it is no combination, or names a load case that there is not.
+        """
+        made_by(combination, Combination, "Take one of model.effective_combinations.", "combination")
+        total = CaseLoad.none(self.mesh.node_count, len(self.mesh.elements))
+        for case, factor in (combination.factors or {}).items():
+            total = total + factor * self.cases[known(case, self.cases, "load case", "factors")]
+        return total
+
+
+def discretise(model: Model) -> Discretisation:
+    """Mesh the plate and turn supports and loads into arrays.
+
+    Raises
+    ------
+    InputError
+        If something lies off the plate, a mesh cannot be read, or a value makes no sense somewhere.
+
+    Examples
+    --------
+    >>> from signorini.model import Model
+    >>> plate = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 2], "thickness": 0.2},
+    ...     mesh={"divisions": [8, 4]},
+    ...     support=[{"edge": ["left", "right"], "resists": "down"}],
+    ...     load=[{"pressure": 5e3}],
+    ... )
+    >>> found = discretise(plate)
+    >>> found.mesh.node_count, len(found.contacts)
+    (121, 18)
+    >>> print(round(found.cases["load"].nodal[::3].sum(), 6))
+    40000.0
+    """
+    made_by(model, Model, "Make one with signorini.Model(...) or signorini.load(file).", "model")
+    try:
+        return _discretise(model)
+    except InputError as error:
+        # What a mesh finds wrong with itself is the plate's fault.
+        raise InputError(error.message, place=error.place or "plate") from None
+
+
+def _discretise(model: Model) -> Discretisation:
+    begun = time.perf_counter()
+    mesh = mesh_of(model)
+    meshed = time.perf_counter()
+    held = hold(model, mesh)
+    thickness = thickness_of(model, mesh)
+    plate = _plate(model, mesh, thickness, held)
+    stiffness = PlateStiffness.of(model, mesh, thickness.at_points)
+    springs, contacts = springs_and_contacts(model, mesh, plate, held.dofs, stiffness)
+    contacts, repeated = that_can_act(model, mesh, held, contacts)
+    cases = Cases(case_loads(model, mesh, plate, held), model.moving, mesh)
+    positions = np.array([point for probe in model.probe for point in probe.at]).reshape(-1, 2)
+    probes = Location(np.zeros(0, np.int64), np.zeros((0, 2)))
+    if len(positions):
+        parts = [located(mesh, probe.at, f"probe[{i + 1}]") for i, probe in enumerate(model.probe)]
+        probes = Location(np.concatenate([p.elements for p in parts]), np.concatenate([p.xi for p in parts]))
+    assembled = time.perf_counter()
+    seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
+    return Discretisation(
+        model, mesh, plate, thickness, stiffness, held, springs, contacts, repeated, cases, probes, positions, seconds
+    )
+
+
+def _plate(model: Model, mesh: Mesh, thickness: Thickness, held: Held) -> _core.Plate:
+    material = model.material
+    try:
+        return _core.Plate(
+            mesh.points,
+            mesh.elements,
+            thickness.for_core,
+            material.E,
+            material.nu,
+            model.plate.shear_factor,
+            model.plate.element,
+            held.frames,
+            thickness.layered,
+        )
+    except ValueError as error:
+        raise InputError(f"{error}. Change the mesh or the thickness.", place="plate") from None

@@ -1,0 +1,116 @@
+"""Segments and circles by arc length, and where the sides of a mesh cross them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
+from signorini.mesh.isoparametric import side_boxes
+from signorini.shapes import Curve, Ring
+from signorini.shapes.outlines import Outline
+
+Floats = npt.NDArray[np.float64]
+
+_SAME = 1e-13
+_TOUCHED = 1e-6
+"""Part of an arc that counts as one point: where a side only touches a circle, rounding finds it to half the digits."""
+
+
+class Arc(ABC):
+    """A smooth piece of a curve, by arc length."""
+
+    @property
+    @abstractmethod
+    def length(self) -> float:
+        """Length."""
+
+    @abstractmethod
+    def at(self, s: Floats) -> tuple[Floats, Floats]:
+        """Compute positions and unit tangents (q, 2) at arc lengths (q,)."""
+
+    @abstractmethod
+    def crossings(self, sides: Floats) -> Floats:
+        """Find the arc lengths (r,) at which sides (k, 3, 2) meet the arc, in any order, some of them twice."""
+
+    def breaks(self, sides: Floats) -> Floats:
+        """Divide the arc where sides (k, 3, 2) meet it: increasing arc lengths, once along it."""
+        s, least = self.crossings(sides), _TOUCHED * self.length
+        s = np.sort(s[(s > least) & (s < self.length - least)])
+        s = np.concatenate([[0.0], s, [self.length]])
+        return np.asarray(s[np.append(np.diff(s) > least, True)])
+
+
+@dataclass(frozen=True, eq=False)
+class Segment(Arc):
+    """A straight piece from one point (2,) to another."""
+
+    begin: Floats
+    end: Floats
+
+    @property
+    def length(self) -> float:
+        """Length."""
+        return float(np.hypot(*(self.end - self.begin)))
+
+    def at(self, s: Floats) -> tuple[Floats, Floats]:
+        """Compute positions and unit tangents (q, 2) at arc lengths (q,)."""
+        along = (self.end - self.begin) / self.length
+        return self.begin + s[:, None] * along, np.tile(along, (len(s), 1))
+
+    def crossings(self, sides: Floats) -> Floats:
+        """Find the arc lengths (r,) at which sides (k, 3, 2) meet the segment, in any order, some of them twice."""
+        segment = np.stack([self.begin, self.end])[None]
+        near, _, _, _ = touched(side_boxes(sides), Outline(segments=segment), _margin(sides))
+        _, points = with_segments(quadratics(sides[near]), np.repeat(segment, len(near), axis=0))
+        return np.asarray((points - self.begin) @ (self.end - self.begin) / self.length)
+
+
+@dataclass(frozen=True, eq=False)
+class FullCircle(Arc):
+    """A circle, counter-clockwise from its rightmost point."""
+
+    center: Floats
+    radius: float
+
+    @property
+    def length(self) -> float:
+        """Circumference."""
+        return 2.0 * np.pi * self.radius
+
+    def at(self, s: Floats) -> tuple[Floats, Floats]:
+        """Compute positions and unit tangents (q, 2) at arc lengths (q,)."""
+        angle = s / self.radius
+        outward = np.column_stack([np.cos(angle), np.sin(angle)])
+        return self.center + self.radius * outward, np.column_stack([-outward[:, 1], outward[:, 0]])
+
+    def crossings(self, sides: Floats) -> Floats:
+        """Find the arc lengths (r,) at which sides (k, 3, 2) meet the circle, in any order, some of them twice."""
+        circle = np.array([[*self.center, self.radius]])
+        _, _, near, _ = touched(side_boxes(sides), Outline(circles=circle), _margin(sides))
+        _, points = with_circles(quadratics(sides[near]), np.repeat(circle, len(near), axis=0))
+        angle = np.arctan2(points[:, 1] - self.center[1], points[:, 0] - self.center[0])
+        return np.asarray(np.mod(angle, 2.0 * np.pi) * self.radius)
+
+    def breaks(self, sides: Floats) -> Floats:
+        """Divide it where sides (k, 3, 2) meet it, and nowhere else: it begins and ends at the first of them."""
+        s = np.sort(self.crossings(sides))
+        least = _TOUCHED * self.length
+        s = s[np.append(True, np.diff(s) > least)[: len(s)]]
+        if len(s) > 1 and s[0] + self.length - s[-1] <= least:
+            s = s[:-1]
+        return np.append(s, s[0] + self.length) if len(s) else np.array([0.0, self.length])
+
+
+def arcs_of(curve: Curve) -> list[Arc]:
+    """Split a curve into smooth pieces, in order."""
+    if isinstance(curve, Ring):
+        return [FullCircle(np.array(curve.center), curve.radius)]
+    return [Segment(begin, end) for begin, end in curve.outline.segments]
+
+
+def _margin(sides: Floats) -> float:
+    return _SAME * float(np.abs(sides).max())

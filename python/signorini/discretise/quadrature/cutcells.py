@@ -1,0 +1,225 @@
+"""Integrate over the part of each element that lies in a region.
+
+An element is cut into strips along y at every corner, turning point and crossing of its sides and the region's outline.
+Within a strip these curves neither begin, end nor cross, so what is to be integrated is bounded below and above by one
+smooth curve each, and Gauss rules apply. A square-root end (a vertical tangent) is removed by substitution, as in the
+height-function quadrature of Saye (2015); what remains is bisected until area and first moments have converged.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
+from signorini.discretise.quadrature.pieces import Pieces, straightened
+from signorini.discretise.quadrature.rules import Rule, gauss
+from signorini.mesh import Mesh
+from signorini.shapes import Region
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+Ints = npt.NDArray[np.int64]
+
+_THIN = 1e-13
+_SLIVER = 1e-12
+_CONVERGED = 1e-13
+_CURVED_POINTS = 8
+_BISECTIONS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """Elements wholly in a region (k,), and points (q, 2) with weights (q,) in those elements (q,) that are cut."""
+
+    whole: Ints
+    elements: Ints
+    positions: Floats
+    weights: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class _Cells:
+    """Parts of strips: cut element (c,), range in x (c, 2), curves below and above (c, 2), vertical tangents (c, 2)."""
+
+    owner: Ints
+    x: Floats
+    between: Ints
+    singular: Bools
+
+    def take(self, index: Ints | Bools) -> _Cells:
+        return _Cells(*(getattr(self, item.name)[index] for item in fields(self)))
+
+    def halves(self) -> _Cells:
+        middle = self.x.mean(axis=1)
+        no = np.zeros(len(middle), dtype=bool)
+        return _Cells(
+            np.tile(self.owner, 2),
+            np.vstack([np.column_stack([self.x[:, 0], middle]), np.column_stack([middle, self.x[:, 1]])]),
+            np.tile(self.between, (2, 1)),
+            np.vstack([np.column_stack([self.singular[:, 0], no]), np.column_stack([no, self.singular[:, 1]])]),
+        )
+
+
+def cut(mesh: Mesh, region: Region, order: int, rule: Rule = gauss) -> Parts:
+    """Divide a mesh by a region.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    region : Rectangle, Circle or Polygon
+        Whose outline may cut elements in any way, or leave the mesh.
+    order : int
+        Gauss points across a strip.
+    rule : callable
+        In place of Gauss's, one as exact; of Lobatto's rule points are on the outline.
+
+    Returns
+    -------
+    Parts
+        The elements inside, and positive weights that give area and first moments of the rest to rounding.
+    """
+    x0, y0, x1, y1 = region.bounds
+    boxes = mesh.boxes
+    near = (boxes[:, 0] <= x1) & (boxes[:, 2] >= x0) & (boxes[:, 1] <= y1) & (boxes[:, 3] >= y0)
+    candidates = np.flatnonzero(near)
+    by_segment, segment, by_circle, circle = touched(boxes[candidates], region.outline, _THIN * mesh.size)
+    cut_ = np.union1d(by_segment, by_circle)
+    clear = np.delete(candidates, cut_)
+    centres = mesh.map(clear, np.zeros((len(clear), 2)))
+    whole, cut_elements = clear[region.contains(centres)], candidates[cut_]
+    owners = (np.searchsorted(cut_, by_segment), np.searchsorted(cut_, by_circle))
+    pieces, breaks = _pieces(
+        mesh, cut_elements, owners, region.outline.segments[segment], region.outline.circles[circle]
+    )
+    cells = _cells(pieces, _strips(*breaks, boxes[cut_elements]), region)
+    owner, positions, weights = _integrate(pieces, cells, boxes[cut_elements], region.area, order, rule)
+    area, covered = mesh.element_area[cut_elements], np.bincount(owner, weights, len(cut_elements))
+    full = covered >= (1.0 - _SLIVER) * area
+    keep = (~full & (covered > _THIN * np.minimum(area, region.area)))[owner]
+    whole = np.sort(np.concatenate([whole, cut_elements[full]]))
+    return Parts(whole, cut_elements[owner[keep]], positions[keep], weights[keep])
+
+
+def _pieces(
+    mesh: Mesh, cut_elements: Ints, owners: tuple[Ints, Ints], segments: Floats, circles: Floats
+) -> tuple[Pieces, tuple[Ints, Floats]]:
+    """Collect the curves of every cut element, and where in x strips have to begin and end."""
+    by_segment, by_circle = owners
+    sides = straightened(quadratics(mesh.points[mesh.sides[cut_elements]].reshape(-1, 3, 2))).reshape(-1, 4, 2, 3)
+    middles = 0.5 * (segments[:, :1] + segments[:, 1:])
+    lines = quadratics(np.concatenate([segments[:, :1], middles, segments[:, 1:]], axis=1))
+    lines[..., 2] = 0.0
+    pieces = Pieces.join(
+        [
+            Pieces.of_quadratics(np.repeat(np.arange(len(sides)), 4), sides.reshape(-1, 2, 3), is_side=True),
+            Pieces.of_quadratics(by_segment, lines, is_side=False),
+            Pieces.of_circles(by_circle, circles),
+        ]
+    )
+    with_line, line_points = with_segments(sides[by_segment].reshape(-1, 2, 3), np.repeat(segments, 4, axis=0))
+    with_arc, arc_points = with_circles(sides[by_circle].reshape(-1, 2, 3), np.repeat(circles, 4, axis=0))
+    owner = np.concatenate([np.repeat(pieces.owner, 2), by_segment[with_line // 4], by_circle[with_arc // 4]])
+    x = np.concatenate([pieces.ends.ravel(), line_points[:, 0], arc_points[:, 0]])
+    return pieces, (owner, x)
+
+
+def _strips(owner: Ints, x: Floats, boxes: Floats) -> tuple[Ints, Floats]:
+    """Divide into strips, elements (s,) and ranges (s, 2), between neighbouring breaks within each element's box."""
+    x = np.clip(x, boxes[owner, 0], boxes[owner, 2])
+    order = np.lexsort((x, owner))
+    owner, x = owner[order], x[order]
+    width = boxes[owner[:-1], 2] - boxes[owner[:-1], 0]
+    wide = (owner[1:] == owner[:-1]) & (np.diff(x) > _THIN * width)
+    return owner[:-1][wide], np.column_stack([x[:-1], x[1:]])[wide]
+
+
+def _cells(pieces: Pieces, strips: tuple[Ints, Floats], region: Region) -> _Cells:
+    """Stack the curves through each strip and keep what is between two of them, in the element and in the region."""
+    owner, x = strips
+    starts = np.searchsorted(pieces.owner, [owner, owner + 1])
+    counts = starts[1] - starts[0]
+    strip = np.repeat(np.arange(len(owner)), counts)
+    piece = np.arange(len(strip)) - np.repeat(np.cumsum(counts) - counts, counts) + starts[0][strip]
+    middle = x.mean(axis=1)[strip]
+    spans = (pieces.ends[piece, 0] < middle) & (middle < pieces.ends[piece, 1])
+    strip, piece, middle = strip[spans], piece[spans], middle[spans]
+    y = pieces.height(piece, middle)
+    order = np.lexsort((y, strip))
+    strip, piece, middle, y = strip[order], piece[order], middle[order], y[order]
+    crossed = np.cumsum(pieces.is_side[piece])
+    first = np.searchsorted(strip, strip)
+    within = (crossed - crossed[first] + pieces.is_side[piece[first]]) % 2 == 1
+    inside = (strip[1:] == strip[:-1]) & within[:-1] & (y[1:] > y[:-1])
+    at = np.flatnonzero(inside)
+    at = at[region.contains(np.column_stack([middle[at], 0.5 * (y[at] + y[at + 1])]))]
+    between = np.column_stack([piece[at], piece[at + 1]])
+    ranges = x[strip[at]]
+    reaches = np.abs(pieces.ends[between] - ranges[:, None]) <= 1e-12 * np.abs(np.diff(pieces.ends[between]))
+    return _Cells(owner[strip[at]], ranges, between, (pieces.turns[between] & reaches).any(axis=1))
+
+
+def _integrate(
+    pieces: Pieces, cells: _Cells, boxes: Floats, area: float, order: int, rule: Rule
+) -> tuple[Ints, Floats, Floats]:
+    """Place points in the cells, bisecting in x those bounded by curves until converged."""
+    straight = np.asarray(pieces.straight[cells.between].all(axis=1))
+    done = [_points(pieces, cells.take(straight), order + 1, order, rule)]
+    cells = cells.take(~straight)
+    extent = boxes[:, 2:] - boxes[:, :2]
+    tolerance = (_CONVERGED * np.minimum(extent.prod(axis=1), area))[:, None]
+    noise = 4.0 * np.finfo(float).eps * np.nanmax(np.abs(pieces.circle), initial=np.abs(boxes).max(initial=0.0))
+    for _ in range(_BISECTIONS):
+        if not len(cells.owner):
+            break
+        coarse, halves = _moments(pieces, cells, boxes), cells.halves()
+        fine = _moments(pieces, halves, boxes).reshape(2, -1, 3).sum(axis=0)
+        rounding = noise * np.diff(cells.x)
+        converged = (np.abs(fine - coarse) <= tolerance[cells.owner] + rounding).all(axis=1)
+        done.append(_points(pieces, cells.take(converged), _CURVED_POINTS, order, rule))
+        cells = halves.take(np.tile(~converged, 2))
+    done.append(_points(pieces, cells, _CURVED_POINTS, order, rule))
+    owner, positions, weights = (np.concatenate(parts) for parts in zip(*done, strict=True))
+    by_owner = np.argsort(owner, kind="stable")
+    return owner[by_owner], positions[by_owner], weights[by_owner]
+
+
+def _stations(pieces: Pieces, cells: _Cells, rule: tuple[Floats, Floats]) -> tuple[Floats, Floats, Floats, Floats]:
+    """A rule's points in x, their weights, and the bounds in y there, all (c, count)."""
+    node, weight = rule
+    t, w = 0.5 + 0.5 * node, 0.5 * weight
+    maps = np.stack([t, t**2, 1.0 - (1.0 - t) ** 2, t**2 * (3.0 - 2.0 * t)])
+    slopes = np.stack([np.ones_like(t), 2.0 * t, 2.0 - 2.0 * t, 6.0 * t * (1.0 - t)])
+    kind = cells.singular @ np.array([1, 2])
+    width = np.diff(cells.x)
+    x = cells.x[:, :1] + width * maps[kind]
+    low, high = (
+        pieces.height(np.repeat(cells.between[:, side], len(node)), x.ravel()).reshape(x.shape) for side in range(2)
+    )
+    return x, width * slopes[kind] * w, low, np.maximum(high, low)
+
+
+def _moments(pieces: Pieces, cells: _Cells, boxes: Floats) -> Floats:
+    """Area and first moments (c, 3), these about the middle of the element's box and over its extent."""
+    x, weight, low, high = _stations(pieces, cells, gauss(_CURVED_POINTS))
+    lower, upper = boxes[cells.owner, :2, None], boxes[cells.owner, 2:, None]
+    (middle_x, middle_y), (extent_x, extent_y) = (np.moveaxis(f, 1, 0) for f in (0.5 * (lower + upper), upper - lower))
+    height = weight * (high - low)
+    moments = (height, height * (x - middle_x) / extent_x, height * (0.5 * (low + high) - middle_y) / extent_y)
+    return np.stack([moment.sum(axis=1) for moment in moments], axis=1)
+
+
+def _points(pieces: Pieces, cells: _Cells, count: int, order: int, rule: Rule) -> tuple[Ints, Floats, Floats]:
+    """Points of the cells: owners (q,), positions (q, 2) and weights (q,)."""
+    x, weight, low, high = _stations(pieces, cells, rule(count))
+    node, across = rule(order)
+    y = 0.5 * (low + high)[..., None] + 0.5 * (high - low)[..., None] * node
+    weights = weight[..., None] * 0.5 * (high - low)[..., None] * across
+    positions = np.stack([np.broadcast_to(x[..., None], y.shape), y], axis=-1)
+    owner = np.broadcast_to(cells.owner[:, None, None], y.shape)
+    # Where a cell has a tip, points at its end weigh nothing.
+    some = weights > _THIN * weights.sum(axis=(1, 2), keepdims=True)
+    return owner[some], positions[some], weights[some]

@@ -1,0 +1,204 @@
+"""Integrate functions that jump along curves which the mesh does not follow.
+
+The curves are the zeros of level functions. An element that one crosses is quartered until, in every part, each
+level that changes sign is a plane as nearly as asked; such a part is cut along the plane's zero into triangles. In
+elements with straight parallel sides straight steps need no quartering and are integrated exactly; of other curves the
+cut lies within `OFF` element sides of the step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+import numpy.typing as npt
+
+from signorini._core import serendipity
+from signorini.discretise.quadrature.triangles import Triangles, gauss_on_boxes, gauss_on_triangles, split
+from signorini.mesh import Mesh
+from signorini.shapes import Region
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+Ints = npt.NDArray[np.int64]
+
+Levels = Sequence[Callable[[Floats], Floats]]
+"""Functions of positions (q, 2): steps are where one changes its sign. NaN counts as negative."""
+
+OFF = 1e-4
+"""How far a cut may lie from a curved step, over the side of the element."""
+
+_DEEPEST = 7
+INSIDE = 1.0 - 1e-6
+"""How far from the middle elements and pieces are looked at: a step along their sides is no step inside."""
+
+_PARTED = 0.4863
+"""Where parts are quartered: not in the middle, where steps are wont to run, and would be met on neither side."""
+
+_SEEN = 9
+"""Points a direction at which an element is looked at: what is smaller than an eighth of it may be missed."""
+
+_CHUNK = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """Elements cut by steps: points with their elements, reference points (q, 2), positions (q, 2) and weights.
+
+    ``fronts`` (f, 2, 2) are the pieces of the steps, from one reference point to another of ``front_elements`` (f,).
+    """
+
+    elements: Ints
+    xi: Floats
+    positions: Floats
+    weights: Floats
+    front_elements: Ints
+    fronts: Floats
+
+
+def sides_of(region: Region) -> list[Callable[[Floats], Floats]]:
+    """Levels whose zeros are the lines and circles of a region's outline, on and on."""
+    outline = region.outline
+    return [*(partial(_across, side) for side in outline.segments), *(partial(_beyond, c) for c in outline.circles)]
+
+
+def _across(side: Floats, points: Floats) -> Floats:
+    (ax, ay), (bx, by) = side
+    return np.asarray((bx - ax) * (points[:, 1] - ay) - (by - ay) * (points[:, 0] - ax))
+
+
+def _beyond(circle: Floats, points: Floats) -> Floats:
+    x, y, radius = circle
+    return np.asarray(np.hypot(points[:, 0] - x, points[:, 1] - y) - radius)
+
+
+def crossed(mesh: Mesh, elements: Ints, levels: Levels) -> Bools:
+    """Which of the elements (k,) each of the levels changes its sign in: (levels, k)."""
+    found = np.zeros((len(levels), len(elements)), dtype=bool)
+    stations = INSIDE * _square(_SEEN)
+    shapes = serendipity(stations)[0]
+    step = _CHUNK // len(stations)
+    for start in range(0, len(elements) if len(levels) else 0, step):
+        part = elements[start : start + step]
+        points = (shapes @ mesh.nodes[part]).reshape(-1, 2)
+        for i, level in enumerate(levels):
+            above = (level(points) > 0.0).reshape(len(part), -1)
+            found[i, start : start + step] = above.any(axis=1) & ~above.all(axis=1)
+    return found
+
+
+def cut_by(
+    mesh: Mesh,
+    elements: Ints,
+    levels: Levels,
+    order: int,
+    off: float = OFF,
+    deepest: int = _DEEPEST,
+    quarter: bool = False,
+) -> Cut:
+    """Integrate over elements that steps cut.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    elements : (k,) int array
+        Elements to be integrated over.
+    levels : sequence of functions
+        What is to be integrated is smooth where none changes its sign.
+    order : int
+        Gauss points in each direction of a part; smaller parts have fewer.
+    off : float
+        How far a cut may lie from its step, over the side of the element.
+    deepest : int
+        Quarterings after which a cut is made however far off it is.
+    quarter : bool
+        Whether no part may reach over the middles of an element.
+
+    Examples
+    --------
+    >>> from signorini.mesh.meshers import rectangle
+    >>> mesh = rectangle((0.0, 0.0), (3.0, 1.0), (1, 1))
+    >>> found = cut_by(mesh, np.array([0]), [lambda points: points[:, 0] - points[:, 1]], 3)
+    >>> left = found.positions[:, 0] < found.positions[:, 1]
+    >>> [round(float(part.sum()), 12) for part in (found.weights, found.weights[left])]
+    [3.0, 0.5]
+    """
+    owner, boxes = elements, np.tile([-1.0, -1.0, 1.0, 1.0], (len(elements), 1))
+    points: list[tuple[Ints, Floats, Floats]] = []
+    fronts: list[tuple[Ints, Floats]] = []
+    for depth in range(deepest + 1):
+        if not len(owner):
+            break
+        changes, planes, bent = _planes(mesh, owner, boxes, levels, _SEEN if depth == 0 else 5)
+        ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == deepest)
+        if quarter:
+            changes, planes = _with_axes(boxes, changes, planes)
+        clear = ready & ~changes.any(axis=1)
+        fewer = max(2, order - depth)
+        square, xi, weights = gauss_on_boxes(boxes[clear], fewer)
+        points.append((owner[clear][square], xi, weights))
+        triangles = Triangles.of_boxes(np.flatnonzero(ready & ~clear), boxes[ready & ~clear])
+        for i in range(changes.shape[1]):
+            triangles, square, ends = split(triangles, planes[:, i], changes[:, i])
+            if i < len(levels):
+                fronts.append((owner[square], ends))
+        square, xi, weights = gauss_on_triangles(triangles, fewer)
+        points.append((owner[square], xi, weights))
+        owner, boxes = np.repeat(owner[~ready], 4), _quartered(boxes[~ready])
+    held, xi, weights = (np.concatenate(part) for part in zip(*points, strict=True))
+    by_element = np.argsort(held, kind="stable")
+    held, xi, weights = held[by_element], xi[by_element], weights[by_element]
+    front_elements, ends = (np.concatenate(part) for part in zip(*fronts, strict=True))
+    weights = weights * np.linalg.det(mesh.jacobian(held, xi))
+    return Cut(held, xi, mesh.map(held, xi), weights, front_elements, ends)
+
+
+def _planes(mesh: Mesh, owner: Ints, boxes: Floats, levels: Levels, count: int) -> tuple[Bools, Floats, Floats]:
+    """Whether levels change sign in boxes (c, l), planes c₀ + c₁ξ + c₂η like them (c, l, 3), and how far off."""
+    stations, shape = INSIDE * _square(count), (len(owner), len(levels))
+    changes, planes, bent = np.zeros(shape, dtype=bool), np.zeros((*shape, 3)), np.zeros(shape)
+    terms = np.column_stack([np.ones(len(stations)), stations])
+    fit = np.linalg.pinv(terms)
+    middle, half = 0.5 * (boxes[:, :2] + boxes[:, 2:]), 0.5 * (boxes[:, 2:] - boxes[:, :2])
+    xi = (middle[:, None] + half[:, None] * stations).reshape(-1, 2)
+    points = mesh.map(np.repeat(owner, len(stations)), xi)
+    for i, level in enumerate(levels):
+        values = level(points).reshape(len(owner), -1)
+        above = values > 0.0
+        changes[:, i] = above.any(axis=1) & ~above.all(axis=1)
+        values = np.where(np.isfinite(values), values, -1.0)
+        local = values @ fit.T
+        worst = np.abs(values - local @ terms.T).max(axis=1)
+        slopes = local[:, 1:] / half
+        with np.errstate(divide="ignore", invalid="ignore"):
+            distance = np.nan_to_num(worst / np.hypot(*slopes.T), nan=np.inf)
+        bent[:, i] = np.where(changes[:, i], distance, 0.0)
+        planes[:, i] = np.column_stack([local[:, 0] - (slopes * middle).sum(axis=1), slopes])
+    return changes, planes, bent
+
+
+def _with_axes(boxes: Floats, changes: Bools, planes: Floats) -> tuple[Bools, Floats]:
+    """Take the middles of the elements, ξ = 0 and η = 0, for levels too."""
+    across = (boxes[:, :2] < 0.0) & (boxes[:, 2:] > 0.0)
+    axes = np.broadcast_to([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], (len(boxes), 2, 3))
+    return np.hstack([changes, across]), np.concatenate([planes, axes], axis=1)
+
+
+def _quartered(boxes: Floats) -> Floats:
+    low, high = boxes[:, :2], boxes[:, 2:]
+    ends = np.stack([low, low + _PARTED * (high - low), high], axis=1)
+    parts = [
+        np.column_stack([ends[:, i, 0], ends[:, j, 1], ends[:, i + 1, 0], ends[:, j + 1, 1]])
+        for i in (0, 1)
+        for j in (0, 1)
+    ]
+    return np.stack(parts, axis=1).reshape(-1, 4)
+
+
+def _square(count: int) -> Floats:
+    """Points (count², 2) of the reference square, evenly spaced, its sides included."""
+    along = np.linspace(-1.0, 1.0, count)
+    return np.stack(np.meshgrid(along, along, indexing="ij"), axis=-1).reshape(-1, 2)

@@ -1,0 +1,179 @@
+"""How near a combination is to the end of its equilibrium, and what would bring it there or back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from signorini.discretise import Discretisation
+from signorini.discretise.rows import Floats
+from signorini.equilibrium.balance import Bearing, RigidFreedom, load_size, no_equilibrium, work_of
+from signorini.model import Combination
+
+_MOST = 1e6
+"""Times a case's factor beyond which it counts as without limit."""
+_OVERLAP = 1e-7
+"""Part of the largest travel by which rigid supports must overlap to contradict each other."""
+_BRINK = 1e-9
+"""Part of the load that must be to spare at every support for the plate not to be on the brink."""
+CONTRADICTION = (
+    "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and settlements. "
+    "Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
+)
+"""What there is to say where `supports_contradict`."""
+
+
+def why_none(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> str:
+    """Say why no reactions balance a combination, what would, or nothing where they exist."""
+    message = no_equilibrium(found, freedom, found.load(combination).weighing)
+    limit = nearest_limit(found, freedom, combination) if message else None
+    if limit is None:
+        return message
+    case, factor = limit
+    return f'{message} With the case "{case}" at {factor:.4g} times its factor it would just stand.'
+
+
+def nearest_limit(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> tuple[str, float] | None:
+    """Find the case, and the factor on top of its own, by which the combination comes to the limit of equilibrium.
+
+    All other cases stay as they are. Of several the nearest to 1 in ratio. Reactions of one-sided supports make a cone,
+    so a load alone has no limit: where it can be balanced, any multiple of it can.
+
+    Returns
+    -------
+    (str, float) or None
+        None where no case on its own has a limit, or where the combination is out of balance and none brings it back.
+
+    Examples
+    --------
+    >>> from signorini import Model
+    >>> from signorini.discretise import discretise
+    >>> from signorini.equilibrium.balance import rigid_freedom
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     support=[{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
+    ...     load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": 20e3, "at": [4, 2]}],
+    ... )
+    >>> found = discretise(model)
+    >>> case, factor = nearest_limit(found, rigid_freedom(found), model.effective_combinations[0])
+    >>> case, round(factor, 6)  # 80 kN at 2 and 20 kN at 4; the edge of the supports is at 3
+    ('G', 0.25)
+    """
+    acting = {case: factor for case, factor in (combination.factors or {}).items() if factor != 0.0}
+    nodal = {case: factor * found.cases[case].weighing for case, factor in acting.items()}
+    whole = found.load(combination).weighing
+    if len(acting) < 2 or not freedom.count or not whole.any():
+        return None
+    limits = [
+        (case, limit)
+        for case in acting
+        for limit in _limits(found, freedom, freedom.outline, whole - nodal[case], nodal[case])
+        if 1 / _MOST < limit < _MOST
+    ]
+    return min(limits, key=lambda pair: abs(np.log(pair[1])), default=None)
+
+
+def on_the_brink(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> bool:
+    """Whether a load that can be balanced no longer could be if it moved, however little, some way."""
+    from scipy.optimize import linprog
+
+    total = load_size(found, nodal)
+    if not freedom.count or total == 0:
+        return False
+    one_sided = freedom.outline.moves
+    # Reactions with as much as can be to spare at all of them: the first unknown.
+    cost = np.append(-1.0, np.zeros(len(one_sided)))
+    spare = np.column_stack([np.ones(len(one_sided)), -np.eye(len(one_sided))])
+    balance = np.column_stack([np.zeros(freedom.count), one_sided.T])
+    most = linprog(
+        cost,
+        A_ub=spare,
+        b_ub=np.zeros(len(one_sided)),
+        A_eq=balance,
+        b_eq=work_of(found, freedom, nodal) / total,
+        bounds=[(0, 1), *[(0, None)] * len(one_sided)],
+        method="highs",
+    )
+    return most.x is not None and bool(most.x[0] <= _BRINK)
+
+
+def floats(found: Discretisation, freedom: RigidFreedom, *loads: Floats) -> bool:
+    """Whether no nodal load (3n,) of these, be it none, does work in a motion that one-sided supports alone hold."""
+    sizes = [(np.abs(work_of(found, freedom, nodal)).max(initial=0.0), load_size(found, nodal)) for nodal in loads]
+    return freedom.count > 0 and all(work <= _BRINK * size for work, size in sizes)
+
+
+def supports_contradict(found: Discretisation) -> bool:
+    """Whether no deflection of the plate agrees with all rigid supports: a linear program in it, for the least overlap.
+
+    Examples
+    --------
+    >>> from signorini import Model
+    >>> from signorini.discretise import discretise
+    >>> plate = dict(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     mesh={"divisions": [2, 2]},
+    ...     load=[{"pressure": 5e3}],
+    ... )
+    >>> floor = {"at": [[0, 2], [4 / 3, 2]], "resists": "down"}
+    >>> ceiling = {"at": [[2 / 3, 2], [2, 2]], "resists": "up"}
+    >>> stops = ([floor, {**ceiling, "settlement": s}] for s in (0, 0.01))
+    >>> [supports_contradict(discretise(Model(**plate, support=support))) for support in stops]
+    [False, True]
+    """
+    from scipy.optimize import linprog
+    from scipy.sparse import csr_array, hstack, vstack
+
+    contacts, held = found.contacts, found.held
+    rigid = contacts.compliance == 0
+    rows = csr_array(found.contact_rows[np.flatnonzero(rigid)])
+    distance = contacts.distance[rigid] - rows @ held.values
+    size = float(np.abs(distance).max(initial=0.0))
+    if size == 0.0:
+        return False
+    moving = np.unique(rows.indices)
+    rows = rows[:, moving[~held.dofs[moving]]]
+    rows = vstack([rows, -rows[np.flatnonzero(contacts.two_sided[rigid])]])
+    distance = np.append(distance, -distance[contacts.two_sided[rigid]])
+    overlap = csr_array(-np.ones((len(distance), 1)))
+    cost = np.append(np.zeros(rows.shape[1]), 1.0)
+    bounds = [*[(None, None)] * rows.shape[1], (0, None)]
+    facing: Any = hstack([rows, overlap])
+    least = linprog(cost, A_ub=facing, b_ub=distance / size, bounds=bounds, method="highs")
+    return least.x is not None and bool(least.x[-1] > _OVERLAP)
+
+
+def largest_factor(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats) -> float:
+    """Find the largest factor of a nodal load (3n,) with which a bearing's reactions balance it beside the rest.
+
+    Infinite if there is none; NaN if no factor from 0 on has such reactions.
+    """
+    size = load_size(found, case)
+    if not freedom.count or size == 0:
+        return np.inf
+    unit = (load_size(found, rest) or size) / size
+    limits = _limits(found, freedom, bearing, rest, unit * case)
+    if not limits:
+        return np.nan
+    most = limits[-1]
+    return np.inf if most >= _MOST else 0.0 if most <= _BRINK else unit * most
+
+
+def _limits(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats) -> list[float]:
+    """Least and largest factor of a case beside the rest of the load for which reactions balance both."""
+    from scipy.optimize import linprog
+
+    total = load_size(found, rest) + load_size(found, case)
+    one_sided = bearing.moves
+    balance = np.column_stack([-work_of(found, freedom, case) / total, one_sided.T])
+    wanted = work_of(found, freedom, rest) / total
+    bounds = [(0, _MOST), *[(0, None)] * len(one_sided)]
+    found_limits = []
+    for sign in (1.0, -1.0):
+        cost = np.append(sign, np.zeros(len(one_sided)))
+        end = linprog(cost, A_eq=balance, b_eq=wanted, bounds=bounds, method="highs")
+        found_limits += [] if end.x is None else [float(end.x[0])]
+    return found_limits

@@ -1,0 +1,181 @@
+"""Read a model from a TOML file, and describe such files to editors."""
+
+from __future__ import annotations
+
+import functools
+import os
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic.json_schema import GenerateJsonSchema
+
+from signorini.base.regular import read_regular
+from signorini.errors import InputError
+from signorini.expression import Expression
+from signorini.formats.toml_lines import Lines
+from signorini.model import MeshPlate, Model, validate
+
+_LARGEST_FILE = 4_000_000
+_MOST_KEY_PARTS = 16
+
+
+def load(path: str | os.PathLike[str]) -> Model:
+    """Read an input file.
+
+    Parameters
+    ----------
+    path : str or path-like
+        A TOML file. The file of a mesh that it names is looked for beside it.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is not a model; every problem is named with its place and line.
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"found {path!r}; it must be the path of an input file.", place="path")
+    text = _read(path)
+    source = os.path.basename(path)
+    lines = functools.cache(lambda: Lines(text))
+    data = _parse(text, source)
+    _look_beside(data, Path(path).parent)
+    model = validate(data, source=source, line_of=lambda path: lines().of(path))
+    if isinstance(model.plate, MeshPlate):
+        plate = model.plate.model_copy(update={"file": Path(path).parent / model.plate.file})
+        model = model.model_copy(update={"plate": plate})
+    return model
+
+
+def _look_beside(data: dict[str, Any], directory: Path) -> None:
+    """Name the tables of factors from where the program runs rather than from where the input file is."""
+    combinations = data.get("combination")
+    for table in combinations if isinstance(combinations, list) else ():
+        if isinstance(table, dict) and isinstance(table.get("file"), str):
+            table["file"] = str(directory / table["file"])
+
+
+def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
+    """Put the file and line before the place of an error that was found only after reading.
+
+    Parameters
+    ----------
+    error : InputError
+        With a place such as ``load[2].at``; any other is returned as it is.
+    path : str or path-like
+        The input file.
+    """
+    tables = "|".join(Model.model_fields)
+    if not re.fullmatch(rf"({tables})(\[\d+\])?(\.[A-Za-z_]+(\[\d+\])?)*", error.place):
+        return error
+    keys = re.findall(r"[A-Za-z_]+|\d+", error.place)
+    line = Lines(_read(path)).of(tuple(int(key) - 1 if key.isdigit() else key for key in keys))
+    return InputError(error.message, place=f"{os.path.basename(path)}:{line}: {error.place}")
+
+
+def _read(path: str | os.PathLike[str]) -> str:
+    place = str(path)
+    try:
+        content = read_regular(path, _LARGEST_FILE)
+    except FileNotFoundError:
+        raise InputError("there is no such file.", place=place) from None
+    except IsADirectoryError:
+        raise InputError("this is a directory; name the input file in it.", place=place) from None
+    except PermissionError:
+        raise InputError("this file may not be read.", place=place) from None
+    except (OSError, ValueError) as error:
+        why = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise InputError(
+            f"this file cannot be read: {why}.", place=place if place.isprintable() else repr(place)
+        ) from None
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            f"byte {content[error.start]:#04x} is not UTF-8 text. Save the file in the encoding UTF-8.",
+            place=f"{os.path.basename(path)}:{line}",
+        ) from None
+
+
+def _parse(text: str, source: str) -> dict[str, Any]:
+    # tomllib's memory grows with the square of a dotted key's length
+    for segment in re.split(r"[=,\[\]{}#\n]", text):
+        if segment.count(".") >= _MOST_KEY_PARTS and sum(map(bool, segment.split("."))) > _MOST_KEY_PARTS:
+            line = text.count("\n", 0, text.index(segment)) + 1
+            raise InputError(f"a key has more than {_MOST_KEY_PARTS} parts joined by dots.", place=f"{source}:{line}")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        says, line, column = _syntax(str(error), text)
+        written = text.replace("\r\n", "\n").split("\n")[line - 1].strip()
+        shown = f" in: {written[:77]}..." if len(written) > 80 else f" in: {written}" if written else ""
+        raise InputError(f"this is not TOML: {says}{column}{shown}", place=f"{source}:{line}") from None
+    except RecursionError:
+        raise InputError("lists or tables are nested too deeply.", place=source) from None
+    except ValueError:
+        raise InputError("a number in it has too many digits to be read.", place=source) from None
+
+
+def _syntax(message: str, text: str) -> tuple[str, int, str]:
+    """Split tomllib's message into what it says, the line and the column."""
+    match = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", message, re.DOTALL)
+    if match is None:
+        return message, 1, ""
+    says = match.group(1)[:1].lower() + match.group(1)[1:]
+    if match.group(2) is None:
+        return f"{says} at the end of the file", text.rstrip().count("\n") + 1, ""
+    return says, int(match.group(2)), f" (column {match.group(3)})"
+
+
+def schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of the input file, for editors that complete and check it.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> sorted(schema()["required"])
+    ['load', 'material', 'plate']
+    """
+    body: dict[str, Any] = _for_toml(Model.model_json_schema(schema_generator=_SchemaGenerator))
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **body,
+        "title": "Input file of signorini",
+    }
+
+
+class _SchemaGenerator(GenerateJsonSchema):
+    def encode_default(self, dft: Any) -> Any:
+        """Write the default of a key that takes expressions as its number or text."""
+        return dft.source if isinstance(dft, Expression) else super().encode_default(dft)
+
+
+def _for_toml(node: Any, *, is_name_table: bool = False) -> Any:
+    """Drop what TOML cannot say (null), what editors do not need (titles), and all but a description's first words."""
+    if isinstance(node, list):
+        return [_for_toml(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    if is_name_table:
+        return {name: _for_toml(part) for name, part in node.items()}
+    kept = {
+        key: _for_toml(part, is_name_table=key in ("properties", "$defs"))
+        for key, part in node.items()
+        if key not in ("title", "discriminator") and not (key == "default" and part in (None, ""))
+    }
+    if "description" in kept:
+        kept["description"] = " ".join(kept["description"].split("\n\n")[0].split())
+    branches = [branch for branch in kept.get("anyOf", []) if branch != {"type": "null"}]
+    if len(branches) == 1 and isinstance(branches[0], dict):
+        del kept["anyOf"]
+        return {**branches[0], **kept}
+    return {**kept, "anyOf": branches} if branches else kept

@@ -1,0 +1,298 @@
+"""A mesh of 8-node quadrilaterals: nodes, elements, named edges, and where points are in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from signorini.base.brief import Brief
+from signorini.base.remade import Remade
+from signorini.errors import InputError
+from signorini.mesh import checks as mesh_checks
+from signorini.mesh.boxtree import BoxTree
+from signorini.mesh.curves import edges_on_polyline, edges_on_ring
+from signorini.mesh.isoparametric import SIDES, determinants, invert, jacobians, positions, side_boxes
+from signorini.shapes import Curve, Ring
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+Ints = npt.NDArray[np.int64]
+
+_ROOT = np.sqrt(0.6)
+_GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])
+_GAUSS_WEIGHTS = np.outer([5.0, 8.0, 5.0], [5.0, 8.0, 5.0]).ravel() / 81.0
+_ON_EDGE = 1e-9
+_PAST_CURVED_EDGE = 2e-2
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Location(Brief):
+    """Where points are: their elements (q,), −1 outside the mesh, and reference points (q, 2), NaN outside."""
+
+    elements: Ints
+    xi: Floats
+
+    @property
+    def inside(self) -> Bools:
+        """Which points (q,) are in the mesh."""
+        return np.asarray(self.elements >= 0)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mesh(Remade):
+    """A mesh of isoparametric 8-node quadrilaterals. It checks itself when it is made.
+
+    Parameters
+    ----------
+    points : (n, 2) float array
+        Nodes.
+    elements : (ne, 8) int array
+        Corners counter-clockwise, then the midsides, the first between the first two corners.
+    edges : mapping from name to (k, 3) int array
+        Named edges: corner, midside, corner, each with the plate on its left. An interior line may run either way.
+
+    Raises
+    ------
+    InputError
+        If an element is turned inside out or badly distorted, or nodes hang, coincide or are not used, or the
+        mesh is in several pieces, or an edge is not made of element sides.
+
+    Examples
+    --------
+    >>> points = np.array([[0, 0], [4, 0], [4, 2], [0, 2], [2, 0], [4, 1], [2, 2], [0, 1]], float)
+    >>> mesh = Mesh(points, np.arange(8)[None], {"bottom": np.array([[0, 4, 1]])})
+    >>> mesh.size, mesh.element_area
+    (4.0, array([8.]))
+    >>> where = mesh.locate(np.array([[3.0, 1.0], [5.0, 1.0]]))
+    >>> where.elements, where.xi[0]
+    (array([ 0, -1]), array([0.5, 0. ]))
+    """
+
+    points: Floats
+    elements: Ints
+    edges: Mapping[str, Ints]
+
+    def __post_init__(self) -> None:
+        """Copy the arrays, make them read-only and check the mesh."""
+        points = np.array(self.points, dtype=np.float64)
+        elements = np.array(self.elements, dtype=np.int64)
+        edges = {name: np.array(triples, dtype=np.int64) for name, triples in self.edges.items()}
+        self.__setstate__({"points": points, "elements": elements, "edges": edges})
+        mesh_checks.check_numbers(points, elements)
+        mesh_checks.check_jacobians(points, elements)
+        mesh_checks.check_sides(points, elements)
+        mesh_checks.check_boundary_nodes(points, self.boundary)
+        mesh_checks.check_one_piece(points, elements)
+        for name, triples in edges.items():
+            mesh_checks.check_edge(name, triples, self.sides.reshape(-1, 3))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Give the arrays, without the view of the edges that nobody can change."""
+        return super().__getstate__() | {"edges": dict(self.edges)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take arrays that are a mesh's, and make them read-only."""
+        for array in state["edges"].values():
+            array.flags.writeable = False
+        super().__setstate__(state | {"edges": MappingProxyType(state["edges"])})
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes."""
+        return len(self.points)
+
+    @cached_property
+    def size(self) -> float:
+        """Longest side of the bounding box."""
+        return float(np.ptp(self.points, axis=0).max())
+
+    @cached_property
+    def middle(self) -> Floats:
+        """Middle (2,) of the bounding box."""
+        return np.asarray(0.5 * (self.points.min(axis=0) + self.points.max(axis=0)))
+
+    @cached_property
+    def nodes(self) -> Floats:
+        """Positions (ne, 8, 2) of every element's nodes."""
+        return np.asarray(self.points[self.elements])
+
+    @cached_property
+    def sides(self) -> Ints:
+        """Node triples (ne, 4, 3) of every element's sides, the element on the left."""
+        return np.asarray(self.elements[:, np.array(SIDES)])
+
+    @cached_property
+    def unique_sides(self) -> Ints:
+        """Node triples (k, 3) of every side once."""
+        sides = self.sides.reshape(-1, 3)
+        return np.asarray(sides[np.unique(sides[:, 1], return_index=True)[1]])
+
+    @cached_property
+    def on_boundary(self) -> Bools:
+        """Which sides (ne, 4) of the elements belong to one element only."""
+        return mesh_checks.on_boundary(self.elements)
+
+    @cached_property
+    def boundary(self) -> Ints:
+        """Node triples (k, 3) of the boundary, the plate on the left, loop after loop."""
+        return mesh_checks.loops(self.sides[self.on_boundary])
+
+    @cached_property
+    def element_area(self) -> Floats:
+        """Area (ne,) of every element."""
+        return np.asarray(determinants(self.nodes, _GAUSS) @ _GAUSS_WEIGHTS)
+
+    def map(self, elements: Ints, xi: Floats) -> Floats:
+        """Compute the positions (q, 2) of reference points (q, 2) of elements (q,)."""
+        return positions(self.nodes[elements], xi)
+
+    def jacobian(self, elements: Ints, xi: Floats) -> Floats:
+        """Differentiate the position by the reference coordinates: (q, 2, 2), position first."""
+        return jacobians(self.nodes[elements], xi)
+
+    def invert(self, elements: Ints, points: Floats) -> Floats:
+        """Find the reference points (q, 2) of positions (q, 2) that are known to be in, or just outside, elements (q,).
+
+        Raises
+        ------
+        InputError
+            If an element is too distorted to find them.
+        """
+        xi, found = invert(self.nodes[elements], points)
+        if not found.all():
+            place = mesh_checks.name_element(self.points, self.elements, int(elements[np.argmin(found)]))
+            raise InputError(f"{place} is so distorted that points in it cannot be mapped; improve its shape.")
+        return xi
+
+    def locate(self, points: Floats) -> Location:
+        """Find the elements that points are in.
+
+        Parameters
+        ----------
+        points : (q, 2) float array
+            Positions. A point on a side or node belongs to the first of the elements that share it. One at most 2e-2
+            in reference coordinates past a curved convex boundary edge counts as inside (a point of the true circle
+            lies past the edge's parabola) and keeps its reference coordinate beyond 1.
+
+        Returns
+        -------
+        Location
+            Elements and reference points.
+        """
+        points = np.asarray(points, dtype=np.float64)
+        point, element = self._tree.pairs(points)
+        xi, found = invert(self.nodes[element], points[point])
+        past = np.column_stack([-xi[:, 1], xi[:, 0], xi[:, 1], -xi[:, 0]]) - 1.0
+        inside = found & (past <= self._reach[element]).all(axis=1)
+        point, element, xi, past = point[inside], element[inside], xi[inside], past[inside]
+        order = np.lexsort((element, np.maximum(past, 0.0).max(axis=1, initial=0.0), point))
+        first = order[np.unique(point[order], return_index=True)[1]]
+        elements = np.full(len(points), -1, dtype=np.int64)
+        reference = np.full((len(points), 2), np.nan)
+        elements[point[first]] = element[first]
+        snap = past[first] <= self._rounding[element[first], None]
+        lower = np.where(snap[:, [3, 0]], -1.0, -np.inf)
+        upper = np.where(snap[:, [1, 2]], 1.0, np.inf)
+        reference[point[first]] = np.clip(xi[first], lower, upper)
+        return Location(elements, reference)
+
+    def edges_along(self, curve: Curve) -> Ints | None:
+        """Find the sides that together cover a curve.
+
+        Parameters
+        ----------
+        curve : Polyline or Ring
+            Of a ring that leaves the plate, the part on the plate has to be covered.
+
+        Returns
+        -------
+        (k, 3) int array or None
+            Node triples in the order and direction of the curve (a ring counter-clockwise), with all nodes on it within
+            1e-9 of the mesh's size; None if the mesh does not follow the curve.
+        """
+        triples, tolerance = self.unique_sides, 1e-9 * self.size
+        if not isinstance(curve, Ring):
+            return edges_on_polyline(self.points, triples, curve.outline.segments, tolerance)
+        found = edges_on_ring(self.points, triples, curve, tolerance)
+        if found is None or self.locate(found.gaps).inside.any():
+            return None
+        return found.triples
+
+    def find_sides(self, triples: Ints) -> tuple[Ints, Ints, Bools]:
+        """Find the element and side of node triples (k, 3), and whether they run with the element on the left.
+
+        Of the two sides of an interior line the one with the element on the left is given.
+        """
+        sides = self.sides.reshape(-1, 3)
+        n = self.node_count
+        keys = sides[:, 0] * n + sides[:, 2]
+        order = np.argsort(keys, kind="stable")
+
+        def find(wanted: Ints) -> tuple[Ints, Bools]:
+            at = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
+            return at, np.asarray(keys[at] == wanted)
+
+        along, forward = find(triples[:, 0] * n + triples[:, 2])
+        against, backward = find(triples[:, 2] * n + triples[:, 0])
+        if not (forward | backward).all():
+            lost = triples[np.argmin(forward | backward)]
+            raise InputError(f"Nodes {', '.join(map(str, lost))} are not a side of any element of the mesh.")
+        side = np.where(forward, along, against)
+        return side // 4, side % 4, forward
+
+    @cached_property
+    def _rounding(self) -> Floats:
+        """Tolerance (ne,) in reference coordinates for points on a side."""
+        extent = np.ptp(self.nodes, axis=1).min(axis=1)
+        return np.asarray(_ON_EDGE + 32.0 * np.finfo(float).eps * np.abs(self.points).max() / extent)
+
+    @cached_property
+    def sagitta(self) -> Floats:
+        """How far (ne, 4) the midside nodes lie outside the chord of their side; negative inside."""
+        a, middle, b = np.moveaxis(self.points[self.sides], 2, 0)
+        chord = b - a
+        offset = middle - a
+        length = np.hypot(chord[..., 0], chord[..., 1])
+        return np.asarray((chord[..., 1] * offset[..., 0] - chord[..., 0] * offset[..., 1]) / length)
+
+    @cached_property
+    def round_outline_area(self) -> float:
+        """Bound of the area between the curved boundary edges and the circles they stand for."""
+        a, b = self.points[self.sides[..., 0]], self.points[self.sides[..., 2]]
+        segment_area = np.hypot(*np.moveaxis(b - a, 2, 0)) * np.abs(self.sagitta)
+        # Of a circle of chord c and sagitta s it is less than 0.03 c s on elements of up to 90 degrees.
+        return 0.03 * float(segment_area[self.on_boundary & self._curved].sum())
+
+    @cached_property
+    def _curved(self) -> Bools:
+        a, b = self.points[self.sides[..., 0]], self.points[self.sides[..., 2]]
+        return np.asarray(np.abs(self.sagitta) > 1e-9 * np.hypot(*np.moveaxis(b - a, 2, 0)))
+
+    @cached_property
+    def _reach(self) -> Floats:
+        """How far (ne, 4) past each side, in reference coordinates, a point still counts as inside."""
+        a, b = self.points[self.sides[..., 0]], self.points[self.sides[..., 2]]
+        length = np.hypot(*np.moveaxis(b - a, 2, 0))
+        depth = self.element_area[:, None] / length
+        # A circle passes its parabola by less than 0.05 sagittas on elements of up to 90 degrees.
+        past = np.clip(0.1 * self.sagitta / depth, _PAST_CURVED_EDGE, 0.3)
+        curved = self.on_boundary & self._curved & (self.sagitta > 0.0)
+        return np.where(curved, past, self._rounding[:, None])
+
+    @cached_property
+    def boxes(self) -> Floats:
+        """Boxes (ne, 4) xmin, ymin, xmax, ymax that contain the elements, curved sides included."""
+        boxes = side_boxes(self.points[self.sides].reshape(-1, 3, 2)).reshape(-1, 4, 4)
+        return np.hstack([boxes[..., :2].min(axis=1), boxes[..., 2:].max(axis=1)])
+
+    @cached_property
+    def _tree(self) -> BoxTree:
+        lower, upper = self.boxes[:, :2], self.boxes[:, 2:]
+        margin = (upper - lower) * self._reach.max(axis=1)[:, None]
+        return BoxTree.build(np.hstack([lower - margin, upper + margin]))

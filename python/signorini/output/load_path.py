@@ -1,0 +1,131 @@
+"""A load path as files: path.json, path.csv and path.png."""
+
+from __future__ import annotations
+
+import csv
+import io
+import itertools
+import json
+import os
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+
+from signorini.base.files import replacing_together
+from signorini.output.cells import name_cell
+from signorini.output.directory import cannot_write, former_path
+from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE
+from signorini.results.load_path import Path
+from signorini.results.path_stop import PathStop
+
+SCHEMA = 1
+
+
+def path_json(path: Path) -> dict[str, Any]:
+    """Give a load path in the form of ``path.json``; docs/results.md describes every key.
+
+    Examples
+    --------
+    >>> import signorini
+    >>> model = signorini.Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     mesh={"divisions": [4, 4]},
+    ...     support=[{"name": "feet", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
+    ...     load=[{"case": "G", "pressure": 1e3}, {"case": "Q", "force": 1e3, "at": [4, 2]}],
+    ... )
+    >>> found = path_json(signorini.path(model, start="G", add="Q"))
+    >>> found["ending"], round(found["end"], 9), found["events"]
+    ('no_equilibrium', 16.0, [])
+    """
+    model = path.model
+    return {
+        "schema": SCHEMA,
+        "title": model.title,
+        "units": {"length": model.units.length, "force": model.units.force},
+        "from": path.start,
+        "add": path.add,
+        "method": path.problem.method,
+        "ending": path.ending,
+        "end": path.end,
+        "limit": None if np.isinf(path.limit) else path.limit,
+        "certificate": {**asdict(path.certificate), "passed": path.certificate.passed},
+        "not_unique": [{"begin": begin, "end": end, **asdict(one)} for begin, end, one in path.not_unique],
+        "events": [
+            {"t": stop.t, "support": switch.support, "at": list(switch.at), "change": switch.change}
+            for stop in path.events
+            for switch in stop.switched
+        ],
+        "stops": [_stop(path, stop) for stop in path.stops],
+    }
+
+
+def _stop(path: Path, stop: PathStop) -> dict[str, Any]:
+    supports = zip(path.model.support, stop.reactions.tolist(), stop.closed.tolist(), stop.counts.tolist(), strict=True)
+    positions = path.problem.discretisation.probe_positions.tolist()
+    return {
+        "t": stop.t,
+        "deflection": {
+            "max": stop.largest,
+            "max_at": list(stop.largest_at),
+            "min": stop.smallest,
+            "min_at": list(stop.smallest_at),
+        },
+        "supports": [
+            {"name": support.name, "reaction": reaction, "closed": closed, "open": count - closed}
+            for support, reaction, closed, count in supports
+        ],
+        "probes": [{"at": at, "deflection": w} for at, w in zip(positions, stop.deflections.tolist(), strict=True)],
+    }
+
+
+def path_csv(path: Path) -> str:
+    """Give the stops of a load path as comma-separated values: a row a stop, columns for every support and probe."""
+    text = io.StringIO()
+    names = [support.name for support in path.model.support]
+    positions = path.problem.discretisation.probe_positions.tolist()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(
+        ["t", "event", "deflection_max", "deflection_min"]
+        + [f"{what}:{name}" for name in names for what in ("reaction", "closed", "open")]
+        + [f"probe[{i}]:deflection" for i in range(1, len(positions) + 1)]
+    )
+    for index, stop in enumerate(path.stops):
+        supports = zip(stop.reactions.tolist(), stop.closed.tolist(), (stop.counts - stop.closed).tolist(), strict=True)
+        row = [
+            stop.t,
+            name_cell(path.words(index)),
+            stop.largest,
+            stop.smallest,
+            *itertools.chain.from_iterable(supports),
+        ]
+        table.writerow([*row, *stop.deflections.tolist()])
+    return text.getvalue()
+
+
+def write_path(path: Path, directory: str | os.PathLike[str]) -> None:
+    """Write ``path.json``, ``path.csv`` and ``path.png``, all or none; other files in the directory stay.
+
+    Those of an earlier path there are replaced.
+
+    Raises
+    ------
+    InputError
+        If the directory cannot be made or written to, or has files of these names that no earlier path wrote.
+    """
+    # Only this function needs matplotlib.
+    from signorini.plot import save
+
+    target = FilePath(directory)
+    figure = path.plot()
+    try:
+        with replacing_together(target, partial(former_path, target), seal=PATH_JSON) as beside:
+            save(figure, beside / PATH_PICTURE)
+            (beside / PATH_CSV).write_text(path_csv(path), "utf-8")
+            text = json.dumps(path_json(path), indent=1, ensure_ascii=False, allow_nan=False)
+            (beside / PATH_JSON).write_text(text + "\n", "utf-8")
+    except OSError as error:
+        raise cannot_write(target, error) from None

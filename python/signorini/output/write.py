@@ -1,0 +1,84 @@
+"""Results as files: results.json, reactions.csv, a .vtu and pictures of combinations, the table of all of them."""
+
+from __future__ import annotations
+
+import json
+import os
+from functools import partial
+from pathlib import Path
+
+from signorini.analysis.solve import Results
+from signorini.base.files import replacing_together
+from signorini.output.directory import cannot_write, former_results
+from signorini.output.envelope_json import ENVELOPE, TABLE, write_envelope
+from signorini.output.names import CSV, JSON, PRESSURE, has_areas, slugs
+from signorini.output.tables import reactions_csv, results_json
+from signorini.results.result import pressure_layers, support_marks
+
+
+def write(
+    results: Results, directory: str | os.PathLike[str], table: str | os.PathLike[str] | None = None
+) -> list[Path]:
+    """Write ``results.json``, ``reactions.csv`` and, of each solved combination, a ``.vtu`` and pictures.
+
+    Where combinations are rows of a table, these are of the combinations in ``results``; the table and, unless no field
+    is enveloped, ``envelope.vtu`` come with them.
+
+    All of them, or none: they are written elsewhere and moved into place when complete. The files of an earlier run in
+    the directory are replaced as a set; other files in it stay, and one that has a name of ours is refused. Of several
+    runs at once the last one leaves its files, whole, and none of the others'.
+
+    Parameters
+    ----------
+    results : Results
+    directory : path-like
+        Made if need be.
+    table : path-like, optional
+        The table that `signorini.solve` has written, on the same file system; it is moved. Needed where combinations
+        are rows of a table.
+
+    Returns
+    -------
+    list of Path
+        What was written.
+
+    Raises
+    ------
+    InputError
+        If the directory cannot be made or written to, or has a file of somebody else's with the name of one of ours.
+    """
+    # Only this function needs matplotlib.
+    from signorini.plot import deflection_picture, pressure_picture, save
+
+    target = Path(directory)
+    units = results.discretisation.model.units
+    of_length = f" [{units.length}]" if units.length else ""
+    of_pressure = f" [{units.force}/{units.length}²]" if units.force and units.length else ""
+    found = results_json(results)
+    names = [JSON, CSV]
+    try:
+        with replacing_together(target, partial(former_results, target), seal=JSON) as beside:
+            for result, slug in slugs(results):
+                result.to_vtk(beside / f"{slug}.vtu")
+                plate = (result.mesh.points, result.mesh.elements)
+                marks = support_marks(result)
+                title = ", ".join(part for part in (result.model.title, result.name) if part)
+                label = f"deflection{of_length}, positive down"
+                figure = deflection_picture(
+                    *plate, result.deflection, marks, title=title, label=label, length=units.length
+                )
+                save(figure, beside / f"{slug}.png")
+                if has_areas(results):
+                    layers, label = pressure_layers(result), f"contact pressure{of_pressure}, positive up"
+                    figure = pressure_picture(*plate, layers, marks, title=title, label=label, length=units.length)
+                    save(figure, beside / f"{slug}{PRESSURE}.png")
+            if results.combined is not None and results.combined.envelope.fields:
+                write_envelope(results.combined, results.discretisation, beside / ENVELOPE)
+            if table is not None:
+                Path(table).rename(beside / TABLE)
+            (beside / CSV).write_text(reactions_csv(results), encoding="utf-8")
+            (beside / JSON).write_text(json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
+            names = found["files"]
+    except OSError as error:
+        raise cannot_write(target, error) from None
+    return [target / name for name in names]

@@ -1,0 +1,210 @@
+"""Contact of an area, from the deflection field rather than from its quadrature points: pressure, extent, edge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+
+from signorini import _core
+from signorini.base.remade import Remade
+from signorini.discretise.places import region
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.supports import can_let_go
+from signorini.mesh import Mesh
+from signorini.model import Support
+from signorini.results.contact_field.fine import Fine
+from signorini.results.contact_field.law import bounds, overlap, pressing
+from signorini.results.contact_field.lines import Segments, chained, clipped, thinned, zero_line
+from signorini.shapes import Region
+from signorini.shapes.depths import depth
+from signorini.shapes.tessellation import Tessellation
+
+_WHOLE = 1.0 - 1e-9
+"""Part of an element's area from which on the support has all of it."""
+_TOUCHING = 1e-9
+"""Part of the largest overlap or gap at the nodes below which the plate touches and does not press."""
+_ON_OUTLINE = 1e-9
+"""Part of the plate's size within which a point is on the support's outline."""
+_STRAIGHT = 1e-3
+"""Part of an element's size by which a polyline may leave the edge of contact."""
+_ALONG_SIDE = np.linspace(-1.0, 1.0, 9)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AreaContact(Remade):
+    """Contact of one area support.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    support : Support
+        On an area.
+    deflection : (n,) array
+    elements, weights, closed, reactions : (q,) arrays
+        Points that the area acts at, of one on means one an element: element, area it stands for, whether closed,
+        upward force.
+    on_means : bool
+        Whether it acts on the means of elements: it is rigid, or as good as that.
+    stiff : (ne,) array
+        Elements in which it is stiffer than the plate. Between points the deflection then says nothing of pressures,
+        and the pressure is a number an element, not a field.
+    """
+
+    mesh: Mesh
+    support: Support
+    deflection: Floats
+    elements: Ints
+    weights: Floats
+    closed: Bools
+    reactions: Floats
+    on_means: bool
+    stiff: Bools
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Least and greatest pressure that the support can exert."""
+        return bounds(self.support)
+
+    @cached_property
+    def covered(self) -> Floats:
+        """Area (ne,) of the support in each element."""
+        return np.bincount(self.elements, self.weights, len(self.mesh.elements)).astype(np.float64)
+
+    @cached_property
+    def element_pressure(self) -> Floats:
+        """Mean pressure (ne,) over the support's part of each element, positive up; 0 elsewhere."""
+        force = np.bincount(self.elements, self.reactions, len(self.covered))
+        return np.asarray(force / np.where(self.covered > 0, self.covered, 1.0))
+
+    @cached_property
+    def nodal_pressure(self) -> Floats:
+        """Pressure (n,) of an area at the nodes, positive up; 0 at those out of it.
+
+        At nodes of stiff elements the mean of the elements around.
+        """
+        on = np.zeros(self.mesh.node_count, np.bool_)
+        on[self.mesh.elements[self._whole].ravel()] = True
+        near = np.unique(self.mesh.elements[(self.covered > 0) & ~self._whole])
+        on[near] |= self.depth(self.mesh.points[near]) >= 0
+        result = np.zeros(len(on))
+        if not self.on_means:
+            result[on] = np.clip(pressing(self.support, self.deflection[on], self.mesh.points[on]), *self.bounds)
+        if self.stiff.any():
+            at_stiff = on & np.isin(np.arange(len(on)), self.mesh.elements[self.stiff & (self.covered > 0)])
+            around = np.flatnonzero(self.covered > 0)
+            nodes, area = self.mesh.elements[around].ravel(), np.repeat(self.covered[around], 8)
+            force = np.bincount(nodes, area * np.repeat(self.element_pressure[around], 8), len(on))
+            result[at_stiff] = force[at_stiff] / np.bincount(nodes, area, len(on))[at_stiff]
+        return result
+
+    @cached_property
+    def max_pressure(self) -> float:
+        """Largest pressure, at the nodes and at the points that the area acts at; 0 where it holds down only."""
+        largest = float((self.reactions / self.weights).max(initial=0.0))
+        return float(np.fmax.reduce(self.nodal_pressure, initial=largest))
+
+    def pressure(self, elements: Ints, xi: Floats) -> Floats:
+        """Pressure (q,) at reference points (q, 2) of elements (q,), positive up; NaN where the support is not."""
+        positions = self.mesh.map(elements, xi)
+        on = (self.covered[elements] > 0) & (self._whole[elements] | (self.depth(positions) >= 0))
+        result = np.full(len(elements), np.nan)
+        stiff, soft = on & self.stiff[elements], on & ~self.stiff[elements]
+        result[stiff] = self.element_pressure[elements[stiff]]
+        if soft.any():
+            nodal = self.deflection[self.mesh.elements[elements[soft]]]
+            deflection = np.einsum("qi,qi->q", _core.serendipity(xi[soft])[0], nodal)
+            result[soft] = np.clip(pressing(self.support, deflection, positions[soft]), *self.bounds)
+        return result
+
+    def pressing(self, cut: Tessellation) -> Floats:
+        """Pressure (v,) of an elastic area at the vertices of a cut mesh as if it held both ways; 0 where unknown.
+
+        What is beyond `bounds` the area does not exert; without a jump in slope there, it shows the edge of contact.
+        """
+        return np.nan_to_num(
+            pressing(self.support, cut.interpolate(self.deflection), cut.interpolate(self.mesh.points))
+        )
+
+    @cached_property
+    def contact_area(self) -> float:
+        """Area in contact.
+
+        Elements with every point closed count whole. In those that the edge of contact may cross it is measured on a
+        grid finer than the points; one that is all in contact has exactly the area that the support has in it.
+        """
+        touching = np.bincount(self.elements, self.weights * self.closed, len(self.covered))
+        fine = self._fine
+        if fine is None:
+            return float(touching.sum())
+        parts = fine.parts(self.depth(fine.positions))
+        measured = fine.elements[~np.isnan(parts)]
+        inside = self.covered[measured] * parts[~np.isnan(parts)]
+        return float(touching.sum() - touching[measured].sum() + inside.sum())
+
+    @cached_property
+    def contact_boundary(self) -> tuple[Floats, ...]:
+        """Polylines (k, 2) between contact, on their left, and gap; the last point of a closed one is its first.
+
+        They end where the support or the plate does. Of an elastic area they are where the deflection field closes the
+        gap, of a rigid one the sides between elements that are closed and open.
+        """
+        if self.on_means:
+            segments, near = self._sides_between(), self.elements
+        elif self._fine is not None:
+            fine = self._fine
+            segments, near = zero_line(fine.positions, fine.known, fine.overlap, fine.in_contact), fine.elements
+        else:
+            return ()
+        segments = clipped(segments, self.depth(segments.points))
+        tolerance = _STRAIGHT * float(np.sqrt(self.mesh.element_area[near].min(initial=np.inf)))
+        return tuple(thinned(line, tolerance) for line in chained(segments))
+
+    def depth(self, positions: Floats) -> Floats:
+        """How deep positions (q, 2) are in the support; 0 or more on its outline too."""
+        if self._region is None:
+            return np.full(len(positions), self.mesh.size)
+        return depth(self._region, positions) + _ON_OUTLINE * self.mesh.size
+
+    @cached_property
+    def _region(self) -> Region | None:
+        return region(self.support.area)
+
+    @cached_property
+    def _whole(self) -> Bools:
+        return np.asarray((self.covered > 0) & (self.covered >= _WHOLE * self.mesh.element_area))
+
+    @cached_property
+    def _fine(self) -> Fine | None:
+        """The elements that the edge of contact may cross; None where there is none."""
+        if self.on_means or not can_let_go(self.support):
+            return None
+        nodes, inverse = np.unique(self.mesh.elements[self.covered > 0], return_inverse=True)
+        at_nodes = overlap(self.support, self.deflection[nodes], self.mesh.points[nodes])
+        touching = _TOUCHING * float(np.fmax.reduce(np.abs(at_nodes), initial=0.0))
+        of_elements = at_nodes[inverse].reshape(-1, 8)
+        count = len(self.covered)
+        closed = np.bincount(self.elements, self.closed, count) > 0
+        opened = np.bincount(self.elements, ~self.closed, count) > 0
+        closed[self.covered > 0] |= (of_elements >= -touching).any(axis=1)
+        opened[self.covered > 0] |= (of_elements <= touching).any(axis=1)
+        crossed = np.flatnonzero(closed & opened)
+        if not len(crossed):
+            return None
+        law = partial(overlap, self.support)
+        return Fine.around(self.mesh, crossed, self.covered > 0, self.deflection, law, touching)
+
+    def _sides_between(self) -> Segments:
+        """Sides of elements between closed and open ones of a rigid area."""
+        elements, sides = self.mesh.elements, self.mesh.sides
+        closed, opened = np.unique(self.elements[self.closed]), np.unique(self.elements[~self.closed])
+        triples = sides[closed][np.isin(sides[closed][..., 1], elements[opened, 4:])]
+        s = _ALONG_SIDE[1:-1]
+        shape = np.stack([0.5 * s * (s - 1), 1 - s * s, 0.5 * s * (s + 1)])
+        between = np.einsum("is,kid->ksd", shape, self.mesh.points[triples])
+        count = self.mesh.node_count
+        inner = count + np.arange(between.shape[0] * len(s)).reshape(-1, len(s))
+        chain = np.hstack([triples[:, :1], inner, triples[:, 2:]])
+        pairs = np.stack([chain[:, :-1], chain[:, 1:]], axis=-1).reshape(-1, 2)
+        return Segments(np.concatenate([self.mesh.points, between.reshape(-1, 2)]), pairs)

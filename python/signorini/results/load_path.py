@@ -1,0 +1,261 @@
+"""What a load path says: its stops, the segments between them, and every result at any t."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from signorini import _core
+from signorini.base import arguments
+from signorini.base.brief import Brief
+from signorini.base.remade import Remade
+from signorini.contact.answer import Answer, NotUnique
+from signorini.contact.certificate import Certificate, certified
+from signorini.contact.factoring import Method
+from signorini.contact.problem import ContactProblem
+from signorini.contact.refusal import refusal
+from signorini.contact.selection import chosen
+from signorini.contact.strategy import answered
+from signorini.discretise import CaseLoad
+from signorini.discretise.rows import Bools, Floats
+from signorini.errors import InputError, NotCertifiedError
+from signorini.model import Model
+from signorini.results.notebook import path_table
+from signorini.results.path_stop import PathStop
+from signorini.results.result import Result
+
+if TYPE_CHECKING:
+    from signorini.plot import Figure
+
+AT_LIMIT = 1e-6
+"""Distance from the limit of equilibrium, over the limit, that is none: the last contact sets barely hold the plate."""
+
+Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Segment(Brief):
+    """A stretch of the path on which no point opens or closes, so that everything is linear in t.
+
+    Parameters
+    ----------
+    begin, end : PathStop
+        What holds at its two ends.
+    closed : (m,) array
+        Contact points that are closed on it.
+    """
+
+    begin: PathStop
+    end: PathStop
+    closed: Bools
+
+    @property
+    def jumps(self) -> bool:
+        """Whether all of it is at one t: the plate, having lost its hold, moves until other points hold it."""
+        return self.begin.t == self.end.t
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Path(Remade):
+    """The answer of a plate to start + t add, for every t from 0 to where the path ends.
+
+    Parameters
+    ----------
+    start : str or None
+        The load at t = 0; None is no load.
+    add : str
+        The load that grows. Both are names of cases or combinations.
+    problem : ContactProblem
+    stops : tuple of PathStop
+        At t = 0, at every event, and at the end.
+    ending : str
+        Why it ends: "until", the t asked for; "no_more_events", however large t; "no_equilibrium", from there on;
+        "stopped", where arithmetic no longer tells the contact set, or at ``mesh_limit``.
+    limit : float
+        The largest t for which reactions balance the load; infinite if there is none.
+    mesh_limit : float
+        The same for reactions at the contact points of this mesh, which are within the supports' outlines.
+    certificate : Certificate
+        The worst of every figure over all stops.
+    """
+
+    start: str | None
+    add: str
+    problem: ContactProblem
+    stops: tuple[PathStop, ...]
+    ending: Ending
+    limit: float
+    mesh_limit: float
+    certificate: Certificate
+    _loads: tuple[CaseLoad, CaseLoad]
+    _first: Bools
+    _doubtful: tuple[int, ...] = ()
+    """Segments on which more answers than one may be right."""
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+        return self.problem.discretisation.model
+
+    @property
+    def name(self) -> str:
+        """Its load in words."""
+        return f"t {self.add}" if self.start is None else f"{self.start} + t {self.add}"
+
+    @property
+    def end(self) -> float:
+        """The t of the last stop; the last segment goes on for ever if there are no more events."""
+        return self.stops[-1].t
+
+    @property
+    def ends_with_the_mesh(self) -> bool:
+        """Whether it stops where the mesh's points, but not yet the supports' outlines, cease to balance the load."""
+        return self.ending == "stopped" and self.end >= self.mesh_limit * (1 - AT_LIMIT)
+
+    @property
+    def events(self) -> tuple[PathStop, ...]:
+        """Stops at which points open or close."""
+        return tuple(stop for stop in self.stops if stop.switched)
+
+    @cached_property
+    def segments(self) -> tuple[Segment, ...]:
+        """Stretches between neighbouring stops."""
+        closed, found = self._first, []
+        for begin, end in zip(self.stops[:-1], self.stops[1:], strict=True):
+            closed = closed.copy()
+            closed[begin.points] ^= True
+            found.append(Segment(begin, end, closed))
+        return tuple(found)
+
+    @cached_property
+    def not_unique(self) -> tuple[tuple[float, float, NotUnique], ...]:
+        """Where more answers than one are right: from one t to another, and what could be otherwise.
+
+        The stops show an answer that leads on, `at` the least one.
+        """
+        found, stretches = self.problem.discretisation, list[tuple[float, float, NotUnique]]()
+        for segment in (self.segments[index] for index in self._doubtful):
+            load = self._loads[0] + 0.5 * (segment.begin.t + segment.end.t) * self._loads[1]
+            solution = self.problem.core.solve_on(load.nodal, found.held.values, segment.closed)
+            answer = chosen(found, self.problem.freedom, load.nodal, Answer.of(found, solution))
+            for one in answer.not_unique:
+                before = [stretch for stretch in stretches if stretch[1:] == (segment.begin.t, one)]
+                begin = before[0][0] if before else segment.begin.t
+                stretches = [stretch for stretch in stretches if stretch not in before]
+                stretches.append((begin, segment.end.t, one))
+        return tuple(stretches)
+
+    def words(self, index: int) -> str:
+        """Say what happens at a stop, by its number from 0."""
+        index = arguments.index(index, len(self.stops), "stop", "index")
+        stop = self.stops[index]
+        event = stop.event or ("begin" if index == 0 else "end")
+        jumps = index < len(self.segments) and self.segments[index].jumps
+        return f"{event}; the plate moves on its own until another support holds it" if jumps else event
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (stop.t, self.words(index), stop.utmost, stop.reactions.tolist()) for index, stop in enumerate(self.stops)
+        ]
+        return path_table([support.name for support in self.model.support], rows, self.model.units)
+
+    def plot(self) -> Figure:
+        """Draw deflections over t, at the probes or else the extremes, and below it what part of supports is closed.
+
+        Returns
+        -------
+        Figure
+            Of matplotlib.
+        """
+        from signorini.plot import load_path_picture
+
+        positions = self.problem.discretisation.probe_positions.tolist()
+        at_probes = np.array([stop.deflections for stop in self.stops])
+        extremes = {name: np.array([getattr(stop, name) for stop in self.stops]) for name in ("largest", "smallest")}
+        curves = {f"at [{x:.6g}, {y:.6g}]": at_probes[:, i] for i, (x, y) in enumerate(positions)}
+        supports = self.model.support
+        parts = np.array([stop.closed / np.maximum(stop.counts, 1) for stop in self.stops[:-1]])
+        return load_path_picture(
+            [stop.t for stop in self.stops],
+            curves or extremes,
+            dict(zip((support.name for support in supports), parts.reshape(-1, len(supports)).T, strict=True)),
+            limit=self.end if self.ending == "no_equilibrium" else None,
+            title=", ".join(part for part in (self.model.title, self.name) if part),
+            factor=f"t, the factor of {self.add}",
+            length=self.model.units.length,
+        )
+
+    def _beside(self, t: float) -> Iterator[Floats]:
+        """Reactions (m,) amid the segments that end or begin at t, or are about it."""
+        held = self.problem.discretisation.held.values
+        for segment in self.segments:
+            if segment.begin.t <= t <= segment.end.t and not segment.jumps:
+                load = self._loads[0] + 0.5 * (segment.begin.t + segment.end.t) * self._loads[1]
+                solution = self.problem.core.solve_on(load.nodal, held, segment.closed)
+                if solution.status == "solved":
+                    yield solution.reaction
+
+    def at(self, t: float) -> Result:
+        """Every result at some t: one linear solve on the contact set that holds there, with its certificate.
+
+        At the t of a jump it is what holds before it.
+
+        Raises
+        ------
+        InputError
+            If t is not on the path.
+        NotCertifiedError
+            If the answer fails its certificate.
+        """
+        t = arguments.number(t, "t")
+        open_ended = self.ending == "no_more_events"
+        if not (0 <= t <= self.end or (open_ended and self.end < t < np.inf)):
+            raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{self.end:.12g}'}.")
+        index = int(np.searchsorted([stop.t for stop in self.stops[1:-1]], t, side="left"))
+        load = self._loads[0] + t * self._loads[1]
+        found = self.problem.discretisation
+        closed = self.segments[index].closed if self.segments else self._first
+        answer = Answer.of(found, self.problem.core.solve_on(load.nodal, found.held.values, closed))
+        made_of = beside(self._loads, t)
+        methods: Sequence[Method] = (self.problem.method,)
+        answer, certificate = certified(found, load, answer, made_of)
+        if not certificate.passed:
+            # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
+            tried = answered(self.problem, load, proximal=False, beside=made_of)
+            answer, certificate = certified(found, load, tried.answer.somehow or tried.answer, made_of)
+            methods = tried.methods
+        if not certificate.passed:
+            answers: list[_core.ContactSolution] = []
+            nodal = self._loads[0].nodal, self._loads[1].nodal
+            self.problem.core.path(*nodal, found.held.values, t, lambda t, points, answer: answers.append(answer))
+            if answers:
+                answer, certificate = certified(found, load, Answer.of(found, answers[-1]), made_of)
+                methods = (self.problem.method,)
+        name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
+        if not certificate.passed:
+            raise NotCertifiedError(refusal(name, found, load, answer, certificate))
+        least = chosen(found, self.problem.freedom, load.nodal, answer, lambda: self._beside(t))
+        if least is not answer:
+            answer, certificate = certified(found, load, least, made_of)
+        return Result.of(found, name, methods, load, answer, certificate)
+
+
+def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, closed: Bools) -> Iterator[Floats]:
+    """Reactions (m,) on a contact set at a t well beyond this one, signs as they come; none where it does not hold."""
+    start, add = (np.abs(load.nodal).max() for load in loads)
+    far = t + max(t, start / add if start else 1.0)
+    held = problem.discretisation.held.values
+    solution = problem.core.solve_on((loads[0] + far * loads[1]).nodal, held, closed)
+    if solution.status == "solved":
+        yield solution.reaction
+
+
+def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> Floats:
+    """Nodal load (3n,) of the size of what the load at t is the sum of, at a t at which both parts count."""
+    start, add = np.abs(loads[0].nodal), np.abs(loads[1].nodal)
+    span = start.max() / add.max() if start.any() and add.any() else 1.0
+    return np.asarray(start + max(t, span) * add)

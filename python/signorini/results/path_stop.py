@@ -1,0 +1,140 @@
+"""What a load path shows at its beginning, at an event and at its end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from signorini import _core
+from signorini.base.brief import Brief
+from signorini.contact.answer import Answer
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.rows import Floats, Ints
+from signorini.results.support_result import support_result
+
+_MOST_POINTS = 3
+"""Points of one support named at an event."""
+
+
+@dataclass(frozen=True)
+class Switch:
+    """A contact point that opens or closes.
+
+    Parameters
+    ----------
+    support : str
+    at : (x, y)
+    closes : bool
+    """
+
+    support: str
+    at: tuple[float, float]
+    closes: bool
+
+    @property
+    def change(self) -> Literal["opens", "closes"]:
+        """What it does."""
+        return "closes" if self.closes else "opens"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PathStop(Brief):
+    """The path at one t. Between two stops all is linear in t, but for the extremes and the work.
+
+    Parameters
+    ----------
+    t : float
+    switched : tuple of Switch
+        Contact points that open or close here.
+    points : (k,) array
+        Which contact points these are.
+    reactions : (s,) array
+        Total of every support, positive when it pushes the plate up.
+    closed, counts : (s,) arrays
+        Closed points of every support from here on, and how many points it has.
+    deflections : (q,) array
+        At the model's probes.
+    largest, smallest : float
+        Extremes of the deflection over the nodes.
+    largest_at, smallest_at : (x, y)
+    work, work_size : float
+        Sum of nodal loads times displacements, which is the same for all solutions of one load, and of the magnitudes.
+    """
+
+    t: float
+    switched: tuple[Switch, ...]
+    points: Ints
+    reactions: Floats
+    closed: Ints
+    counts: Ints
+    deflections: Floats
+    largest: float
+    smallest: float
+    largest_at: tuple[float, float]
+    smallest_at: tuple[float, float]
+    work: float
+    work_size: float
+
+    @property
+    def utmost(self) -> float:
+        """The extreme of the deflection that is larger in size, negative where the plate lifts most."""
+        return self.smallest if -self.smallest > self.largest else self.largest
+
+    @property
+    def event(self) -> str:
+        """What opens and closes here, in words; empty at the beginning and at the end."""
+        said = []
+        for name, change in dict.fromkeys((switch.support, switch.change) for switch in self.switched):
+            places = [switch.at for switch in self.switched if (switch.support, switch.change) == (name, change)]
+            some = " ".join(f"[{x:.6g}, {y:.6g}]" for x, y in places[:_MOST_POINTS])
+            more = f" and {len(places) - _MOST_POINTS} more" if len(places) > _MOST_POINTS else ""
+            said.append(f"{name} {change} at {some}{more}")
+        return "; ".join(said)
+
+
+def switches(found: Discretisation, points: Ints, answer: Answer) -> tuple[Switch, ...]:
+    """Say which contact points open or close, and where."""
+    contacts, closed = found.contacts, answer.closed
+    return tuple(
+        Switch(
+            found.model.support[contacts.support[i]].name,
+            (float(contacts.positions[i, 0]), float(contacts.positions[i, 1])),
+            bool(closed[i]),
+        )
+        for i in points
+    )
+
+
+def path_stop(
+    found: Discretisation, t: float, load: CaseLoad, points: Ints, switched: Ints, answer: Answer
+) -> PathStop:
+    """Reduce an answer to what the path keeps of it; ``switched`` are the points that are said to open or close."""
+    displacement = answer.hi + answer.lo
+    deflection, works = displacement[::3], load.nodal * displacement
+    imbalance = found.plate.residual(found.springs.arrays, load.nodal, answer.hi, answer.lo)
+    held_force = np.where(found.held.dofs, imbalance - found.point_rows.T @ answer.shared, 0.0)
+    pull = found.spring_forces(answer.hi, answer.lo)
+    supports = [
+        support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
+    ]
+    most, least = int(deflection.argmax()), int(deflection.argmin())
+    at = [(float(x), float(y)) for x, y in found.mesh.points[[most, least]]]
+    values, _ = _core.serendipity(found.probes.xi)
+    elements = found.mesh.elements[found.probes.elements]
+    return PathStop(
+        t,
+        switches(found, switched, answer),
+        points,
+        np.array([support.reaction for support in supports]),
+        np.array([support.closed_count for support in supports]),
+        np.array([len(support.closed) for support in supports]),
+        np.einsum("qi,qi->q", values, deflection[elements]),
+        float(deflection[most]),
+        float(deflection[least]),
+        at[0],
+        at[1],
+        float(works.sum()),
+        float(np.abs(works).sum()),
+    )

@@ -1,0 +1,304 @@
+"""Results: fields at nodes, reactions, contact state and certificate of one combination."""
+
+from __future__ import annotations
+
+import html
+import os
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal, Self, TypeAlias
+
+import numpy as np
+
+from signorini.base import arguments
+from signorini.base.arguments import known
+from signorini.base.remade import Remade
+from signorini.contact.answer import Answer, NotUnique
+from signorini.contact.certificate import Certificate
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.rows import Floats
+from signorini.errors import InputError
+from signorini.formats.vtk import displacement_vector, write_vtu
+from signorini.mesh import Location, Mesh
+from signorini.model import Model
+from signorini.results.marks import pressure_layer, support_mark
+from signorini.results.notebook import supports_table
+from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
+from signorini.results.support_result import SupportResult, support_result
+
+if TYPE_CHECKING:
+    from signorini.plot import Axes, PressureLayer, SupportMark
+
+Points: TypeAlias = Floats | Sequence[tuple[float, float]] | tuple[float, float]
+Status = Literal["solved", "no_equilibrium"]
+
+FIELDS = ("deflection", "rotation_x", "rotation_y", "mx", "my", "mxy", "qx", "qy")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Remade):
+    """One combination. Numbers are NaN where there is no equilibrium.
+
+    Parameters
+    ----------
+    deflection : (n,) array
+        Positive down.
+    rotation : (n, 2) array
+        Slopes θx, θy.
+    moment : (n, 3) array
+        mx, my, mxy, positive when they sag; averaged at nodes from the superconvergent points.
+    shear : (n, 2) array
+        qx, qy.
+    nodal_reaction : (n,) array
+        Upward force of every support on every node that it acts on.
+    method : str
+        "lemke", "active_set" or "interior_point".
+    unsettled : tuple of str
+        Methods that were tried before and did not settle; almost always none.
+    iterations : int
+        Lemke's pivots, the active set's Newton steps, or the steps of the interior point method.
+    not_unique : tuple of NotUnique
+        What else would be as right, where supports repeat each other or the plate may rest elsewhere: of all these the
+        least reactions, and then the least deflection, are given. Empty where this is the only answer.
+    """
+
+    name: str
+    status: Status
+    message: str
+    method: str
+    unsettled: tuple[str, ...]
+    iterations: int
+    not_unique: tuple[NotUnique, ...]
+    mesh: Mesh
+    model: Model
+    certificate: Certificate
+    deflection: Floats
+    rotation: Floats
+    moment: Floats
+    shear: Floats
+    nodal_reaction: Floats
+    supports: tuple[SupportResult, ...]
+    probes: tuple[ProbeResult, ...]
+    seconds: float
+
+    @classmethod
+    def of(
+        cls,
+        found: Discretisation,
+        name: str,
+        methods: Sequence[str],
+        load: CaseLoad,
+        answer: Answer,
+        certificate: Certificate,
+        stress: Floats | None = None,
+    ) -> Self:
+        """Recover every field from a contact solution; the last of ``methods`` found it.
+
+        ``stress`` (n, 5) are the moments and shears at the nodes, where they are known already.
+        """
+        *unsettled, method = methods
+        begun = time.perf_counter()
+        hi, lo = answer.hi, answer.lo
+        nodal = (hi + lo).reshape(-1, 3)
+        rotation = found.held.to_global(nodal[:, 1:])
+        if stress is None:
+            stress, _ = found.plate.stresses(hi, lo, tuple(load.curvature), load.couples)
+        spread = found.point_rows.T @ answer.shared
+        held_force = np.zeros(found.dof_count)
+        if found.held.dofs.any():
+            imbalance = found.plate.residual(found.springs.arrays, load.nodal, hi, lo)
+            held_force = np.where(found.held.dofs, imbalance - spread, 0.0)
+        pull = found.spring_forces(hi, lo)
+        nodal_reaction = held_force + spread + found.spring_rows.T @ pull
+        supports = tuple(
+            support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
+        )
+        fields = np.column_stack([nodal[:, 0], rotation, stress])
+        return cls(
+            name,
+            "solved",
+            "",
+            method,
+            tuple(unsettled),
+            answer.pivots if method == "lemke" else answer.iterations,
+            answer.not_unique,
+            found.mesh,
+            found.model,
+            certificate,
+            nodal[:, 0],
+            rotation,
+            stress[:, :3],
+            stress[:, 3:],
+            nodal_reaction[::3],
+            supports,
+            tuple(probe_results(fields, found.mesh, supports, found.probes, found.probe_positions)),
+            time.perf_counter() - begun,
+        )
+
+    @property
+    def counted(self) -> str:
+        """What ``iterations`` counts."""
+        return {"lemke": "pivots", "active_set": "Newton steps"}.get(self.method, "interior point steps")
+
+    @property
+    def reactions(self) -> Mapping[str, float]:
+        """Total reaction of every support by name, positive when it pushes the plate up."""
+        return {support.name: support.reaction for support in self.supports}
+
+    @cached_property
+    def fields(self) -> Mapping[str, Floats]:
+        """Every field (n,) by name: deflection, rotation_x, rotation_y, mx, my, mxy, qx, qy."""
+        values = np.column_stack([self.deflection, self.rotation, self.moment, self.shear])
+        values.flags.writeable = False
+        return dict(zip(FIELDS, values.T, strict=True))
+
+    def probe(self, points: Points) -> list[ProbeResult]:
+        """Results at points (q, 2) of the plate.
+
+        Raises
+        ------
+        InputError
+            If a point is not on the plate, or none at all.
+        """
+        positions, where = self._located(points)
+        fields = np.column_stack(list(self.fields.values()))
+        return probe_results(fields, self.mesh, self.supports, where, positions)
+
+    def pressure(self, points: Points) -> Floats:
+        """Contact pressure (q,) of the area supports at points (q, 2) of the plate, positive where they push it up.
+
+        0 where there is a gap, NaN where there is no area support. Of an elastic area k ⟨w − settlement − gap⟩, of a
+        rigid one its reaction over the area, an element at a time.
+
+        Raises
+        ------
+        InputError
+            If a point is not on the plate.
+
+        Examples
+        --------
+        >>> from signorini import Model, solve
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.5},
+        ...     support=[{"area": "all", "resists": "down", "stiffness": 20e6}],
+        ...     load=[{"pressure": 2e3}],
+        ... )
+        >>> solve(model)["all"].pressure([(2, 2), (0, 0)]).round(6)
+        array([2000., 2000.])
+        """
+        return total_pressure(self.supports, self._located(points)[1])
+
+    def _located(self, points: Points) -> tuple[Floats, Location]:
+        positions = arguments.points(points)
+        where = self.mesh.locate(positions)
+        if not where.inside.all():
+            x, y = positions[np.argmin(where.inside)]
+            raise InputError(f"The point [{x:g}, {y:g}] is not on the plate. Move it onto the plate.")
+        return positions, where
+
+    def plot(self, field: str = "deflection", ax: Axes | None = None) -> Axes:
+        """Draw a field as contours with the supports, open or closed, on matplotlib axes.
+
+        Parameters
+        ----------
+        field : str
+            One of `fields`, or "pressure": the contact pressure of area supports.
+        ax : Axes, optional
+            By default the axes of a new figure.
+
+        Raises
+        ------
+        InputError
+            If there is no field of that name.
+        """
+        from signorini.plot import contour, pressure, supports
+
+        known(field, [*self.fields, "pressure"], "field", "field", "This result")
+        if ax is not None and not hasattr(ax, "tricontourf"):
+            raise InputError(f"found {ax!r}; it must be axes of matplotlib, or None for new ones.", place="ax")
+        title = ", ".join(part for part in (self.model.title, self.name) if part)
+        plate = (self.mesh.points, self.mesh.elements)
+        if field == "pressure":
+            ax = pressure(*plate, pressure_layers(self), ax=ax, label=field, title=title)
+            return supports(support_marks(self), ax, areas=False)
+        ax = contour(*plate, self.fields[field], ax=ax, label=field, title=title)
+        return supports(support_marks(self), ax)
+
+    def to_vtk(self, path: str | os.PathLike[str]) -> None:
+        """Write a .vtu file with every field; the displacement vector points down where the plate goes down."""
+        data = {
+            "deflection": self.deflection,
+            "displacement": displacement_vector(self.deflection),
+            "rotation": np.column_stack([self.rotation, np.zeros(len(self.rotation))]),
+            "moment": self.moment,
+            "shear": np.column_stack([self.shear, np.zeros(len(self.shear))]),
+            "reaction": self.nodal_reaction,
+        }
+        areas = [support.area for support in self.supports if support.area is not None]
+        elastic = [area.nodal_pressure for area in areas if area.support.stiffness is not None]
+        rigid = [area.element_pressure for area in areas if area.support.stiffness is None]
+        if elastic:
+            data["contact_pressure"] = sum(elastic, np.zeros(self.mesh.node_count))
+        of_elements = {"rigid_contact_pressure": sum(rigid, np.zeros(len(self.mesh.elements)))} if rigid else None
+        write_vtu(path, self.mesh.points, self.mesh.elements, data, of_elements)
+
+    def _repr_html_(self) -> str:
+        """Show the supports' table in a notebook."""
+        title = f"<p><b>{html.escape(self.name)}</b>: {self.status.replace('_', ' ')}</p>"
+        if self.status != "solved":
+            return f"{title}<p>{html.escape(self.message)}</p>"
+        units = self.model.units
+        length = f" {units.length}" if units.length else ""
+        ends = f"deflection {self.deflection.min():.6g} to {self.deflection.max():.6g}{length}, positive down"
+        verdict = (
+            f"{html.escape(ends)}<br>{self.method}, {self.iterations} {self.counted}; certificate {self.certificate}"
+        )
+        for one in self.not_unique:
+            verdict += f"<br>not unique: {html.escape(str(one))}"
+        table = supports_table(self.model.support, self.supports, units.force)
+        return f"{title}{table}<p>{verdict}</p>"
+
+
+def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
+    """Build the result of a combination without equilibrium: NaN for every number, and the reason."""
+    nan = float("nan")
+    count = found.mesh.node_count
+    nothing = np.full(count, nan)
+    return Result(
+        name,
+        "no_equilibrium",
+        message,
+        "equilibrium check",
+        (),
+        0,
+        (),
+        found.mesh,
+        found.model,
+        Certificate(nan, nan, nan, nan, nan),
+        nothing,
+        np.full((count, 2), nan),
+        np.full((count, 3), nan),
+        np.full((count, 2), nan),
+        nothing,
+        (),
+        (),
+        0.0,
+    )
+
+
+def support_marks(result: Result) -> list[SupportMark]:
+    """Marks of the supports for pictures."""
+    pairs = zip(result.model.support, result.supports, strict=True)
+    return [
+        support_mark(result.mesh, support, found.positions, found.closed, found.contact_boundary)
+        for support, found in pairs
+    ]
+
+
+def pressure_layers(result: Result) -> list[PressureLayer]:
+    """Contact pressures of the area supports for pictures."""
+    areas = (support.area for support in result.supports)
+    return [pressure_layer(area) for area in areas if area is not None and len(area.elements)]

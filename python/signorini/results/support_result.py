@@ -1,0 +1,138 @@
+"""What each support does in a solution: reactions, gaps, states, and the contact of areas."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from signorini.base.remade import Remade
+from signorini.contact.answer import Answer
+from signorini.discretise import Discretisation
+from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.supports import STIFFEST_SPRING, can_let_go
+from signorini.model import Support
+from signorini.results.contact_field import AreaContact
+from signorini.results.support_points import SupportPoints
+from signorini.results.support_words import describe
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SupportResult(Remade):
+    """What one support does.
+
+    Parameters
+    ----------
+    name, kind : str
+        Its name, and in words where it is and which way it holds.
+    reaction : float
+        Total force, positive when it pushes the plate up.
+    positions : (k, 2) array
+        Where it acts; reactions (k,), remaining gaps (k,) and states (k,) of these points follow. Springs and held
+        nodes are always closed. A point of a rigid area, or of one as good as that, is an element, and its position
+        the centre of what pushes there.
+    weights : (k,) array
+        Length or area that each point stands for; 1 at a point.
+    area : AreaContact or None
+        Of an area, its contact as a field.
+    """
+
+    name: str
+    kind: str
+    reaction: float
+    positions: Floats
+    reactions: Floats
+    gaps: Floats
+    closed: Bools
+    weights: Floats
+    place: Literal["at", "edge", "line", "circle", "area"]
+    area: AreaContact | None
+
+    @property
+    def closed_count(self) -> int:
+        """Number of closed points."""
+        return int(self.closed.sum())
+
+    @property
+    def open_count(self) -> int:
+        """Number of open points."""
+        return len(self.closed) - self.closed_count
+
+    @property
+    def contact_area(self) -> float | None:
+        """Area in contact, from the deflection field where it is elastic; None if the support is not an area."""
+        return None if self.area is None else self.area.contact_area
+
+    @property
+    def contact_boundary(self) -> tuple[Floats, ...]:
+        """Edge of an area's contact: polylines (k, 2) with the contact on their left.
+
+        The last point of a closed one is its first; the others end where the plate or the support does. Of an elastic
+        area they follow the deflection field, of a rigid one the sides of elements.
+        """
+        return () if self.area is None else self.area.contact_boundary
+
+    @property
+    def max_pressure(self) -> float | None:
+        """Largest pressure of an area, from the deflection field where it is elastic; None if it is not an area."""
+        return None if self.area is None else self.area.max_pressure
+
+
+def support_result(
+    found: Discretisation,
+    index: int,
+    held_force: Floats,
+    pull: Floats,
+    answer: Answer,
+) -> SupportResult:
+    """Say what a support does.
+
+    Parameters
+    ----------
+    found : Discretisation
+    index : int
+        Which support of the model.
+    held_force : (n,) array
+        Upward force on every node that is held.
+    pull : (s,) array
+        Upward force of every spring.
+    answer : Answer
+    """
+    support = found.model.support[index]
+    points = SupportPoints.of(found, index)
+    reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.shared)
+    closed = points.closed(answer.closed)
+    area = None
+    if support.area is not None:
+        on_means = points.shares is not None or support.stiffness is None
+        stiff = on_means | _stiff(found, support, points)
+        deflection = (answer.hi + answer.lo)[::3]
+        area = AreaContact(
+            found.mesh, support, deflection, points.elements, points.weights, closed, reactions, on_means, stiff
+        )
+    return SupportResult(
+        support.name,
+        describe(support),
+        float(reactions.sum()),
+        points.centres(found, answer.shared),
+        reactions,
+        points.gaps(answer.gap),
+        closed,
+        points.weights,
+        support.place,
+        area,
+    )
+
+
+def _stiff(found: Discretisation, support: Support, points: SupportPoints) -> Bools:
+    """Elements (ne,) in which an area is stiffer than the plate, or, if it never lets go, as good as rigid."""
+    stiff = np.zeros(len(found.mesh.elements), np.bool_)
+    if support.stiffness is not None:
+        at, of_plate = points.elements, found.plate_stiffness
+        stiffness = support.stiffness(*points.positions.T)
+        limit = (
+            of_plate.in_waves[at] if can_let_go(support) else STIFFEST_SPRING * of_plate.in_shear[at] / points.weights
+        )
+        stiff[at[stiffness >= limit]] = True
+    return stiff

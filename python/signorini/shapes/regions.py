@@ -1,0 +1,296 @@
+"""Regions and curves of the plane on which loads and supports act."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from signorini.errors import InputError
+from signorini.shapes.outlines import (
+    Box,
+    Outline,
+    Point,
+    Round,
+    Straight,
+    at,
+    bounds_of,
+    closed,
+    points_of,
+    require_circle,
+    require_finite,
+)
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+_CHUNK = 4_000_000
+
+
+@dataclass(frozen=True)
+class Rectangle(Straight):
+    """A rectangle along the axes, its outline included.
+
+    Raises
+    ------
+    InputError
+        If the upper corner is not above and to the right of the lower one.
+
+    Examples
+    --------
+    >>> patch = Rectangle(1.0, 0.0, 3.0, 1.0)
+    >>> patch.area, patch.x_lines
+    (2.0, (1.0, 3.0))
+    >>> patch.contains(np.array([[2.0, 0.5], [0.0, 0.5]]))
+    array([ True, False])
+    """
+
+    x0: float
+    y0: float
+    x1: float
+    y1: float
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that bound nothing."""
+        require_finite("A rectangle", (self.x0, self.y0, self.x1, self.y1))
+        if not (self.x1 > self.x0 and self.y1 > self.y0):
+            raise InputError(
+                f"Rectangle [{self.x0:g}, {self.y0:g}, {self.x1:g}, {self.y1:g}] encloses nothing; "
+                "give [x0, y0, x1, y1] with x1 > x0 and y1 > y0."
+            )
+
+    @property
+    def outline(self) -> Outline:
+        """The four sides, counter-clockwise."""
+        corners = ((self.x0, self.y0), (self.x1, self.y0), (self.x1, self.y1), (self.x0, self.y1))
+        return Outline(segments=closed(corners))
+
+    @property
+    def area(self) -> float:
+        """Area."""
+        return (self.x1 - self.x0) * (self.y1 - self.y0)
+
+    @property
+    def bounds(self) -> Box:
+        """Bounding box xmin, ymin, xmax, ymax."""
+        return (self.x0, self.y0, self.x1, self.y1)
+
+    def contains(self, points: Floats) -> Bools:
+        """Whether each of the points (q, 2) is inside or on the outline."""
+        inside = (points >= (self.x0, self.y0)) & (points <= (self.x1, self.y1))
+        return np.asarray(inside.all(axis=1))
+
+
+@dataclass(frozen=True)
+class Circle(Round):
+    """A disc, its outline included.
+
+    Raises
+    ------
+    InputError
+        If the radius is not positive.
+
+    Examples
+    --------
+    >>> round(Circle((0.0, 0.0), 2.0).area, 3)
+    12.566
+    >>> Circle((0.0, 0.0), 2.0).radii((0.0, 0.0)), Circle((0.0, 0.0), 2.0).radii((1.0, 0.0))
+    ((2.0,), ())
+    """
+
+    center: Point
+    radius: float
+
+    def __post_init__(self) -> None:
+        """Refuse a radius that is not positive."""
+        require_circle(self.center, self.radius)
+
+    @property
+    def area(self) -> float:
+        """Area."""
+        return math.pi * self.radius**2
+
+    def contains(self, points: Floats) -> Bools:
+        """Whether each of the points (q, 2) is inside or on the outline."""
+        return np.asarray(np.hypot(*(points - self.center).T) <= self.radius)
+
+
+@dataclass(frozen=True)
+class Polygon(Straight):
+    """A simple polygon, convex or not, in either orientation.
+
+    Parameters
+    ----------
+    points : sequence of (x, y)
+        The corners in order; the last may repeat the first.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than three corners, or the outline crosses or touches itself.
+
+    Examples
+    --------
+    >>> Polygon(((0.0, 0.0), (2.0, 0.0), (0.0, 2.0))).area
+    2.0
+    >>> Polygon(((0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)))
+    Traceback (most recent call last):
+    signorini.errors.InputError: The polygon crosses or touches itself: the sides from corners 1 and 3 meet. ...
+    """
+
+    points: tuple[Point, ...]
+
+    def __post_init__(self) -> None:
+        """Normalise the corners and refuse an outline that crosses itself."""
+        points = points_of("A polygon", self.points)
+        if len(points) > 1 and points[0] == points[-1]:
+            points = points[:-1]
+        if len(points) < 3:
+            raise InputError(f"A polygon needs at least 3 corners; found {len(points)}.")
+        object.__setattr__(self, "points", points)
+        _require_simple(self.outline.segments)
+
+    @property
+    def outline(self) -> Outline:
+        """The sides, in the order given."""
+        return Outline(segments=closed(self.points))
+
+    @property
+    def area(self) -> float:
+        """Area."""
+        local = np.array(self.points) - self.points[0]
+        x, y = local.T
+        return float(0.5 * abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
+
+    @property
+    def bounds(self) -> Box:
+        """Bounding box xmin, ymin, xmax, ymax."""
+        return bounds_of(self.points)
+
+    def contains(self, points: Floats) -> Bools:
+        """Whether each of the points (q, 2) is inside, by counting crossings; on the outline either answer may come."""
+        inside = np.empty(len(points), dtype=bool)
+        (ax, ay), (bx, by) = self.outline.segments.transpose(1, 2, 0)
+        step = max(1, _CHUNK // len(ax))
+        for start in range(0, len(points), step):
+            x, y = points[start : start + step].T[..., None]
+            level = (ay > y) != (by > y)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                right = x < ax + (y - ay) / (by - ay) * (bx - ax)
+            inside[start : start + step] = (level & right).sum(axis=1) % 2 == 1
+        return inside
+
+
+@dataclass(frozen=True)
+class Polyline(Straight):
+    """Straight segments from point to point.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two points, or two that follow each other coincide.
+
+    Examples
+    --------
+    >>> wall = Polyline(((0.0, 2.0), (3.0, 2.0), (7.0, 5.0)))
+    >>> wall.length, wall.x_lines, wall.y_lines
+    (8.0, (0.0, 3.0), (2.0,))
+    """
+
+    points: tuple[Point, ...]
+
+    def __post_init__(self) -> None:
+        """Normalise the points and refuse segments without length."""
+        points = points_of("A line", self.points)
+        if len(points) < 2:
+            raise InputError(f"A line needs at least 2 points; found {len(points)}.")
+        for i, (a, b) in enumerate(pairwise(points)):
+            if a == b:
+                raise InputError(f"Points {i + 1} and {i + 2} of a line coincide at {at(a)}; leave one out.")
+        object.__setattr__(self, "points", points)
+
+    @property
+    def outline(self) -> Outline:
+        """The segments, in the order given."""
+        points = np.array(self.points)
+        return Outline(segments=np.stack([points[:-1], points[1:]], axis=1))
+
+    @property
+    def length(self) -> float:
+        """Length."""
+        return math.fsum(math.dist(a, b) for a, b in pairwise(self.points))
+
+    @property
+    def bounds(self) -> Box:
+        """Bounding box xmin, ymin, xmax, ymax."""
+        return bounds_of(self.points)
+
+
+@dataclass(frozen=True)
+class Ring(Round):
+    """The circumference of a circle.
+
+    Raises
+    ------
+    InputError
+        If the radius is not positive.
+
+    Examples
+    --------
+    >>> round(Ring((0.0, 0.0), 2.0).length, 3)
+    12.566
+    """
+
+    center: Point
+    radius: float
+
+    def __post_init__(self) -> None:
+        """Refuse a radius that is not positive."""
+        require_circle(self.center, self.radius)
+
+    @property
+    def length(self) -> float:
+        """Length."""
+        return 2.0 * math.pi * self.radius
+
+
+Region: TypeAlias = Rectangle | Circle | Polygon
+Curve: TypeAlias = Polyline | Ring
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def _require_simple(segments: Floats) -> None:
+    """Refuse sides that meet anywhere but at the corner they share, and sides that fold back."""
+    count = len(segments)
+    a, b = segments[:, 0], segments[:, 1]
+    tiny = 1e-12 * float(np.ptp(a, axis=0).max()) ** 2
+    coincide = (a == b).all(axis=1)
+    if coincide.any():
+        i = int(np.argmax(coincide))
+        raise InputError(f"Corners {i + 1} and {(i + 1) % count + 1} of a polygon coincide; leave one out.")
+    for i in range(count):
+        after = (i + 1) % count
+        along, onward = b[i] - a[i], b[after] - a[after]
+        if abs(float(_cross(along, onward))) <= tiny and float(along @ onward) < 0.0:
+            raise InputError(f"The polygon folds back on itself at corner {after + 1}.")
+        others = np.array([j for j in range(i + 2, count) if (j + 1) % count != i], dtype=int)
+        if not len(others):
+            continue
+        c, d = a[others], b[others]
+        ends = np.stack([_cross(along, c - a[i]), _cross(along, d - a[i])])
+        mine = np.stack([_cross(d - c, a[i] - c), _cross(d - c, b[i] - c)])
+        apart = (ends > tiny).all(0) | (ends < -tiny).all(0) | (mine > tiny).all(0) | (mine < -tiny).all(0)
+        overlap = (np.minimum(c, d) <= np.maximum(a[i], b[i])) & (np.maximum(c, d) >= np.minimum(a[i], b[i]))
+        meet = others[~apart & overlap.all(axis=1)]
+        if len(meet):
+            raise InputError(
+                f"The polygon crosses or touches itself: the sides from corners {i + 1} and {meet[0] + 1} meet. "
+                "Give the corners in order around the outline, or split it into several polygons."
+            )
