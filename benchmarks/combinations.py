@@ -131,7 +131,7 @@ def run(elements, combinations, path, first_alone):
     if first_alone:
         data = separately(data, "c0")
     results = solve(Model(**data), table=path)
-    if results.combined is not None:
+    if results.model.tabulated:
         print(results.combined.alone, max(results.combined.certificate.values()))
 
 

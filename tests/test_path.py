@@ -77,6 +77,22 @@ def test_stops_show_what_a_direct_solution_shows(slab: Path) -> None:
     assert found.at(1.0).deflection == pytest.approx(whole.deflection, rel=1e-10)
 
 
+def test_a_path_has_the_table_and_the_envelope_that_combinations_have(slab: Path) -> None:
+    found = signorini.path(signorini.load(slab), "G", "Q")
+    table = found.table
+    assert table["t"].tolist() == [stop.t for stop in found.stops]
+    assert table["event"][1] == "pads opens at [1, 3]" and set(table["status"]) == {"solved"}
+    assert table["reaction:pads"] == pytest.approx([stop.reactions[0] for stop in found.stops])
+    combinations = signorini.solve(signorini.load(slab)).table
+    assert {"t", "event"} == table.keys() - combinations.keys()
+    assert {"combination", "factor:G", "factor:Q"} == combinations.keys() - table.keys()
+    largest = found.envelope.fields["mx"].largest
+    for t in np.linspace(0, found.end, 23):
+        assert (found.at(t).moment[:, 0] <= largest + 1e-9 * largest.max()).all()
+    (row,) = set(found.envelope.supports[0].reaction.largest_by.tolist())
+    assert found.key(row) == found.end == max(found.governing)
+
+
 def test_until_ends_the_path_and_at_keeps_to_it(slab: Path) -> None:
     found = signorini.path(signorini.load(slab), "service", "Q", until=2)
     assert (found.ending, found.end) == ("until", 2.0)
@@ -250,6 +266,9 @@ load = [{ case = "G", force = 1, at = [0, 0.5] }, { case = "Q", force = 1, at = 
     assert words in shown.output
     found = signorini.path(signorini.load(file), "G", "Q", until=2)
     assert words in found._repr_html_() and found._repr_html_().count("<tr>") == 1 + len(found.stops)
+    for index, name in enumerate(("hinge", "left", "right")):
+        shown = found.table[f"reaction:{name}"]
+        assert shown == pytest.approx([stop.reactions[index] for stop in found.stops], abs=1e-12)
 
 
 def test_a_path_says_where_more_answers_than_one_are_right() -> None:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
     from signorini.formats.inputfile import load, schema
     from signorini.model import Model, validate
-    from signorini.results.load_path import Path
+    from signorini.results.load_path import LoadPath
     from signorini.results.probe_result import ProbeResult
     from signorini.results.result import Result
     from signorini.results.support_result import SupportResult
@@ -41,7 +41,7 @@ _HOME = {
     "errors": ("InputError", "NoEquilibriumError", "NotCertifiedError", "SignoriniError"),
     "formats.inputfile": ("load", "schema"),
     "model": ("Model", "validate"),
-    "results.load_path": ("Path",),
+    "results.load_path": ("LoadPath",),
     "results.probe_result": ("ProbeResult",),
     "results.result": ("Result",),
     "results.support_result": ("SupportResult",),
@@ -51,10 +51,10 @@ _HOME = {
 __all__ = [
     "ContactProblem",
     "InputError",
+    "LoadPath",
     "Model",
     "NoEquilibriumError",
     "NotCertifiedError",
-    "Path",
     "ProbeResult",
     "Progress",
     "Result",

@@ -24,7 +24,7 @@ from signorini.equilibrium.balance import no_equilibrium
 from signorini.equilibrium.limits import CONTRADICTION, floats, largest_factor, supports_contradict
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
 from signorini.model import Model
-from signorini.results.load_path import AT_LIMIT, Ending, Path, ahead, beside
+from signorini.results.load_path import AT_LIMIT, Ending, LoadPath, ahead, beside
 from signorini.results.path_stop import PathStop, path_stop
 
 _NAMED = 20
@@ -35,7 +35,7 @@ _LOST = 1e-6
 
 def path(
     model: Model, start: str | None, add: str, until: float | None = None, progress: Watcher | None = None
-) -> Path:
+) -> LoadPath:
     """Follow start + t add from t = 0: every t at which a contact point opens or closes, and where equilibrium ends.
 
     Parameters
@@ -106,7 +106,7 @@ def path(
         largest_factor(found, problem.freedom, bearing, loads[0].weighing, loads[1].weighing)
         for bearing in (problem.freedom.outline, problem.freedom.on_mesh)
     )
-    traced: Path | None = None
+    traced: LoadPath | None = None
     for way, proximal in ways_along(problem):
         other = _trace(way, problem, (start, add), loads, until, (limit, reached), watcher, proximal)
         traced = other if traced is None or (other is not None and other.end > traced.end) else traced
@@ -145,7 +145,7 @@ def _trace(
     limits: tuple[float, float],
     watcher: Watcher,
     proximal: bool,
-) -> Path | None:
+) -> LoadPath | None:
     """Follow the path by one method, as far as its answers are certified and confirmed; None if not at all.
 
     ``limits`` are those of the supports' outlines and of the contact points of the mesh.
@@ -214,4 +214,4 @@ def _trace(
     figures = [figure.name for figure in fields(Certificate)]
     worst = Certificate(**{name: max(getattr(one, name) for one in certificates) for name in figures})
     doubted = tuple(index for index in doubts if index < len(stops) - 1)
-    return Path(*names, problem, tuple(stops), ending, *limits, worst, loads, sets[0], doubted)
+    return LoadPath(*names, problem, tuple(stops), ending, *limits, worst, loads, sets[0], doubted)

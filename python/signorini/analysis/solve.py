@@ -9,42 +9,61 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from signorini.analysis.batch import mean_load, solve_several
-from signorini.analysis.combinations import Combined, combine
+from signorini.analysis.combinations import Combined, Sink, combine
 from signorini.base.arguments import known, made_by, watching
+from signorini.base.on_demand import OnDemand
 from signorini.base.progress import Progress, Watcher
-from signorini.base.remade import Remade
 from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.contact.refusal import refusal, uncertain
 from signorini.contact.strategy import answered
-from signorini.discretise import Discretisation, discretise
-from signorini.equilibrium.balance import rigid_freedom
+from signorini.discretise import discretise
 from signorini.equilibrium.limits import CONTRADICTION, nearest_limit, why_none
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, UnknownNameError
 from signorini.model import Combination, Model
+from signorini.results.columns import Column, together
+from signorini.results.envelope import Envelope
 from signorini.results.result import Result, unsolved_result
+from signorini.results.states import States
 
+_KEPT = 12
+"""Results computed when they were asked for that are kept: each has every field at every node."""
 _REASONS = 5
 """Combinations without equilibrium that a message names where none has one."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Results(Remade, Mapping[str, Result]):
-    """Results by combination, in the order of the model.
+class Results(States[str], Mapping[str, Result]):
+    """Results by combination, in the order of the model; what is not there yet is computed when it is asked for.
 
     Parameters
     ----------
-    discretisation : Discretisation
-    by_name : mapping of Result
-        All results of every combination; where combinations are rows of a table, of those that were asked for.
+    problem : ContactProblem
+    full : mapping of Result
+        Results that are there already: of every combination or, where these are rows of a table, of those that
+        ``output.fields`` asks for.
     seconds : mapping of float
-    combined : Combined or None
-        Where combinations are rows of a table: envelopes over all of them, and what governs.
+
+    Examples
+    --------
+    >>> from signorini import Model
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     support=[{"name": "feet", "at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
+    ...     load=[{"case": "G", "pressure": 1e3}],
+    ...     combination=[{"name": f"c{i}", "factors": {"G": i}} for i in range(1, 21)],
+    ... )
+    >>> results = solve(model)
+    >>> len(results), round(results["c7"].reactions["feet"]), results.table["reaction:feet"][:3].round().tolist()
+    (20, 112000, [16000.0, 32000.0, 48000.0])
+    >>> results.key(int(results.envelope.supports[0].reaction.largest_by[0]))
+    'c20'
     """
 
-    discretisation: Discretisation
-    by_name: Mapping[str, Result]
+    problem: ContactProblem
+    full: Mapping[str, Result]
     seconds: Mapping[str, float]
-    combined: Combined | None = None
+    _combined: Combined | None = None
 
     def __getitem__(self, name: str) -> Result:
         """Return the result of a combination.
@@ -53,56 +72,82 @@ class Results(Remade, Mapping[str, Result]):
         ------
         UnknownNameError
             Which is a KeyError too, if there is none of that name.
+        NotCertifiedError
+            If it is solved now and its answer fails its certificate.
         """
-        if self.combined is not None and name not in self.by_name and name in self._every_name:
-            why = self.unbalanced.get(name, "of a row of a table output.fields asks for it, if it has equilibrium.")
-            raise UnknownNameError(f'The combination "{name}" has no result of its own: {why}', "combination")
         try:
-            return self.by_name[known(name, self.by_name, "combination", "combination", "This mapping of results")]
+            known(name, self._numbers, "combination", "combination", "This mapping of results")
         except InputError as error:
             raise UnknownNameError(error.message, error.place) from None
+        return self.full[name] if name in self.full else self._others[name]
 
     @cached_property
-    def _every_name(self) -> frozenset[str]:
-        return frozenset(one.name for one in self.discretisation.model.effective_combinations)
+    def _numbers(self) -> dict[str, int]:
+        return {name: number for number, name in enumerate(self.model.effective_combinations.names())}
+
+    @cached_property
+    def _others(self) -> Mapping[str, Result]:
+        return OnDemand(self._numbers, lambda name: solve_one(self.problem, self._combination(name)), _KEPT)
+
+    def _combination(self, name: str) -> Combination:
+        return self.model.effective_combinations[self._numbers[name]]
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names of the combinations."""
-        return iter(self.by_name)
+        return iter(self._numbers)
 
     def __len__(self) -> int:
         """Count the combinations."""
-        return len(self.by_name)
+        return len(self.model.effective_combinations)
+
+    def key(self, row: int) -> str:
+        """Name of a combination, given its number from 0."""
+        return self.model.effective_combinations[row].name
+
+    @cached_property
+    def combined(self) -> Combined:
+        """What is known of all combinations together."""
+        return self._combined if self._combined is not None else self._combine(None)
+
+    @property
+    def envelope(self) -> Envelope:
+        """Extremes over all combinations that were solved."""
+        return self.combined.envelope
+
+    @cached_property
+    def table(self) -> Mapping[str, Column]:
+        """Every column by name, with a row a combination; where these are many they are solved again for it."""
+        blocks = list[list[tuple[str, Column]]]()
+        self._combine(lambda columns: blocks.append(list(columns)))
+        return together(blocks)
+
+    def _combine(self, sink: Sink | None) -> Combined:
+        if self.model.tabulated:
+            return _combined(self.problem, watching(None, ""), sink)
+        return combine(self.problem, lambda one: self.full[one.name], None, lambda name: None, sink)
 
     @cached_property
     def limits(self) -> Mapping[str, tuple[str, float] | None]:
         """How far each combination is from the end of equilibrium: a case, and the factor on its own that leads there.
 
-        None where no case has one (`signorini.equilibrium.limits.nearest_limit`); not asked of combinations in a table.
+        None where no case has one (`signorini.equilibrium.limits.nearest_limit`).
         """
-        if self.combined is not None:
-            return dict.fromkeys(self.by_name)
-        found = self.discretisation
-        freedom = rigid_freedom(found)
-        return {c.name: nearest_limit(found, freedom, c) for c in found.model.effective_combinations}
+        found, freedom = self.discretisation, self.problem.freedom
+        return OnDemand(self._numbers, lambda name: nearest_limit(found, freedom, self._combination(name)))
 
     @property
     def unbalanced(self) -> Mapping[str, str]:
         """Why combinations have no equilibrium, by name; of many the first."""
-        if self.combined is not None:
-            return self.combined.unbalanced
-        return {name: result.message for name, result in self.by_name.items() if result.message}
+        return self.combined.unbalanced
 
     @property
     def unbalanced_count(self) -> int:
         """How many combinations have no equilibrium."""
-        if self.combined is not None:
-            return len(self.combined.combinations) - self.combined.solved
-        return len(self.unbalanced)
+        return len(self) - self.combined.solved
 
     def _repr_html_(self) -> str:
-        """Show every combination in a notebook."""
-        return "".join(result._repr_html_() for result in self.by_name.values())
+        """Show the combinations in a notebook, of many those that have all results."""
+        return "".join(result._repr_html_() for result in self.full.values())
 
 
 def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLike[str] | None = None) -> Results:
@@ -111,8 +156,8 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
     A combination whose load no reactions can balance gets a result with status "no_equilibrium", NaN for every number,
     and the reason in ``message``; the others are solved.
 
-    More than a few combinations, or where ``output.combinations`` is "table", are rows of a table: the mapping then
-    holds those that ``output.fields`` asks for, and ``combined`` what is known of all.
+    More than a few combinations, or where ``output.combinations`` is "table", are solved as rows of a table, without
+    their fields; these are computed for those that ``output.fields`` asks for, and for others when they are asked for.
 
     Parameters
     ----------
@@ -182,7 +227,8 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
         "recover": recover,
         "total": time.perf_counter() - begun,
     }
-    return Results(found, results, seconds, combined)
+    # Without a table no more is to be solved, and whoever keeps many results does not keep as many factors.
+    return Results(problem if combined is not None else problem.without_factor(), results, seconds, combined)
 
 
 def solve_one(problem: ContactProblem, combination: Combination, progress: Watcher | None = None) -> Result:
@@ -210,8 +256,8 @@ def solve_one(problem: ContactProblem, combination: Combination, progress: Watch
     return _solve_one(problem, combination, watching(progress, "progress"))[0]
 
 
-def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
-    """Every combination as a row, written to the table if there is one."""
+def _combined(problem: ContactProblem, watcher: Watcher, sink: Sink | None) -> Combined:
+    """Every combination as a row."""
     problem = problem.near(mean_load(problem.discretisation))
 
     def single(combination: Combination) -> Result:
@@ -223,15 +269,20 @@ def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.Path
     def several(combinations: Sequence[Combination], alone: Callable[[Combination], Result]) -> Iterator[Result]:
         return solve_several(problem, combinations, alone, begin)
 
+    return combine(problem, single, several, begin, sink)
+
+
+def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
+    """Every combination as a row, written to the table if there is one."""
     if table is None:
-        combined = combine(problem, single, several, begin)
+        combined = _combined(problem, watcher, None)
     else:
         # Only this function needs pyarrow.
         from signorini.formats.parquet import writing
 
         try:
             with writing(table) as sink:
-                combined = combine(problem, single, several, begin, sink)
+                combined = _combined(problem, watcher, sink)
         except OSError as error:
             why = error.strerror or str(error)
             raise InputError(f"the table cannot be written there: {why}. Name another file.", str(table)) from None
@@ -245,12 +296,13 @@ def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.Path
 
 def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combination]:
     """The combinations of which every field is computed."""
-    asked = model.output.fields
+    asked, combinations = model.output.fields, model.effective_combinations
     if combined is None or asked == "all":
-        yield from model.effective_combinations
+        yield from combinations
+    elif asked == "governing":
+        yield from (combinations[row] for row in sorted(combined.envelope.rows))
     elif asked != "none":
-        names = set(combined.governing if asked == "governing" else asked)
-        yield from (combination for combination in model.effective_combinations if combination.name in names)
+        yield from (combination for combination in combinations if combination.name in asked)
 
 
 def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.text import Text
 
 from signorini.cli.cells import in_unit, number, table
-from signorini.results.load_path import Path
+from signorini.results.load_path import LoadPath
 from signorini.results.path_stop import PathStop
 
 _MOST_EVENTS = 40
@@ -17,7 +17,7 @@ _MOST_COLUMNS = 6
 """Supports with a column of their own; of more the reactions are in one."""
 
 
-def print_path(console: Console, path: Path) -> None:
+def print_path(console: Console, path: LoadPath) -> None:
     """Print every event: where on the path, which points open or close, and what the plate does there."""
     model, units = path.model, path.model.units
     if model.title:
@@ -55,7 +55,7 @@ def _shown(stop: PathStop) -> list[float]:
     return [float(value) if abs(value) > least else 0.0 for value in stop.reactions]
 
 
-def _ending(path: Path) -> str:
+def _ending(path: LoadPath) -> str:
     match path.ending:
         case "no_equilibrium":
             return f"Equilibrium ends at t = {path.end:.9g}: for a larger t no reactions balance the load."

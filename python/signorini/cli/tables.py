@@ -30,10 +30,10 @@ _ROUNDING = 1e-12
 def print_results(console: Console, results: Results) -> None:
     """Print every combination: supports, certificate, extremes, probes."""
     _print_model(console, results.discretisation)
-    if results.combined is not None:
+    if results.model.tabulated:
         console.print()
-        print_combined(console, results.combined, results)
-    for result in results.values() if results.combined is None else ():
+        print_combined(console, results.combined, results.full)
+    for result in results.full.values() if not results.model.tabulated else ():
         console.print()
         if result.status == "solved":
             _print_result(console, result)

@@ -112,6 +112,10 @@ class ContactProblem(Remade):
             self._cores[base] = factored(self.discretisation, self.freedom, base)
         return self._cores[base]
 
+    def without_factor(self) -> ContactProblem:
+        """The same problem, to be factored again when something first needs it."""
+        return replace(self, reference=None, _cores={})
+
     @property
     def is_factored(self) -> bool:
         """Whether there is a core already."""

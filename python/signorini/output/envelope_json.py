@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from signorini.analysis.combinations import Combined, Extremes, Layout
-from signorini.discretise import Discretisation
+from signorini.analysis.solve import Results
 from signorini.discretise.rows import Floats
 from signorini.formats.vtk import write_vtu
 from signorini.results.result import FIELDS
@@ -16,8 +16,9 @@ from signorini.results.result import FIELDS
 TABLE, ENVELOPE = "combinations.parquet", "envelope.vtu"
 
 
-def table_json(combined: Combined) -> dict[str, Any]:
+def table_json(results: Results) -> dict[str, Any]:
     """Give the key "table" of results.json."""
+    combined = results.combined
     return {
         "file": TABLE,
         "combinations": len(combined.combinations),
@@ -25,14 +26,15 @@ def table_json(combined: Combined) -> dict[str, Any]:
         "no_equilibrium": len(combined.combinations) - combined.solved,
         "solved_alone": combined.alone,
         "not_unique": combined.not_unique,
-        "governing": list(combined.governing),
+        "governing": list(results.governing),
         "certificate": {**combined.certificate, "passed": True},
         "unbalanced": [{"name": name, "message": message} for name, message in combined.unbalanced.items()],
     }
 
 
-def envelope_json(combined: Combined, found: Discretisation) -> dict[str, Any]:
+def envelope_json(results: Results) -> dict[str, Any]:
     """Give the key "envelope" of results.json."""
+    found, combined = results.discretisation, results.combined
     envelope, layout = combined.envelope, combined.layout
     fields = {}
     for name, extremes in envelope.fields.items():
@@ -51,14 +53,15 @@ def envelope_json(combined: Combined, found: Discretisation) -> dict[str, Any]:
     }
 
 
-def write_envelope(combined: Combined, found: Discretisation, path: str | os.PathLike[str]) -> None:
+def write_envelope(results: Results, path: str | os.PathLike[str]) -> None:
     """Write a .vtu file: of every field its extremes at the nodes, and the numbers of the rows that they come from."""
     data: dict[str, Floats] = {}
-    for name, extremes in combined.envelope.fields.items():
+    for name, extremes in results.envelope.fields.items():
         data[f"{name}_max"], data[f"{name}_min"] = extremes.largest, extremes.smallest
         data[f"{name}_max_row"] = extremes.largest_by.astype(np.float64)
         data[f"{name}_min_row"] = extremes.smallest_by.astype(np.float64)
-    write_vtu(path, found.mesh.points, found.mesh.elements, data)
+    mesh = results.discretisation.mesh
+    write_vtu(path, mesh.points, mesh.elements, data)
 
 
 def _side(combined: Combined, side: str, extremes: Extremes, at: int) -> dict[str, Any]:

@@ -18,13 +18,13 @@ from signorini.base.files import replacing_together
 from signorini.output.cells import name_cell
 from signorini.output.directory import cannot_write, former_path
 from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE
-from signorini.results.load_path import Path
+from signorini.results.load_path import LoadPath
 from signorini.results.path_stop import PathStop
 
 SCHEMA = 1
 
 
-def path_json(path: Path) -> dict[str, Any]:
+def path_json(path: LoadPath) -> dict[str, Any]:
     """Give a load path in the form of ``path.json``; docs/results.md describes every key.
 
     Examples
@@ -63,7 +63,7 @@ def path_json(path: Path) -> dict[str, Any]:
     }
 
 
-def _stop(path: Path, stop: PathStop) -> dict[str, Any]:
+def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
     supports = zip(path.model.support, stop.reactions.tolist(), stop.closed.tolist(), stop.counts.tolist(), strict=True)
     positions = path.problem.discretisation.probe_positions.tolist()
     return {
@@ -82,7 +82,7 @@ def _stop(path: Path, stop: PathStop) -> dict[str, Any]:
     }
 
 
-def path_csv(path: Path) -> str:
+def path_csv(path: LoadPath) -> str:
     """Give the stops of a load path as comma-separated values: a row a stop, columns for every support and probe."""
     text = io.StringIO()
     names = [support.name for support in path.model.support]
@@ -106,7 +106,7 @@ def path_csv(path: Path) -> str:
     return text.getvalue()
 
 
-def write_path(path: Path, directory: str | os.PathLike[str]) -> None:
+def write_path(path: LoadPath, directory: str | os.PathLike[str]) -> None:
     """Write ``path.json``, ``path.csv`` and ``path.png``, all or none; other files in the directory stay.
 
     Those of an earlier path there are replaced.

@@ -23,8 +23,7 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 def file_names(results: Results) -> list[str]:
     """Name every file of the results."""
     endings = [".vtu", ".png", *([f"{PRESSURE}.png"] if has_areas(results) else [])]
-    combined = results.combined
-    together = [] if combined is None else [TABLE, *([ENVELOPE] if combined.envelope.fields else [])]
+    together = [TABLE, *([ENVELOPE] if results.envelope.fields else [])] if results.model.tabulated else []
     return [JSON, CSV, *together, *(f"{slug}{ending}" for _, slug in slugs(results) for ending in endings)]
 
 
@@ -49,8 +48,8 @@ def has_areas(results: Results) -> bool:
 
 def slugs(results: Results) -> Iterator[tuple[Result, str]]:
     """Solved combinations with file names of their own, on every file system."""
-    solved = [result for result in results.values() if result.status == "solved"]
-    taken = [] if results.combined is None else [Path(ENVELOPE).stem]
+    solved = [result for result in results.full.values() if result.status == "solved"]
+    taken = [Path(ENVELOPE).stem] if results.model.tabulated else []
     found = unique_slugs([*taken, *(result.name for result in solved)])
     return zip(solved, found[len(taken) :], strict=True)
 

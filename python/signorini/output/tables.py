@@ -51,8 +51,8 @@ def results_json(results: Results) -> dict[str, Any]:
     >>> found["name"], found["status"], [point["state"] for point in found["supports"][0]["points"]]
     ('all', 'solved', ['closed', 'closed', 'closed', 'closed'])
     """
-    found, combined = results.discretisation, results.combined
-    tabulated = {} if combined is None else {"table": table_json(combined), "envelope": envelope_json(combined, found)}
+    found = results.discretisation
+    tabulated = {"table": table_json(results), "envelope": envelope_json(results)} if found.model.tabulated else {}
     return {
         "schema": SCHEMA,
         "title": found.model.title,
@@ -63,7 +63,7 @@ def results_json(results: Results) -> dict[str, Any]:
             "dofs": found.dof_count,
             "contact_points": int((~found.contacts.two_sided).sum()),
         },
-        "combinations": [_combination(result, results.limits[name]) for name, result in results.items()],
+        "combinations": [_combination(result, results.limits[name]) for name, result in results.full.items()],
         **tabulated,
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
         "files": file_names(results),
@@ -87,7 +87,7 @@ def reactions_csv(results: Results) -> str:
     text = io.StringIO()
     table = csv.DictWriter(text, _COLUMNS, lineterminator="\n")
     table.writeheader()
-    for result in results.values():
+    for result in results.full.values():
         table.writerows(_rows(result))
     return text.getvalue()
 

@@ -72,8 +72,8 @@ def write(
                     layers, label = pressure_layers(result), f"contact pressure{of_pressure}, positive up"
                     figure = pressure_picture(*plate, layers, marks, title=title, label=label, length=units.length)
                     save(figure, beside / f"{slug}{PRESSURE}.png")
-            if results.combined is not None and results.combined.envelope.fields:
-                write_envelope(results.combined, results.discretisation, beside / ENVELOPE)
+            if results.model.tabulated and results.envelope.fields:
+                write_envelope(results, beside / ENVELOPE)
             if table is not None:
                 Path(table).rename(beside / TABLE)
             (beside / CSV).write_text(reactions_csv(results), encoding="utf-8")

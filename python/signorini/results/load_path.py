@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -12,7 +12,6 @@ import numpy as np
 from signorini import _core
 from signorini.base import arguments
 from signorini.base.brief import Brief
-from signorini.base.remade import Remade
 from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import Certificate, certified
 from signorini.contact.factoring import Method
@@ -23,10 +22,12 @@ from signorini.contact.strategy import answered
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError, NotCertifiedError
-from signorini.model import Model
+from signorini.results.columns import Block, Column, Layout, together
+from signorini.results.envelope import Envelope
 from signorini.results.notebook import path_table
 from signorini.results.path_stop import PathStop
-from signorini.results.result import Result
+from signorini.results.result import FIELDS, Result
+from signorini.results.states import States
 
 if TYPE_CHECKING:
     from signorini.plot import Figure
@@ -60,7 +61,7 @@ class Segment(Brief):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Path(Remade):
+class LoadPath(States[float]):
     """The answer of a plate to start + t add, for every t from 0 to where the path ends.
 
     Parameters
@@ -95,11 +96,6 @@ class Path(Remade):
     _first: Bools
     _doubtful: tuple[int, ...] = ()
     """Segments on which more answers than one may be right."""
-
-    @property
-    def model(self) -> Model:
-        """The model."""
-        return self.problem.discretisation.model
 
     @property
     def name(self) -> str:
@@ -148,6 +144,38 @@ class Path(Remade):
                 stretches = [stretch for stretch in stretches if stretch not in before]
                 stretches.append((begin, segment.end.t, one))
         return tuple(stretches)
+
+    def key(self, row: int) -> float:
+        """The t of a stop, given its number from 0."""
+        return self.stops[row].t
+
+    @property
+    def table(self) -> Mapping[str, Column]:
+        """Every column by name, with a row a stop: t, what happens there, and what a table of combinations has."""
+        return self._tabulated[0]
+
+    @property
+    def envelope(self) -> Envelope:
+        """Extremes over the whole path, which are at stops, since everything is linear in t between them."""
+        return self._tabulated[1]
+
+    @cached_property
+    def _tabulated(self) -> tuple[Mapping[str, Column], Envelope]:
+        found, count = self.discretisation, len(self.stops)
+        layout = Layout.of(found, [name for name in FIELDS if name in found.model.output.envelope])
+        block, envelope = Block.empty(layout, 0, count), Envelope.none(layout, found.mesh.node_count)
+        for row, stop in enumerate(self.stops):
+            # Of the two stops of a jump the first is what holds before it, the second what holds after.
+            after = 0 < row < count - 1 and self.segments[row - 1].jumps
+            result = self._at(stop.t, row if after else max(row - 1, 0))
+            block.put(row, layout, result)
+            envelope.take_fields(result, block.numbers[row : row + 1])
+        envelope.take(block, layout)
+        keys: list[tuple[str, Column]] = [
+            ("t", np.array([stop.t for stop in self.stops])),
+            ("event", [self.words(row) for row in range(count)]),
+        ]
+        return together([block.columns(layout, found.mesh.points, keys)]), envelope
 
     def words(self, index: int) -> str:
         """Say what happens at a stop, by its number from 0."""
@@ -215,10 +243,13 @@ class Path(Remade):
         open_ended = self.ending == "no_more_events"
         if not (0 <= t <= self.end or (open_ended and self.end < t < np.inf)):
             raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{self.end:.12g}'}.")
-        index = int(np.searchsorted([stop.t for stop in self.stops[1:-1]], t, side="left"))
+        return self._at(t, int(np.searchsorted([stop.t for stop in self.stops[1:-1]], t, side="left")))
+
+    def _at(self, t: float, segment: int) -> Result:
+        """Every result at some t of a segment."""
         load = self._loads[0] + t * self._loads[1]
         found = self.problem.discretisation
-        closed = self.segments[index].closed if self.segments else self._first
+        closed = self.segments[segment].closed if self.segments else self._first
         answer = Answer.of(found, self.problem.core.solve_on(load.nodal, found.held.values, closed))
         made_of = beside(self._loads, t)
         methods: Sequence[Method] = (self.problem.method,)

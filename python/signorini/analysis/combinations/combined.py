@@ -5,14 +5,12 @@ Memory does not grow with the number of combinations.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from signorini import _core
-from signorini.analysis.combinations.block import Block, Column, Layout
-from signorini.analysis.combinations.envelope import Envelope, Extremes, SupportEnvelope
 from signorini.analysis.combinations.terms import Terms, terms_of
 from signorini.base.brief import Brief
 from signorini.contact.certificate import FIGURES, TOLERANCE
@@ -20,7 +18,9 @@ from signorini.contact.dependence import Dependence
 from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import doubtful
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.model import Combination, Combinations
+from signorini.model import Combination, Combinations, Model
+from signorini.results.columns import Block, Column, Layout
+from signorini.results.envelope import Envelope, Extremes, SupportEnvelope
 from signorini.results.result import FIELDS, Result
 
 __all__ = ["Combined", "Envelope", "Extremes", "Layout", "SupportEnvelope", "combine"]
@@ -35,8 +35,6 @@ _BALANCED = 1e-10
 """Balance from which on a combination is solved by itself, where it is asked too whether equilibrium exists."""
 _EXPLAINED = 100
 """Combinations without equilibrium of which is said why."""
-_GOVERNING = 12
-"""Combinations at most that count as governing."""
 
 Single = Callable[[Combination], Result]
 Several = Callable[[Sequence[Combination], Single], Iterable[Result]]
@@ -78,18 +76,11 @@ class Combined(Brief):
         """Name of a combination, given its number."""
         return self.combinations[number].name
 
-    @property
-    def governing(self) -> tuple[str, ...]:
-        """Combinations with an extreme of some field or support's reaction, in that order, some at most."""
-        found = self.envelope.governing().values()
-        numbers = dict.fromkeys(by for _, high, _, low in found for by in (high, low) if by >= 0)
-        return tuple(self.name(number) for number in list(numbers)[:_GOVERNING])
-
 
 def combine(
     problem: ContactProblem,
     single: Single,
-    several: Several,
+    several: Several | None,
     begin: Callable[[str], None],
     sink: Sink | None = None,
 ) -> Combined:
@@ -100,8 +91,9 @@ def combine(
     problem : ContactProblem
     single : callable
         Solves one combination by itself; used where a sum of responses is not certain.
-    several : callable
+    several : callable or None
         Solves combinations of an active set side by side, and those it is not certain of by the function it is given.
+        None leaves every combination to ``single``, which knows them all.
     begin : callable
         Called with the name of the first combination of each block as it begins; what it raises ends the run.
     sink : callable, optional
@@ -116,10 +108,12 @@ def combine(
     rows = int(np.clip(_MOST_NUMBERS // width, 16, _MOST_ROWS))
     for first in range(0, len(combinations), rows):
         begin(combinations[first].name)
-        block = Block.empty(layout, first, combinations[first : first + rows])
-        run.solve(block)
+        rowed = combinations[first : first + rows]
+        block = Block.empty(layout, first, len(rowed))
+        run.solve(block, rowed)
         if sink is not None:
-            sink(block.columns(layout, found.mesh.points))
+            keys = [("combination", [combination.name for combination in rowed])]
+            sink(block.columns(layout, found.mesh.points, keys, _loads(found.model, rowed)))
     worst = {name: float(value) for name, value in zip(FIGURES, run.worst, strict=True)}
     return Combined(combinations, layout, run.envelope, run.solved, run.alone, run.not_unique, worst, run.unbalanced)
 
@@ -127,7 +121,7 @@ def combine(
 class _Run:
     """What grows from block to block."""
 
-    def __init__(self, problem: ContactProblem, layout: Layout, single: Single, several: Several) -> None:
+    def __init__(self, problem: ContactProblem, layout: Layout, single: Single, several: Several | None) -> None:
         found = problem.discretisation
         self.problem, self.layout, self.single, self.several = problem, layout, single, several
         used = found.model.effective_combinations.cases
@@ -135,55 +129,43 @@ class _Run:
         self.terms: Terms | None = None
         # Where nodes are held together their forces are shared alike in every combination.
         self._always = "reactions" if Dependence.of(found).held_together else ""
-        if problem.method == "lemke" and _worth_while(problem, len(found.model.effective_combinations)):
+        if (
+            several is not None
+            and problem.method == "lemke"
+            and _worth_while(problem, len(found.model.effective_combinations))
+        ):
             self.terms = terms_of(problem, self.cases, layout.fields)
-        nodes = found.mesh.node_count
-        self.envelope = Envelope(
-            {name: Extremes.none(nodes) for name in ((*layout.fields, "reaction") if layout.fields else ())},
-            tuple(
-                SupportEnvelope(Extremes.none(1), Extremes.none(p), Extremes.none(p), np.zeros(p, dtype=np.int64))
-                for p in (len(points.positions) for points in layout.supports)
-            ),
-            Extremes.none(len(FIELDS) * len(layout.probes)),
-        )
+        self.envelope = Envelope.none(layout, found.mesh.node_count)
         self.solved = self.alone = self.not_unique = 0
         self.worst = np.zeros(len(FIGURES))
         self.unbalanced: dict[str, str] = {}
         self._without_equilibrium = 0
 
-    def solve(self, block: Block) -> None:
+    def solve(self, block: Block, combinations: Sequence[Combination]) -> None:
         """Fill a block, and widen the envelope by it."""
-        rows = self._sums(block, self.terms) if self.terms is not None else range(len(block.combinations))
-        left = [block.combinations[row] for row in rows]
-        together = self.problem.method == "active_set"
-        for row, result in zip(
-            rows, self.several(left, self._alone) if together else map(self._alone, left), strict=True
-        ):
+        rows = self._sums(block, combinations, self.terms) if self.terms is not None else range(len(combinations))
+        left = [combinations[row] for row in rows]
+        together = self.several if self.problem.method == "active_set" else None
+        results = map(self._alone, left) if together is None else together(left, self._alone)
+        for row, result in zip(rows, results, strict=True):
             block.put(row, self.layout, result)
             if block.solved[row]:
-                self._take_fields(result, block.numbers[row : row + 1])
+                self.envelope.take_fields(result, block.numbers[row : row + 1])
             else:
                 self._unbalanced(result.name, result.message)
         self.solved += int(block.solved.sum())
         self.not_unique += sum(map(bool, block.not_unique))
         self.worst = np.maximum(self.worst, block.certificate[block.solved].max(axis=0, initial=0.0))
-        who = block.numbers[block.solved]
-        self.envelope.probes.take(block.probes[block.solved], who)
-        for where, support in zip(self.layout.slices, self.envelope.supports, strict=True):
-            reaction = block.reaction[block.solved, where]
-            support.reaction.take(reaction.sum(axis=1)[:, None], who)
-            support.points.take(reaction, who)
-            support.gap.take(block.gap[block.solved, where], who)
-            support.lifted[:] += (~block.closed[block.solved, where]).sum(axis=0)
+        self.envelope.take(block, self.layout)
 
     def _alone(self, combination: Combination) -> Result:
         result = self.single(combination)
         self.alone += result.status == "solved"
         return result
 
-    def _sums(self, block: Block, terms: Terms) -> Sequence[int]:
+    def _sums(self, block: Block, combinations: Sequence[Combination], terms: Terms) -> Sequence[int]:
         """Solve what sums of responses are certain of; return the rows that are left."""
-        factors = _factors(block.combinations, terms.cases)
+        factors = _factors(combinations, terms.cases)
         verdict, pushes, reaction, gap, closed, pivots = _core.combine(self.problem.core, terms.shared, factors)
         rows = np.flatnonzero(verdict == 0)
         coefficients = np.ascontiguousarray(np.hstack([np.ones((len(rows), 1)), factors[rows], pushes[rows]]))
@@ -223,11 +205,6 @@ class _Run:
             block.gap[rows, where] = points.gaps(gap[rows])
             block.closed[rows, where] = points.closed(closed[rows])
 
-    def _take_fields(self, result: Result, who: Ints) -> None:
-        for name, extremes in self.envelope.fields.items():
-            field = result.nodal_reaction if name == "reaction" else result.fields[name]
-            extremes.take(field[None], who)
-
     def _unbalanced(self, name: str, message: str) -> None:
         self._without_equilibrium += 1
         if len(self.unbalanced) < _EXPLAINED:
@@ -255,3 +232,24 @@ def _factors(combinations: Sequence[Combination], cases: Sequence[str]) -> Float
         for case, factor in (combination.factors or {}).items():
             out[row, column[case]] = factor
     return out
+
+
+def _loads(model: Model, combinations: Sequence[Combination]) -> Iterator[tuple[str, Floats]]:
+    """Factors of the cases; of a moving load also where it stands, both NaN if it stands in two places."""
+    travelled = {at: (load.case, s) for load in model.moving for at, s in load.positions.items()}
+    factor = {case: np.zeros(len(combinations)) for case in (*model.cases, *(m.case for m in model.moving))}
+    position = {load.case: np.full(len(combinations), np.nan) for load in model.moving}
+    for row, combination in enumerate(combinations):
+        standing: set[str] = set()
+        for case, value in (combination.factors or {}).items():
+            name, s = travelled.get(case, (case, 0.0))
+            factor[name][row] = value
+            if name in position:
+                position[name][row] = s
+            if name in standing:
+                factor[name][row] = position[name][row] = np.nan
+            standing.add(name)
+    for case, values in factor.items():
+        yield f"factor:{case}", values
+    for case, values in position.items():
+        yield f"position:{case}", values

@@ -1,8 +1,8 @@
-"""Some combinations' results as columns: what is written of each, whoever solved it."""
+"""Results as rows of a table: what is written of each, whoever solved it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 
@@ -11,16 +11,17 @@ import numpy as np
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.model import Combination, Model
+from signorini.model import Model
 from signorini.results.result import FIELDS, Result
 from signorini.results.support_points import SupportPoints
 
 Column = Sequence[str] | Floats | Ints
+Named = Iterable[tuple[str, Column]]
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Which columns a model's combinations have."""
+    """Which columns a model's results have."""
 
     model: Model
     supports: tuple[SupportPoints, ...]
@@ -47,7 +48,7 @@ class Layout:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """Results of consecutive combinations (k,); NaN and 0 where there is no equilibrium.
+    """Consecutive results (k,); NaN and 0 where there is no equilibrium.
 
     Parameters
     ----------
@@ -67,7 +68,6 @@ class Block:
     """
 
     first: int
-    combinations: Sequence[Combination]
     solved: Bools
     method: list[str]
     not_unique: list[str]
@@ -81,16 +81,15 @@ class Block:
     places: Ints
 
     @classmethod
-    def empty(cls, layout: Layout, first: int, combinations: Sequence[Combination]) -> Block:
-        """Make room for combinations that are still to be solved."""
-        count, points, fields = len(combinations), layout.point_count, len(layout.fields)
+    def empty(cls, layout: Layout, first: int, count: int) -> Block:
+        """Make room for results that are still to come."""
+        points, fields = layout.point_count, len(layout.fields)
 
         def nan(*shape: int) -> Floats:
             return np.full((count, *shape), np.nan)
 
         return cls(
             first,
-            combinations,
             np.zeros(count, np.bool_),
             ["equilibrium check"] * count,
             [""] * count,
@@ -106,11 +105,11 @@ class Block:
 
     @property
     def numbers(self) -> Ints:
-        """Numbers (k,) of the combinations among all."""
-        return self.first + np.arange(len(self.combinations))
+        """Numbers (k,) of these among all."""
+        return self.first + np.arange(len(self.solved))
 
     def put(self, row: int, layout: Layout, result: Result) -> None:
-        """Fill the row of a combination that was solved by itself."""
+        """Fill a row with a result that has every field."""
         self.solved[row] = result.status == "solved"
         self.method[row] = result.method
         self.iterations[row] = result.iterations
@@ -130,14 +129,18 @@ class Block:
             self.places[row, at] = field.argmax(), field.argmin()
             self.peaks[row, at] = field[self.places[row, at]]
 
-    def columns(self, layout: Layout, nodes: Floats) -> Iterator[tuple[str, Column]]:
-        """Yield every column (k,) with its name; ``nodes`` (n, 2) are the positions of the mesh's nodes."""
-        yield "combination", [combination.name for combination in self.combinations]
+    def columns(self, layout: Layout, nodes: Floats, keys: Named, loads: Named = ()) -> Iterator[tuple[str, Column]]:
+        """Yield every column (k,) with its name.
+
+        ``nodes`` (n, 2) are the positions of the mesh's nodes, ``keys`` the columns that tell the rows apart, ``loads``
+        those that say what is on the plate.
+        """
+        yield from keys
         yield "status", ["solved" if solved else "no_equilibrium" for solved in self.solved]
         yield "method", self.method
         yield "iterations", self.iterations
         yield "not_unique", self.not_unique
-        yield from self._factors(layout.model)
+        yield from loads
         for where, support, points in zip(layout.slices, layout.model.support, layout.supports, strict=True):
             reaction, closed = self.reaction[:, where], self.closed[:, where]
             yield f"reaction:{support.name}", reaction.sum(axis=1)
@@ -160,22 +163,19 @@ class Block:
         for index, name in enumerate(FIGURES):
             yield f"certificate:{name}", self.certificate[:, index]
 
-    def _factors(self, model: Model) -> Iterator[tuple[str, Floats]]:
-        """Factors of the cases; of a moving load also where it stands, both NaN if it stands in two places."""
-        travelled = {at: (load.case, s) for load in model.moving for at, s in load.positions.items()}
-        factor = {case: np.zeros(len(self.combinations)) for case in (*model.cases, *(m.case for m in model.moving))}
-        position = {load.case: np.full(len(self.combinations), np.nan) for load in model.moving}
-        for row, combination in enumerate(self.combinations):
-            standing: set[str] = set()
-            for case, value in (combination.factors or {}).items():
-                name, s = travelled.get(case, (case, 0.0))
-                factor[name][row] = value
-                if name in position:
-                    position[name][row] = s
-                if name in standing:
-                    factor[name][row] = position[name][row] = np.nan
-                standing.add(name)
-        for case, values in factor.items():
-            yield f"factor:{case}", values
-        for case, values in position.items():
-            yield f"position:{case}", values
+
+def together(blocks: Iterable[Named]) -> Mapping[str, Column]:
+    """Join the columns of consecutive blocks, texts as lists, numbers as arrays nobody writes into."""
+    found: dict[str, list[Column]] = {}
+    for block in blocks:
+        for name, values in block:
+            found.setdefault(name, []).append(values)
+    return {name: _joined(parts) for name, parts in found.items()}
+
+
+def _joined(parts: Sequence[Column]) -> Column:
+    if not isinstance(parts[0], np.ndarray):
+        return tuple(text for part in parts for text in part)
+    whole = np.concatenate(parts)
+    whole.flags.writeable = False
+    return whole

@@ -1,4 +1,4 @@
-"""The largest and the smallest of many combinations, and which combinations they come from."""
+"""The largest and the smallest of many results, and which of them they come from."""
 
 from __future__ import annotations
 
@@ -8,14 +8,18 @@ import numpy as np
 
 from signorini import _core
 from signorini.discretise.rows import Floats, Ints
+from signorini.results.columns import Block, Layout
+from signorini.results.result import FIELDS, Result
 
 NONE = -1
-"""Number of no combination."""
+"""Number of no result."""
+_GOVERNING = 12
+"""Results at most that count as governing."""
 
 
 @dataclass(frozen=True, eq=False)
 class Extremes:
-    """Largest and smallest values (n,) met so far, with the numbers of the combinations, of equals the first."""
+    """Largest and smallest values (n,) met so far, with the numbers of the results, of equals the first."""
 
     largest: Floats
     largest_by: Ints
@@ -29,7 +33,7 @@ class Extremes:
         return cls(np.full(size, -np.inf), who, np.full(size, np.inf), who.copy())
 
     def take(self, values: Floats, who: Ints) -> None:
-        """Meet values (k, n) of combinations (k,)."""
+        """Meet values (k, n) of results (k,)."""
         if not values.size:
             return
         columns = np.arange(values.shape[1])
@@ -57,9 +61,9 @@ class SupportEnvelope:
     points : Extremes
         Of the reaction of every point (p,).
     gap : Extremes
-        Of what is left of the travel of every point (p,); the largest is by the combination that lifts it most.
+        Of what is left of the travel of every point (p,); the largest is by the result that lifts it most.
     lifted : (p,) array
-        In how many combinations the point is open.
+        In how many results the point is open.
     """
 
     reaction: Extremes
@@ -70,7 +74,7 @@ class SupportEnvelope:
 
 @dataclass(frozen=True, eq=False)
 class Envelope:
-    """Extremes over all combinations that were solved.
+    """Extremes over all results with an equilibrium.
 
     Parameters
     ----------
@@ -86,8 +90,38 @@ class Envelope:
     supports: tuple[SupportEnvelope, ...]
     probes: Extremes
 
+    @classmethod
+    def none(cls, layout: Layout, nodes: int) -> Envelope:
+        """Nothing met yet, on a mesh of so many nodes."""
+        names = (*layout.fields, "reaction") if layout.fields else ()
+        points = (len(one.positions) for one in layout.supports)
+        return cls(
+            {name: Extremes.none(nodes) for name in names},
+            tuple(
+                SupportEnvelope(Extremes.none(1), Extremes.none(p), Extremes.none(p), np.zeros(p, dtype=np.int64))
+                for p in points
+            ),
+            Extremes.none(len(FIELDS) * len(layout.probes)),
+        )
+
+    def take_fields(self, result: Result, who: Ints) -> None:
+        """Meet the fields of one result (1,)."""
+        for name, extremes in self.fields.items():
+            extremes.take((result.nodal_reaction if name == "reaction" else result.fields[name])[None], who)
+
+    def take(self, block: Block, layout: Layout) -> None:
+        """Meet supports and probes of a block."""
+        who = block.numbers[block.solved]
+        self.probes.take(block.probes[block.solved], who)
+        for where, support in zip(layout.slices, self.supports, strict=True):
+            reaction = block.reaction[block.solved, where]
+            support.reaction.take(reaction.sum(axis=1)[:, None], who)
+            support.points.take(reaction, who)
+            support.gap.take(block.gap[block.solved, where], who)
+            support.lifted[:] += (~block.closed[block.solved, where]).sum(axis=0)
+
     def governing(self) -> dict[str, tuple[float, int, float, int]]:
-        """Largest value, by which combination, smallest value, and by which; of fields and of supports' reactions.
+        """Largest value, by which result, smallest value, and by which; of fields and of supports' reactions.
 
         Keys are names of fields, and "reaction:" with a support's place in the model.
         """
@@ -109,3 +143,9 @@ class Envelope:
                 int(total.smallest_by[0]),
             )
         return found
+
+    @property
+    def rows(self) -> list[int]:
+        """Numbers of the results with an extreme of some field or support's reaction, in that order, some at most."""
+        found = self.governing().values()
+        return [*dict.fromkeys(by for _, high, _, low in found for by in (high, low) if by != NONE)][:_GOVERNING]
