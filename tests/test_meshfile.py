@@ -1,5 +1,6 @@
 """Mesh files: what is read from each format, and what is refused."""
 
+import threading
 import time
 
 import meshio
@@ -249,9 +250,18 @@ def test_a_file_that_cannot_be_read_is_refused_quietly(tmp_path, capsys, name, c
 def test_a_parser_that_reads_for_ever_is_left(tmp_path, monkeypatch):
     path = write(tmp_path / "plate.vtu", meshio.Mesh(in_space(PLATE.points), [("quad8", PLATE.elements)]))
     monkeypatch.setattr("signorini.mesh.meshfile._SECONDS", 0.1)
-    monkeypatch.setattr("meshio.read", lambda path: time.sleep(5))
+
+    def read_on(path):
+        while True:
+            time.sleep(0.01)
+
+    monkeypatch.setattr("meshio.read", read_on)
+    before = set(threading.enumerate())
     with pytest.raises(InputError, match="it is read without end"):
         read(path)
+    for thread in set(threading.enumerate()) - before:
+        thread.join(5)
+        assert not thread.is_alive()
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import io
 import os
 import re
@@ -105,9 +106,13 @@ def _load(path: Path, size: int) -> meshio.Mesh:
         reader = threading.Thread(target=read_it, daemon=True)
         reader.start()
         reader.join(_SECONDS + _SECONDS_PER_MB * size / 1e6)
+        if reader.is_alive() and reader.ident is not None:
+            found[:] = [TimeoutError("it is read without end")]
+            # It would read on for ever, beside all that this process does later.
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(reader.ident), ctypes.py_object(SystemExit))
     if found and isinstance(found[0], meshio.Mesh):
         return found[0]
-    error = found[0] if found else TimeoutError("it is read without end")
+    error = found[0]
     reason = " ".join((said.getvalue() if isinstance(error, SystemExit) else str(error)).split())
     reason = re.sub(r"\b(Warning|Error): ", "", reason)
     if isinstance(error, LookupError):
