@@ -2,7 +2,7 @@
 
 use super::buffer::Buffer;
 use super::error::FactorError;
-use super::merge::{Child, Run};
+use super::merge::{Child, Run, triangle};
 use super::parts::Parts;
 use super::tree::Tree;
 use super::{front, layout};
@@ -62,7 +62,7 @@ impl Plan {
 
 /// Numbers that a supernode leaves to its parent.
 fn left(tree: &Tree, s: usize) -> usize {
-    tree.below(s).len().pow(2)
+    triangle(tree.below(s).len())
 }
 
 /// The numbers of L by parts.
