@@ -165,9 +165,7 @@ impl Substitute<'_> {
             for (l, sums) in block.chunks(HALF * height).zip(sums.chunks_exact_mut(HALF)) {
                 if let (Ok(l), Ok(rows)) = (<&[f64; HALF * ROWS]>::try_from(l), <&[Lanes; ROWS]>::try_from(rows)) {
                     let mut own = [[simd.splat_f64s(0.0); N]; HALF];
-                    for k in 0..HALF {
-                        own[k] = sums[k];
-                    }
+                    own.copy_from_slice(sums);
                     for i in 0..ROWS {
                         let row = S::as_simd_f64s(&rows[i].0).0;
                         for k in 0..HALF {
@@ -177,9 +175,7 @@ impl Substitute<'_> {
                             }
                         }
                     }
-                    for k in 0..HALF {
-                        sums[k] = own[k];
-                    }
+                    sums.copy_from_slice(&own);
                 } else {
                     for (l, sum) in l.chunks_exact(height).zip(sums) {
                         for (l, row) in l.iter().zip(rows) {
@@ -257,17 +253,13 @@ impl EliminateOne<'_> {
             let rows = &mut S::as_mut_simd_f64s(rows).0[..N];
             let l = &S::as_simd_f64s(block).0[..count * N];
             let mut sums = [simd.splat_f64s(0.0); N];
-            for n in 0..N {
-                sums[n] = rows[n];
-            }
+            sums.copy_from_slice(rows);
             for k in 0..count {
                 for n in 0..N {
                     sums[n] = simd.mul_add_e_f64s(l[k * N + n], x[k], sums[n]);
                 }
             }
-            for n in 0..N {
-                rows[n] = sums[n];
-            }
+            rows.copy_from_slice(&sums);
         }
         let rows = rows.into_remainder();
         for (k, l) in rest.chunks_exact(rows.len().max(1)).enumerate() {
