@@ -8,7 +8,7 @@ Beside the factor's rate stands that of NumPy's matrix product in the same proce
 (RAYON_NUM_THREADS, OPENBLAS_NUM_THREADS). Its flops are those that the pattern needs; zeros stored for speed are not
 counted, the analysis is part of its time.
 
-Where the time goes, at 160×160 on one thread, of the numeric factor in a process just started (0.85 s, 16.9 GFlop):
+Where the time goes, at 160×160 on one thread, of the numeric factor in a process just started (0.85 s, 17.0 GFlop):
 35% in products that form what fronts leave, 21% in eliminating their own columns, 24% in the system's zeroing of
 pages on first touch (1.9 µs a page of 4 kB, 100,000 pages), 8% in adding what children leave, 4% in storing L, 3% in
 placing the matrix's entries. Dense products run at 22-26 GFlop/s in fronts of up to 64 columns, which hold a
