@@ -8,11 +8,17 @@ Beside the factor's rate stands that of NumPy's matrix product in the same proce
 (RAYON_NUM_THREADS, OPENBLAS_NUM_THREADS). Its flops are those that the pattern needs; zeros stored for speed are not
 counted, the analysis is part of its time.
 
-Where the time goes, at 160×160 on one thread (a profile of repeated factorizations on huge pages): 45% in dense
-products, 30% in storing L, nearly all of it the system's zeroing of pages on first touch, 10% in small triangular
-solves and factors, 7% in adding what children leave to their parents. The analysis, over nodes instead of dofs, takes
-4% of the factor's time. Huge pages were dropped: on a virtual machine a process just started took 1.1-1.4 s for the
-factor with them and 1.0 s without, though 0.74 s against 0.88 on memory used before.
+Where the time goes, at 160×160 on one thread, of the numeric factor in a process just started (0.85 s, 17.0 GFlop):
+35% in products that form what fronts leave, 21% in eliminating their own columns, 24% in the system's zeroing of
+pages on first touch (1.9 µs a page of 4 kB, 100,000 pages), 8% in adding what children leave, 4% in storing L, 3% in
+placing the matrix's entries. Dense products run at 22-26 GFlop/s in fronts of up to 64 columns, which hold a
+quarter of the flops, at 35-39 up to 256 and at 45 above, where a large product runs at 50. The analysis takes
+0.04 s. On two threads the parts of the tree keep both busy 90% of the time.
+
+Pages are not to be had for less: the system fills them ahead at 1.6 µs each, and huge ones cost a virtual machine
+7 µs per 4 kB when its host must find them first.
+
+One right-hand side reads L twice at 18-20 GB/s on two threads; a sum over as many numbers runs at 30.
 
     python benchmarks/linear_solve.py [--elements 160] [--repeat 5]     needs pypardiso
     python benchmarks/linear_solve.py --alone [--elements 160]          without it

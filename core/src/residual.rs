@@ -157,32 +157,21 @@ pub struct Springs {
 
 /// f − K u − Σ k r (r·u − base) at every dof, those held included (there it is minus the support's force).
 pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &Displacement) -> Vec<f64> {
-    const CHUNK: usize = 1024;
     // At rest there is nothing to sum.
     let moving = displacement.hi.iter().any(|&u| u != 0.0);
     let count = if moving { plate.elements().len() } else { 0 };
-    let forces: Vec<[f64; DOFS]> = (0..count)
-        .into_par_iter()
-        .with_min_len(CHUNK)
-        .map(|e| {
-            let mut force = if plate.is_thin(e) {
-                plate.strains(e, &displacement.stripped(plate, e)).nodal()
-            } else {
-                internal_force(plate.element_stiffness(e), &displacement.strained(plate, e))
-            };
-            plate.balance(e, &mut force);
-            plate.into_frames(e, &mut force);
-            force
-        })
-        .collect();
+    let forces = each_element(count, |e| {
+        let mut force = if plate.is_thin(e) {
+            plate.strains(e, &displacement.stripped(plate, e)).nodal()
+        } else {
+            internal_force(plate.element_stiffness(e), &displacement.strained(plate, e))
+        };
+        plate.balance(e, &mut force);
+        plate.into_frames(e, &mut force);
+        force
+    });
     let mut out = load.to_vec();
-    for (nodes, force) in plate.elements().iter().zip(&forces) {
-        for (i, &node) in nodes.iter().enumerate() {
-            for a in 0..3 {
-                out[3 * node + a] -= force[3 * i + a];
-            }
-        }
-    }
+    scatter(plate, &forces, -1.0, &mut out);
     for row in 0..springs.rows.len() {
         let stretch = springs.rows.beyond(plate, row, displacement, springs.base[row]);
         springs.rows.scatter(plate, row, -springs.stiffness[row] * stretch, &mut out);
@@ -232,21 +221,34 @@ pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64
 
 /// Σ|K_e||u_e| at every dof, of thin elements what their strains take: what rounding in [`residual`] is relative to.
 pub fn internal_magnitudes(plate: &Plate, displacement: &Displacement) -> Vec<f64> {
-    let mut sum = vec![0.0; plate.dof_count()];
-    for (e, nodes) in plate.elements().iter().enumerate() {
+    let parts = each_element(plate.elements().len(), |e| {
         let stripped = displacement.stripped(plate, e);
-        let part = if plate.is_thin(e) {
+        if plate.is_thin(e) {
             plate.strains(e, &stripped).magnitude()
         } else {
             magnitude(plate.element_stiffness(e), &stripped.map(|u| u.value().abs()))
-        };
+        }
+    });
+    let mut sum = vec![0.0; plate.dof_count()];
+    scatter(plate, &parts, 1.0, &mut sum);
+    sum
+}
+
+/// Nodal forces of the first `count` elements, computed side by side.
+fn each_element(count: usize, force: impl Fn(usize) -> [f64; DOFS] + Sync + Send) -> Vec<[f64; DOFS]> {
+    const CHUNK: usize = 1024;
+    (0..count).into_par_iter().with_min_len(CHUNK).map(force).collect()
+}
+
+/// Adds `factor` times nodal forces, in the order of the elements.
+fn scatter(plate: &Plate, forces: &[[f64; DOFS]], factor: f64, out: &mut [f64]) {
+    for (nodes, force) in plate.elements().iter().zip(forces) {
         for (i, &node) in nodes.iter().enumerate() {
             for a in 0..3 {
-                sum[3 * node + a] += part[3 * i + a];
+                out[3 * node + a] += factor * force[3 * i + a];
             }
         }
     }
-    sum
 }
 
 /// |K_e| times magnitudes of displacements.

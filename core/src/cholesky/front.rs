@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// Columns that are eliminated before the others hear of them.
 const BLOCK: usize = 64;
 /// Columns that one thread brings up to date: always the same ones, so that the bits are.
-const TILE: usize = 128;
+pub(super) const TILE: usize = 128;
 
 /// Room that the dense elimination works in.
 pub(super) fn scratch() -> Option<MemBuffer> {
@@ -43,16 +43,17 @@ pub(super) fn eliminate(panel: &mut [f64], height: usize, scratch: &mut MemBuffe
     Ok(())
 }
 
-/// Overwrites the lower part of `rest`, square and by columns, with −L₂L₂ᵀ for the rows of L below its first `width`.
-pub(super) fn leave(panel: &[f64], height: usize, rest: &mut [f64]) {
+/// Overwrites `rest` with −L₂L₂ᵀ for the rows of L below its first `width`, as `merge` reads it.
+pub(super) fn leave(panel: &[f64], height: usize, mut rest: &mut [f64]) {
     let width = panel.len() / height;
-    if width == height {
-        return;
-    }
     let panel = MatRef::from_column_major_slice(panel, height, width);
-    rest.par_chunks_mut(TILE * (height - width)).enumerate().for_each(|(tile, columns)| {
-        subtract_square(panel, width + tile * TILE, columns, width, Accum::Replace);
-    });
+    let mut tiles = Vec::new();
+    for from in (width..height).step_by(TILE) {
+        let (tile, after) = rest.split_at_mut(TILE.min(height - from) * (height - from));
+        tiles.push((from, tile));
+        rest = after;
+    }
+    tiles.into_par_iter().for_each(|(from, tile)| subtract_square(panel, from, tile, from, Accum::Replace));
 }
 
 /// Takes L Lᵀ off columns of a symmetric matrix from `from` on, whose first `skipped` rows are left out.

@@ -1,9 +1,14 @@
-//! How a supernode's columns of L are stored: a few side by side, without the rows above them.
+//! How a supernode's columns of L are stored: a few side by side, without the rows above them, and in one stream.
+//!
+//! Of these few the rows of their own pivots come first, then the rows below, some at a time; what comes at a time is
+//! stored by columns.
 
-/// Columns stored side by side, each as long as the first.
-const PANEL: usize = 8;
+/// Columns stored side by side.
+pub(super) const PANEL: usize = 8;
+/// Rows stored at a time.
+pub(super) const ROWS: usize = 8;
 
-/// Some of a supernode's columns, stored by columns one after the other.
+/// Some of a supernode's columns.
 pub(super) struct Panel {
     /// First of them, which is also the first row stored.
     pub(super) first: usize,
@@ -12,6 +17,19 @@ pub(super) struct Panel {
     pub(super) height: usize,
     /// Where they begin among the supernode's numbers.
     pub(super) at: usize,
+}
+
+impl Panel {
+    /// Copies one of its columns out of the panel's numbers, from its pivot on.
+    pub(super) fn column(&self, numbers: &[f64], k: usize, to: &mut Vec<f64>) {
+        to.clear();
+        let (own, below) = numbers.split_at(self.count * self.count);
+        to.extend_from_slice(&own[k * self.count + k..(k + 1) * self.count]);
+        for block in below.chunks(ROWS * self.count) {
+            let rows = block.len() / self.count;
+            to.extend_from_slice(&block[k * rows..(k + 1) * rows]);
+        }
+    }
 }
 
 /// The panels of a supernode.
@@ -30,17 +48,24 @@ pub(super) fn size(width: usize, height: usize) -> usize {
     panels(width, height).next_back().map_or(0, |last| last.at + last.count * last.height)
 }
 
-/// Copies a supernode's columns, each `height` long, and returns how many numbers that took.
-pub(super) fn store(columns: &[f64], height: usize, to: &mut [f64]) -> usize {
+/// Appends a supernode's columns, each `height` long.
+pub(super) fn store(columns: &[f64], height: usize, to: &mut Vec<f64>) {
     let width = columns.len() / height;
     for panel in panels(width, height) {
-        let to = &mut to[panel.at..panel.at + panel.count * panel.height];
-        let columns = columns[panel.first * height..].chunks_exact(height);
-        for (column, to) in columns.zip(to.chunks_exact_mut(panel.height)) {
-            to.copy_from_slice(&column[panel.first..]);
+        let columns = &columns[panel.first * height..(panel.first + panel.count) * height];
+        let below = panel.first + panel.count;
+        for column in columns.chunks_exact(height) {
+            to.extend_from_slice(&column[panel.first..below]);
+        }
+        for row in (below..height).step_by(ROWS) {
+            let rows = ROWS.min(height - row);
+            let mut block = [0.0; PANEL * ROWS];
+            for (column, to) in columns.chunks_exact(height).zip(block.chunks_exact_mut(rows)) {
+                to.copy_from_slice(&column[row..row + rows]);
+            }
+            to.extend_from_slice(&block[..panel.count * rows]);
         }
     }
-    size(width, height)
 }
 
 #[cfg(test)]
@@ -56,6 +81,23 @@ mod tests {
                 at += panel.count * panel.height;
             }
             assert_eq!(at, size(width, height));
+        }
+    }
+
+    #[test]
+    fn columns_are_found_as_they_were_stored() {
+        for (width, height) in [(1, 1), (3, 9), (8, 8), (9, 17), (24, 30), (35, 200)] {
+            let columns: Vec<f64> = (0..width * height).map(|at| at as f64).collect();
+            let (mut stored, mut column) = (Vec::new(), Vec::new());
+            store(&columns, height, &mut stored);
+            assert_eq!(stored.len(), size(width, height));
+            for panel in panels(width, height) {
+                for k in 0..panel.count {
+                    panel.column(&stored[panel.at..][..panel.count * panel.height], k, &mut column);
+                    let first = panel.first + k;
+                    assert_eq!(column, columns[first * height + first..(first + 1) * height]);
+                }
+            }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What a child leaves is added to the front of its parent.
 
+use super::front::TILE;
 use pulp::Arch;
 use std::ops::Range;
 
@@ -8,6 +9,19 @@ pub(super) struct Run {
     from: usize,
     to: usize,
     len: usize,
+}
+
+/// Numbers of a lower triangle that is stored some columns at a time, without the rows above these.
+pub(super) fn triangle(order: usize) -> usize {
+    (0..order).step_by(TILE).map(|first| TILE.min(order - first) * (order - first)).sum()
+}
+
+/// Where a triangle's column begins, and the row that it begins with.
+fn column(at: usize, order: usize) -> (usize, usize) {
+    let first = at - at % TILE;
+    // Every tile before is whole, and its columns are TILE shorter than those before it.
+    let tile = first * order - first * (first - TILE.min(first)) / 2;
+    (tile + (at - first) * (order - first), first)
 }
 
 /// A child's lower triangle, by columns, and where its rows are in the parent.
@@ -39,29 +53,42 @@ impl<'a> Child<'a> {
 
     /// Adds the columns that the parent eliminates to its panel.
     pub(super) fn add_to_panel(&self, runs: &[Run], panel: &mut [f64], height: usize) {
-        self.add(&runs[self.runs.clone()], 0..self.eliminated, panel, height, 0);
+        self.add(&runs[self.runs.clone()], 0..self.eliminated, panel, 0, |at| (at * height, 0));
     }
 
     /// Adds the others to what the parent leaves, whose rows come after the first `width`.
     pub(super) fn add_to_rest(&self, runs: &[Run], rest: &mut [f64], height: usize, width: usize) {
-        self.add(&runs[self.runs.clone()], self.eliminated..self.runs.len(), rest, height - width, width);
+        let columns = self.eliminated..self.runs.len();
+        self.add(&runs[self.runs.clone()], columns, rest, width, |at| column(at, height - width));
     }
 
-    fn add(&self, runs: &[Run], columns: Range<usize>, to: &mut [f64], height: usize, skipped: usize) {
+    fn add(
+        &self,
+        runs: &[Run],
+        columns: Range<usize>,
+        to: &mut [f64],
+        skipped: usize,
+        place: impl Fn(usize) -> (usize, usize),
+    ) {
         Arch::new().dispatch(
             #[inline(always)]
             || {
                 for index in columns {
                     let run = &runs[index];
                     for k in 0..run.len {
-                        let column = run.from + k;
-                        let values = &self.values[column * self.order..(column + 1) * self.order];
-                        let first = run.to + k - skipped;
-                        let sums = &mut to[first * height..(first + 1) * height];
-                        add(&mut sums[first..first + run.len - k], &values[column..run.from + run.len]);
+                        let (start, first) = column(run.from + k, self.order);
+                        let values = &self.values[start..start + self.order - first];
+                        let (start, above) = place(run.to + k - skipped);
+                        let sums = &mut to[start..];
+                        let own = run.to + k - skipped - above;
+                        add(
+                            &mut sums[own..own + run.len - k],
+                            &values[run.from + k - first..run.from + run.len - first],
+                        );
                         for other in &runs[index + 1..] {
-                            let first = other.to - skipped;
-                            add(&mut sums[first..first + other.len], &values[other.from..other.from + other.len]);
+                            let own = other.to - skipped - above;
+                            let from = other.from - first;
+                            add(&mut sums[own..own + other.len], &values[from..from + other.len]);
                         }
                     }
                 }
@@ -74,5 +101,23 @@ impl<'a> Child<'a> {
 fn add(sums: &mut [f64], values: &[f64]) {
     for (sum, value) in sums.iter_mut().zip(values) {
         *sum += value;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_of_a_triangle_follow_one_another() {
+        for order in [1, TILE - 1, TILE, TILE + 1, 3 * TILE + 5] {
+            let mut next = 0;
+            for at in 0..order {
+                let (start, first) = column(at, order);
+                assert_eq!((start, first), (next, at - at % TILE));
+                next += order - first;
+            }
+            assert_eq!(next, triangle(order));
+        }
     }
 }

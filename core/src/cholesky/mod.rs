@@ -14,7 +14,6 @@ mod substitution;
 mod tree;
 
 use crate::assembly::LowerTriangle;
-use buffer::Buffer;
 pub use entry::LANES;
 use entry::{Entry, Lanes};
 pub use error::FactorError;
@@ -61,7 +60,7 @@ impl Analysis {
 pub struct Factor {
     pattern: Arc<Pattern>,
     /// The numbers of L by parts.
-    values: Vec<Buffer>,
+    values: Vec<Vec<f64>>,
 }
 
 impl Factor {
@@ -109,16 +108,18 @@ impl Factor {
     /// Every column of L: the columns of the matrix that its rows are, itself first, and their values.
     fn each_column(&self, mut visit: impl FnMut(&mut dyn Iterator<Item = usize>, &[f64])) {
         let Pattern { tree, parts, .. } = &*self.pattern;
+        let mut column = Vec::new();
         for (part, values) in parts.0.iter().zip(&self.values) {
             let mut stored = 0;
             for s in part.supernodes.clone() {
                 let (begin, width, height) = (tree.begin[s], tree.width(s), tree.height(s));
                 for panel in layout::panels(width, height) {
+                    let numbers = &values[stored + panel.at..][..panel.count * panel.height];
                     for k in 0..panel.count {
-                        let at = stored + panel.at + k * panel.height;
+                        panel.column(numbers, k, &mut column);
                         let places = (begin + panel.first + k..begin + width)
                             .chain(tree.below(s).iter().map(|&place| place as usize));
-                        visit(&mut places.map(|place| tree.column[place] as usize), &values[at + k..at + panel.height]);
+                        visit(&mut places.map(|place| tree.column[place] as usize), &column);
                     }
                 }
                 stored += layout::size(width, height);

@@ -2,7 +2,7 @@
 
 use super::buffer::Buffer;
 use super::error::FactorError;
-use super::merge::{Child, Run};
+use super::merge::{Child, Run, triangle};
 use super::parts::Parts;
 use super::tree::Tree;
 use super::{front, layout};
@@ -62,7 +62,7 @@ impl Plan {
 
 /// Numbers that a supernode leaves to its parent.
 fn left(tree: &Tree, s: usize) -> usize {
-    tree.below(s).len().pow(2)
+    triangle(tree.below(s).len())
 }
 
 /// The numbers of L by parts.
@@ -73,7 +73,7 @@ pub(super) fn factorize(
     parts: &Parts,
     plan: &Plan,
     matrix: &LowerTriangle,
-) -> Result<Vec<Buffer>, FactorError> {
+) -> Result<Vec<Vec<f64>>, FactorError> {
     let job = Job {
         tree,
         parts,
@@ -117,7 +117,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// A part whose columns are eliminated.
 struct Done {
-    values: Buffer,
+    values: Vec<f64>,
     /// What its roots leave, one after the other.
     left: Buffer,
 }
@@ -182,8 +182,8 @@ impl Job<'_> {
             return Err(error);
         }
         let mut desk = self.desk()?;
-        let mut done =
-            Done { values: Buffer::new(self.plan.entries[index])?, left: self.buffer(self.plan.left[index])? };
+        let mut done = Done { values: Vec::new(), left: self.buffer(self.plan.left[index])? };
+        done.values.try_reserve_exact(self.plan.entries[index]).map_err(|_| FactorError::OutOfMemory)?;
         let result = self.supernodes(index, &given, &mut desk, &mut done);
         lock(&self.desks).push(desk);
         lock(&self.spare).extend(given);
@@ -193,7 +193,7 @@ impl Job<'_> {
     fn supernodes(&self, index: usize, given: &[Buffer], desk: &mut Desk, done: &mut Done) -> Result<(), FactorError> {
         let (tree, part) = (self.tree, &self.parts.0[index]);
         let Desk { local, stacks, panel, scratch, runs } = desk;
-        let (mut tops, mut stored, mut out) = ([0; 2], 0, 0);
+        let (mut tops, mut out) = ([0; 2], 0);
         for s in part.supernodes.clone() {
             let (width, height) = (tree.width(s), tree.height(s));
             let side = usize::from(self.plan.odd[s]);
@@ -240,7 +240,7 @@ impl Job<'_> {
             };
             front::leave(panel, height, rest);
             children.iter().for_each(|child| child.add_to_rest(runs, rest, height, width));
-            stored += layout::store(panel, height, &mut done.values[stored..]);
+            layout::store(panel, height, &mut done.values);
         }
         Ok(())
     }

@@ -3,7 +3,6 @@
 //! It is bound by reading L once each way, which one core alone cannot do at the speed of the memory, and which several
 //! right-hand sides share.
 
-use super::buffer::Buffer;
 use super::entry::Entry;
 use super::layout;
 use super::parts::Parts;
@@ -66,7 +65,7 @@ impl Schedule {
     }
 
     /// Overwrites `rhs` with L⁻¹ times it.
-    pub(super) fn forward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Buffer], rhs: &mut [E]) {
+    pub(super) fn forward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Vec<f64>], rhs: &mut [E]) {
         let done: Vec<OnceLock<Vec<E>>> = self.0.iter().map(|_| OnceLock::new()).collect();
         let given = &*rhs;
         parts.climb(|index| {
@@ -87,7 +86,7 @@ impl Schedule {
     }
 
     /// Overwrites `rhs` with L⁻ᵀ times it.
-    pub(super) fn backward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Buffer], rhs: &mut [E]) {
+    pub(super) fn backward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Vec<f64>], rhs: &mut [E]) {
         let done: Vec<OnceLock<Vec<E>>> = self.0.iter().map(|_| OnceLock::new()).collect();
         let given = &*rhs;
         parts.descend(|index| {
