@@ -212,7 +212,11 @@ def solve_one(problem: ContactProblem, combination: Combination, progress: Watch
 
 def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
     """Every combination as a row, written to the table if there is one."""
-    problem = problem.near(mean_load(problem.discretisation))
+
+    def show(step: int, changing: int, residual: float) -> None:
+        watcher(Progress("the mean", step, changing, residual))
+
+    problem = problem.near(mean_load(problem.discretisation), show)
 
     def single(combination: Combination) -> Result:
         return solve_one(problem, combination, watcher)
