@@ -60,13 +60,13 @@ def ask():
 @pytest.mark.parametrize(
     ("prepare", "megabytes"),
     [
-        (LEMKE, range(5, 100, 5)),
-        (CONTACT.format(form="dual"), range(1, 30)),
-        (CONTACT.format(form="stiffness"), range(1, 30)),
+        (LEMKE, (5, 25, 45, 500)),
+        (CONTACT.format(form="dual"), (2, 9, 500)),
+        (CONTACT.format(form="stiffness"), (2, 9, 500)),
     ],
     ids=["lemke", "dual", "stiffness"],
 )
-def test_what_does_not_fit_is_said(prepare: str, megabytes: range) -> None:
+def test_what_does_not_fit_is_said(prepare: str, megabytes: tuple[int, ...]) -> None:
     code = LIMITED.format(prepare=prepare, megabytes=megabytes)
     # One thread, whose own room for products the first answer takes; and large blocks given back where they are freed.
     environment = os.environ | {"RAYON_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_THRESHOLD_": "100000"}
