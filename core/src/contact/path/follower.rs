@@ -78,12 +78,14 @@ impl<'a> Follower<'a> {
     /// The line on the contact set of a solution, which holds at the first of two t.
     pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line>, FactorError> {
         let Some(to) = self.solution_on(&from.closed, at, 1, Some(&from))? else { return Ok(None) };
-        // A load that hardly presses on the points says nothing of what they do.
-        let counts = |largest: f64| match largest {
-            0.0 => self.problem.scale.largest(&self.load.at(at[1])),
+        let loads = at.map(|t| self.load.at(t));
+        // A load that hardly presses on the points says nothing of what they do, nor a plate that cannot deflect.
+        let counts = |force: f64| match force {
+            0.0 => self.problem.scale.largest(&loads[1]),
             force => force.max(tolerances::path::UNSEEN * self.load.size(at[0])),
         };
-        Ok(Some(Line::between(at, [from, to], counts)))
+        let length = loads.iter().map(|load| self.problem.least_length(load)).fold(0.0, f64::max);
+        Ok(Some(Line::between(at, [from, to], counts, length)))
     }
 
     /// The solution on a set at one end of a line.

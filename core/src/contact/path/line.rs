@@ -13,11 +13,12 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Between solutions at two t on one set; reactions count over at least `least`.
-    pub fn between(at: [f64; 2], ends: [ContactSolution; 2], least: impl FnOnce(f64) -> f64) -> Self {
+    /// Between solutions at two t on one set; what reactions count over is made of the largest, what gaps count over is at
+    /// least a length.
+    pub fn between(at: [f64; 2], ends: [ContactSolution; 2], counts: impl FnOnce(f64) -> f64, length: f64) -> Self {
         let [from, to] = &ends;
-        let force = least(f64::max(largest(&from.reaction), largest(&to.reaction)));
-        let length = f64::max(largest_length(from), largest_length(to));
+        let force = counts(f64::max(largest(&from.reaction), largest(&to.reaction)));
+        let length = largest_length(from).max(largest_length(to)).max(length);
         Self { at, ends, force, length }
     }
 
