@@ -88,7 +88,7 @@ def shift(rng, tables):
     last = tables["load"][-1]
     size = random_models._extent(tables["plate"])
     at = random_models.point(rng, tables["plate"])
-    young, thickness = tables["material"]["E"], float(str(tables["plate"]["thickness"]).partition("*")[0])
+    young, thickness = tables["material"]["E"], float(str(tables["plate"]["thickness"]).partition("*")[0].strip("()"))
     force = 1e-4 * young * thickness**3 / size
     last.clear()
     last |= {"case": "Q", "at": at} | ({"force": force} if rng.random() < 0.7 else {"moment": [force * size, 0.0]})
@@ -106,7 +106,7 @@ def extreme(rng, tables):
     elif kind == "forces" and plate["shape"] == "rectangle":
         a, b = (random_models.point(rng, plate) for _ in range(2))
         middle = [0.5 * (x + y) for x, y in zip(a, b, strict=True)]
-        stiffness = tables["material"]["E"] * float(str(plate["thickness"]).partition("*")[0]) ** 3
+        stiffness = tables["material"]["E"] * float(str(plate["thickness"]).partition("*")[0].strip("()")) ** 3
         force = factor * 1e-4 * rng.choice([1.0, -1.0]) * stiffness / size
         grows = [{"case": "Q", "at": at, "force": f * force} for at, f in ((a, 1.0), (middle, -2.0), (b, 1.0))]
     tables["load"] = [load for load in tables["load"] if load["case"] != "Q"] + grows

@@ -3,17 +3,21 @@
 import os
 import pty
 import re
+import signal
 import subprocess
 import sys
-from contextlib import suppress
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from itertools import groupby
 from pathlib import Path
 from threading import Thread
 
+import numpy as np
 import pytest
 
 import signorini
-from signorini import Progress
+from signorini import Progress, _core
 
 SLAB = """
 material = { E = 30e9, nu = 0.2 }
@@ -148,3 +152,81 @@ def test_a_combination_without_steps_is_told_once() -> None:
     told: list[Progress] = []
     signorini.solve(model, progress=told.append)
     assert [str(now) for now in told] == ["meshing", "assembling and factoring", "all: solving"]
+
+
+class Late(Exception):
+    """Raised by a signal."""
+
+
+@contextmanager
+def interrupted_after(seconds: float) -> Iterator[None]:
+    """Raise `Late` in what runs inside, as Ctrl-C raises `KeyboardInterrupt`; it must come to an end soon after."""
+
+    def raise_late(*_: object) -> None:
+        raise Late
+
+    before = signal.signal(signal.SIGALRM, raise_late)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    begun = time.monotonic()
+    try:
+        with pytest.raises(Late):
+            yield
+        assert time.monotonic() - begun < seconds + 5.0
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def test_a_signal_ends_lemkes_pivots() -> None:
+    # Murty's problem, which takes 2⁴⁰ of them.
+    matrix = np.eye(40) + 2.0 * np.tri(40, k=-1)
+    with interrupted_after(0.3):
+        _core.lemke(matrix, 2.0 ** np.arange(40, 0, -1) - 2.0**41, max_pivots=10**15)
+
+
+def props(method: str) -> signorini.Model:
+    """A plate on many props, which close and open one by one as the load grows."""
+    return signorini.Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [8, 8], "thickness": 0.2},
+        mesh={"divisions": [16, 16]},
+        support=[{"line": [[0.5, y], [7.5, y]], "resists": "down"} for y in (1.0, 4.0, 7.0)],
+        load=[{"case": "G", "pressure": 2e3}, {"case": "Q", "force": 1e5, "at": [1.3, 1.2]}],
+        solver={"method": method},
+    )
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_a_watcher_sees_the_solves_of_a_path_and_ends_them(method: str) -> None:
+    told: list[Progress] = []
+
+    def watch(now: Progress) -> None:
+        told.append(now)
+        if now.combination.startswith("after t"):
+            raise Enough
+
+    with pytest.raises(Enough):
+        signorini.path(props(method), "G", "Q", 3.0, progress=watch)
+    assert sum(now.combination.startswith("after t") for now in told) == 1
+    assert any(now.combination == "t = 0" for now in told)
+
+
+def test_a_watcher_ends_the_solution_that_others_begin_with() -> None:
+    def enough(step: int, changing: int, residual: float) -> None:
+        raise Enough
+
+    problem = signorini.contact_problem(props("active_set"))
+    with pytest.raises(Enough):
+        problem.near(problem.discretisation.cases["G"].nodal, enough)
+
+
+def test_a_signal_ends_sums_of_responses() -> None:
+    problem = signorini.contact_problem(props("lemke"))
+    found, core = problem.discretisation, problem.core
+    rest = _core.rest_response(core, found.held.values)
+    cases = _core.load_responses(core, np.array([found.cases[case].nodal for case in ("G", "Q")]))
+    points = _core.point_responses(core, 0, len(found.contacts))
+    shared = _core.combined_cases(core, rest, cases, points)
+    factors = np.column_stack([np.ones(300_000), np.linspace(0.0, 5.0, 300_000)])
+    with interrupted_after(0.5):
+        _core.combine(core, shared, factors)

@@ -1,7 +1,7 @@
 use crate::arrays::{invalid, matrix, rows_of, sized};
 use crate::contact::{ContactProblem, failed};
 use crate::plate::Plate;
-use crate::threads::released;
+use crate::threads::{interruptible, released};
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1,
     PyUntypedArrayMethods,
@@ -106,7 +106,7 @@ pub fn load_responses(
         return Err(invalid(format!("loads must have {} columns", problem.inner.plate.dof_count())));
     }
     let loads = rows(&loads);
-    let found = released(py, || problem.inner.load_responses(&loads))?.map_err(failed)?;
+    let found = interruptible(py, |watch| problem.inner.load_responses(&loads, watch))?.map_err(failed)?;
     Ok(found.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
 }
 
@@ -117,7 +117,7 @@ pub fn point_responses(problem: &ContactProblem, py: Python<'_>, first: usize, e
     if end > count {
         return Err(invalid(format!("there are {count} contact points, not {end}")));
     }
-    let found = released(py, || problem.inner.point_responses(first..end))?.map_err(failed)?;
+    let found = interruptible(py, |watch| problem.inner.point_responses(first..end, watch))?.map_err(failed)?;
     Ok(found.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
 }
 
@@ -144,7 +144,8 @@ pub fn combined_cases(
     let cases: Vec<_> = cases.iter().map(|case| at_points(case)).collect();
     let points: Vec<_> = points.iter().map(|point| at_points(point)).collect();
     let number = cases.len();
-    let inner = released(py, || problem.inner.combined_cases(rest, cases, &points))?;
+    let found = interruptible(py, |watch| problem.inner.combined_cases(rest, cases, &points, watch))?;
+    let inner = found.map_err(failed)?.expect("a watch that says no raises");
     Ok(CombinedCases { inner, of: problem.inner.clone(), cases: number })
 }
 
@@ -165,7 +166,7 @@ pub fn combine<'py>(
     }
     let factors = rows(&factors);
     let shared = &cases.inner;
-    let found = released(py, || problem.inner.combine(shared, &factors))?;
+    let found = interruptible(py, |watch| problem.inner.combine(shared, &factors, watch))?.map_err(failed)?;
     let count = problem.inner.constraints.rows.len();
     let verdict = |verdict: Verdict| match verdict {
         Verdict::Solved => 0,

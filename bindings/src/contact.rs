@@ -7,6 +7,7 @@ use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 use signorini_core::cholesky::FactorError;
 use signorini_core::contact::{self, Constraints, Form, PathEnd, PathLoad, Progress, Stop};
+use std::cell::RefCell;
 use std::sync::Arc;
 
 /// A plate on its supports, factored once.
@@ -62,18 +63,27 @@ impl ContactProblem {
     }
 }
 
-/// Runs a solve with the interpreter released; what `progress` raises, or a signal, ends it.
-fn watched(
-    problem: &ContactProblem,
-    py: Python<'_>,
-    progress: Option<Py<PyAny>>,
-    solve: impl Send + FnOnce(&mut dyn FnMut(Progress) -> bool) -> Result<contact::ContactSolution, FactorError>,
-) -> PyResult<ContactSolution> {
-    let tell = |py: Python<'_>, now: Progress| match &progress {
+/// Tells `progress` of a step, or looks for signals.
+fn tell(py: Python<'_>, progress: Option<&Py<PyAny>>, now: Progress) -> PyResult<()> {
+    match progress {
         Some(progress) => progress.call1(py, (now.step, now.changing, now.residual)).map(|_| ()),
         None => py.check_signals(),
-    };
-    Ok(problem.solution(told(py, tell, solve)?.map_err(failed)?))
+    }
+}
+
+/// Runs a solve with the interpreter released; what `progress` raises, or a signal, ends it.
+fn watched<T: Send>(
+    py: Python<'_>,
+    progress: Option<Py<PyAny>>,
+    solve: impl Send + FnOnce(&mut dyn FnMut(Progress) -> bool) -> Result<T, FactorError>,
+) -> PyResult<T> {
+    told(py, |py, now| tell(py, progress.as_ref(), now), solve)?.map_err(failed)
+}
+
+/// What a path tells.
+enum News {
+    Stop(f64, Vec<i64>, contact::ContactSolution),
+    Progress(Progress),
 }
 
 #[pymethods]
@@ -123,21 +133,21 @@ impl ContactProblem {
     ///
     /// `progress(step, changing, residual)` is called after every step of the active set: points that opened or closed,
     /// and the imbalance over the largest nodal force. What it raises ends the solve.
-    #[pyo3(signature = (load, held_value, form=None, max_pivots=None, progress=None))]
+    #[pyo3(signature = (load, held_value, form=None, progress=None))]
     fn solve(
         &self,
         py: Python<'_>,
         load: PyReadonlyArray1<'_, f64>,
         held_value: PyReadonlyArray1<'_, f64>,
         form: Option<&str>,
-        max_pivots: Option<usize>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<ContactSolution> {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
         let form = form.map(form_of).transpose()?;
-        watched(self, py, progress, |watch| self.inner.solve(&load, &held_value, form, max_pivots, watch))
+        let inner = watched(py, progress, |watch| self.inner.solve(&load, &held_value, form, watch))?;
+        Ok(self.solution(inner))
     }
 
     /// Solves one load by proximal steps in which an increment of reaction meets at least a part of the plate's own
@@ -163,9 +173,10 @@ impl ContactProblem {
         if !(part > 0.0 && part.is_finite()) {
             return Err(invalid("part must be positive and finite"));
         }
-        watched(self, py, progress, |watch| {
+        let inner = watched(py, progress, |watch| {
             self.inner.solve_by_proximal_steps(&load, &held_value, part, closed.as_deref(), watch)
-        })
+        })?;
+        Ok(self.solution(inner))
     }
 
     /// Solves one load beginning with the solution of another; `progress` as for `solve`.
@@ -182,20 +193,25 @@ impl ContactProblem {
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
         self.require_own(&reference.of, "the reference")?;
-        watched(self, py, progress, |watch| self.inner.solve_near(&reference.inner, &load, &held_value, watch))
+        let near = &reference.inner;
+        let inner = watched(py, progress, |watch| self.inner.solve_near(near, &load, &held_value, watch))?;
+        Ok(self.solution(inner))
     }
 
     /// Solves one load and factors its contact set, for others to begin with; None without an active set or a solution.
+    /// `progress` as for `solve`.
+    #[pyo3(signature = (load, held_value, progress=None))]
     fn reference(
         &self,
         py: Python<'_>,
         load: PyReadonlyArray1<'_, f64>,
         held_value: PyReadonlyArray1<'_, f64>,
+        progress: Option<Py<PyAny>>,
     ) -> PyResult<Option<Reference>> {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        let found = released(py, || self.inner.reference(&load, &held_value))?.map_err(failed)?;
+        let found = watched(py, progress, |watch| self.inner.reference(&load, &held_value, watch))?;
         Ok(found.map(|inner| Reference { inner, of: self.inner.clone() }))
     }
 
@@ -212,7 +228,8 @@ impl ContactProblem {
         let dofs = self.inner.plate.dof_count();
         let load = sized("the load", &load, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        watched(self, py, progress, |watch| self.inner.solve_by_interior_point(&load, &held_value, watch))
+        let inner = watched(py, progress, |watch| self.inner.solve_by_interior_point(&load, &held_value, watch))?;
+        Ok(self.solution(inner))
     }
 
     /// Displacements, reactions and gaps under one load on a contact set (m,) that is given, signs as they come.
@@ -237,8 +254,8 @@ impl ContactProblem {
     ///
     /// `visit(t, switched, solution)` is called where it begins, at every event and where it ends, with the points that
     /// open or close there and the contact set from there on. What it raises ends the path. `proximal` solves by proximal
-    /// steps, as `solve_by_proximal_steps` does.
-    #[pyo3(signature = (start, add, held_value, end, visit, proximal=false))]
+    /// steps, as `solve_by_proximal_steps` does. `progress` is called between events, by steps of the solves that find them.
+    #[pyo3(signature = (start, add, held_value, end, visit, proximal=false, progress=None))]
     #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
     fn path(
         &self,
@@ -249,6 +266,7 @@ impl ContactProblem {
         end: f64,
         visit: Py<PyAny>,
         proximal: bool,
+        progress: Option<Py<PyAny>>,
     ) -> PyResult<&'static str> {
         let dofs = self.inner.plate.dof_count();
         let start = sized("the load", &start, dofs)?;
@@ -258,13 +276,19 @@ impl ContactProblem {
             return Err(invalid("points of an active set are not condensed"));
         }
         let load = PathLoad { start: &start, add: &add, held_value: &held_value, end, proximal };
-        let tell = |py: Python<'_>, (t, switched, inner): (f64, Vec<i64>, contact::ContactSolution)| {
-            visit.call1(py, (t, PyArray1::from_vec(py, switched), self.solution(inner))).map(|_| ())
+        let hear = |py: Python<'_>, news: News| match news {
+            News::Stop(t, switched, inner) => {
+                visit.call1(py, (t, PyArray1::from_vec(py, switched), self.solution(inner))).map(|_| ())
+            }
+            News::Progress(now) => tell(py, progress.as_ref(), now),
         };
-        let ended = told(py, tell, |show| {
-            let mut show =
-                |stop: Stop| show((stop.t, stop.switched.iter().map(|&i| i as i64).collect(), stop.solution.clone()));
-            self.inner.path(&load, &mut show)
+        let ended = told(py, hear, |show| {
+            let show = RefCell::new(show);
+            let mut visit = |stop: Stop| {
+                let switched = stop.switched.iter().map(|&i| i as i64).collect();
+                show.borrow_mut()(News::Stop(stop.t, switched, stop.solution.clone()))
+            };
+            self.inner.path(&load, &mut visit, &mut |now| show.borrow_mut()(News::Progress(now)))
         })?;
         Ok(match ended.map_err(failed)? {
             PathEnd::Reached => "reached",

@@ -1,8 +1,11 @@
 use crate::arrays::invalid;
-use crate::threads::released;
+use crate::threads::interruptible;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
-use signorini_core::lcp::{self, Lcp, LcpStatus, LemkeOptions};
+use signorini_core::dense;
+use signorini_core::lcp::{self, Lcp, LcpError, LcpStatus, LemkeOptions};
+use std::borrow::Cow;
 
 /// z, w and the basis (m,) of a linear complementarity problem, and how the solver ended.
 #[pyclass(frozen, module = "signorini._core")]
@@ -31,20 +34,24 @@ pub fn lemke(
             q.len()
         )));
     }
+    let out_of_memory = || PyMemoryError::new_err(LcpError::OutOfMemory.to_string());
     let view = matrix.as_array();
-    let matrix = view.as_slice().map_or_else(|| view.iter().copied().collect(), <[f64]>::to_vec);
+    let matrix = match view.as_slice() {
+        Some(entries) => Cow::Borrowed(entries),
+        None => Cow::Owned(dense::row_major(rows, rows, |i, j| view[(i, j)]).map_err(|_| out_of_memory())?),
+    };
     let q = q.as_array().to_vec();
     let covering = covering.map(|d| d.as_array().to_vec());
     let start = start.map(|basis| basis.as_array().to_vec());
-    let solve = || {
-        let problem = Lcp::new(&matrix, &q)?;
+    let found = interruptible(py, |watch| {
         let options = LemkeOptions { covering: covering.as_deref(), max_pivots };
-        match &start {
-            Some(basis) => lcp::lemke_from(&problem, &options, basis),
-            None => lcp::lemke(&problem, &options),
-        }
+        lcp::lemke_watched(&Lcp::new(&matrix, &q)?, &options, start.as_deref(), &mut |_, _| watch())
+    })?;
+    let failed = |error| match error {
+        LcpError::OutOfMemory => out_of_memory(),
+        _ => invalid(error),
     };
-    Ok(LcpSolution { inner: released(py, solve)?.map_err(invalid)? })
+    Ok(LcpSolution { inner: found.map_err(failed)? })
 }
 
 #[pymethods]

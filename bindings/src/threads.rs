@@ -93,6 +93,11 @@ pub fn told<N: Send, T: Send>(
     }
 }
 
+/// As `released`; `work` is given a function that says whether to go on, and which a signal makes say no.
+pub fn interruptible<T: Send>(py: Python<'_>, work: impl FnOnce(&mut dyn FnMut() -> bool) -> T + Send) -> PyResult<T> {
+    told(py, |py, (): ()| py.check_signals(), |tell| work(&mut || tell(())))
+}
+
 /// Runs a callback, in which calls of the core go to a pool that nobody waits in.
 fn in_callback<T>(callback: impl FnOnce() -> T) -> T {
     struct Leaving;

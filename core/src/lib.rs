@@ -8,6 +8,7 @@
 pub mod assembly;
 pub mod cholesky;
 pub mod contact;
+pub mod dense;
 pub mod double_double;
 pub mod element;
 pub mod lcp;

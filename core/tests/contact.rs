@@ -106,7 +106,7 @@ proptest! {
         let load = load(&problem.plate, element, 1.0);
         let held = vec![0.0; load.len()];
         let form = if dual { Form::Dual } else { Form::Stiffness };
-        let found = problem.solve(&load, &held, Some(form), None, &mut |_| true).unwrap();
+        let found = problem.solve(&load, &held, Some(form), &mut |_| true).unwrap();
         prop_assert!(found.outcome != Outcome::Unsolved);
         if found.outcome == Outcome::Solved {
             let out = problem.imbalance(&load, &found.displacement, &found.reaction);
@@ -135,9 +135,9 @@ proptest! {
             let load = load(&problem.plate, element, units[1]);
             let held = vec![0.0; load.len()];
             match way {
-                0 => problem.solve(&load, &held, None, None, &mut |_| true),
-                1 => problem.solve(&load, &held, Some(Form::Dual), None, &mut |_| true),
-                2 => problem.solve(&load, &held, Some(Form::Stiffness), None, &mut |_| true),
+                0 => problem.solve(&load, &held, None, &mut |_| true),
+                1 => problem.solve(&load, &held, Some(Form::Dual), &mut |_| true),
+                2 => problem.solve(&load, &held, Some(Form::Stiffness), &mut |_| true),
                 _ => problem.solve_by_proximal_steps(&load, &held, 1e-9, None, &mut |_| true),
             }.unwrap()
         };
@@ -164,9 +164,9 @@ proptest! {
         let problem = free_on_points(&at, &gap, soft);
         let load = load(&problem.plate, element, 1.0);
         let held = vec![0.0; load.len()];
-        let by_lemke = problem.solve(&load, &held, None, None, &mut |_| true).unwrap();
+        let by_lemke = problem.solve(&load, &held, None, &mut |_| true).unwrap();
         prop_assume!(by_lemke.outcome == Outcome::Solved);
-        let found = on_points(&at, &gap, soft, true).solve(&load, &held, None, None, &mut |_| true).unwrap();
+        let found = on_points(&at, &gap, soft, true).solve(&load, &held, None, &mut |_| true).unwrap();
         prop_assert_eq!(found.outcome, Outcome::Solved);
         let most = largest(&by_lemke.displacement.hi);
         for i in 0..5 {
@@ -184,7 +184,7 @@ proptest! {
         let problem = free_on_points(&at, &gap, soft);
         let load = load(&problem.plate, element, 1.0);
         let held = vec![0.0; load.len()];
-        let exact = problem.solve(&load, &held, None, None, &mut |_| true).unwrap();
+        let exact = problem.solve(&load, &held, None, &mut |_| true).unwrap();
         prop_assume!(exact.outcome == Outcome::Solved);
         let found = problem.solve_by_proximal_steps(&load, &held, part, None, &mut |_| true).unwrap();
         let from_set = problem.solve_by_proximal_steps(&load, &held, part, Some(&exact.closed), &mut |_| true).unwrap();
@@ -214,7 +214,7 @@ proptest! {
         }
         let (plate, held) = (problem.plate.clone(), problem.held.clone());
         let problem = ContactProblem::new(plate, Springs::default(), held, constraints, false).unwrap();
-        let exact = problem.solve(&load, &vec![0.0; load.len()], None, None, &mut |_| true).unwrap();
+        let exact = problem.solve(&load, &vec![0.0; load.len()], None, &mut |_| true).unwrap();
         prop_assume!(exact.outcome == Outcome::Solved);
         let found = by_interior_point(&problem, &problem.all_constraints(), &load);
         prop_assert_eq!(found.outcome, Outcome::Solved);
@@ -236,13 +236,13 @@ proptest! {
         let held = vec![0.0; problem.plate.dof_count()];
         let loads = vec![load(&problem.plate, elements.0, 1.0), load(&problem.plate, elements.1, 2.0)];
         let rest = problem.rest_response(&held).unwrap();
-        let cases = problem.load_responses(&loads).unwrap();
-        let points = problem.point_responses(0..5).unwrap();
-        let shared = problem.combined_cases(rest.clone(), cases.clone(), &points);
+        let cases = problem.load_responses(&loads, &mut || true).unwrap();
+        let points = problem.point_responses(0..5, &mut || true).unwrap();
+        let shared = problem.combined_cases(rest.clone(), cases.clone(), &points, &mut || true).unwrap().unwrap();
         let rows: Vec<Vec<f64>> = factors.chunks(2).map(<[f64]>::to_vec).collect();
-        for (row, found) in rows.iter().zip(problem.combine(&shared, &rows)) {
+        for (row, found) in rows.iter().zip(problem.combine(&shared, &rows, &mut || true).unwrap()) {
             let sum: Vec<f64> = loads[0].iter().zip(&loads[1]).map(|(a, b)| row[0] * a + row[1] * b).collect();
-            let single = problem.solve(&sum, &held, None, None, &mut |_| true).unwrap();
+            let single = problem.solve(&sum, &held, None, &mut |_| true).unwrap();
             match found.verdict {
                 Verdict::NoEquilibrium => prop_assert_eq!(single.outcome, Outcome::NoEquilibrium),
                 Verdict::Solved => {
@@ -303,7 +303,7 @@ fn a_load_beyond_the_points_has_no_equilibrium() {
         let load = load(&problem.plate, element, force);
         let (inside, up) = (element == 4, force < 0.0);
         for form in [None, Some(Form::Dual), Some(Form::Stiffness)] {
-            let found = problem.solve(&load, &held, form, None, &mut |_| true).unwrap();
+            let found = problem.solve(&load, &held, form, &mut |_| true).unwrap();
             let expected = if inside && !up { Outcome::Solved } else { Outcome::NoEquilibrium };
             assert_eq!(found.outcome, expected, "element {element}, {form:?}");
         }
@@ -320,7 +320,7 @@ fn whoever_watches_the_active_set_may_stop_it() {
     let problem = on_points(&at, &[0.0; 5], false, true);
     let (load, held) = (load(&problem.plate, 4, 1.0), vec![0.0; problem.plate.dof_count()]);
     let mut steps = Vec::new();
-    let found = problem.solve(&load, &held, None, None, &mut |now| {
+    let found = problem.solve(&load, &held, None, &mut |now| {
         steps.push(now.step);
         now.step < 2
     });
@@ -347,7 +347,7 @@ fn a_contact_set_to_begin_with_leaves_no_pivots() {
     let problem = free_on_points(&at, &[0.0, 0.001, 0.002, 0.0, 0.003], true);
     let (load, held) = (load(&problem.plate, 4, 1.0), vec![0.0; problem.plate.dof_count()]);
     let (cold, warm) = (
-        problem.solve(&load, &held, None, None, &mut |_| true),
+        problem.solve(&load, &held, None, &mut |_| true),
         problem.solve_by_interior_point(&load, &held, &mut |_| true),
     );
     let (cold, warm) = (cold.unwrap(), warm.unwrap());
@@ -361,7 +361,7 @@ fn without_a_load_the_active_set_stays_at_rest() {
     for gap in [0.0, 0.01] {
         let problem = on_points(&at, &[gap; 5], true, true);
         let nothing = vec![0.0; problem.plate.dof_count()];
-        let found = problem.solve(&nothing, &nothing, None, None, &mut |_| true).unwrap();
+        let found = problem.solve(&nothing, &nothing, None, &mut |_| true).unwrap();
         assert_eq!(found.outcome, Outcome::Solved, "gap {gap}");
         assert_eq!((found.displacement.hi, found.reaction), (nothing, vec![0.0; 5]), "gap {gap}");
     }

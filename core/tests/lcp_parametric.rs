@@ -44,7 +44,7 @@ proptest! {
         let lcp = Lcp::new(&matrix, &q).unwrap();
         let first = lemke(&lcp, &options).unwrap();
         prop_assume!(first.status == LcpStatus::Solved);
-        let path = parametric(&lcp, &direction, &first.basis, f64::INFINITY).unwrap();
+        let path = parametric(&lcp, &direction, &first.basis, f64::INFINITY, &mut |_| true).unwrap();
         prop_assert!(path.end != ParametricEnd::Stopped);
         let mut reached = 0.0;
         for segment in &path.segments {
@@ -72,15 +72,15 @@ proptest! {
 #[test]
 fn a_direction_of_the_wrong_length_is_refused() {
     let lcp = Lcp::new(&[1.0], &[1.0]).unwrap();
-    assert!(parametric(&lcp, &[1.0, 2.0], &[false], 1.0).is_err());
-    assert!(parametric(&lcp, &[f64::NAN], &[false], 1.0).is_err());
-    assert!(parametric(&lcp, &[1.0], &[], 1.0).is_err());
+    assert!(parametric(&lcp, &[1.0, 2.0], &[false], 1.0, &mut |_| true).is_err());
+    assert!(parametric(&lcp, &[f64::NAN], &[false], 1.0, &mut |_| true).is_err());
+    assert!(parametric(&lcp, &[1.0], &[], 1.0, &mut |_| true).is_err());
 }
 
 #[test]
 fn a_matrix_that_is_not_semidefinite_may_turn_the_path_back() {
     // w = 1 − t − z: at t = 1 the slack is zero, and z can grow only where t falls.
     let lcp = Lcp::new(&[-1.0], &[1.0]).unwrap();
-    let path = parametric(&lcp, &[-1.0], &[false], f64::INFINITY).unwrap();
+    let path = parametric(&lcp, &[-1.0], &[false], f64::INFINITY, &mut |_| true).unwrap();
     assert_eq!((path.end, path.segments.len()), (ParametricEnd::Stopped, 1));
 }

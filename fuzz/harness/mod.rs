@@ -58,7 +58,7 @@ pub fn linear_complementarity(data: &[u8]) {
             assert!(answer.z.iter().chain(&answer.w).all(|v| *v >= 0.0 && v.is_finite()), "{answer:?}");
             assert!(answer.z.iter().zip(&answer.w).all(|(z, w)| *z == 0.0 || *w == 0.0), "{answer:?}");
             let (direction, end) = (bytes.numbers(order + more), bytes.number());
-            let Ok(path) = parametric(&problem, &direction, &answer.basis, end) else { continue };
+            let Ok(path) = parametric(&problem, &direction, &answer.basis, end, &mut |_| true) else { continue };
             let mut reached = 0.0;
             for segment in &path.segments {
                 assert!(segment.from == reached && segment.to > segment.from, "{path:?}");
@@ -132,7 +132,7 @@ pub fn contact(data: &[u8]) {
             }
         };
         for form in [None, Some(Form::Dual), Some(Form::Stiffness)] {
-            let Ok(answer) = problem.solve(&load, &values, form, Some(500), &mut |_| true) else { continue };
+            let Ok(answer) = problem.solve(&load, &values, form, &mut |_| true) else { continue };
             finite_if_solved(&answer);
         }
         if !by_active_set {

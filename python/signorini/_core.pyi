@@ -113,7 +113,6 @@ class ContactProblem:
         load: _Floats,
         held_value: _Floats,
         form: _Form = None,
-        max_pivots: int | None = None,
         progress: Callable[[int, int, float], object] | None = None,
     ) -> ContactSolution: ...
     def solve_by_proximal_steps(
@@ -131,7 +130,9 @@ class ContactProblem:
         held_value: _Floats,
         progress: Callable[[int, int, float], object] | None = None,
     ) -> ContactSolution: ...
-    def reference(self, load: _Floats, held_value: _Floats) -> Reference | None: ...
+    def reference(
+        self, load: _Floats, held_value: _Floats, progress: Callable[[int, int, float], object] | None = None
+    ) -> Reference | None: ...
     def solve_by_interior_point(
         self, load: _Floats, held_value: _Floats, progress: Callable[[int, int, float], object] | None = None
     ) -> ContactSolution: ...
@@ -144,6 +145,7 @@ class ContactProblem:
         end: float,
         visit: Callable[[float, _Ints, ContactSolution], object],
         proximal: bool = False,
+        progress: Callable[[int, int, float], object] | None = None,
     ) -> Literal["reached", "unbounded", "no_equilibrium", "too_many", "unsolved"]: ...
     def lcp(self, load: _Floats, held_value: _Floats, form: _Form = None) -> tuple[_Floats, _Floats, _Ints, _Bools]: ...
     def apply_inverse(self, load: _Floats) -> _Floats: ...

@@ -7,12 +7,17 @@
 mod on_set;
 
 use super::condense::{Form, FreeMotions, InterfaceResidual, PosedLcp};
+use super::lcp::in_memory;
 use super::problem::ContactProblem;
 use super::responses::Response;
+use crate::cholesky::FactorError;
 use crate::contact::tolerances;
-use crate::lcp::{Lcp, LcpFamily, LcpStatus, LemkeOptions, lemke};
+use crate::lcp::{Lcp, LcpFamily, LcpStatus, LemkeOptions, lemke_watched};
 use on_set::OnSet;
 use rayon::prelude::*;
+
+/// Combinations between two looks at whoever watches.
+const TOGETHER: usize = 256;
 
 /// How a combination ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,8 +60,14 @@ impl ContactProblem {
     /// Condenses load cases, given as their responses, for [`ContactProblem::combine`].
     ///
     /// The displacements of the responses are not read. Every LCP starts from the basis, and every contact set from the
-    /// factor, of all cases at factor 1, or of no contact if these have no equilibrium.
-    pub fn combined_cases(&self, rest: Response, cases: Vec<Response>, points: &[Response]) -> CombinedCases {
+    /// factor, of all cases at factor 1, or of no contact if these have no equilibrium. `None` where `watch` wants no more.
+    pub fn combined_cases(
+        &self,
+        rest: Response,
+        cases: Vec<Response>,
+        points: &[Response],
+        watch: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<CombinedCases>, FactorError> {
         let count = self.constraints.rows.len();
         let form = self.base.condensed.better_form();
         let still = vec![0.0; count];
@@ -65,45 +76,65 @@ impl ContactProblem {
             let sum = Sum { moved: response.moved.clone(), reaction: response.reaction.clone(), ..Sum::default() };
             self.base.condensed.posed(form, &sum.interface(form, remaining), &still)
         };
-        let mut lcp = pose(&rest, &distance);
-        let q = cases.iter().map(|case| pose(case, &still).q).collect();
-        let motions = self.base.condensed.impose_motions(&mut lcp);
-        let on_set = OnSet::new(&self.base.condensed, form, points);
+        let mut lcp = pose(&rest, &distance)?;
+        let mut q = Vec::with_capacity(cases.len());
+        for case in &cases {
+            if !watch() {
+                return Ok(None);
+            }
+            q.push(pose(case, &still)?.q);
+        }
+        let motions = self.base.condensed.impose_motions(&mut lcp)?;
+        let on_set = OnSet::new(&self.base.condensed, form, points)?;
         let mut shared = CombinedCases { form, lcp, motions, q, family: None, on_set, distance, rest, cases };
         let (_, q) = shared.pose(&vec![1.0; shared.cases.len()]);
-        let posed = Lcp::new(&shared.lcp.matrix, &q).ok();
         let covering = self.covering(&shared.lcp.point, &shared.lcp.gap_is_z);
         let options = LemkeOptions { covering: Some(&covering), ..LemkeOptions::default() };
-        let found = posed.and_then(|lcp| Some((lcp, lemke(&lcp, &options).ok()?)));
-        if let Some((lcp, all)) = found {
-            shared.family = LcpFamily::new(&lcp, &all.basis).ok().flatten();
-            shared.on_set.begin_with(self.base.condensed.closed_points(&shared.lcp, &all.basis));
+        let Some(lcp) = in_memory(Lcp::new(&shared.lcp.matrix, &q))? else { return Ok(Some(shared)) };
+        let Some(all) = in_memory(lemke_watched(&lcp, &options, None, &mut |_, _| watch()))? else {
+            return Ok(Some(shared));
+        };
+        if all.status == LcpStatus::Interrupted {
+            return Ok(None);
         }
-        shared
+        shared.family = in_memory(LcpFamily::new(&lcp, &all.basis))?.flatten();
+        shared.on_set.begin_with(self.base.condensed.closed_points(&shared.lcp, &all.basis))?;
+        Ok(Some(shared))
     }
 
-    /// Solves combinations, a row of factors each, in parallel.
-    pub fn combine(&self, shared: &CombinedCases, factors: &[Vec<f64>]) -> Vec<Combined> {
-        factors.par_iter().with_min_len(16).map(|row| self.combine_one(shared, row)).collect()
+    /// Solves combinations, a row of factors each, in parallel. `watch` is asked now and then and ends it by returning
+    /// false; then answers are missing.
+    pub fn combine(
+        &self,
+        shared: &CombinedCases,
+        factors: &[Vec<f64>],
+        watch: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<Combined>, FactorError> {
+        let mut found = Vec::with_capacity(factors.len());
+        for rows in factors.chunks(TOGETHER) {
+            if !watch() {
+                break;
+            }
+            let some: Result<Vec<_>, _> =
+                rows.par_iter().with_min_len(16).map(|row| self.combine_one(shared, row)).collect();
+            found.extend(some?);
+        }
+        Ok(found)
     }
 
-    fn combine_one(&self, shared: &CombinedCases, factors: &[f64]) -> Combined {
+    fn combine_one(&self, shared: &CombinedCases, factors: &[f64]) -> Result<Combined, FactorError> {
         let (sum, q) = shared.pose(factors);
         let count = sum.moved.len();
         let mut pivots = 0;
         let mut basis = Vec::new();
-        let ended = |verdict, pivots| Combined {
-            verdict,
-            factor: vec![f64::NAN; count],
-            reaction: vec![f64::NAN; count],
-            gap: vec![f64::NAN; count],
-            closed: vec![false; count],
-            pivots,
+        let ended = |verdict, pivots| {
+            let nan = vec![f64::NAN; count];
+            let (factor, reaction, gap) = (nan.clone(), nan.clone(), nan);
+            Ok(Combined { verdict, factor, reaction, gap, closed: vec![false; count], pivots })
         };
         if !q.is_empty() {
-            let Some(Ok(found)) = shared.family.as_ref().map(|family| family.solve(&q)) else {
-                return ended(Verdict::Doubtful, 0);
-            };
+            let Some(family) = &shared.family else { return ended(Verdict::Doubtful, 0) };
+            let Some(found) = in_memory(family.solve(&q))? else { return ended(Verdict::Doubtful, 0) };
             pivots = found.pivots;
             match found.status {
                 LcpStatus::Solved => basis = found.basis,
@@ -116,11 +147,11 @@ impl ContactProblem {
             Form::Dual => (0..count).map(|i| self.lever(i) * sum.moved[i].abs()).fold(0.0, f64::max),
             Form::Stiffness => 0.0,
         };
-        match shared.on_set.solve(&closed, &shared.distance, &sum.moved, &sum.reaction) {
+        match shared.on_set.solve(&closed, &shared.distance, &sum.moved, &sum.reaction)? {
             Some((factor, reaction, gap)) => {
                 let settled = self.certain(&reaction, &gap, travel);
                 let verdict = if settled { Verdict::Solved } else { Verdict::Doubtful };
-                Combined { verdict, factor, reaction, gap, closed, pivots }
+                Ok(Combined { verdict, factor, reaction, gap, closed, pivots })
             }
             None => ended(Verdict::Doubtful, pivots),
         }

@@ -172,7 +172,7 @@ impl ContactProblem {
         let start = interior_point(&self.plate, &self.springs, &self.held, held_value, &all, load, watch);
         let mut solution = match start.outcome {
             Outcome::Solved => self.solve_from(load, held_value, &start.as_start(), watch)?,
-            outcome => self.without_solution(held_value, outcome),
+            outcome => self.at_rest(held_value).failed(outcome),
         };
         solution.iterations += start.iterations;
         Ok(solution)

@@ -5,7 +5,7 @@
 //! load case shares; `solution`, what one is answered with, and `start`, an answer to begin with; `rigid` motions; `kkt`,
 //! the equations of one contact set, their solvers and their refinement. On these stand the methods that look for the
 //! closed set: `active_set`, `proximal` where rounding decides, `interior_point`; and `solve`, from a load to displacements,
-//! reactions and gaps. `path` follows a load that grows; `responses` and `combine` solve many combinations of a few load
+//! reactions and gaps, of condensed points by `lcp`. `path` follows a load that grows; `responses` and `combine` solve many combinations of a few load
 //! cases at once.
 
 mod active_set;
@@ -13,6 +13,7 @@ pub mod combine;
 pub mod condense;
 pub mod interior_point;
 mod kkt;
+mod lcp;
 pub mod path;
 mod points;
 pub mod problem;

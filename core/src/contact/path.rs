@@ -7,6 +7,7 @@
 //! Where a plate loses its hold but comes to rest on other points, it moves there under one load: the path has a stretch
 //! at one t. All that is between the two states solves the problem too, since its solutions are convex.
 
+mod follower;
 mod line;
 mod load;
 mod pivoting;
@@ -14,41 +15,45 @@ mod stepping;
 mod trail;
 
 use super::problem::ContactProblem;
-use super::solution::Outcome;
+use super::solution::{Outcome, Progress};
 use crate::cholesky::FactorError;
-use crate::contact::tolerances;
+use follower::Follower;
 pub use load::{PathEnd, PathLoad, Stop};
 use trail::Trail;
 
 impl ContactProblem {
-    /// Follows the path, and shows every stop on it to `visit`, which may end it by returning false.
+    /// Follows the path, and shows every stop on it to `visit`, which may end it by returning false, as `watch` may between
+    /// them, which sees the steps of all solves.
     ///
     /// The first stop is the solution at t = 0; if there is none, `visit` is not called.
-    pub fn path(&self, load: &PathLoad, visit: &mut dyn FnMut(Stop) -> bool) -> Result<PathEnd, FactorError> {
-        let first = if load.proximal {
-            self.solve_by_proximal_steps(
-                load.start,
-                load.held_value,
-                tolerances::proximal::COMPLIANCE,
-                None,
-                &mut |_| true,
-            )?
-        } else {
-            self.solve(load.start, load.held_value, None, None, &mut |_| true)?
-        };
+    pub fn path(
+        &self,
+        load: &PathLoad,
+        visit: &mut dyn FnMut(Stop) -> bool,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<PathEnd, FactorError> {
+        let mut follower = Follower::new(self, load, watch);
+        let end = follower.follow(visit)?;
+        Ok(if follower.interrupted { PathEnd::Interrupted } else { end })
+    }
+}
+
+impl Follower<'_> {
+    fn follow(&mut self, visit: &mut dyn FnMut(Stop) -> bool) -> Result<PathEnd, FactorError> {
+        let first = self.solution(0.0, None)?;
         match first.outcome {
             Outcome::Solved => {}
             Outcome::NoEquilibrium => return Ok(PathEnd::NoEquilibrium),
             _ => return Ok(PathEnd::Unsolved),
         }
         let mut trail = Trail::new(first, visit);
-        if load.end <= 0.0 {
+        if self.load.end <= 0.0 {
             return Ok(trail.stuck(0.0, PathEnd::Reached));
         }
-        if self.active.is_empty() && !load.proximal {
-            self.pivot_along(load, &mut trail)
+        if self.problem.active.is_empty() && !self.load.proximal {
+            self.pivot_along(&mut trail)
         } else {
-            self.step_along(load, 0.0, &mut trail)
+            self.step_along(0.0, &mut trail)
         }
     }
 }

@@ -6,6 +6,7 @@ use super::scale::Scale;
 use crate::assembly::{HELD, Numbering, assemble};
 use crate::cholesky::{Analysis, Factor, FactorError};
 use crate::contact::tolerances;
+use crate::dense::OutOfMemory;
 use crate::element::{DOFS, Kind};
 use crate::plate::Plate;
 use crate::residual::{Rows, Springs};
@@ -191,6 +192,12 @@ impl ContactProblem {
     }
 }
 
+impl From<OutOfMemory> for FactorError {
+    fn from(_: OutOfMemory) -> Self {
+        Self::OutOfMemory
+    }
+}
+
 /// What a factor is made of.
 struct Parts<'a> {
     plate: &'a Plate,
@@ -272,7 +279,7 @@ impl Parts<'_> {
             constraints.compliance.clone(),
             constraints.two_sided.clone(),
             &constraints.free_motions.iter().map(moves).collect::<Vec<_>>(),
-        );
+        )?;
         seconds.condense += clock.elapsed().as_secs_f64();
         Ok(Factored { factor, condensed, carried, firmer: firmer > 0.0 })
     }

@@ -55,22 +55,38 @@ struct Draft<'a> {
 impl ContactProblem {
     /// The response to no load, with the held dofs at `held_value` (3n,).
     pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, FactorError> {
-        Ok(self.responses(&[Action::Rest(held_value)])?.remove(0))
+        Ok(self.responses(&[Action::Rest(held_value)], &mut || true)?.remove(0))
     }
 
-    /// The responses to nodal loads (3n,) each.
-    pub fn load_responses(&self, loads: &[Vec<f64>]) -> Result<Vec<Response>, FactorError> {
-        self.responses(&loads.iter().map(|load| Action::Load(load)).collect::<Vec<_>>())
+    /// The responses to nodal loads (3n,) each. `watch` is asked now and then and ends it by returning false; then
+    /// responses are missing.
+    pub fn load_responses(
+        &self,
+        loads: &[Vec<f64>],
+        watch: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<Response>, FactorError> {
+        self.responses(&loads.iter().map(|load| Action::Load(load)).collect::<Vec<_>>(), watch)
     }
 
-    /// The responses of some contact points.
-    pub fn point_responses(&self, points: std::ops::Range<usize>) -> Result<Vec<Response>, FactorError> {
-        self.responses(&points.map(Action::Point).collect::<Vec<_>>())
+    /// The responses of some contact points; `watch` as for [`ContactProblem::load_responses`].
+    pub fn point_responses(
+        &self,
+        points: std::ops::Range<usize>,
+        watch: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<Response>, FactorError> {
+        self.responses(&points.map(Action::Point).collect::<Vec<_>>(), watch)
     }
 
-    fn responses(&self, actions: &[Action]) -> Result<Vec<Response>, FactorError> {
-        let blocks: Result<Vec<_>, _> = actions.par_chunks(TOGETHER).map(|block| self.refined(block)).collect();
-        Ok(blocks?.into_iter().flatten().collect())
+    fn responses(&self, actions: &[Action], watch: &mut dyn FnMut() -> bool) -> Result<Vec<Response>, FactorError> {
+        let mut found = Vec::with_capacity(actions.len());
+        for actions in actions.chunks(TOGETHER * rayon::current_num_threads()) {
+            if !watch() {
+                break;
+            }
+            let blocks: Result<Vec<_>, _> = actions.par_chunks(TOGETHER).map(|block| self.refined(block)).collect();
+            found.extend(blocks?.into_iter().flatten());
+        }
+        Ok(found)
     }
 
     fn imposed(&self) -> bool {

@@ -13,15 +13,6 @@ pub struct Progress {
     pub residual: f64,
 }
 
-/// What whoever watches is told of Lemke's pivots.
-pub(super) fn pivoting(watch: &mut dyn FnMut(Progress) -> bool) -> impl FnMut(usize, f64) -> bool {
-    let mut before = 0;
-    move |pivots, left| {
-        let changing = pivots - std::mem::replace(&mut before, pivots);
-        watch(Progress { step: pivots, changing, residual: left })
-    }
-}
-
 /// How a contact problem ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -94,11 +85,6 @@ impl ContactSolution {
 }
 
 impl ContactProblem {
-    /// What there is to say where no solution was found.
-    pub(super) fn without_solution(&self, held_value: &[f64], outcome: Outcome) -> ContactSolution {
-        self.at_rest(held_value).failed(outcome)
-    }
-
     /// Without a load or a reaction, and with the condensed points alone.
     pub(super) fn at_rest(&self, held_value: &[f64]) -> ContactSolution {
         let m = self.constraints.rows.len();

@@ -2,12 +2,12 @@
 
 use super::condense::{Form, PosedLcp};
 use super::kkt::{Interface, Reduced};
+use super::lcp::Asked;
 use super::problem::ContactProblem;
-use super::solution::{ContactSolution, Outcome, Progress, pivoting};
+use super::solution::{ContactSolution, Outcome, Progress};
 use super::start::{Reference, Start};
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
-use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke_watched};
 
 /// At most this many contact states.
 const STATES: usize = 60;
@@ -23,10 +23,9 @@ impl ContactProblem {
         load: &[f64],
         held_value: &[f64],
         form: Option<Form>,
-        max_pivots: Option<usize>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
-        self.solve_beginning(load, held_value, form, max_pivots, None, watch)
+        self.solve_beginning(load, held_value, form, None, watch)
     }
 
     /// As [`ContactProblem::solve`], beginning with the contact set, and for an active set with the displacement and the
@@ -38,7 +37,7 @@ impl ContactProblem {
         start: &Start<'_>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
-        self.solve_beginning(load, held_value, None, None, Some(start), watch)
+        self.solve_beginning(load, held_value, None, Some(start), watch)
     }
 
     /// As [`ContactProblem::solve`], beginning with the solution of another load.
@@ -57,7 +56,6 @@ impl ContactProblem {
         load: &[f64],
         held_value: &[f64],
         form: Option<Form>,
-        max_pivots: Option<usize>,
         start: Option<&Start<'_>>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
@@ -72,14 +70,14 @@ impl ContactProblem {
         let mut reduced = self.reduced(with, &step, form)?;
         let travel = reduced.interface.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         for _ in 0..STATES {
-            let (outcome, closed) = self.contact_state(&reduced, &mut solution, form, max_pivots, first.take(), watch);
-            if outcome != Outcome::Solved {
-                return Ok(solution.failed(outcome));
-            }
+            let closed = match self.contact_set(&reduced, &mut solution, form, first.take(), watch)? {
+                Ok(closed) => closed,
+                Err(outcome) => return Ok(solution.failed(outcome)),
+            };
             let settled = closed == solution.closed && solution.corrections > 0;
             solution.closed = closed;
             if !settled {
-                let Some(state) = self.base.condensed.state(solution.closed.clone()) else {
+                let Some(state) = self.base.condensed.state(solution.closed.clone())? else {
                     return Ok(solution.failed(Outcome::Unsolved));
                 };
                 if self.release_open(&mut solution) {
@@ -107,51 +105,29 @@ impl ContactProblem {
         let rest = self.at_rest(held_value);
         let form = form.unwrap_or(self.base.condensed.better_form());
         let reduced = self.reduced(&self.base, &self.residual(load, &rest), form)?;
-        Ok(self.base.condensed.lcp(form, &reduced.interface, &rest.reaction))
+        Ok(self.base.condensed.lcp(form, &reduced.interface, &rest.reaction)?)
     }
 
-    /// Poses the LCP from where the solution stands and solves it, beginning with a contact set if there is one.
-    pub(super) fn contact_state(
+    /// Poses the LCP from where the solution stands and solves it, beginning with a contact set if there is one; the set
+    /// found, or why there is none.
+    fn contact_set(
         &self,
         reduced: &Reduced,
         solution: &mut ContactSolution,
         form: Form,
-        max_pivots: Option<usize>,
         first: Option<&[bool]>,
         watch: &mut dyn FnMut(Progress) -> bool,
-    ) -> (Outcome, Vec<bool>) {
+    ) -> Result<Result<Vec<bool>, Outcome>, FactorError> {
         if self.constraints.two_sided.iter().all(|&t| t) {
-            return (Outcome::Solved, self.constraints.two_sided.clone());
+            return Ok(Ok(self.constraints.two_sided.clone()));
         }
-        let posed = self.base.condensed.lcp(form, &reduced.interface, &solution.reaction);
-        let covering = self.covering(&posed.point, &posed.gap_is_z);
-        let options = LemkeOptions { covering: Some(&covering), max_pivots };
-        let basis = first.map(|closed| self.base.condensed.basis(&posed, closed));
-        let solved = Lcp::new(&posed.matrix, &posed.q)
-            .and_then(|lcp| lemke_watched(&lcp, &options, basis.as_deref(), &mut pivoting(watch)));
-        let Ok(found) = solved else {
-            return (Outcome::Unsolved, Vec::new());
-        };
-        solution.pivots += found.pivots;
-        match found.status {
-            LcpStatus::Solved => (Outcome::Solved, self.base.condensed.closed_points(&posed, &found.basis)),
-            LcpStatus::Ray => (Outcome::NoEquilibrium, Vec::new()),
-            LcpStatus::PivotLimit => (Outcome::Unsolved, Vec::new()),
-            LcpStatus::Interrupted => (Outcome::Interrupted, Vec::new()),
-        }
-    }
-
-    /// A covering vector (k,) for rows of the points, of which w is the reaction where z is the gap: a force and the length
-    /// by which it bends the plate, so that Lemke's path does not depend on units.
-    pub(super) fn covering(&self, points: &[usize], gap_is_z: &[bool]) -> Vec<f64> {
-        let power_of_two = |x: f64| x.log2().round().exp2();
-        let root = power_of_two(self.scale.stiffness.sqrt());
-        let rows = points.iter().zip(gap_is_z);
-        rows.map(|(&i, gap_is_z)| {
-            let lever = power_of_two(self.lever(i));
-            if *gap_is_z { root * lever } else { 1.0 / (root * lever) }
-        })
-        .collect()
+        let condensed = &self.base.condensed;
+        let posed = condensed.lcp(form, &reduced.interface, &solution.reaction)?;
+        let PosedLcp { matrix, q, point: points, gap_is_z } = &posed;
+        let basis = first.map(|closed| condensed.basis(&posed, closed));
+        let asked = Asked { matrix, q, points, gap_is_z, basis: basis.as_deref() };
+        let found = self.solve_lcp(&asked, &mut solution.pivots, watch)?;
+        Ok(found.map(|basis| condensed.closed_points(&posed, &basis)))
     }
 
     /// Whether no reaction pulls and no gap is negative, points in the problem's order; lengths up to `nil` are none.

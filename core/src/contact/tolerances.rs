@@ -159,11 +159,8 @@ pub(super) mod path {
     /// How far, over a segment's length, its refined end may be from where pivoting saw it.
     pub(crate) const MOVED: f64 = 1e-3;
 
-    /// Gaps that change by less over a line stay; so do reactions whose rounding is less.
+    /// Reactions and gaps that change by less over a line stay.
     pub(crate) const STILL: f64 = 1e-10;
-
-    /// Times that what the plate's own forces are out of balance by, which is their rounding, may be in one reaction.
-    pub(crate) const SHARE: f64 = 64.0;
 
     /// Reactions and gaps that are none.
     pub(crate) const NOTHING: f64 = 1e-14;

@@ -44,12 +44,12 @@ impl LcpFamily {
     /// singular.
     ///
     /// # Errors
-    /// When `basis` does not have m entries.
+    /// When `basis` does not have m entries, and where memory does not hold M as it reads there.
     pub fn new(lcp: &Lcp, basis: &[bool]) -> Result<Option<Self>, LcpError> {
         lcp.check_length("basis", basis.len())?;
         let scaling = Scaling::of(lcp);
-        let scaled = scaling.scale(lcp, None).into_owned();
-        let (Some(factored), Some(pivoted)) = (Basis::of(&scaled, basis), scaled.pivoted(basis)) else {
+        let scaled = scaling.scale(lcp, None).into_owned()?;
+        let (Some(factored), Some(pivoted)) = (Basis::of(&scaled, basis)?, scaled.pivoted(basis)?) else {
             return Ok(None);
         };
         Ok(Some(Self {
@@ -67,7 +67,7 @@ impl LcpFamily {
     /// at a solution nor with a ray that proves that there is none, the status is [`LcpStatus::PivotLimit`].
     ///
     /// # Errors
-    /// When `q` does not have m entries, or one is not finite.
+    /// When `q` does not have m entries, or one is not finite, and where memory does not hold the tableau.
     pub fn solve(&self, q: &[f64]) -> Result<LcpBasis, LcpError> {
         let lcp = Lcp::with_matrix_of(&self.scaled.matrix, q)?;
         let order = q.len();
@@ -79,7 +79,7 @@ impl LcpFamily {
             q: self.scaling.scale_q(q),
             covering: Vec::new(),
         };
-        let Some(at_origin) = self.basis.values(&problem) else { return stopped(0) };
+        let Some(at_origin) = self.basis.values(&problem)? else { return stopped(0) };
         if at_origin.feasible {
             return ended(LcpStatus::Solved, self.origin.clone(), 0);
         }
@@ -92,7 +92,7 @@ impl LcpFamily {
             q: values.collect(),
             covering: ones.clone(),
         };
-        let path = follow_path(&pivoted, default_max_pivots(order), &mut |_, _| true);
+        let path = follow_path(&pivoted, default_max_pivots(order), &mut |_, _| true)?;
         match path.end {
             End::Complementary(exchanged) => {
                 let basis = self.origin.iter().zip(&exchanged).map(|(a, b)| a != b).collect();

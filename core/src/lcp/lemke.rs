@@ -1,9 +1,10 @@
 //! Lemke's algorithm with the lexicographic ratio test.
 use super::problem::{Lcp, LcpError, LcpSolution, LcpStatus};
-use super::ratio_test::{Singular, choose, first_row};
+use super::ratio_test::{Stuck, choose, first_row};
 use super::scaling::{CoveredLcp, Scaling};
 use super::tableau::Tableau;
 use super::tolerances;
+use crate::dense::OutOfMemory;
 
 /// What may be chosen.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,7 +34,8 @@ pub fn default_max_pivots(order: usize) -> usize {
 /// relative. Memory is about three times that of M; a pivot takes about 2 m² operations.
 ///
 /// # Errors
-/// When the covering vector has the wrong length or an entry that is not positive.
+/// When the covering vector has the wrong length or an entry that is not positive, and where memory does not hold the
+/// tableau.
 ///
 /// # Source
 /// Lemke (1965); Cottle, Pang & Stone (1992), Algorithm 4.4.5 and, for the lexicographic rule, section 4.9.
@@ -98,36 +100,40 @@ fn solve(
     let scaling = Scaling::of(lcp);
     let problem = scaling.scale(lcp, options.covering);
     let solved = |basis: Vec<bool>, pivots: usize| {
-        let (mut z, mut w) = problem.basic_solution(&basis)?;
+        let Some((mut z, mut w)) = problem.basic_solution(&basis)? else { return Ok(None) };
         scaling.unscale_z(&mut z);
         scaling.unscale_w(&mut w);
         // Numbers near the largest of f64 overflow.
         let finite = z.iter().chain(&w).all(|x| x.is_finite());
-        finite.then_some(LcpSolution { z, w, basis, status: LcpStatus::Solved, pivots, ray: None })
+        let found = LcpSolution { z, w, basis, status: LcpStatus::Solved, pivots, ray: None };
+        Ok::<_, OutOfMemory>(finite.then_some(found))
     };
 
     let slacks = vec![false; lcp.order()];
     let first = warm.unwrap_or(&slacks);
-    if let Some(solution) = solved(first.to_vec(), 0) {
+    if let Some(solution) = solved(first.to_vec(), 0)? {
         return Ok(solution);
     }
     let mut start = warm.map(<[bool]>::to_vec);
     let mut cold_start_left = true;
     let mut pivots = 0;
     for _ in 0..=RESTARTS {
-        let warm_start = start.take().and_then(|basis| Some((problem.principal_transform(&basis)?, basis)));
+        let warm_start = match start.take() {
+            Some(basis) => problem.principal_transform(&basis)?.map(|from| (from, basis)),
+            None => None,
+        };
         let cold = warm_start.is_none();
         if cold && !cold_start_left {
             break;
         }
         cold_start_left &= !cold;
         let (from, origin) = warm_start.as_ref().map_or((&problem, &slacks), |(from, origin)| (from, origin));
-        let path = follow_path(from, limit - pivots, &mut |more, left| watch(pivots + more, left));
+        let path = follow_path(from, limit - pivots, &mut |more, left| watch(pivots + more, left))?;
         pivots += path.pivots;
         match path.end {
             End::Complementary(exchanged) => {
                 let basis: Vec<bool> = origin.iter().zip(&exchanged).map(|(a, b)| a != b).collect();
-                if let Some(solution) = solved(basis.clone(), pivots) {
+                if let Some(solution) = solved(basis.clone(), pivots)? {
                     return Ok(solution);
                 }
                 start = Some(basis).filter(|_| !cold_start_left);
@@ -159,7 +165,7 @@ fn check_covering(lcp: &Lcp, covering: &[f64]) -> Result<(), LcpError> {
 }
 
 /// Pivots from one look at whoever watches to the next: some milliseconds of a thousand pairs.
-const WATCHED: usize = 64;
+pub(super) const WATCHED: usize = 64;
 
 /// Where a path ends.
 pub(super) enum End {
@@ -179,15 +185,19 @@ pub(super) struct Path {
 }
 
 /// Follows the almost complementary path from the slacks' basis.
-pub(super) fn follow_path(problem: &CoveredLcp, limit: usize, watch: &mut dyn FnMut(usize, f64) -> bool) -> Path {
+pub(super) fn follow_path(
+    problem: &CoveredLcp,
+    limit: usize,
+    watch: &mut dyn FnMut(usize, f64) -> bool,
+) -> Result<Path, OutOfMemory> {
     let order = problem.order();
     if problem.q.iter().all(|&q| q >= 0.0) {
-        return Path { end: End::Complementary(vec![false; order]), pivots: 0 };
+        return Ok(Path { end: End::Complementary(vec![false; order]), pivots: 0 });
     }
     if limit == 0 {
-        return Path { end: End::Stopped, pivots: 0 };
+        return Ok(Path { end: End::Stopped, pivots: 0 });
     }
-    let mut tableau = Tableau::new(problem);
+    let mut tableau = Tableau::new(problem)?;
     let mut entering = tableau.artificial();
     let mut tied = Vec::new();
     let mut row = first_row(&problem.q, &problem.covering);
@@ -195,20 +205,21 @@ pub(super) fn follow_path(problem: &CoveredLcp, limit: usize, watch: &mut dyn Fn
     for pivots in 1..=limit {
         let left = tableau.exchange(row, entering);
         if left == tableau.artificial() {
-            return Path { end: End::Complementary(tableau.complementary_basis()), pivots };
+            return Ok(Path { end: End::Complementary(tableau.complementary_basis()), pivots });
         }
         if pivots % WATCHED == 0 {
             let left = tableau.row_of(tableau.artificial()).map_or(0.0, |row| tableau.values[row]);
             if !watch(pivots, (left / first).abs()) {
-                return Path { end: End::Interrupted, pivots };
+                return Ok(Path { end: End::Interrupted, pivots });
             }
         }
         entering = tableau.complement(left);
         row = match choose(&mut tableau, problem, entering, &mut tied) {
             Ok(Some(row)) => row,
-            Ok(None) => return Path { end: End::Ray(tableau.direction(entering)), pivots },
-            Err(Singular) => return Path { end: End::Stopped, pivots },
+            Ok(None) => return Ok(Path { end: End::Ray(tableau.direction(entering)), pivots }),
+            Err(Stuck::Singular) => return Ok(Path { end: End::Stopped, pivots }),
+            Err(Stuck::OutOfMemory) => return Err(OutOfMemory),
         };
     }
-    Path { end: End::Stopped, pivots: limit }
+    Ok(Path { end: End::Stopped, pivots: limit })
 }

@@ -10,13 +10,11 @@
 //! | `parametric` | every basis of w = Mz + q + t d as t grows |
 //! | `scaling` | the powers of two that make tolerances relative |
 //! | `pivoting` | principal pivotal transforms and the freshly solved basic solution |
-//! | `factors` | LU factors of a block, which know when it is singular |
 //! | `tableau` | the condensed tableau and its delayed updates |
 //! | `kernels` | inner loops, compiled for the widest registers the machine turns out to have |
 //! | `tolerances` | every tolerance, and what it is relative to |
 //! | `ratio_test` | which variable leaves: the lexicographic rule and its tolerances |
 
-mod factors;
 mod family;
 mod kernels;
 mod lemke;

@@ -1,9 +1,11 @@
 //! Parametric linear complementarity: every basis that solves w = Mz + q + t d as t grows from zero.
+use super::lemke::{WATCHED, default_max_pivots};
 use super::problem::{Lcp, LcpError};
-use super::ratio_test::choose;
+use super::ratio_test::{Stuck, choose};
 use super::scaling::{CoveredLcp, Scaling};
 use super::tableau::Tableau;
 use super::tolerances;
+use crate::dense::OutOfMemory;
 
 /// How a parametric path ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +16,8 @@ pub enum ParametricEnd {
     Infeasible,
     /// The pivot limit was reached, t turned back (M is not positive semidefinite), or rounding made a basis singular.
     Stopped,
+    /// Whoever watched wanted no more.
+    Interrupted,
 }
 
 /// One basis of a path.
@@ -41,10 +45,11 @@ pub struct ParametricPath {
 /// problem is the slacks' own and t enters; whenever a variable falls to zero its complement takes its place. If M is
 /// positive semidefinite t never falls, and where nothing stops the entering variable, t either grows with it for ever
 /// or stands still: then no larger t is feasible. The ratio test is lexicographic, so where several variables reach zero
-/// at once the pivots made there are finite; bases of no length are not told.
+/// at once the pivots made there are finite; bases of no length are not told. Every 64 pivots `watch` is told how many
+/// there have been, and ends the path by returning false.
 ///
 /// # Errors
-/// When `direction` or `basis` does not have m entries, or an entry is not finite.
+/// When `direction` or `basis` does not have m entries, an entry is not finite, or memory does not hold the tableau.
 ///
 /// # Source
 /// Cottle, Pang & Stone (1992), section 4.5; Murty (1988), section 5.
@@ -55,13 +60,19 @@ pub struct ParametricPath {
 ///
 /// // One spring closes at t = 1, the other at t = 3.
 /// let (matrix, q, direction) = ([1.0, 0.0, 0.0, 1.0], [1.0, 3.0], [-1.0, -1.0]);
-/// let path = parametric(&Lcp::new(&matrix, &q)?, &direction, &[false, false], f64::INFINITY)?;
+/// let path = parametric(&Lcp::new(&matrix, &q)?, &direction, &[false, false], f64::INFINITY, &mut |_| true)?;
 /// let ends: Vec<f64> = path.segments.iter().map(|segment| segment.to).collect();
 /// assert_eq!((ends, path.end), (vec![1.0, 3.0, f64::INFINITY], ParametricEnd::Reached));
 /// assert_eq!(path.segments[1].basis, [true, false]);
 /// # Ok::<(), LcpError>(())
 /// ```
-pub fn parametric(lcp: &Lcp, direction: &[f64], basis: &[bool], end: f64) -> Result<ParametricPath, LcpError> {
+pub fn parametric(
+    lcp: &Lcp,
+    direction: &[f64],
+    basis: &[bool],
+    end: f64,
+    watch: &mut dyn FnMut(usize) -> bool,
+) -> Result<ParametricPath, LcpError> {
     lcp.check_length("direction", direction.len())?;
     lcp.check_length("basis", basis.len())?;
     if let Some(index) = direction.iter().position(|d| !d.is_finite()) {
@@ -75,27 +86,36 @@ pub fn parametric(lcp: &Lcp, direction: &[f64], basis: &[bool], end: f64) -> Res
     let scaling = Scaling::of(lcp);
     let (scaled, unit) = scaling.scale_along(lcp, direction);
     // A parameter whose unit is beyond f64 has no ends that could be told.
-    match scaled.pivoted(basis).filter(|_| unit.is_normal()) {
-        Some(origin) => follow(origin, basis, unit, end, &mut path),
+    match scaled.pivoted(basis)?.filter(|_| unit.is_normal()) {
+        Some(origin) => path.end = follow(origin, basis, unit, end, &mut path, watch)?,
         None => path.end = ParametricEnd::Stopped,
     }
     Ok(path)
 }
 
 /// Follows the path from the slacks' basis of a pivoted problem; `unit` is what a scaled t of one is.
-fn follow(mut problem: CoveredLcp, origin: &[bool], unit: f64, end: f64, path: &mut ParametricPath) {
+fn follow(
+    mut problem: CoveredLcp,
+    origin: &[bool],
+    unit: f64,
+    end: f64,
+    path: &mut ParametricPath,
+    watch: &mut dyn FnMut(usize) -> bool,
+) -> Result<ParametricEnd, OutOfMemory> {
     let order = problem.order();
     // What is below zero at the solution of t = 0 is rounding.
     problem.q.iter_mut().for_each(|q| *q = q.max(0.0));
-    let limit = super::lemke::default_max_pivots(order).max(1000);
-    let mut tableau = Tableau::new(&problem);
+    let limit = default_max_pivots(order).max(1000);
+    let mut tableau = Tableau::new(&problem)?;
     let parameter = tableau.artificial();
     let mut entering = parameter;
     let mut from = 0.0;
     let mut tied = Vec::new();
     loop {
-        let Ok(leaving) = choose(&mut tableau, &problem, entering, &mut tied) else {
-            return path.end = ParametricEnd::Stopped;
+        let leaving = match choose(&mut tableau, &problem, entering, &mut tied) {
+            Ok(leaving) => leaving,
+            Err(Stuck::Singular) => return Ok(ParametricEnd::Stopped),
+            Err(Stuck::OutOfMemory) => return Err(OutOfMemory),
         };
         // The basis between here and the next event: the entering variable is in it, t is not.
         let basic = |i: usize| tableau.is_basic(order + i) || entering == order + i;
@@ -105,31 +125,34 @@ fn follow(mut problem: CoveredLcp, origin: &[bool], unit: f64, end: f64, path: &
                 Some(row) => tableau.column[row] > tolerances::PIVOT * largest(&tableau.column),
                 None => true,
             };
-            path.end = if grows { ParametricEnd::Reached } else { ParametricEnd::Infeasible };
-            if grows {
-                path.segments.push(ParametricSegment { from: from * unit, to: f64::INFINITY, basis });
+            if !grows {
+                return Ok(ParametricEnd::Infeasible);
             }
-            return;
+            path.segments.push(ParametricSegment { from: from * unit, to: f64::INFINITY, basis });
+            return Ok(ParametricEnd::Reached);
         };
         if path.pivots == limit {
-            return path.end = ParametricEnd::Stopped;
+            return Ok(ParametricEnd::Stopped);
         }
         let left = tableau.exchange(leaving, entering);
         path.pivots += 1;
+        if path.pivots % WATCHED == 0 && !watch(path.pivots) {
+            return Ok(ParametricEnd::Interrupted);
+        }
         let Some(row) = tableau.row_of(parameter) else {
-            return path.end = ParametricEnd::Stopped;
+            return Ok(ParametricEnd::Stopped);
         };
         let to = tableau.values[row];
         let least = tolerances::SAME_EVENT * to.abs().max(1.0);
         if to < from - least {
-            return path.end = ParametricEnd::Stopped;
+            return Ok(ParametricEnd::Stopped);
         }
         if to > from + least {
             path.segments.push(ParametricSegment { from: from * unit, to: to * unit, basis });
             from = to;
         }
         if from * unit >= end {
-            return;
+            return Ok(ParametricEnd::Reached);
         }
         entering = tableau.complement(left);
     }

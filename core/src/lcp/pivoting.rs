@@ -1,44 +1,45 @@
 //! What a complementary basis determines: the principal pivotal transform and the basic solution.
 use faer::{Mat, MatMut};
 
-use super::factors::Factors;
 use super::kernels::vectorized;
 use super::scaling::CoveredLcp;
 use super::tableau::Tableau;
 use super::tolerances;
+use crate::dense::{Lu, OutOfMemory, matrix};
 use crate::double_double::DoubleDouble;
 
 impl CoveredLcp<'_> {
     /// The problem as it reads with z_i and w_i exchanged wherever `basis` is true, with covering vector e; None if the
     /// principal submatrix of M there is singular (Cottle, Pang & Stone 1992, section 2.3).
-    pub(super) fn principal_transform(&self, basis: &[bool]) -> Option<CoveredLcp<'static>> {
-        let pivoted = self.pivoted(basis)?;
-        Some(CoveredLcp { covering: vec![1.0; self.order()], ..pivoted })
+    pub(super) fn principal_transform(&self, basis: &[bool]) -> Result<Option<CoveredLcp<'static>>, OutOfMemory> {
+        let ones = vec![1.0; self.order()];
+        Ok(self.pivoted(basis)?.map(|pivoted| CoveredLcp { covering: ones, ..pivoted }))
     }
 
     /// As [`Self::principal_transform`], with the covering vector that the pivots make of its own.
-    pub(super) fn pivoted(&self, basis: &[bool]) -> Option<CoveredLcp<'static>> {
+    pub(super) fn pivoted(&self, basis: &[bool]) -> Result<Option<CoveredLcp<'static>>, OutOfMemory> {
         let exchanged = indices(basis);
-        let mut tableau = Tableau::new(self);
-        if !tableau.exchange_block(&exchanged, &exchanged) {
-            return None;
+        let mut tableau = Tableau::new(self)?;
+        if !tableau.exchange_block(&exchanged, &exchanged)? {
+            return Ok(None);
         }
-        let (matrix, covering, q) = tableau.into_parts();
-        Some(CoveredLcp { matrix: matrix.into(), units: vec![1.0; self.order()].into(), q, covering })
+        let (matrix, covering, q) = tableau.into_parts()?;
+        Ok(Some(CoveredLcp { matrix: matrix.into(), units: vec![1.0; self.order()].into(), q, covering }))
     }
 
     /// z and w at a complementary basis; None if it is singular or infeasible. What is negative by rounding becomes zero.
-    pub(super) fn basic_solution(&self, basis: &[bool]) -> Option<(Vec<f64>, Vec<f64>)> {
-        let BasicValues { mut z, mut w, feasible } = Basis::of(self, basis)?.values(self)?;
+    pub(super) fn basic_solution(&self, basis: &[bool]) -> Result<Option<(Vec<f64>, Vec<f64>)>, OutOfMemory> {
+        let Some(basis) = Basis::of(self, basis)? else { return Ok(None) };
+        let Some(BasicValues { mut z, mut w, feasible }) = basis.values(self)? else { return Ok(None) };
         z.iter_mut().chain(&mut w).for_each(|x| *x = x.max(0.0));
-        feasible.then_some((z, w))
+        Ok(feasible.then_some((z, w)))
     }
 
     /// M′_αα for the indices α; by eight rows at a time, because M lies by rows and the block by columns.
-    fn principal_block(&self, indices: &[usize]) -> Mat<f64> {
+    fn principal_block(&self, indices: &[usize]) -> Result<Mat<f64>, OutOfMemory> {
         let order = self.order();
         let units: Vec<f64> = indices.iter().map(|&i| self.units[i]).collect();
-        let mut block = Mat::zeros(indices.len(), indices.len());
+        let mut block = matrix(indices.len(), indices.len(), |_, _| 0.0)?;
         for (tile, (rows, row_units)) in indices.chunks(8).zip(units.chunks(8)).enumerate() {
             for (j, (&column, unit)) in indices.iter().zip(&units).enumerate() {
                 let target = &mut block.col_as_slice_mut(j)[8 * tile..];
@@ -47,7 +48,7 @@ impl CoveredLcp<'_> {
                 }
             }
         }
-        block
+        Ok(block)
     }
 }
 
@@ -56,7 +57,7 @@ pub(super) struct Basis {
     basis: Vec<bool>,
     basic: Vec<usize>,
     block: Mat<f64>,
-    factors: Factors,
+    factors: Lu,
 }
 
 /// z and w at a complementary basis, signs as they come.
@@ -69,27 +70,28 @@ pub(super) struct BasicValues {
 
 impl Basis {
     /// None if it is singular.
-    pub(super) fn of(problem: &CoveredLcp, basis: &[bool]) -> Option<Self> {
+    pub(super) fn of(problem: &CoveredLcp, basis: &[bool]) -> Result<Option<Self>, OutOfMemory> {
         let basic = indices(basis);
-        let block = problem.principal_block(&basic);
-        let factors = Factors::of(&block)?;
-        Some(Self { basis: basis.to_vec(), basic, block, factors })
+        let block = problem.principal_block(&basic)?;
+        let factors = Lu::of(matrix(basic.len(), basic.len(), |i, j| block[(i, j)])?)?;
+        let regular = factors.has_pivots_above(tolerances::PIVOT);
+        Ok(regular.then(|| Self { basis: basis.to_vec(), basic, block, factors }))
     }
 
     /// z and w, after a step of iterative refinement whose residual is summed in double-double; None beyond f64.
-    pub(super) fn values(&self, problem: &CoveredLcp) -> Option<BasicValues> {
+    pub(super) fn values(&self, problem: &CoveredLcp) -> Result<Option<BasicValues>, OutOfMemory> {
         let (order, basic) = (problem.order(), &self.basic);
         let solve = |vector: &mut [f64]| {
-            self.factors.solve_in_place(MatMut::from_column_major_slice_mut(vector, basic.len(), 1));
+            self.factors.solve_in_place(MatMut::from_column_major_slice_mut(vector, basic.len(), 1))
         };
         let right: Vec<f64> = basic.iter().map(|&i| -problem.q[i]).collect();
         let mut solution = right.clone();
-        solve(&mut solution);
+        solve(&mut solution)?;
         let mut correction = residual(&self.block, &solution, &right);
-        solve(&mut correction);
+        solve(&mut correction)?;
         solution.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
         if solution.iter().any(|x| !x.is_finite()) {
-            return None;
+            return Ok(None);
         }
         let largest = solution.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
         let mut feasible = solution.iter().all(|&x| x >= -tolerances::FEASIBILITY * largest);
@@ -111,7 +113,7 @@ impl Basis {
             let size = problem.q[i].abs() + size * problem.units[i] + (problem.entry(i, i).abs() * work).sqrt();
             feasible &= w[i] >= -tolerances::FEASIBILITY * size;
         }
-        Some(BasicValues { z, w, feasible })
+        Ok(Some(BasicValues { z, w, feasible }))
     }
 }
 

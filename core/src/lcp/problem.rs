@@ -2,6 +2,7 @@
 use std::fmt;
 
 use super::kernels::vectorized;
+use crate::dense::OutOfMemory;
 
 /// The problem of finding z, w with w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0.
 ///
@@ -251,6 +252,8 @@ pub enum LcpError {
     Length { name: &'static str, found: usize, order: usize },
     /// An entry of the covering vector is not a finite positive number.
     Covering { index: usize, value: f64 },
+    /// The tableau does not fit into memory.
+    OutOfMemory,
 }
 
 impl fmt::Display for LcpError {
@@ -269,8 +272,15 @@ impl fmt::Display for LcpError {
             Self::Covering { index, value } => {
                 write!(f, "covering[{index}] is {value}; every entry must be finite and greater than zero")
             }
+            Self::OutOfMemory => write!(f, "the tableau of the complementarity problem does not fit into memory"),
         }
     }
 }
 
 impl std::error::Error for LcpError {}
+
+impl From<OutOfMemory> for LcpError {
+    fn from(_: OutOfMemory) -> Self {
+        Self::OutOfMemory
+    }
+}

@@ -7,6 +7,7 @@ use super::kernels::{LANES, largest_size, vectorized};
 use super::scaling::CoveredLcp;
 use super::tableau::Tableau;
 use super::tolerances;
+use crate::dense::OutOfMemory;
 
 /// The row of the first pivot, where the artificial variable enters: the lexicographic minimum of (q_i, e_i) / d_i,
 /// which is the last of the rows at which q_i / d_i is least.
@@ -50,8 +51,18 @@ fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
 /// Exchanges a tableau must be old for the end of a path, or a doubtful pivot, to be worth recomputing it.
 const RECOMPUTE_AGE: usize = 16;
 
-/// A basis that rounding made singular.
-pub(super) struct Singular;
+/// Why there is no next pivot.
+pub(super) enum Stuck {
+    /// Rounding made the basis singular.
+    Singular,
+    OutOfMemory,
+}
+
+impl From<OutOfMemory> for Stuck {
+    fn from(_: OutOfMemory) -> Self {
+        Self::OutOfMemory
+    }
+}
 
 /// Chooses the variable that enters and the row that leaves; None if nothing stops it. A pivot that is small, or the end
 /// of a path, is believed only of a tableau computed lately.
@@ -60,7 +71,7 @@ pub(super) fn choose(
     problem: &CoveredLcp,
     entering: usize,
     tied: &mut Vec<usize>,
-) -> Result<Option<usize>, Singular> {
+) -> Result<Option<usize>, Stuck> {
     loop {
         tableau.choose(entering);
         let leaving = leaving_row(tableau, tied);
@@ -72,7 +83,7 @@ pub(super) fn choose(
         if tableau.age < trusted_age {
             return Ok(leaving.map(|leaving| leaving.row));
         }
-        *tableau = tableau.recomputed(problem).ok_or(Singular)?;
+        *tableau = tableau.recomputed(problem)?.ok_or(Stuck::Singular)?;
     }
 }
 

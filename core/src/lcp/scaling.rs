@@ -3,6 +3,7 @@ use std::borrow::Cow;
 
 use super::kernels::{LANES, largest_size, vectorized};
 use super::problem::Lcp;
+use crate::dense::{OutOfMemory, room};
 
 /// w = M′z + q + d z₀ with M′_ij = u_i M_ij u_j and a covering vector d > 0: what a path starts from.
 pub(super) struct CoveredLcp<'a> {
@@ -22,13 +23,15 @@ impl CoveredLcp<'_> {
         self.matrix[i * self.order() + j] * self.units[i] * self.units[j]
     }
 
-    pub(super) fn into_owned(self) -> CoveredLcp<'static> {
-        CoveredLcp {
-            matrix: Cow::Owned(self.matrix.into_owned()),
+    pub(super) fn into_owned(self) -> Result<CoveredLcp<'static>, OutOfMemory> {
+        let mut matrix = room(self.matrix.len())?;
+        matrix.extend_from_slice(&self.matrix);
+        Ok(CoveredLcp {
+            matrix: Cow::Owned(matrix),
             units: Cow::Owned(self.units.into_owned()),
             q: self.q,
             covering: self.covering,
-        }
+        })
     }
 
     /// Row i of M′.

@@ -5,13 +5,13 @@
 //! subtracted from the base BLOCK at a time as one matrix product, so that the base is read and written once a block
 //! instead of once a pivot; in between, only the columns and rows that a pivot asks for are formed.
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef};
+use faer::{Accum, MatMut, MatRef};
 use rayon::prelude::*;
 
-use super::factors::{Factors, PARALLEL_ORDER, parallelism};
 use super::kernels::{LANES, subtract_multiples};
 use super::scaling::CoveredLcp;
 use super::tolerances;
+use crate::dense::{Lu, OutOfMemory, PARALLEL_ORDER, matrix, parallelism, room, row_major, zeros};
 
 /// Rank-one terms that are collected before the base is touched.
 const BLOCK: usize = 32;
@@ -41,12 +41,12 @@ pub(super) struct Tableau {
 
 impl Tableau {
     /// The tableau whose basis is the slacks: w = q + Mz + d z₀. The artificial variable enters next.
-    pub(super) fn new(problem: &CoveredLcp) -> Self {
+    pub(super) fn new(problem: &CoveredLcp) -> Result<Self, OutOfMemory> {
         let order = problem.order();
         let columns = order + 1;
         // An odd number of cache lines, so that a column's entries do not fall into a few cache sets.
         let stride = (columns.div_ceil(LANES) | 1) * LANES;
-        let mut base = vec![0.0; order * stride];
+        let mut base = zeros(order.checked_mul(stride).ok_or(OutOfMemory)?)?;
         let fill = |(i, row): (usize, &mut [f64])| {
             problem.copy_row(i, &mut row[..order]);
             row[order] = problem.covering[i];
@@ -62,13 +62,13 @@ impl Tableau {
             vector.resize(stride, 0.0);
             vector
         };
-        Self {
+        Ok(Self {
             order,
             columns,
             stride,
             base,
-            left: Vec::with_capacity(BLOCK * stride),
-            right: Vec::with_capacity(BLOCK * stride),
+            left: room(BLOCK * stride)?,
+            right: room(BLOCK * stride)?,
             cleared: Vec::with_capacity(BLOCK),
             values: padded(&problem.q),
             column: padded(&problem.covering),
@@ -76,16 +76,16 @@ impl Tableau {
             column_variable: (order..=2 * order).collect(),
             place: (0..=2 * order).collect(),
             age: 0,
-        }
+        })
     }
 
     /// The tableau of `problem` at the basis of `self`, computed by a fresh factorization; None if that is singular.
-    pub(super) fn recomputed(&self, problem: &CoveredLcp) -> Option<Self> {
+    pub(super) fn recomputed(&self, problem: &CoveredLcp) -> Result<Option<Self>, OutOfMemory> {
         let order = self.order;
         let leaving: Vec<usize> = (0..order).filter(|&i| !self.is_basic(i)).collect();
         let entering: Vec<usize> = (order..=2 * order).filter(|&v| self.is_basic(v)).map(|v| v - order).collect();
-        let mut fresh = Self::new(problem);
-        fresh.exchange_block(&leaving, &entering).then_some(fresh)
+        let mut fresh = Self::new(problem)?;
+        Ok(fresh.exchange_block(&leaving, &entering)?.then_some(fresh))
     }
 
     pub(super) fn artificial(&self) -> usize {
@@ -202,30 +202,31 @@ impl Tableau {
 
     /// Makes column variables `entering` basic in rows `leaving`, pairwise and all at once, by one LU factorization.
     /// False, with the tableau spoilt, if their block of T is singular. Meant for a tableau with no exchange pending.
-    pub(super) fn exchange_block(&mut self, leaving: &[usize], entering: &[usize]) -> bool {
+    pub(super) fn exchange_block(&mut self, leaving: &[usize], entering: &[usize]) -> Result<bool, OutOfMemory> {
         let (order, columns, stride) = (self.order, self.columns, self.stride);
         let count = leaving.len();
         if count == 0 {
-            return true;
+            return Ok(true);
         }
-        let block = Mat::from_fn(count, count, |i, j| self.base[leaving[i] * stride + entering[j]]);
+        let block = matrix(count, count, |i, j| self.base[leaving[i] * stride + entering[j]])?;
         // The new rows: block⁻¹ [I on the entering columns, −T on the others | −values].
-        let mut rows = Mat::from_fn(count, columns + 1, |i, j| {
+        let mut rows = matrix(count, columns + 1, |i, j| {
             -if j == columns { self.values[leaving[i]] } else { self.base[leaving[i] * stride + j] }
-        });
+        })?;
         for (k, &s) in entering.iter().enumerate() {
             rows.col_mut(s).fill(0.0);
             rows[(k, s)] = 1.0;
         }
-        let Some(factors) = Factors::of(&block) else {
-            return false;
-        };
-        factors.solve_in_place(rows.as_mut());
+        let factors = Lu::of(block)?;
+        if !factors.has_pivots_above(tolerances::PIVOT) {
+            return Ok(false);
+        }
+        factors.solve_in_place(rows.as_mut())?;
         if (0..=columns).any(|j| rows.col(j).iter().any(|x| !x.is_finite())) {
-            return false;
+            return Ok(false);
         }
 
-        let multipliers = Mat::from_fn(order, count, |i, k| self.base[i * stride + entering[k]]);
+        let multipliers = matrix(order, count, |i, k| self.base[i * stride + entering[k]])?;
         for base_row in self.base.chunks_exact_mut(stride) {
             entering.iter().for_each(|&s| base_row[s] = 0.0);
         }
@@ -247,7 +248,7 @@ impl Tableau {
             self.values[r] = rows[(k, columns)];
             self.swap_variables(r, s);
         }
-        true
+        Ok(true)
     }
 
     /// True where slack and complement have changed places.
@@ -257,11 +258,11 @@ impl Tableau {
 
     /// T without the artificial variable's column, row-major, that column, and the values; meant for a tableau with no
     /// exchange pending.
-    pub(super) fn into_parts(mut self) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    pub(super) fn into_parts(mut self) -> Result<(Vec<f64>, Vec<f64>, Vec<f64>), OutOfMemory> {
         self.values.truncate(self.order);
-        let rows = || self.base.chunks_exact(self.stride);
-        let matrix = rows().flat_map(|row| &row[..self.order]).copied().collect();
-        (matrix, rows().map(|row| row[self.order]).collect(), self.values)
+        let entry = |i: usize, j: usize| self.base[i * self.stride + j];
+        let matrix = row_major(self.order, self.order, entry)?;
+        Ok((matrix, (0..self.order).map(|i| entry(i, self.order)).collect(), self.values))
     }
 
     fn swap_variables(&mut self, r: usize, s: usize) {

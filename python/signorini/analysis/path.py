@@ -48,7 +48,8 @@ def path(
     until : float, optional
         The largest t wanted; by default to the end of equilibrium, or until there are no more events.
     progress : callable, optional
-        Called with a `Progress` as meshing and factoring begin, at every event, and by what confirms some of them.
+        Called with a `Progress` as meshing and factoring begin, at every event, by the solves between events, and by
+        what confirms some of them. What it raises ends the path.
 
     Raises
     ------
@@ -192,10 +193,14 @@ def _trace(
         stops.append(stop)
         watcher(Progress(f"t = {t:.6g}, event {len(stops)}"))
 
+    def show(step: int, changing: int, residual: float) -> None:
+        where = f"after t = {stops[-1].t:.6g}" if stops else "t = 0"
+        watcher(Progress(where, step, changing, residual))
+
     limit, asked = limits[0], np.inf if until is None else until
     end = min(*limits, asked)
     try:
-        ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, proximal)
+        ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, proximal, show)
     except NotCertifiedError:
         ended = "unsolved"
     count = confirmed(direct, loads, stops, watcher)

@@ -258,7 +258,11 @@ def solve_one(problem: ContactProblem, combination: Combination, progress: Watch
 
 def _combined(problem: ContactProblem, watcher: Watcher, sink: Sink | None) -> Combined:
     """Every combination as a row."""
-    problem = problem.near(mean_load(problem.discretisation))
+
+    def show(step: int, changing: int, residual: float) -> None:
+        watcher(Progress("the mean", step, changing, residual))
+
+    problem = problem.near(mean_load(problem.discretisation), show)
 
     def single(combination: Combination) -> Result:
         return solve_one(problem, combination, watcher)

@@ -271,16 +271,16 @@ class ContactProblem(Remade):
         known(method, _METHODS, "method", "method", "A contact problem")
         return self if method == self.method else replace(self, method=method, reference=None)
 
-    def near(self, load: Floats) -> ContactProblem:
+    def near(self, load: Floats, progress: Steps | None = None) -> ContactProblem:
         """Pose the same problem for loads not unlike a nodal one (3n,), with whose contact set an active set begins.
 
         Its solution is found here. Any load has the same answer, sooner or later; without an active set, or a solution,
-        and beside points that hold both ways, nothing changes.
+        and beside points that hold both ways, nothing changes. ``progress`` as for `solve`.
         """
         load = vector(load, self.discretisation.dof_count, "load")
         if self.method != "active_set" or self.discretisation.contacts.two_sided.any():
             return self
-        return replace(self, reference=self.core.reference(load, self.discretisation.held.values))
+        return replace(self, reference=self.core.reference(load, self.discretisation.held.values, progress))
 
     def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> Answer:
         """Displacements, reactions and gaps of one load; of answers that are equally right the least.

@@ -1,7 +1,6 @@
 //! Rigid motions of least energy of a plate on soft supports, for the shape that it has.
 
-use super::afloat::Afloat;
-use super::descent::Descent;
+use super::descent::{Afloat, Descent};
 use crate::contact::kkt::Floating;
 use crate::contact::rigid::eliminated;
 use crate::contact::tolerances;

@@ -7,12 +7,10 @@
 //! One factor, of K with the points closed that are expected to be, preconditions every direction; only where the set
 //! turns out to be quite another one is it factored anew.
 
-mod afloat;
 mod descent;
 mod drift;
 mod line_search;
 mod newton;
-mod push;
 mod together;
 
 use super::kkt::{ActiveFactor, Residual};
@@ -23,8 +21,7 @@ use super::start::{Reference, Start};
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
 use crate::plate::Plate;
-use afloat::Afloat;
-use descent::Descent;
+use descent::{Afloat, Descent};
 use newton::Newton;
 
 impl ContactProblem {
@@ -51,7 +48,7 @@ impl ContactProblem {
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
         let Some(mut newton) = self.newton(load, held_value, start, false)? else {
-            return Ok(self.without_solution(held_value, Outcome::Unsolved));
+            return Ok(self.at_rest(held_value).failed(Outcome::Unsolved));
         };
         let outcome = newton.run(watch)?;
         let fell_short = newton.fell_short;
@@ -80,7 +77,7 @@ impl ContactProblem {
     ) -> Result<Option<Newton<'a>>, FactorError> {
         let limit = if start.is_some() { tolerances::newton::STIFFEST } else { self.first_limit };
         let given = start.and_then(|start| start.factored).unwrap_or(&self.base);
-        let Some(factor) = ActiveFactor::of(self, given, limit, shares) else {
+        let Some(factor) = ActiveFactor::of(self, given, limit, shares)? else {
             return Ok(None);
         };
         let mut solution = self.at_rest(held_value);
@@ -112,9 +109,14 @@ impl ContactProblem {
 
 impl ContactProblem {
     /// Solves one load and factors the contact set found; `None` where there is no active set, no solution, or the set
-    /// does not hold the plate.
-    pub fn reference(&self, load: &[f64], held_value: &[f64]) -> Result<Option<Reference>, FactorError> {
-        let solution = self.solve(load, held_value, None, None, &mut |_| true)?;
+    /// does not hold the plate. `watch` as for [`ContactProblem::solve`].
+    pub fn reference(
+        &self,
+        load: &[f64],
+        held_value: &[f64],
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Option<Reference>, FactorError> {
+        let solution = self.solve(load, held_value, None, watch)?;
         if self.active.is_empty() || solution.outcome != Outcome::Solved {
             return Ok(None);
         }

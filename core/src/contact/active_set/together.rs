@@ -46,7 +46,7 @@ impl ContactProblem {
             for (number, newton) in begun {
                 match newton {
                     Some(newton) => under_way.push(UnderWay { number, newton, asked: None, answer: None, ended: None }),
-                    None => solved[number] = Some(self.without_solution(held_value, Outcome::Unsolved)),
+                    None => solved[number] = Some(self.at_rest(held_value).failed(Outcome::Unsolved)),
                 }
             }
             if under_way.is_empty() && left.len() == 0 || !watch() {

@@ -6,9 +6,9 @@
 use crate::contact::condense::{Condensed, Form};
 use crate::contact::responses::Response;
 use crate::contact::tolerances;
+use crate::dense::{self, Lu, OutOfMemory};
 use crate::double_double::DoubleDouble;
 use faer::Mat;
-use faer::linalg::solvers::{PartialPivLu, Solve};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Points that have changed sides, over all, up to which updating an inverse takes less work than a factorization.
@@ -42,7 +42,7 @@ struct Known {
 
 impl OnSet {
     /// Of a plate's points, from the response of each.
-    pub(super) fn new(condensed: &Condensed, form: Form, points: &[Response]) -> Self {
+    pub(super) fn new(condensed: &Condensed, form: Form, points: &[Response]) -> Result<Self, OutOfMemory> {
         let alone = [false, true].map(|closed| {
             let lever = |i: usize| match (form, closed) {
                 (Form::Stiffness, true) => (condensed.compliance[i] == 0.0).then_some(1.0),
@@ -52,31 +52,40 @@ impl OnSet {
             };
             (0..points.len()).map(lever).collect()
         });
-        Self {
-            moved: points.iter().flat_map(|point| point.moved.iter().copied()).collect(),
-            reaction: points.iter().flat_map(|point| point.reaction.iter().copied()).collect(),
+        let count = points.len();
+        Ok(Self {
+            moved: dense::row_major(count, count, |i, j| points[i].moved[j])?,
+            reaction: dense::row_major(count, count, |i, j| points[i].reaction[j])?,
             compliance: condensed.compliance.clone(),
             alone,
             known: None,
-        }
+        })
     }
 
     /// Inverts the equations of a set that many others are near to, unless they are singular.
-    pub(super) fn begin_with(&mut self, closed: Vec<bool>) {
+    pub(super) fn begin_with(&mut self, closed: Vec<bool>) -> Result<(), OutOfMemory> {
         let count = closed.len();
         if count > MOST {
-            return;
+            return Ok(());
         }
-        let (unit, rows): (Vec<f64>, Vec<Vec<f64>>) = (0..count).map(|i| self.scaled_row(&closed, i)).unzip();
-        let factors = Mat::from_fn(count, count, |i, j| rows[i][j]).partial_piv_lu();
-        if is_regular(&factors) {
-            let inverse = factors.solve(Mat::<f64>::identity(count, count));
+        let unit: Vec<f64> = (0..count).map(|i| self.unit(&closed, i)).collect();
+        let factors = Lu::of(dense::matrix(count, count, |i, j| unit[i] * self.coefficient(&closed, i, j))?)?;
+        if factors.has_pivots_above(0.0) {
+            let mut inverse = dense::matrix(count, count, |i, j| f64::from(i == j))?;
+            factors.solve_in_place(inverse.as_mut())?;
             self.known = Some(Known { closed, unit, inverse });
         }
+        Ok(())
     }
 
     /// Factors, reactions and gaps on a set, past those of a load alone; `None` if its equations are singular.
-    pub(super) fn solve(&self, closed: &[bool], distance: &[f64], moved: &[f64], reaction: &[f64]) -> Option<Found> {
+    pub(super) fn solve(
+        &self,
+        closed: &[bool],
+        distance: &[f64],
+        moved: &[f64],
+        reaction: &[f64],
+    ) -> Result<Option<Found>, OutOfMemory> {
         let count = closed.len();
         let right: Vec<f64> = (0..count)
             .map(|i| match closed[i] {
@@ -84,12 +93,15 @@ impl OnSet {
                 false => -reaction[i],
             })
             .collect();
-        let factor = self.updated(closed, &right).or_else(|| self.factored(closed, &right))?;
+        let updated = self.updated(closed, &right)?;
+        let Some(factor) = (if updated.is_some() { updated } else { self.factored(closed, &right)? }) else {
+            return Ok(None);
+        };
         let own = (0..count).map(|i| if closed[i] { reaction[i] } else { moved[i] }).collect();
         let total = self.add_products(own, &factor, |i, moved, reaction| if closed[i] { reaction } else { moved });
         let reaction = (0..count).map(|i| if closed[i] { total[i] } else { 0.0 }).collect();
         let gap = (0..count).map(|i| if closed[i] { 0.0 } else { distance[i] - total[i] }).collect();
-        Some((factor, reaction, gap))
+        Ok(Some((factor, reaction, gap)))
     }
 
     fn alone(&self, closed: &[bool], i: usize) -> Option<f64> {
@@ -107,13 +119,10 @@ impl OnSet {
         }
     }
 
-    /// What an equation is multiplied by so that its largest coefficient is 1, and the equation so multiplied.
-    fn scaled_row(&self, closed: &[bool], i: usize) -> (f64, Vec<f64>) {
-        let mut row: Vec<f64> = (0..closed.len()).map(|j| self.coefficient(closed, i, j)).collect();
-        let largest = row.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
-        let unit = if largest > 0.0 { 1.0 / largest } else { 1.0 };
-        row.iter_mut().for_each(|a| *a *= unit);
-        (unit, row)
+    /// What an equation is multiplied by so that its largest coefficient is 1.
+    fn unit(&self, closed: &[bool], i: usize) -> f64 {
+        let largest = (0..closed.len()).map(|j| self.coefficient(closed, i, j).abs()).fold(0.0, f64::max);
+        if largest > 0.0 { 1.0 / largest } else { 1.0 }
     }
 
     /// own + Σ_j part(i, moved_ij, reaction_ij) x_j, summed in double-double, all points side by side.
@@ -140,22 +149,22 @@ impl OnSet {
 
     /// By the inverse of the known set; `None` if there is none, too many points have changed sides, or rounding of the
     /// update does not go away.
-    fn updated(&self, closed: &[bool], right: &[f64]) -> Option<Vec<f64>> {
-        let Known { closed: before, unit, inverse } = self.known.as_ref()?;
+    fn updated(&self, closed: &[bool], right: &[f64]) -> Result<Option<Vec<f64>>, OutOfMemory> {
+        let Some(Known { closed: before, unit, inverse }) = &self.known else { return Ok(None) };
         let count = closed.len();
         let changed: Vec<usize> = (0..count).filter(|&i| closed[i] != before[i]).collect();
         if changed.len() as f64 > FEW * count as f64 {
-            return None;
+            return Ok(None);
         }
-        let (units, rows): (Vec<f64>, Vec<Vec<f64>>) = changed.iter().map(|&i| self.scaled_row(closed, i)).unzip();
         let mut unit = unit.clone();
-        changed.iter().zip(&units).for_each(|(&i, scaled)| unit[i] = *scaled);
+        changed.iter().for_each(|&i| unit[i] = self.unit(closed, i));
         // A row of the changed equations times a column of the inverse that belongs to one.
-        let rows = Mat::from_fn(changed.len(), count, |p, j| rows[p][j]);
-        let columns = Mat::from_fn(count, changed.len(), |i, q| inverse[(i, changed[q])]);
-        let capacitance = (&rows * &columns).partial_piv_lu();
-        if !is_regular(&capacitance) {
-            return None;
+        let row = |p: usize, j: usize| unit[changed[p]] * self.coefficient(closed, changed[p], j);
+        let rows = dense::matrix(changed.len(), count, row)?;
+        let columns = dense::matrix(count, changed.len(), |i, q| inverse[(i, changed[q])])?;
+        let capacitance = Lu::of(dense::product(rows.as_ref(), columns.as_ref())?)?;
+        if !capacitance.has_pivots_above(0.0) {
+            return Ok(None);
         }
         let mut x = vec![0.0; count];
         let mut left = right.to_vec();
@@ -163,21 +172,22 @@ impl OnSet {
             let scaled = Mat::from_fn(count, 1, |i, _| unit[i] * left[i]);
             let mut step = inverse * &scaled;
             if !changed.is_empty() {
-                let missed = &rows * &step - Mat::from_fn(changed.len(), 1, |p, _| scaled[(changed[p], 0)]);
-                step -= &columns * capacitance.solve(missed);
+                let mut missed = &rows * &step - Mat::from_fn(changed.len(), 1, |p, _| scaled[(changed[p], 0)]);
+                capacitance.solve_in_place(missed.as_mut())?;
+                step -= &columns * missed;
             }
             x.iter_mut().enumerate().for_each(|(i, x)| *x += step[(i, 0)]);
             left = self.left(closed, right, &x);
             let size = x.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
             if (0..count).all(|i| (unit[i] * left[i]).abs() <= tolerances::SUM * size) {
-                return Some(x);
+                return Ok(Some(x));
             }
         }
-        None
+        Ok(None)
     }
 
     /// By a factorization of the equations in which no factor stands alone.
-    fn factored(&self, closed: &[bool], right: &[f64]) -> Option<Vec<f64>> {
+    fn factored(&self, closed: &[bool], right: &[f64]) -> Result<Option<Vec<f64>>, OutOfMemory> {
         let mut x = vec![0.0; closed.len()];
         let mut unknown = Vec::new();
         for i in 0..closed.len() {
@@ -187,21 +197,21 @@ impl OnSet {
             }
         }
         if unknown.is_empty() {
-            return Some(x);
+            return Ok(Some(x));
         }
         let size = unknown.len();
-        let matrix = Mat::from_fn(size, size, |p, q| self.coefficient(closed, unknown[p], unknown[q]));
-        let factors = matrix.partial_piv_lu();
-        if !is_regular(&factors) {
-            return None;
+        let factors = Lu::of(dense::matrix(size, size, |p, q| self.coefficient(closed, unknown[p], unknown[q]))?)?;
+        if !factors.has_pivots_above(0.0) {
+            return Ok(None);
         }
         // The second pass corrects the first by what it leaves.
         for _ in 0..2 {
             let left = self.left(closed, right, &x);
-            let step = factors.solve(Mat::from_fn(size, 1, |p, _| left[unknown[p]]));
+            let mut step = Mat::from_fn(size, 1, |p, _| left[unknown[p]]);
+            factors.solve_in_place(step.as_mut())?;
             unknown.iter().enumerate().for_each(|(p, &i)| x[i] += step[(p, 0)]);
         }
-        Some(x)
+        Ok(Some(x))
     }
 }
 
@@ -229,8 +239,4 @@ impl<P: Fn(usize, f64, f64) -> f64> WithSimd for AddProducts<'_, P> {
             }
         }
     }
-}
-
-fn is_regular(factors: &PartialPivLu<f64>) -> bool {
-    (0..factors.U().ncols()).all(|i| factors.U()[(i, i)] != 0.0 && factors.U()[(i, i)].is_finite())
 }

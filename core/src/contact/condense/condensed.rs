@@ -1,6 +1,6 @@
 //! The contact points of a factored plate, and what is asked of them.
 
-use faer::linalg::solvers::{Llt, PartialPivLu};
+use crate::dense::{self, Cholesky, Lu, OutOfMemory};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Mat, Par};
 use std::sync::OnceLock;
@@ -75,8 +75,8 @@ pub struct ContactState {
 pub(super) enum StateFactor {
     Nothing,
     /// S over the points that may move, with the springs of those that are closed.
-    Stiffness(Llt<f64>),
-    Flexibility(PartialPivLu<f64>),
+    Stiffness(Cholesky),
+    Flexibility(Lu),
 }
 
 impl Condensed {
@@ -89,17 +89,20 @@ impl Condensed {
         compliance: Vec<f64>,
         two_sided: Vec<bool>,
         moves: &[Vec<f64>],
-    ) -> Self {
-        let stiffness = picks_single_dofs(&rows, trailing.nrows()).then(|| {
-            let product = &trailing * trailing.transpose();
-            Mat::from_fn(rows.len(), rows.len(), |i, j| {
+    ) -> Result<Self, OutOfMemory> {
+        let stiffness = if picks_single_dofs(&rows, trailing.nrows()) {
+            let product = dense::product(trailing.as_ref(), trailing.transpose())?;
+            Some(dense::matrix(rows.len(), rows.len(), |i, j| {
                 let ((p, a), (q, b)) = (rows[i][0], rows[j][0]);
                 let carried = if i == j { regularization[i] } else { 0.0 };
                 0.5 * (product[(p, q)] + product[(q, p)]) / (a * b) - carried
-            })
-        });
+            })?)
+        } else {
+            None
+        };
         let moves = Mat::from_fn(rows.len(), moves.len(), |i, k| moves[k][i]);
-        Self { trailing, rows, regularization, compliance, two_sided, moves, stiffness, flexibility: OnceLock::new() }
+        let flexibility = OnceLock::new();
+        Ok(Self { trailing, rows, regularization, compliance, two_sided, moves, stiffness, flexibility })
     }
 
     pub fn len(&self) -> usize {
@@ -160,13 +163,21 @@ impl Condensed {
         (0..on_dofs.nrows()).map(|i| on_dofs[(i, 0)]).collect()
     }
 
-    /// The LCP past `reaction`s already acting.
-    pub fn lcp(&self, form: Form, interface: &InterfaceResidual, reaction: &[f64]) -> PosedLcp {
-        self.balanced(self.posed(form, interface, reaction), interface)
+    /// The LCP past `reaction`s already acting, with the free motions imposed.
+    pub fn lcp(&self, form: Form, interface: &InterfaceResidual, reaction: &[f64]) -> Result<PosedLcp, OutOfMemory> {
+        let mut lcp = self.posed(form, interface, reaction)?;
+        let motions = self.impose_motions(&mut lcp)?;
+        motions.balance(&mut lcp.q, interface);
+        Ok(lcp)
     }
 
     /// The LCP as elimination gives it: M does not depend on the interface, and q is linear in it.
-    pub(crate) fn posed(&self, form: Form, interface: &InterfaceResidual, reaction: &[f64]) -> PosedLcp {
+    pub(crate) fn posed(
+        &self,
+        form: Form,
+        interface: &InterfaceResidual,
+        reaction: &[f64],
+    ) -> Result<PosedLcp, OutOfMemory> {
         match (form, &self.stiffness) {
             (Form::Stiffness, Some(stiffness)) => self.stiffness_lcp(stiffness, interface, reaction),
             (Form::Stiffness, None) => self.flexibility_lcp(interface, reaction, true),
@@ -189,7 +200,7 @@ impl Condensed {
     }
 
     /// Factors the equations of one contact state; `None` if they are singular.
-    pub fn state(&self, closed: Vec<bool>) -> Option<ContactState> {
+    pub fn state(&self, closed: Vec<bool>) -> Result<Option<ContactState>, OutOfMemory> {
         match &self.stiffness {
             Some(stiffness) => self.stiffness_state(stiffness, closed),
             None => self.flexibility_state(closed),
@@ -197,9 +208,9 @@ impl Condensed {
     }
 
     /// Increments of the reactions of closed points, gaps of open ones, and displacements of all, in one contact state.
-    pub fn solve_state(&self, state: &ContactState, interface: &InterfaceResidual) -> Response {
+    pub fn solve_state(&self, state: &ContactState, interface: &InterfaceResidual) -> Result<Response, OutOfMemory> {
         match &self.stiffness {
-            Some(stiffness) => self.solve_stiffness_state(stiffness, state, interface),
+            Some(stiffness) => Ok(self.solve_stiffness_state(stiffness, state, interface)),
             None => self.solve_flexibility_state(state, interface),
         }
     }

@@ -2,24 +2,25 @@
 
 use super::condensed::{Condensed, ContactState, InterfaceResidual, PosedLcp, Response, StateFactor};
 use crate::contact::tolerances;
-use faer::linalg::solvers::Solve;
-use faer::{Mat, MatRef};
+use crate::dense::{self, Lu, OutOfMemory, row_major};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{MatMut, MatRef, Par};
 
 impl Condensed {
     /// P̃ = G (L Lᵀ)⁻¹ Gᵀ.
-    fn flexibility(&self) -> MatRef<'_, f64> {
-        let compute = || {
-            let mut half = Mat::zeros(self.trailing.nrows(), self.rows.len());
-            for (j, row) in self.rows.iter().enumerate() {
-                for &(dof, c) in row {
-                    half[(dof, j)] += c;
-                }
+    fn flexibility(&self) -> Result<MatRef<'_, f64>, OutOfMemory> {
+        if let Some(known) = self.flexibility.get() {
+            return Ok(known.as_ref());
+        }
+        let mut half = dense::matrix(self.trailing.nrows(), self.rows.len(), |_, _| 0.0)?;
+        for (j, row) in self.rows.iter().enumerate() {
+            for &(dof, c) in row {
+                half[(dof, j)] += c;
             }
-            let par = faer::Par::rayon(0);
-            faer::linalg::triangular_solve::solve_lower_triangular_in_place(self.trailing.as_ref(), half.as_mut(), par);
-            half.transpose() * &half
-        };
-        self.flexibility.get_or_init(compute).as_ref()
+        }
+        solve_lower_triangular_in_place(self.trailing.as_ref(), half.as_mut(), Par::rayon(0));
+        let flexibility = dense::product(half.transpose(), half.as_ref())?;
+        Ok(self.flexibility.get_or_init(|| flexibility).as_ref())
     }
 
     /// Whether the factor carries the whole stiffness of a compliant point.
@@ -61,8 +62,8 @@ impl Condensed {
         interface: &InterfaceResidual,
         reaction: &[f64],
         closed_first: bool,
-    ) -> PosedLcp {
-        let p = self.flexibility();
+    ) -> Result<PosedLcp, OutOfMemory> {
+        let p = self.flexibility()?;
         let closing = self.closing(p, interface, reaction);
         let exchanged = |i: usize| closed_first || self.two_sided[i] || self.regularization[i] > 0.0;
         let (mut inside, outside): (Vec<usize>, Vec<usize>) = (0..self.len()).partition(|&i| exchanged(i));
@@ -71,7 +72,7 @@ impl Condensed {
         let (nj, no) = (inside.len(), outside.len());
 
         // B_JJ · reaction_J in terms of gap_J, reaction_O and 1; the columns of absorbed points are diagonal.
-        let mut right = Mat::from_fn(nj, nj + no + 1, |r, c| {
+        let mut right = dense::matrix(nj, nj + no + 1, |r, c| {
             let i = inside[r];
             if c < nj {
                 self.a(p, i, inside[c])
@@ -80,21 +81,21 @@ impl Condensed {
             } else {
                 closing[i]
             }
-        });
+        })?;
         if coupled > 0 {
             let (mut top, mut bottom) = right.as_mut().split_at_row_mut(coupled);
-            let b = Mat::from_fn(coupled, coupled, |r, c| self.b(p, inside[r], inside[c]));
-            b.partial_piv_lu().solve_in_place(top.as_mut());
-            let across = Mat::from_fn(nj - coupled, coupled, |r, c| self.b(p, inside[coupled + r], inside[c]));
-            bottom -= across * &top;
+            let b = dense::matrix(coupled, coupled, |r, c| self.b(p, inside[r], inside[c]))?;
+            Lu::of(b)?.solve_in_place(top.as_mut())?;
+            let across = dense::matrix(nj - coupled, coupled, |r, c| self.b(p, inside[coupled + r], inside[c]))?;
+            bottom -= dense::product(across.as_ref(), top.as_ref())?;
         }
         for (r, &i) in inside.iter().enumerate().skip(coupled) {
             for c in 0..right.ncols() {
                 right[(r, c)] /= self.compliance[i];
             }
         }
-        let spread = Mat::from_fn(no, coupled, |r, c| self.b(p, outside[r], inside[c]));
-        let carried = spread * right.as_ref().subrows(0, coupled);
+        let spread = dense::matrix(no, coupled, |r, c| self.b(p, outside[r], inside[c]))?;
+        let carried = dense::product(spread.as_ref(), right.as_ref().subrows(0, coupled))?;
 
         let mut rows: Vec<usize> = (0..nj).filter(|&r| !self.two_sided[inside[r]]).collect();
         let kept = rows.len();
@@ -112,10 +113,10 @@ impl Condensed {
                 from - closing[i]
             }
         };
-        let matrix = rows.iter().flat_map(|&r| rows.iter().map(move |&c| (r, c))).map(|(r, c)| entry(r, c)).collect();
+        let matrix = row_major(rows.len(), rows.len(), |r, c| entry(rows[r], rows[c]))?;
         let q = rows.iter().map(|&r| entry(r, nj + no)).collect();
         let point = rows.iter().map(|&r| if r < nj { inside[r] } else { outside[r - nj] }).collect();
-        PosedLcp { matrix, q, point, gap_is_z: (0..rows.len()).map(|r| r < kept).collect() }
+        Ok(PosedLcp { matrix, q, point, gap_is_z: (0..rows.len()).map(|r| r < kept).collect() })
     }
 
     /// What one point's unknown, its reaction where closed and its gap where open, does in another's equation.
@@ -124,39 +125,43 @@ impl Condensed {
     }
 
     /// Points whose unknown enters the equations of others.
-    pub(super) fn flexibility_state(&self, closed: Vec<bool>) -> Option<ContactState> {
-        let p = self.flexibility();
+    pub(super) fn flexibility_state(&self, closed: Vec<bool>) -> Result<Option<ContactState>, OutOfMemory> {
+        let p = self.flexibility()?;
         let enters = |i: usize| if closed[i] { !self.absorbed(i) } else { self.regularization[i] > 0.0 };
         let unknown: Vec<usize> = (0..self.len()).filter(|&i| enters(i)).collect();
         if unknown.is_empty() {
-            return Some(ContactState { closed, unknown, factor: StateFactor::Nothing });
+            return Ok(Some(ContactState { closed, unknown, factor: StateFactor::Nothing }));
         }
         let size = unknown.len();
-        let matrix = Mat::from_fn(size, size, |r, c| self.column(p, &closed, unknown[r], unknown[c]));
-        let factor = matrix.partial_piv_lu();
-        let regular = (0..size).all(|i| factor.U()[(i, i)] != 0.0 && factor.U()[(i, i)].is_finite());
-        regular.then_some(ContactState { closed, unknown, factor: StateFactor::Flexibility(factor) })
+        let factor = Lu::of(dense::matrix(size, size, |r, c| self.column(p, &closed, unknown[r], unknown[c]))?)?;
+        let regular = factor.has_pivots_above(0.0);
+        Ok(regular.then_some(ContactState { closed, unknown, factor: StateFactor::Flexibility(factor) }))
     }
 
-    pub(super) fn solve_flexibility_state(&self, state: &ContactState, interface: &InterfaceResidual) -> Response {
-        let p = self.flexibility();
+    pub(super) fn solve_flexibility_state(
+        &self,
+        state: &ContactState,
+        interface: &InterfaceResidual,
+    ) -> Result<Response, OutOfMemory> {
+        let p = self.flexibility()?;
         let closing = self.closing(p, interface, &vec![0.0; self.len()]);
         let mut reaction = vec![0.0; self.len()];
         let mut gap = vec![0.0; self.len()];
         let mut solved = vec![false; self.len()];
-        let mut found = Mat::zeros(0, 1);
+        let mut found = Vec::new();
         if let StateFactor::Flexibility(factor) = &state.factor {
-            found = Mat::from_fn(state.unknown.len(), 1, |r, _| -closing[state.unknown[r]]);
-            factor.solve_in_place(found.as_mut());
-            for (r, &i) in state.unknown.iter().enumerate() {
+            found = state.unknown.iter().map(|&i| -closing[i]).collect();
+            let size = found.len();
+            factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut found, size, 1))?;
+            for (&i, &value) in state.unknown.iter().zip(&found) {
                 let side = if state.closed[i] { &mut reaction } else { &mut gap };
-                side[i] = found[(r, 0)];
+                side[i] = value;
                 solved[i] = true;
             }
         }
         for i in (0..self.len()).filter(|&i| !solved[i]) {
-            let of_others = |(r, &j): (usize, &usize)| self.column(p, &state.closed, i, j) * found[(r, 0)];
-            let rest = closing[i] + state.unknown.iter().enumerate().map(of_others).sum::<f64>();
+            let of_others = |(&j, value): (&usize, &f64)| self.column(p, &state.closed, i, j) * value;
+            let rest = closing[i] + state.unknown.iter().zip(&found).map(of_others).sum::<f64>();
             if state.closed[i] {
                 reaction[i] = rest / self.compliance[i];
             } else {
@@ -165,6 +170,6 @@ impl Condensed {
         }
         let moved =
             (0..self.len()).map(|i| interface.remaining[i] - gap[i] + self.compliance[i] * reaction[i]).collect();
-        Response { reaction, gap, moved }
+        Ok(Response { reaction, gap, moved })
     }
 }

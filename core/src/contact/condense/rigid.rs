@@ -6,8 +6,10 @@
 
 use super::condensed::{Condensed, InterfaceResidual, PosedLcp};
 use crate::contact::tolerances;
-use faer::Mat;
+use crate::dense::{self, OutOfMemory};
+use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
+use faer::{Accum, Mat, MatRef};
 
 /// The free motions in an LCP, as far as they do not depend on the load.
 pub(crate) struct FreeMotions {
@@ -21,16 +23,9 @@ pub(crate) struct FreeMotions {
 }
 
 impl Condensed {
-    /// The LCP with the free motions imposed: M_JJ ← QM_JJQ with Q = I − N_J(N_JᵀN_J)⁻¹N_Jᵀ, and M_OJ, q_J moved by the
-    /// least that satisfies their equations.
-    pub(crate) fn balanced(&self, mut lcp: PosedLcp, interface: &InterfaceResidual) -> PosedLcp {
-        let motions = self.impose_motions(&mut lcp);
-        motions.balance(&mut lcp.q, interface);
-        lcp
-    }
-
-    /// Imposes the free motions on M, which no load has a part in.
-    pub(crate) fn impose_motions(&self, lcp: &mut PosedLcp) -> FreeMotions {
+    /// Imposes the free motions on M, which no load has a part in: M_JJ ← QM_JJQ with Q = I − N_J(N_JᵀN_J)⁻¹N_Jᵀ, and M_OJ
+    /// moved by the least that satisfies its equation.
+    pub(crate) fn impose_motions(&self, lcp: &mut PosedLcp) -> Result<FreeMotions, OutOfMemory> {
         let free = self.moves.ncols();
         let order = lcp.q.len();
         let inside = lcp.gap_is_z.iter().filter(|&&gap| gap).count();
@@ -40,22 +35,25 @@ impl Condensed {
         let held = (0..inside).map(sum).collect();
         let projected = order > inside || self.stiffness.is_none();
         if free == 0 {
-            return FreeMotions { dual: n.clone(), moves: n, held, projected };
+            return Ok(FreeMotions { dual: n.clone(), moves: n, held, projected });
         }
         let gram = n.transpose() * &n;
         let dual = gram.partial_piv_lu().solve(n.transpose()).transpose().to_owned();
 
-        let mut within = Mat::from_fn(inside, inside, |r, c| lcp.matrix[r * order + c]);
+        let mut within = dense::matrix(inside, inside, |r, c| lcp.matrix[r * order + c])?;
         let before: Vec<f64> = (0..inside).map(|r| within[(r, r)].abs()).collect();
-        within = &within - &dual * (n.transpose() * &within);
-        within = &within - (&within * &n) * dual.transpose();
+        let across = n.transpose() * &within;
+        subtract_product(&mut within, &dual, across.as_ref());
+        let along = &within * &n;
+        subtract_product(&mut within, &along, dual.transpose());
         // Nothing resists the gap of a point from which little is left: what was there was rounding.
         let loose: Vec<bool> = (0..inside)
             .map(|r| inside == free || within[(r, r)] <= tolerances::interface::PROJECTED * before[r])
             .collect();
-        let mut across = Mat::from_fn(order - inside, inside, |r, c| lcp.matrix[(inside + r) * order + c]);
+        let mut across = dense::matrix(order - inside, inside, |r, c| lcp.matrix[(inside + r) * order + c])?;
         let outside = Mat::from_fn(order - inside, free, |r, k| moves(inside + r, k));
-        across = &across + (&outside - &across * &n) * dual.transpose();
+        let missed = &across * &n - &outside;
+        subtract_product(&mut across, &missed, dual.transpose());
         for r in 0..order - inside {
             for c in 0..inside {
                 let size: f64 = (0..free).map(|k| (outside[(r, k)] * dual[(c, k)]).abs()).sum();
@@ -74,7 +72,7 @@ impl Condensed {
                 lcp.matrix[r * order + inside + c] = -across[(c, r)];
             }
         }
-        FreeMotions { moves: n, dual, held, projected }
+        Ok(FreeMotions { moves: n, dual, held, projected })
     }
 
     /// Displacements of the points without the free motion nearest to them, which no reaction answers.
@@ -118,4 +116,10 @@ impl FreeMotions {
             }
         }
     }
+}
+
+/// from ← from − left · right, where right has few rows.
+fn subtract_product(from: &mut Mat<f64>, left: &Mat<f64>, right: MatRef<'_, f64>) {
+    let parallelism = dense::parallelism(from.nrows());
+    matmul(from.as_mut(), Accum::Add, left, right, -1.0, parallelism);
 }

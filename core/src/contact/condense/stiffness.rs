@@ -1,8 +1,8 @@
 //! The plate at its contact points by stiffness: reaction = f̂ − S y.
 
 use super::condensed::{Condensed, ContactState, InterfaceResidual, PosedLcp, Response, StateFactor};
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use crate::dense::{self, Cholesky, Lu, OutOfMemory, row_major};
+use faer::Mat;
 
 impl Condensed {
     /// M = (I + SC)⁻¹S, q = (I + SC)⁻¹(f̂ + reaction − S(remaining − C·reaction)).
@@ -11,7 +11,7 @@ impl Condensed {
         stiffness: &Mat<f64>,
         interface: &InterfaceResidual,
         reaction: &[f64],
-    ) -> PosedLcp {
+    ) -> Result<PosedLcp, OutOfMemory> {
         let m = self.len();
         let travel: Vec<f64> = (0..m).map(|i| interface.remaining[i] - self.compliance[i] * reaction[i]).collect();
         let travel = self.without_rigid_motion(&travel);
@@ -20,35 +20,39 @@ impl Condensed {
             .collect();
         let point: Vec<usize> = (0..m).filter(|&i| !self.two_sided[i]).collect();
         let matrix: Vec<f64> = if self.compliance.iter().all(|&c| c == 0.0) {
-            point.iter().flat_map(|&i| point.iter().map(move |&j| stiffness[(i, j)])).collect()
+            row_major(point.len(), point.len(), |r, c| stiffness[(point[r], point[c])])?
         } else {
-            let coupled = Mat::from_fn(m, m, |i, j| {
+            let coupled = dense::matrix(m, m, |i, j| {
                 let through = stiffness[(i, j)] * self.compliance[j];
                 if i == j { 1.0 + through } else { through }
-            });
-            let mut right = Mat::from_fn(m, m + 1, |i, j| if j < m { stiffness[(i, j)] } else { q[i] });
-            coupled.partial_piv_lu().solve_in_place(right.as_mut());
+            })?;
+            let mut right = dense::matrix(m, m + 1, |i, j| if j < m { stiffness[(i, j)] } else { q[i] })?;
+            Lu::of(coupled)?.solve_in_place(right.as_mut())?;
             q = (0..m).map(|i| right[(i, m)]).collect();
-            let entry = |i: usize, j: usize| 0.5 * (right[(i, j)] + right[(j, i)]);
-            point.iter().flat_map(|&i| point.iter().map(move |&j| entry(i, j))).collect()
+            let even = |i: usize, j: usize| 0.5 * (right[(i, j)] + right[(j, i)]);
+            row_major(point.len(), point.len(), |r, c| even(point[r], point[c]))?
         };
         let q = point.iter().map(|&i| q[i]).collect();
-        PosedLcp { matrix, q, gap_is_z: vec![true; point.len()], point }
+        Ok(PosedLcp { matrix, q, gap_is_z: vec![true; point.len()], point })
     }
 
     /// Points whose displacement is not known: open ones, and closed ones on springs.
-    pub(super) fn stiffness_state(&self, stiffness: &Mat<f64>, closed: Vec<bool>) -> Option<ContactState> {
+    pub(super) fn stiffness_state(
+        &self,
+        stiffness: &Mat<f64>,
+        closed: Vec<bool>,
+    ) -> Result<Option<ContactState>, OutOfMemory> {
         let unknown: Vec<usize> = (0..self.len()).filter(|&i| !closed[i] || self.compliance[i] > 0.0).collect();
         if unknown.is_empty() {
-            return Some(ContactState { closed, unknown, factor: StateFactor::Nothing });
+            return Ok(Some(ContactState { closed, unknown, factor: StateFactor::Nothing }));
         }
-        let matrix = Mat::from_fn(unknown.len(), unknown.len(), |r, c| {
+        let matrix = dense::matrix(unknown.len(), unknown.len(), |r, c| {
             let (i, j) = (unknown[r], unknown[c]);
             let spring = if i == j && closed[i] { 1.0 / self.compliance[i] } else { 0.0 };
             stiffness[(i, j)] + spring
-        });
-        let factor = matrix.llt(Side::Lower).ok()?;
-        Some(ContactState { closed, unknown, factor: StateFactor::Stiffness(factor) })
+        })?;
+        let Some(factor) = Cholesky::of(matrix)? else { return Ok(None) };
+        Ok(Some(ContactState { closed, unknown, factor: StateFactor::Stiffness(factor) }))
     }
 
     pub(super) fn solve_stiffness_state(

@@ -27,10 +27,15 @@ pub(crate) struct ActiveFactor<'a> {
 
 impl<'a> ActiveFactor<'a> {
     /// `None` if two-sided points contradict each other.
-    pub(crate) fn of(problem: &'a ContactProblem, given: &'a Factored, limit: f64, shares: bool) -> Option<Self> {
-        let state = given.condensed.state(problem.constraints.two_sided.clone())?;
+    pub(crate) fn of(
+        problem: &'a ContactProblem,
+        given: &'a Factored,
+        limit: f64,
+        shares: bool,
+    ) -> Result<Option<Self>, FactorError> {
+        let Some(state) = given.condensed.state(problem.constraints.two_sided.clone())? else { return Ok(None) };
         let penalty = problem.active.penalized(limit);
-        Some(Self { problem, limit, penalty, given, own: None, state, shares, gradients: 0, factorizations: 0 })
+        Ok(Some(Self { problem, limit, penalty, given, own: None, state, shares, gradients: 0, factorizations: 0 }))
     }
 
     pub(crate) fn factored(&self) -> &Factored {
@@ -58,7 +63,7 @@ impl<'a> ActiveFactor<'a> {
             let carried = full.map(|((&c, &k), &open)| if c { k } else { open }).collect();
             match self.problem.refactored(carried) {
                 Ok(found) => {
-                    let Some(state) = found.condensed.state(self.problem.constraints.two_sided.clone()) else {
+                    let Some(state) = found.condensed.state(self.problem.constraints.two_sided.clone())? else {
                         continue;
                     };
                     self.state = state;

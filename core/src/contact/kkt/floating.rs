@@ -96,7 +96,7 @@ impl Held {
 
     /// The rigid motion that balances a step's resultants by springs and closed points alone, and the increments of reaction
     /// that go with it.
-    fn response(&self, step: &Residual) -> Correction {
+    pub(super) fn response(&self, step: &Residual) -> Correction {
         let Self { floating, compliance, matrix } = self;
         let mut right = floating.resultants(&step.imbalance);
         for (i, c) in compliance.iter().enumerate().filter_map(|(i, c)| Some((i, (*c)?))) {
@@ -111,18 +111,6 @@ impl Held {
             |(i, c): (usize, &Option<f64>)| c.map_or(0.0, |c| (along(&floating.points[i]) - step.remaining[i]) / c);
         let reaction = compliance.iter().enumerate().map(push).collect();
         Correction { rigid: floating.motion(amount), nodal: vec![0.0; step.imbalance.len()], reaction }
-    }
-
-    /// A rigid motion first, then what a solver makes of the rest.
-    pub(super) fn before(
-        &self,
-        problem: &ContactProblem,
-        load: &[f64],
-        step: &Residual,
-        solution: &ContactSolution,
-        solver: impl FnOnce(&Residual) -> Result<Option<Correction>, FactorError>,
-    ) -> Result<Option<Correction>, FactorError> {
-        after_rigid(problem, load, self.response(step), solution, solver)
     }
 }
 

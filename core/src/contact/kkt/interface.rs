@@ -62,7 +62,7 @@ impl ContactProblem {
         let leading = forward.len() - self.numbering.trailing;
         let mut reaction = Vec::new();
         if !with.condensed.is_empty() {
-            let response = with.condensed.solve_state(state, &interface);
+            let response = with.condensed.solve_state(state, &interface)?;
             if with.condensed.better_form() == Form::Stiffness {
                 forward[leading..].copy_from_slice(&with.condensed.prescribing(&response.moved));
             } else {

@@ -2,7 +2,7 @@
 //! (Rockafellar 1976) takes the excess of back.
 
 use super::active_factor::ActiveFactor;
-use super::floating::Held;
+use super::floating::{Held, after_rigid};
 use super::refinement::{Correction, KktSolver};
 use super::residual::Residual;
 use crate::cholesky::FactorError;
@@ -19,14 +19,20 @@ pub(super) struct Penalized<'a> {
 
 impl<'a> Penalized<'a> {
     /// `closed` is of all points, in the problem's order; `None` if two-sided points contradict each other.
-    pub(super) fn of(problem: &'a ContactProblem, given: &'a Factored, closed: &[bool]) -> Option<Self> {
-        let factor = ActiveFactor::of(problem, given, tolerances::newton::STIFFEST, false)?;
+    pub(super) fn of(
+        problem: &'a ContactProblem,
+        given: &'a Factored,
+        closed: &[bool],
+    ) -> Result<Option<Self>, FactorError> {
+        let Some(factor) = ActiveFactor::of(problem, given, tolerances::newton::STIFFEST, false)? else {
+            return Ok(None);
+        };
         let softened = problem.active.compliance.iter().zip(&factor.penalty.series).map(|(c, s)| c + s);
         let compliance: Vec<f64> = problem.constraints.compliance.iter().copied().chain(softened).collect();
         // Beside rigid two-sided points the three equations are not all that holds.
         let alone = problem.constraints.rows.is_empty();
         let held = if alone { Held::by(problem, &compliance, closed) } else { None };
-        Some(Self { factor, closed: closed[problem.constraints.rows.len()..].to_vec(), held })
+        Ok(Some(Self { factor, closed: closed[problem.constraints.rows.len()..].to_vec(), held }))
     }
 
     pub(super) fn into_own(self) -> Option<Factored> {
@@ -76,7 +82,7 @@ impl KktSolver for Penalized<'_> {
             None => self.eliminated(step),
             Some(held) => {
                 let problem = self.factor.problem;
-                let found = held.before(problem, load, step, solution, |step| self.eliminated(step));
+                let found = after_rigid(problem, load, held.response(step), solution, |rest| self.eliminated(rest));
                 self.held = Some(held);
                 found
             }

@@ -13,11 +13,13 @@ use super::shears::Shears;
 use crate::assembly::{HELD, assemble_thick};
 use crate::contact::problem::ContactProblem;
 use crate::contact::tolerances;
+use crate::dense::OutOfMemory;
 use crate::double_double::DoubleDouble;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::solvers::Lu;
-use faer::sparse::{SparseColMat, Triplet};
+use faer::sparse::{FaerError, SparseColMat, Triplet};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Right-hand sides for which the factor is read once: two registers of the widest machines.
@@ -39,7 +41,7 @@ pub(crate) struct Saddle {
 
 impl Saddle {
     /// `None` if the system is singular.
-    pub(crate) fn of(regularized: &Regularized, closed: &[bool]) -> Option<Self> {
+    pub(crate) fn of(regularized: &Regularized, closed: &[bool]) -> Result<Option<Self>, OutOfMemory> {
         let problem = regularized.problem;
         let (plate, constraints, numbering) = (&problem.plate, &problem.constraints, &problem.numbering);
         let points: Vec<usize> = (0..closed.len()).filter(|&i| closed[i]).collect();
@@ -89,8 +91,12 @@ impl Saddle {
             [Some(Triplet::new(row, column, value)), mirrored]
         };
         let triplets: Vec<_> = entries.iter().flat_map(both).flatten().collect();
-        let matrix = SparseColMat::try_new_from_triplets(unit.len(), unit.len(), &triplets).ok()?;
-        Some(Self { factor: matrix.sp_lu().ok()?, points, entries, unit })
+        let matrix = SparseColMat::try_new_from_triplets(unit.len(), unit.len(), &triplets).map_err(|_| OutOfMemory)?;
+        match matrix.sp_lu() {
+            Ok(factor) => Ok(Some(Self { factor, points, entries, unit })),
+            Err(LuError::Generic(FaerError::OutOfMemory)) => Err(OutOfMemory),
+            Err(_) => Ok(None),
+        }
     }
 
     /// The motion of the nodes and the increments of reaction that an imbalance and what is left of the gaps ask for.

@@ -68,10 +68,10 @@ impl ContactProblem {
         let mut refine = |solver: &mut dyn KktSolver| self.refine(load, how.least, solver, step.clone(), &mut solution);
         let left = if how.uncondensed {
             let regularized = Regularized::of(self, tolerances::proximal::COMPLIANCE);
-            regularized.on(closed).map(|mut on| refine(&mut on)).transpose()?
+            regularized.on(closed)?.map(|mut on| refine(&mut on)).transpose()?
         } else if self.active.is_empty() {
             let with = &self.base;
-            let state = with.condensed.state(closed.to_vec());
+            let state = with.condensed.state(closed.to_vec())?;
             let interface = state.as_ref().map(|state| Interface { problem: self, with, state, reduced: None });
             interface.map(|mut interface| refine(&mut interface)).transpose()?
         } else {
@@ -79,7 +79,7 @@ impl ContactProblem {
             let mut own = None;
             let mut left = None;
             if let Some(mut penalized) =
-                Penalized::of(self, given.as_ref().unwrap_or(&self.base), &self.in_place(closed))
+                Penalized::of(self, given.as_ref().unwrap_or(&self.base), &self.in_place(closed))?
             {
                 left = Some(refine(&mut penalized)?);
                 own = penalized.into_own();

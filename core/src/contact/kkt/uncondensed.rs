@@ -19,9 +19,10 @@ pub(crate) struct Uncondensed<'a> {
 
 impl<'a> Regularized<'a> {
     /// `None` if the equations are singular.
-    pub(crate) fn on(&self, closed: &[bool]) -> Option<Uncondensed<'a>> {
-        let saddle = Saddle::of(self, closed)?;
-        Some(Uncondensed { problem: self.problem, saddle, held: Held::by(self.problem, &self.compliance, closed) })
+    pub(crate) fn on(&self, closed: &[bool]) -> Result<Option<Uncondensed<'a>>, FactorError> {
+        let Some(saddle) = Saddle::of(self, closed)? else { return Ok(None) };
+        let held = Held::by(self.problem, &self.compliance, closed);
+        Ok(Some(Uncondensed { problem: self.problem, saddle, held }))
     }
 }
 
@@ -42,7 +43,7 @@ impl Uncondensed<'_> {
         };
         let solver = |step: &Residual| Ok(Some(solved(step)));
         if let Some(held) = self.held.as_ref().filter(|_| settling) {
-            return held.before(problem, load, step, solution, solver);
+            return after_rigid(problem, load, held.response(step), solution, solver);
         }
         let found = solved(step);
         if problem.held.contains(&true) {

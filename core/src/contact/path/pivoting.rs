@@ -1,26 +1,28 @@
 //! From basis to basis of the condensed points' LCP.
 
+use super::follower::Follower;
 use super::line::{Line, standing_on};
-use super::load::{PathEnd, PathLoad};
+use super::load::PathEnd;
 use super::trail::Trail;
 use crate::cholesky::FactorError;
-use crate::contact::condense::{Form, InterfaceResidual};
-use crate::contact::kkt::{OnSet, Residual};
+use crate::contact::condense::PosedLcp;
+use crate::contact::kkt::Residual;
+use crate::contact::lcp::in_memory;
 use crate::contact::problem::ContactProblem;
-use crate::contact::solution::differing;
+use crate::contact::solution::{Progress, differing};
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
 
 /// The bases of the LCP along a path, and the contact set of each.
 type Pivoted = (ParametricPath, Vec<Vec<bool>>);
 
-impl ContactProblem {
+impl Follower<'_> {
     /// As [`ContactProblem::path`], from the solution at t = 0 on. Where rounding stops the pivots it goes on in steps.
-    pub(super) fn pivot_along(&self, load: &PathLoad, trail: &mut Trail) -> Result<PathEnd, FactorError> {
-        let Some((found, sets)) = self.pivoted(load, &trail.here().closed)? else {
-            return self.step_along(load, 0.0, trail);
+    pub(super) fn pivot_along(&mut self, trail: &mut Trail) -> Result<PathEnd, FactorError> {
+        let load = self.load;
+        let Some((found, sets)) = self.pivoted(&trail.here().closed)? else {
+            return self.step_along(0.0, trail);
         };
-        let mut how = OnSet::default();
         let mut t = 0.0;
         for (k, segment) in found.segments.iter().enumerate() {
             let far = match segment.to.min(load.end.max(segment.from)) {
@@ -28,8 +30,8 @@ impl ContactProblem {
                 _ => segment.from + load.span(segment.from),
             };
             let line = match standing_on(trail.here(), &sets[k]) {
-                Some(from) if far > t => self.line_from(load, from, [t, far], &mut how)?,
-                _ => self.line(load, &sets[k], [segment.from, far], None, &mut how)?,
+                Some(from) if far > t => self.line_from(from, [t, far])?,
+                _ => self.line(&sets[k], [segment.from, far], None)?,
             };
             let next = sets.get(k + 1);
             let to = line.as_ref().map_or(far, |line| {
@@ -44,8 +46,9 @@ impl ContactProblem {
             // An event that rounding alone brings is none, nor are those that pivots find beyond it.
             let real =
                 |line: &Line| next.is_none_or(|next| differing(next, &sets[k]).into_iter().any(|i| line.fall(i) > 0.0));
-            let Some(line) = line.filter(|line| real(line) && self.signs_hold_on(line, t, to.min(load.end))) else {
-                return self.step_along(load, t, trail);
+            let Some(line) = line.filter(|line| real(line) && line.signs_hold(self.one_sided(), t, to.min(load.end)))
+            else {
+                return self.step_along(t, trail);
             };
             if !trail.leave(t, &line) {
                 return Ok(PathEnd::Interrupted);
@@ -63,36 +66,39 @@ impl ContactProblem {
             }
             trail.arrive(&line, t);
         }
-        let end = self.step_along(load, t, trail)?;
+        let end = self.step_along(t, trail)?;
         let infeasible = found.end == ParametricEnd::Infeasible && end == PathEnd::Unsolved;
         Ok(if infeasible { PathEnd::NoEquilibrium } else { end })
     }
 
     /// The bases of the LCP along the path, and the contact set of each.
-    fn pivoted(&self, load: &PathLoad, closed: &[bool]) -> Result<Option<Pivoted>, FactorError> {
-        let condensed = &self.base.condensed;
+    fn pivoted(&mut self, closed: &[bool]) -> Result<Option<Pivoted>, FactorError> {
+        let (problem, load) = (self.problem, self.load);
+        let condensed = &problem.base.condensed;
         let form = condensed.better_form();
-        let rest = self.at_rest(load.held_value);
-        let posed = condensed.lcp(form, &self.interface(&self.residual(load.start, &rest), form)?, &rest.reaction);
-        let rate = self.without_travel(load.add, &vec![0.0; load.add.len()]);
-        let along = condensed.lcp(form, &self.interface(&rate, form)?, &rest.reaction).q;
-        let basis = condensed.basis(&posed, closed);
-        let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| parametric(&lcp, &along, &basis, load.end));
-        let Ok(found) = solved else { return Ok(None) };
-        let sets = found.segments.iter().map(|segment| condensed.closed_points(&posed, &segment.basis)).collect();
-        Ok(Some((found, sets)))
+        let rest = problem.at_rest(load.held_value);
+        let posed = |step: &Residual| -> Result<PosedLcp, FactorError> {
+            let reduced = problem.reduced(&problem.base, step, form)?;
+            Ok(condensed.lcp(form, &reduced.interface, &rest.reaction)?)
+        };
+        let begin = posed(&problem.residual(load.start, &rest))?;
+        let along = posed(&problem.without_travel(load.add))?.q;
+        let basis = condensed.basis(&begin, closed);
+        let mut watch = |step| self.goes_on(Progress { step, changing: 0, residual: 0.0 });
+        let solved =
+            Lcp::new(&begin.matrix, &begin.q).and_then(|lcp| parametric(&lcp, &along, &basis, load.end, &mut watch));
+        Ok(in_memory(solved)?.map(|found| {
+            let sets = found.segments.iter().map(|segment| condensed.closed_points(&begin, &segment.basis)).collect();
+            (found, sets)
+        }))
     }
+}
 
-    fn interface(&self, step: &Residual, form: Form) -> Result<InterfaceResidual, FactorError> {
-        Ok(self.reduced(&self.base, step, form)?.interface)
-    }
-
+impl ContactProblem {
     /// A load by itself: no gaps, nothing held elsewhere than at zero.
-    fn without_travel(&self, load: &[f64], still: &[f64]) -> Residual {
-        let rest = self.at_rest(still);
-        let mut imbalance = load.to_vec();
-        self.release_held(&mut imbalance);
-        let step = self.residual_of(imbalance, load, &rest);
+    fn without_travel(&self, load: &[f64]) -> Residual {
+        let rest = self.at_rest(&vec![0.0; load.len()]);
+        let step = self.residual_of(load.to_vec(), load, &rest);
         Residual { remaining: vec![0.0; rest.reaction.len()], ..step }
     }
 }

@@ -1,25 +1,23 @@
 //! From event to event on the sparse K.
 
+use super::follower::Follower;
 use super::line::{Line, standing_on};
-use super::load::{MOST_EVENTS, PathEnd, PathLoad};
+use super::load::{MOST_EVENTS, PathEnd};
 use super::trail::Trail;
 use crate::cholesky::FactorError;
-use crate::contact::kkt::OnSet;
-use crate::contact::problem::ContactProblem;
 use crate::contact::solution::{ContactSolution, Outcome};
-use crate::contact::start::Start;
 use crate::contact::tolerances;
 
 /// Times that points which move the wrong way from an event on are switched.
 const ROUNDS: usize = 20;
 
-impl ContactProblem {
+impl Follower<'_> {
     /// As [`ContactProblem::path`], from some t on.
-    pub(super) fn step_along(&self, load: &PathLoad, mut t: f64, trail: &mut Trail) -> Result<PathEnd, FactorError> {
-        let mut how = OnSet { uncondensed: load.proximal, ..OnSet::default() };
+    pub(super) fn step_along(&mut self, mut t: f64, trail: &mut Trail) -> Result<PathEnd, FactorError> {
+        let load = self.load;
         let mut closed = trail.here().closed.clone();
         for _ in 0..=MOST_EVENTS {
-            let Some(line) = self.leaving(load, t, &closed, trail.here(), &mut how)? else {
+            let Some(mut line) = self.leaving(t, &closed, trail.here())? else {
                 return Ok(trail.stuck(t, PathEnd::Unsolved));
             };
             if !trail.leave(t, &line) {
@@ -27,10 +25,9 @@ impl ContactProblem {
             }
             let (mut to, mut points) = self.next_event(&line, t);
             let reach = to.min(load.end);
-            let mut line = line;
             if reach > line.at[1] && reach.is_finite() {
                 // Beyond its far end a line is less exact than up to it.
-                if let Some(longer) = self.line_from(load, line.ends[0].clone(), [t, reach], &mut how)? {
+                if let Some(longer) = self.line_from(line.ends[0].clone(), [t, reach])? {
                     line = longer;
                     (to, points) = self.next_event(&line, t);
                 }
@@ -51,21 +48,14 @@ impl ContactProblem {
     }
 
     /// The line that leaves from t, beginning with a set that may be right.
-    fn leaving(
-        &self,
-        load: &PathLoad,
-        t: f64,
-        closed: &[bool],
-        here: &ContactSolution,
-        how: &mut OnSet,
-    ) -> Result<Option<Line>, FactorError> {
-        let span = load.span(t);
+    fn leaving(&mut self, t: f64, closed: &[bool], here: &ContactSolution) -> Result<Option<Line>, FactorError> {
+        let span = self.load.span(t);
         let mut set = closed.to_vec();
         for _ in 0..ROUNDS {
             let at = [t, t + span];
             let line = match standing_on(here, &set) {
-                Some(from) => self.line_from(load, from, at, how)?,
-                None => self.line(load, &set, at, Some(here), how)?,
+                Some(from) => self.line_from(from, at)?,
+                None => self.line(&set, at, Some(here))?,
             };
             let Some(line) = line else {
                 break;
@@ -77,29 +67,11 @@ impl ContactProblem {
             }
         }
         for part in tolerances::path::BEYOND {
-            let start = Start {
-                displacement: &here.displacement.hi,
-                reaction: &here.reaction,
-                closed: &here.closed,
-                factored: how.own.as_ref(),
-                balanced: None,
-            };
-            let beyond = load.at(t + part * span);
-            let near = if load.proximal {
-                self.solve_by_proximal_steps(
-                    &beyond,
-                    load.held_value,
-                    tolerances::proximal::COMPLIANCE,
-                    None,
-                    &mut |_| true,
-                )?
-            } else {
-                self.solve_from(&beyond, load.held_value, &start, &mut |_| true)?
-            };
+            let near = self.solution(t + part * span, Some(here))?;
             if near.outcome != Outcome::Solved {
                 continue;
             }
-            if let Some(line) = self.line(load, &near.closed, [t, t + span], Some(&near), how)?
+            if let Some(line) = self.line(&near.closed, [t, t + span], Some(&near))?
                 && self.wrong(&line).is_some_and(|points| points.is_empty())
             {
                 return Ok(Some(line));

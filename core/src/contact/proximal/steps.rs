@@ -45,7 +45,7 @@ impl Steps<'_> {
             // A set that was solved for before may be right where rounding would have the LCP choose another.
             let chosen = match given.take() {
                 Some(set) => Ok(set),
-                None => Subproblem::contact_set(&mut subproblem, regularized, &step, &mut near, watch),
+                None => Subproblem::contact_set(&mut subproblem, regularized, &step, &mut near, watch)?,
             };
             near.closed = match chosen {
                 Ok(closed) => closed,
@@ -55,7 +55,7 @@ impl Steps<'_> {
             let same = number > 0 && changing == 0;
             before.clone_from(&near.closed);
             if !same {
-                equations = regularized.on(&near.closed);
+                equations = regularized.on(&near.closed)?;
             }
             let Some(equations) = &mut equations else {
                 return Ok(near.failed(Outcome::Unsolved));

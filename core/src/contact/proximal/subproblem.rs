@@ -1,8 +1,10 @@
 //! The complementarity problem of one proximal step.
 
+use crate::cholesky::FactorError;
 use crate::contact::kkt::{Regularized, Residual, Saddle, TOGETHER};
-use crate::contact::solution::{ContactSolution, Outcome, Progress, pivoting};
-use crate::lcp::{Lcp, LcpStatus, LemkeOptions, lemke_watched};
+use crate::contact::lcp::Asked;
+use crate::contact::solution::{ContactSolution, Outcome, Progress};
+use crate::dense::{OutOfMemory, zeros};
 use rayon::prelude::*;
 
 /// What one-sided points do to each other where the two-sided ones hold: the proximal step's M.
@@ -14,14 +16,14 @@ pub(super) struct Subproblem {
 
 impl Subproblem {
     /// `None` if what is two-sided contradicts itself beyond the arithmetic.
-    fn of(regularized: &Regularized) -> Option<Self> {
+    fn of(regularized: &Regularized) -> Result<Option<Self>, OutOfMemory> {
         let problem = regularized.problem;
         let two_sided = &problem.constraints.two_sided;
-        let held = Saddle::of(regularized, two_sided)?;
+        let Some(held) = Saddle::of(regularized, two_sided)? else { return Ok(None) };
         let points: Vec<usize> = (0..two_sided.len()).filter(|&i| !two_sided[i]).collect();
         let (rows, plate) = (&problem.constraints.rows, &problem.plate);
         // The matrix is symmetric, so that what a push does everywhere is a row.
-        let mut matrix = vec![0.0; points.len() * points.len()];
+        let mut matrix = zeros(points.len() * points.len())?;
         matrix.par_chunks_mut((TOGETHER * points.len()).max(1)).enumerate().for_each(|(block, lines)| {
             let pushes: [Vec<f64>; TOGETHER] = std::array::from_fn(|k| {
                 let mut push = vec![0.0; plate.dof_count()];
@@ -39,7 +41,7 @@ impl Subproblem {
                 line[at] += regularized.compliance[points[at]];
             }
         });
-        Some(Self { held, points, matrix })
+        Ok(Some(Self { held, points, matrix }))
     }
 
     /// The contact set of one proximal step; M is made when it is first asked for.
@@ -49,17 +51,17 @@ impl Subproblem {
         step: &Residual,
         near: &mut ContactSolution,
         watch: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<Vec<bool>, Outcome> {
+    ) -> Result<Result<Vec<bool>, Outcome>, FactorError> {
         let problem = regularized.problem;
         let mut closed = problem.constraints.two_sided.clone();
         if closed.iter().all(|&both| both) {
-            return Ok(closed);
+            return Ok(Ok(closed));
         }
         if made.is_none() {
-            *made = Self::of(regularized);
+            *made = Self::of(regularized)?;
         }
         let Some(Self { held, points, matrix }) = made else {
-            return Err(Outcome::Unsolved);
+            return Ok(Err(Outcome::Unsolved));
         };
         let (nodal, _) = held.response(problem, &step.imbalance, &step.remaining);
         let gap = |(row, &point): (usize, &usize)| {
@@ -69,22 +71,10 @@ impl Subproblem {
         };
         let q: Vec<f64> = points.iter().enumerate().map(gap).collect();
         let basis: Vec<bool> = points.iter().map(|&point| near.closed[point]).collect();
-        let covering = problem.covering(points, &vec![false; points.len()]);
-        let options = LemkeOptions { covering: Some(&covering), ..LemkeOptions::default() };
-        let found =
-            Lcp::new(matrix, &q).and_then(|lcp| lemke_watched(&lcp, &options, Some(&basis), &mut pivoting(watch)));
-        let Ok(found) = found else {
-            return Err(Outcome::Unsolved);
-        };
-        near.pivots += found.pivots;
-        match found.status {
-            LcpStatus::Solved => {
-                points.iter().zip(&found.basis).for_each(|(&point, &basic)| closed[point] = basic);
-                Ok(closed)
-            }
-            LcpStatus::Ray => Err(Outcome::NoEquilibrium),
-            LcpStatus::PivotLimit => Err(Outcome::Unsolved),
-            LcpStatus::Interrupted => Err(Outcome::Interrupted),
-        }
+        let asked = Asked { matrix, q: &q, points, gap_is_z: &vec![false; points.len()], basis: Some(&basis) };
+        Ok(problem.solve_lcp(&asked, &mut near.pivots, watch)?.map(|basis| {
+            points.iter().zip(&basis).for_each(|(&point, &basic)| closed[point] = basic);
+            closed
+        }))
     }
 }

@@ -1,0 +1,117 @@
+//! Who follows a path: what solves it from one line to the next, and is watched.
+
+use super::line::Line;
+use super::load::PathLoad;
+use crate::cholesky::FactorError;
+use crate::contact::kkt::OnSet;
+use crate::contact::problem::ContactProblem;
+use crate::contact::solution::{ContactSolution, Outcome, Progress};
+use crate::contact::start::Start;
+use crate::contact::tolerances;
+
+/// Who follows the path of one load.
+pub(super) struct Follower<'a> {
+    pub problem: &'a ContactProblem,
+    pub load: &'a PathLoad<'a>,
+    /// How the equations of its contact sets are solved.
+    how: OnSet,
+    watch: &'a mut dyn FnMut(Progress) -> bool,
+    /// Whether whoever watches wanted no more.
+    pub interrupted: bool,
+    lines: usize,
+}
+
+impl<'a> Follower<'a> {
+    pub fn new(
+        problem: &'a ContactProblem,
+        load: &'a PathLoad<'a>,
+        watch: &'a mut dyn FnMut(Progress) -> bool,
+    ) -> Self {
+        let how = OnSet { uncondensed: load.proximal, ..OnSet::default() };
+        Self { problem, load, how, watch, interrupted: false, lines: 0 }
+    }
+
+    /// Whether to go on.
+    pub fn goes_on(&mut self, now: Progress) -> bool {
+        self.interrupted = self.interrupted || !(self.watch)(now);
+        !self.interrupted
+    }
+
+    /// The solution at one t, beginning with another if there is one.
+    pub fn solution(&mut self, t: f64, near: Option<&ContactSolution>) -> Result<ContactSolution, FactorError> {
+        let PathLoad { held_value, proximal, .. } = *self.load;
+        let (problem, load) = (self.problem, self.load.at(t));
+        let own = self.how.own.take();
+        let start = near.map(|near| Start {
+            displacement: &near.displacement.hi,
+            reaction: &near.reaction,
+            closed: &near.closed,
+            factored: own.as_ref(),
+            balanced: None,
+        });
+        let mut watch = |now| self.goes_on(now);
+        let found = match &start {
+            _ if proximal => {
+                let part = tolerances::proximal::COMPLIANCE;
+                problem.solve_by_proximal_steps(&load, held_value, part, None, &mut watch)
+            }
+            Some(start) => problem.solve_from(&load, held_value, start, &mut watch),
+            None => problem.solve(&load, held_value, None, &mut watch),
+        };
+        self.how.own = own;
+        found
+    }
+
+    /// The line on a contact set; `None` where that leaves the plate free.
+    pub fn line(
+        &mut self,
+        closed: &[bool],
+        at: [f64; 2],
+        start: Option<&ContactSolution>,
+    ) -> Result<Option<Line>, FactorError> {
+        match self.solution_on(closed, at, 0, start)? {
+            Some(from) => self.line_from(from, at),
+            None => Ok(None),
+        }
+    }
+
+    /// The line on the contact set of a solution, which holds at the first of two t.
+    pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line>, FactorError> {
+        let Some(to) = self.solution_on(&from.closed, at, 1, Some(&from))? else { return Ok(None) };
+        let loads = at.map(|t| self.load.at(t));
+        // A load that hardly presses on the points says nothing of what they do, nor a plate that cannot deflect.
+        let counts = |force: f64| match force {
+            0.0 => self.problem.scale.largest(&loads[1]),
+            force => force.max(tolerances::path::UNSEEN * self.load.size(at[0])),
+        };
+        let length = loads.iter().map(|load| self.problem.least_length(load)).fold(0.0, f64::max);
+        Ok(Some(Line::between(at, [from, to], counts, length)))
+    }
+
+    /// The solution on a set at one end of a line.
+    fn solution_on(
+        &mut self,
+        closed: &[bool],
+        at: [f64; 2],
+        end: usize,
+        start: Option<&ContactSolution>,
+    ) -> Result<Option<ContactSolution>, FactorError> {
+        self.lines += 1;
+        if !self.goes_on(Progress { step: self.lines, changing: 0, residual: 0.0 }) {
+            return Ok(None);
+        }
+        let loads = at.map(|t| self.load.at(t));
+        let scale = &self.problem.scale;
+        self.how.least = f64::max(scale.largest(&loads[0]), scale.largest(&loads[1]));
+        let found = self.problem.solve_on_set(&loads[end], self.load.held_value, closed, start, &mut self.how)?;
+        Ok((found.outcome == Outcome::Solved).then_some(found))
+    }
+
+    /// Contact points that may open, in the caller's order.
+    pub fn one_sided(&self) -> impl Iterator<Item = usize> + use<'a> {
+        let problem = self.problem;
+        let condensed = problem.order.condensed.iter().zip(&problem.constraints.two_sided);
+        let of_lcp = condensed.filter(|(_, two_sided)| !**two_sided).map(|(&i, _)| i);
+        of_lcp.chain(problem.order.active.iter().copied())
+    }
+}
