@@ -220,7 +220,7 @@ def test_the_mesh_file_is_looked_for_beside_the_input_file(written):
         ("[[support]]\narea.rectangle = [1, 0, 0, 1]", "[x0, y0, x1, y1] needs x0 < x1 and y0 < y1."),
         (
             "[[support]]\narea.polygon = [[0,0],[1,1],[1,0],[0,1]]",
-            "support[1].area.polygon: its outline crosses itself",
+            "support[1].area.polygon: The polygon crosses or touches itself",
         ),
         ("[[support]]\narea = 'all'\nfix = 'simple'", "support[1].fix: fix does not go with area; use resists."),
         ("[[support]]\nat = [1, 1]\nfix = 'clampd'", 'support[1].fix: found "clampd"; it must be one of clamped, hard'),

@@ -131,7 +131,7 @@ def test_divisions_follow_from_counts_size_or_twenty_along_the_longer_side(plate
 @pytest.mark.parametrize(
     ("corners", "says"),
     [
-        ([[0, 0], [1, 1], [1, 0], [0, 1]], "crosses itself"),
+        ([[0, 0], [1, 1], [1, 0], [0, 1]], "crosses or touches itself: the sides from corners 1 and 3 meet"),
         ([[0, 0], [1, 1], [2, 2]], "encloses nothing"),
         ([[0, 0], [1, 0]], "at least 3 points"),
         ([[0, 0], [1, 0], [1, 1], [0, 0]], "closes by itself"),

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from pathlib import Path
 
 from signorini.base.memory import require_memory
 from signorini.discretise.places import curve, region
+from signorini.errors import InputError
 from signorini.expression import Expression
 from signorini.expression.levels import Drawing
 from signorini.mesh import Mesh
@@ -17,15 +19,36 @@ from signorini.shapes.outlines import Box, Point
 
 
 def mesh_of(model: Model) -> Mesh:
-    """Mesh the model's plate, or read its mesh."""
+    """Mesh the model's plate, or read its mesh.
+
+    Raises
+    ------
+    InputError
+        If there is not the memory for it, or a file holds no mesh of a plate.
+    """
     plate = model.plate
     if isinstance(plate, MeshPlate):
-        from signorini.mesh.meshfile import read
+        return _read(plate.file)
+    require_memory(math.prod(plate.divisions(model.mesh)), ("mesh",))
+    try:
+        return _made(model, plate)
+    except InputError as error:
+        raise InputError(error.message, place=("plate",)) from None
 
-        mesh = read(plate.file)
-        require_memory(len(mesh.elements), "plate.file")
-        return mesh
-    require_memory(math.prod(plate.divisions(model.mesh)), "mesh")
+
+def _read(file: Path) -> Mesh:
+    from signorini.mesh.meshfile import read
+
+    place = ("plate", "file")
+    try:
+        mesh = read(file)
+    except InputError as error:
+        raise InputError(str(error), place) from None
+    require_memory(len(mesh.elements), place)
+    return mesh
+
+
+def _made(model: Model, plate: RectanglePlate | DiscPlate | AnnulusPlate) -> Mesh:
     match plate:
         case RectanglePlate():
             (x, y), (a, b) = plate.origin, plate.size

@@ -103,7 +103,7 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
         raise InputError(
             f"Nothing holds the plate against this motion: {_name_motion(loose, found)}. "
             "Add a support that resists it (points that are not all on one line, or an edge or area).",
-            place="support",
+            place=("support",),
         )
     one_sided = contacts.pick(~contacts.two_sided)
     on_mesh = _bearing(found, motions, one_sided.positions, one_sided.direction, one_sided.support)
@@ -297,7 +297,7 @@ def _require_reach(found: Discretisation, freedom: RigidFreedom, nodal: Floats) 
     raise InputError(
         f"The load acts{where} so near the outline of the supports that they can balance it, but not at the contact "
         "points of this mesh, which lie within that outline. Take a finer mesh there.",
-        place="mesh",
+        place=("mesh",),
     )
 
 

@@ -61,21 +61,23 @@ def _look_beside(data: dict[str, Any], directory: Path) -> None:
 
 
 def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
-    """Put the file and line before the place of an error that was found only after reading.
+    """Put the file and line before the places of an error that was found only after reading.
 
     Parameters
     ----------
     error : InputError
-        With a place such as ``load[2].at``; any other is returned as it is.
+        With places in the model; any others are left as they are.
     path : str or path-like
         The input file.
     """
-    tables = "|".join(Model.model_fields)
-    if not re.fullmatch(rf"({tables})(\[\d+\])?(\.[A-Za-z_]+(\[\d+\])?)*", error.place):
+    if not any(part.path for part in error.parts):
         return error
-    keys = re.findall(r"[A-Za-z_]+|\d+", error.place)
-    line = Lines(_read(path)).of(tuple(int(key) - 1 if key.isdigit() else key for key in keys))
-    return InputError(error.message, place=f"{os.path.basename(path)}:{line}: {error.place}")
+    lines, source = Lines(_read(path)), os.path.basename(path)
+    placed = sorted(((lines.of(part.path) if part.path else 0, part) for part in error.parts), key=lambda pair: pair[0])
+    return InputError.of(
+        [InputError(part.message, place=f"{source}:{line}: {part.place}") if line else part for line, part in placed],
+        source,
+    )
 
 
 def _read(path: str | os.PathLike[str]) -> str:

@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from signorini.base.regular import open_regular
-from signorini.errors import InputError
+from signorini.errors import InputError, point
 from signorini.expression import LARGEST
 from signorini.mesh import Mesh
 from signorini.mesh.checks import loops, on_boundary
@@ -225,10 +225,8 @@ def _edges_of_lines(data: meshio.Mesh, number: Ints, sides: Ints, outer: Bools) 
         at = first[np.minimum(np.searchsorted(middles, triples[:, 1]), len(first) - 1)]
         lost = (np.sort(triples, axis=1) != np.sort(sides[at], axis=1)).any(axis=1) | (triples[:, 1] != sides[at, 1])
         if lost.any():
-            x, y = data.points[lines[np.argmax(lost), 2], :2]
-            raise InputError(
-                f"Group {name!r} of the mesh file has a line at ({x:g}, {y:g}) that is no side of an element."
-            )
+            spot = point(data.points[lines[np.argmax(lost), 2], :2])
+            raise InputError(f"Group {name!r} of the mesh file has a line at {spot} that is no side of an element.")
         triples = np.where(outer[at, None], sides[at], triples)
         edges[name] = np.vstack([edges[name], triples]) if name in edges else triples
     return {name: triples[np.unique(triples[:, 1], return_index=True)[1]] for name, triples in edges.items()}

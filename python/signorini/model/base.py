@@ -21,12 +21,12 @@ from pydantic import (
 )
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from signorini.errors import InputError
+from signorini.errors import InputError, Place
 from signorini.expression import LARGEST, Expression
 from signorini.model.problems import explained
-from signorini.model.words import Path, as_list, describe
+from signorini.model.words import as_list, describe
 
-Complaint = tuple[Path, str]
+Complaint = tuple[Place, str]
 
 
 if TYPE_CHECKING:

@@ -12,10 +12,9 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from signorini.errors import InputError
-from signorini.model.words import Path, as_list, describe
+from signorini.errors import InputError, Place
+from signorini.model.words import as_list, describe
 
-_MOST_LISTED = 20
 _MOST_READ = 1000
 
 _LISTS = ("support", "load", "combination", "moving", "probe")
@@ -41,21 +40,22 @@ class Problem:
         What was found and what is allowed.
     """
 
-    path: Path
+    path: Place
     label: str
     message: str
 
-    @property
-    def place(self) -> str:
-        """The path as the user reads it; positions count from 1.
+    def error(self, source: str, line: int) -> InputError:
+        """Say it at its path, and, where a line is given, at this of the source.
 
         Examples
         --------
-        >>> Problem(("support", 1, "stiffness"), "soil", "...").place
-        'support[2].stiffness ("soil")'
+        >>> print(Problem(("support", 1, "stiffness"), "soil", "found -1.").error("slab.toml", 7))
+        slab.toml:7: support[2].stiffness ("soil"): found -1.
         """
-        keys = "".join(f"[{key + 1}]" if isinstance(key, int) else f".{key}" for key in self.path).removeprefix(".")
-        return f'{keys} ("{self.label}")' if self.label else keys
+        error = InputError(self.message, self.path)
+        error.place += f' ("{self.label}")' if self.label else ""
+        error.place = f"{source}:{line}: {error.place}" if line else error.place
+        return error
 
 
 def explained(
@@ -63,24 +63,16 @@ def explained(
     root: type[BaseModel],
     data: Any,
     source: str = "",
-    line_of: Callable[[Path], int] | None = None,
+    line_of: Callable[[Place], int] | None = None,
 ) -> InputError:
     """Put pydantic's error with data for a table in words; the other parameters are those of `validate`."""
     errors = error.errors(include_url=False)
     found = _problems(errors[:_MOST_READ], data, root)
-    unread = len(errors[_MOST_READ:])
-    if line_of is None:
-        placed = [(problem.place, problem.message) for problem in found]
-    else:
-        lines = sorted(((line_of(problem.path), problem) for problem in found), key=lambda pair: pair[0])
-        placed = [(f"{source}:{line}", f"{problem.place}: {problem.message}") for line, problem in lines]
-    count = len(placed) + unread
-    if count == 1:
-        return InputError(placed[0][1], place=placed[0][0])
-    listed = [f"{place}: {message}" if place else message for place, message in placed[:_MOST_LISTED]]
-    if count > _MOST_LISTED:
-        listed.append(f"and {count - _MOST_LISTED} more.")
-    return InputError("\n  ".join([f"{count} problems:", *listed]), place=source)
+    placed = [(line_of(problem.path) if line_of is not None else 0, problem) for problem in found]
+    placed.sort(key=lambda pair: pair[0])
+    return InputError.of(
+        [problem.error(source, line) for line, problem in placed], source, untold=len(errors[_MOST_READ:])
+    )
 
 
 def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> list[Problem]:
@@ -103,7 +95,7 @@ def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> l
     return list(dict.fromkeys(found))
 
 
-def _resolve(loc: Path, data: Any, root: type[BaseModel]) -> tuple[Path, type[BaseModel], FieldInfo | None]:
+def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[BaseModel], FieldInfo | None]:
     """Walk pydantic's path; return it as the user wrote it, with the table and field that its last key belongs to."""
     path: list[str | int] = []
     owner: type[BaseModel] = root
@@ -150,7 +142,7 @@ def _table_in(annotation: object) -> type[BaseModel] | None:
     return next((table for part in get_args(annotation) if (table := _table_in(part))), None)
 
 
-def _label(path: Path, data: Any) -> str:
+def _label(path: Place, data: Any) -> str:
     """Name of the support or combination, or case of the load, that the path leads into."""
     match path:
         case ("support" | "load" | "moving" | "combination" as key, int(position), *_) if isinstance(data, Mapping):
@@ -161,7 +153,7 @@ def _label(path: Path, data: Any) -> str:
     return ""
 
 
-def _message(details: ErrorDetails, path: Path, table: type[BaseModel], field: FieldInfo | None) -> str:
+def _message(details: ErrorDetails, path: Place, table: type[BaseModel], field: FieldInfo | None) -> str:
     key = next((str(part) for part in reversed(path) if isinstance(part, str)), "")
     context = details.get("ctx", {})
     found = f"found {describe(as_list(details['input']))}"
@@ -205,7 +197,7 @@ def _message(details: ErrorDetails, path: Path, table: type[BaseModel], field: F
             return f"{found}; it does not fit here. {about}"
 
 
-def _unknown_key(path: Path, table: type[BaseModel]) -> str:
+def _unknown_key(path: Place, table: type[BaseModel]) -> str:
     key = str(path[-1])
     hint = _suggest(key, table.model_fields)
     if not hint and len(path) > 1:
