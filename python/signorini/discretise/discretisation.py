@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -146,7 +147,7 @@ def discretise(model: Model) -> Discretisation:
     >>> print(round(found.cases["load"].nodal[::3].sum(), 6))
     40000.0
     """
-    made_by(model, Model, "Make one with signorini.Model(...) or signorini.load(file).", "model")
+    made_by(model, Model, _advice(model), "model")
     begun = time.perf_counter()
     mesh = mesh_of(model)
     meshed = time.perf_counter()
@@ -185,6 +186,17 @@ def discretise(model: Model) -> Discretisation:
         np.array([at for probe in model.probe for at in probe.at]).reshape(-1, 2),
         seconds,
     )
+
+
+def _advice(given: object) -> str:
+    """How to come from what was given to a model."""
+    match given:
+        case str() | os.PathLike():
+            return "Load the file first: signorini.load(file)."
+        case Mapping():
+            return "Make one of the mapping first: signorini.validate(mapping)."
+        case _:
+            return "Make one with signorini.Model(...) or signorini.load(file)."
 
 
 def _plate(model: Model, mesh: Mesh, thickness: Thickness, held: Held) -> _core.Plate:

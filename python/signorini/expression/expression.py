@@ -122,10 +122,11 @@ class Expression:
                 values = np.array(np.broadcast_to(evaluate(self._tree, px, py), px.shape), dtype=np.float64)
         except InputError as error:
             raise InputError(error.message, place=place) from None
+        over, least = (-np.inf if bound is None else bound for bound in (above, at_least))
         bounds = (
             (~(np.abs(values) <= LARGEST), f"but must be finite and at most {LARGEST:g} in size"),
-            (values <= (-np.inf if above is None else above), f"but must be greater than {above}"),
-            (values < (-np.inf if at_least is None else at_least), f"but must be at least {at_least}"),
+            (values <= over, f"but must be greater than {over:g}"),
+            (values < least, f"but must be at least {least:g}"),
         )
         for wrong, why in bounds:
             if wrong.any():

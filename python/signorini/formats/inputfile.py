@@ -14,8 +14,10 @@ from pydantic.json_schema import GenerateJsonSchema
 from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.expression import Expression
+from signorini.formats.toml_hints import hint
 from signorini.formats.toml_lines import Lines
 from signorini.model import MeshPlate, Model, validate
+from signorini.model.problems import LISTS
 
 _LARGEST_FILE = 4_000_000
 _MOST_KEY_PARTS = 16
@@ -116,8 +118,12 @@ def _parse(text: str, source: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         says, line, column = _syntax(str(error), text)
         written = text.replace("\r\n", "\n").split("\n")[line - 1].strip()
-        shown = f" in: {written[:77]}..." if len(written) > 80 else f" in: {written}" if written else ""
-        raise InputError(f"this is not TOML: {says}{column}{shown}", place=f"{source}:{line}") from None
+        shown = f"{written[:77]}..." if len(written) > 80 else written
+        if advice := hint(says, written, LISTS):
+            message = f"this is not TOML. {advice} Found{column}: {shown}"
+        else:
+            message = f"this is not TOML: {says}{column}" + (f" in: {shown}" if shown else "")
+        raise InputError(message, place=f"{source}:{line}") from None
     except RecursionError:
         raise InputError("lists or tables are nested too deeply.", place=source) from None
     except ValueError:
@@ -130,9 +136,14 @@ def _syntax(message: str, text: str) -> tuple[str, int, str]:
     if match is None:
         return message, 1, ""
     says = match.group(1)[:1].lower() + match.group(1)[1:]
+    last = text.rstrip().count("\n") + 1 if match.group(2) is None else int(match.group(2))
+    if says == "unclosed array":
+        # It is missed only where the next line begins.
+        opened = [i for i, line in enumerate(text.split("\n")[:last], start=1) if re.search(r"=\s*\[[^\]]*$", line)]
+        return "this list has no closing ]", opened[-1] if opened else last, ""
     if match.group(2) is None:
-        return f"{says} at the end of the file", text.rstrip().count("\n") + 1, ""
-    return says, int(match.group(2)), f" (column {match.group(3)})"
+        return f"{says} at the end of the file", last, ""
+    return says, last, f" (column {match.group(3)})"
 
 
 def schema() -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import reprlib
 from collections.abc import Callable, Iterable, Iterator
 from numbers import Integral, Real
@@ -92,7 +93,7 @@ class Table(BaseModel, metaclass=_InWords):
 def number(value: object) -> float:
     """Accept an int or float (NumPy's too) that is finite; never a bool or text."""
     if isinstance(value, bool) or not isinstance(value, Real):
-        hint = " Write it without quotes." if isinstance(value, str) and _is_numeral(value) else ""
+        hint = _as_number(value) if isinstance(value, str) else ""
         raise ValueError(f"found {describe(value)}; it must be a number.{hint}")
     try:
         result = float(value)
@@ -103,12 +104,16 @@ def number(value: object) -> float:
     return result
 
 
-def _is_numeral(text: str) -> bool:
+def _as_number(text: str) -> str:
+    """Say how a text is written as a number."""
     try:
         float(text)
     except ValueError:
-        return False
-    return True
+        pointed = re.fullmatch(r"\s*([+-]?\d+),(\d+)\s*", text)
+        if pointed:
+            return f" The decimal sign is a point, and there are no quotes: {pointed[1]}.{pointed[2]}."
+        return " Write digits without quotes, such as 30e9."
+    return " Write it without quotes."
 
 
 def _whole(value: object) -> int:
@@ -162,7 +167,10 @@ def listed(length: int, form: str) -> Callable[[object], object]:
     def check(value: object) -> object:
         value = as_list(value)
         if not isinstance(value, list | tuple) or len(value) != length:
-            raise ValueError(f"found {describe(value)}; it must be {form}.")
+            # TOML takes a decimal comma for two numbers.
+            twice = isinstance(value, list | tuple) and len(value) == 2 * length
+            hint = " The decimal sign is a point." if twice and all(type(part) is int for part in value) else ""
+            raise ValueError(f"found {describe(value)}; it must be {form}.{hint}")
         return value
 
     return check

@@ -56,7 +56,9 @@ class Load(Table):
     )
     moment: (
         Annotated[
-            tuple[Number, Number], BeforeValidator(listed(2, "two couples [mx, my]")), WithJsonSchema(numbers_schema(2))
+            tuple[Number, Number],
+            BeforeValidator(listed(2, "[mx, my], couples about two axes")),
+            WithJsonSchema(numbers_schema(2)),
         ]
         | None
     ) = Field(
@@ -113,7 +115,7 @@ class Load(Table):
                 goes = f"with {' or '.join(allowed)}" if allowed else "alone"
                 yield (key,), f"{key} does not go with {self.kind}, which goes {goes}."
         here = [key for key in places if key in allowed]
-        if allowed and len(here) != 1:
+        if allowed and len(here) != 1 and len(here) == len(places):
             needs = f"exactly one of {', '.join(allowed)}" if len(allowed) > 1 else allowed[0]
             yield (), f"found {' and '.join(here) or 'no place'}; {self.kind} needs {needs} to say where it acts."
 

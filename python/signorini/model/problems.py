@@ -17,7 +17,8 @@ from signorini.model.words import as_list, describe
 
 _MOST_READ = 1000
 
-_LISTS = ("support", "load", "combination", "moving", "probe")
+LISTS = ("support", "load", "combination", "moving", "probe")
+"""Tables that stand in double brackets."""
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}
 """Of keys that take one of several tables, these by what pydantic puts into its path for them, which is no key of the
@@ -168,7 +169,7 @@ def _message(details: ErrorDetails, path: Place, table: type[BaseModel], field: 
         case "extra_forbidden":
             return _unknown_key(path, table)
         case "missing" | "union_tag_not_found":
-            return f"'{key}' is missing. {about}"
+            return f"'{key}' is missing. {about}{_written_as(path)}"
         case "union_tag_invalid":
             return _unknown_shape(details["input"])
         case "literal_error":
@@ -197,13 +198,30 @@ def _message(details: ErrorDetails, path: Place, table: type[BaseModel], field: 
             return f"{found}; it does not fit here. {about}"
 
 
+def _written_as(path: Place) -> str:
+    """How a table that is missing is written."""
+    name = str(path[-1])
+    if len(path) > 1 or not TOP.get(name):
+        return ""
+    return f" Write it under {f'[[{name}]]' if name in LISTS else f'[{name}]'}."
+
+
 def _unknown_key(path: Place, table: type[BaseModel]) -> str:
     key = str(path[-1])
-    hint = _suggest(key, table.model_fields)
-    if not hint and len(path) > 1:
-        headers = {name: f"[[{name}]]" if name in _LISTS else f"[{name}]" for name, tables in TOP.items() if tables}
+    headers = {name: f"[[{name}]]" if name in LISTS else f"[{name}]" for name, tables in TOP.items() if tables}
+    near = _nearest(key, table.model_fields)
+    hint = (
+        f" Did you mean {headers[near]}?" if len(path) == 1 and near in headers else _suggest(key, table.model_fields)
+    )
+    if not hint:
+        inner = [name for name, below in tables_of(table).items() if _has(below, key)]
+        shapes = [shape for shape, plate in BRANCHES["plate"].items() if key in plate.model_fields]
         owners = [headers[name] for name, tables in TOP.items() if _has(tables, key) and name != path[0]]
-        if key in headers:
+        if path[0] == "plate" and shapes:
+            hint = f" It goes with shape = {' or '.join(map(describe, shapes))}."
+        elif inner and len(path) > 1:
+            hint = f" It goes within {' or '.join(inner)}: {inner[0]} = {{ {key} = ... }}."
+        elif key in headers:
             hint = f" It is a table of its own: {headers[key]}."
         elif key in TOP:
             hint = " It belongs above the first table."
