@@ -168,8 +168,8 @@ def listed(length: int, form: str) -> Callable[[object], object]:
         value = as_list(value)
         if not isinstance(value, list | tuple) or len(value) != length:
             # TOML takes a decimal comma for two numbers.
-            twice = isinstance(value, list | tuple) and len(value) == 2 * length
-            hint = " The decimal sign is a point." if twice and all(type(part) is int for part in value) else ""
+            twice = isinstance(value, list) and len(value) == 2 * length and all(type(part) is int for part in value)
+            hint = " The decimal sign is a point." if twice else ""
             raise ValueError(f"found {describe(value)}; it must be {form}.{hint}")
         return value
 
