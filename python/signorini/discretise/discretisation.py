@@ -149,7 +149,7 @@ def discretise(model: Model) -> Discretisation:
     """
     made_by(model, Model, _advice(model), "model")
     begun = time.perf_counter()
-    mesh = mesh_of(model)
+    mesh, model = mesh_of(model)
     meshed = time.perf_counter()
     problems = Problems()
     supports = placed(model, mesh, problems)
@@ -165,7 +165,7 @@ def discretise(model: Model) -> Discretisation:
     probes = [Location(np.zeros(0, np.int64), np.zeros((0, 2)))]
     for index, probe in enumerate(model.probe):
         with problems.collected():
-            at = located(mesh, probe.at, ("probe", index))
+            at = located(mesh, probe.at, ("probe", index, "at"))
             probes.append(Location(at.elements, at.xi))
     problems.tell()
     contacts, repeated = that_can_act(model, mesh, held, contacts)

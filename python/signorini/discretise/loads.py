@@ -116,11 +116,11 @@ def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, 
             push(mesh, nodal, points.elements, points.xi, points.weights * force)
         case "force":
             assert load.force is not None and load.at is not None
-            points = located(mesh, load.at, place)
+            points = located(mesh, load.at, (*place, "at"))
             push(mesh, nodal, points.elements, points.xi, load.force * points.weights)
         case "moment":
             assert load.moment is not None and load.at is not None
-            _twist(mesh, plate, nodal, couples, located(mesh, load.at, place), load.moment)
+            _twist(mesh, plate, nodal, couples, located(mesh, load.at, (*place, "at")), load.moment)
         case "curvature":
             assert load.curvature is not None
             nodal, couples = plate.curvature_load(load.curvature)

@@ -49,7 +49,7 @@ def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
     for index, support in enumerate(model.support):
         place = ("support", index)
         with problems.collected():
-            points = None if support.at is None else located(mesh, support.at, place)
+            points = None if support.at is None else located(mesh, support.at, (*place, "at"))
             nodes = np.zeros(0, np.int64) if points is None else _nodes_at(mesh, points)
             found.append(Placed(place, support, points, nodes, mesh_edges(mesh, support, place)))
     return found

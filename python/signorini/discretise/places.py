@@ -75,7 +75,7 @@ def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Sa
                 InputError(
                     f"The point {point(at[i])} is not on the plate, which lies within x = {left} to {right}, "
                     f"y = {bottom} to {top}. Move the point onto the plate.",
-                    place=(*place, "at", i) if len(at) > 1 else (*place, "at"),
+                    place=(*place, i) if len(at) > 1 else place,
                 )
                 for i in off
             ]

@@ -9,7 +9,9 @@ import re
 import threading
 import warnings
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 import meshio  # type: ignore[import-untyped]
 import numpy as np
@@ -24,10 +26,13 @@ from signorini.expression import LARGEST
 from signorini.mesh import Mesh
 from signorini.mesh.checks import loops, on_boundary
 from signorini.mesh.isoparametric import SIDES
+from signorini.mesh.nodenumbers import node_numbers
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
+
+_T = TypeVar("_T")
 
 OUTLINE = "boundary"
 _SAME = 1e-9
@@ -72,7 +77,30 @@ def read(path: str | Path) -> Mesh:
     Traceback (most recent call last):
     signorini.errors.InputError: nowhere.msh: There is no such mesh file.
     """
+    return _read(Path(path), _mesh)
+
+
+def read_numbered(path: str | Path) -> tuple[Mesh, dict[int, tuple[float, float]]]:
+    """Read a mesh file, and where its nodes are by the numbers that they have in it.
+
+    Merged and unused nodes are among them; see `signorini.mesh.nodenumbers` for the formats.
+
+    Raises
+    ------
+    InputError
+        As `read` does, and if the file is of a format that gives no numbers.
+    """
     path = Path(path)
+
+    def numbered(data: meshio.Mesh) -> tuple[Mesh, dict[int, tuple[float, float]]]:
+        numbers = node_numbers(path, len(data.points)).tolist()
+        points = np.asarray(data.points, dtype=np.float64)[:, :2].tolist()
+        return _mesh(data), {number: (x, y) for number, (x, y) in zip(numbers, points, strict=True)}
+
+    return _read(path, numbered)
+
+
+def _read(path: Path, make: Callable[[meshio.Mesh], _T]) -> _T:
     try:
         with open_regular(path, _LARGEST_FILE) as file:
             data = _load(path, os.fstat(file.fileno()).st_size)
@@ -84,7 +112,7 @@ def read(path: str | Path) -> Mesh:
         why = error.strerror if isinstance(error, OSError) and error.strerror else error
         raise InputError(f"The mesh file cannot be read: {why}.", place=str(path)) from None
     try:
-        return _mesh(data)
+        return make(data)
     except InputError as error:
         raise InputError(error.message, place=str(path)) from None
 

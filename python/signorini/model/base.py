@@ -208,6 +208,19 @@ def _corners(fewest: int, closed: bool) -> Callable[[object], object]:
     return check
 
 
+def _nodes(value: object) -> object:
+    """Read one number as a list of one."""
+    value = as_list(value)
+    if isinstance(value, Integral):
+        return [value]
+    if not isinstance(value, list | tuple) or not value:
+        raise ValueError(f"found {describe(value)}; it must be the number of a node or a list of numbers.")
+    repeated = next((number for index, number in enumerate(value) if number in value[:index]), None)
+    if repeated is not None:
+        raise ValueError(f"{describe(repeated)} is listed twice.")
+    return value
+
+
 def _edges(value: object) -> object:
     """Read one name as a list of one."""
     if isinstance(value, str):
@@ -243,6 +256,19 @@ Polyline = Annotated[
 ]
 Polygon = Annotated[
     tuple[Point, ...], BeforeValidator(_corners(3, closed=True)), Field(json_schema_extra={"minItems": 3})
+]
+NodeNumber = Annotated[int, Field(ge=0), BeforeValidator(_whole)]
+Nodes = Annotated[
+    tuple[NodeNumber, ...],
+    BeforeValidator(_nodes),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "integer", "minimum": 0},
+                {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 1, "uniqueItems": True},
+            ]
+        }
+    ),
 ]
 Edges = Annotated[
     tuple[Text, ...],
