@@ -23,7 +23,7 @@ import numpy as np
 from signorini import InputError, Model, contact_problem
 from signorini.contact.certificate import certify
 from signorini.contact.problem import ContactProblem
-from signorini.equilibrium.balance import no_equilibrium
+from signorini.equilibrium.imbalance import imbalance
 
 METHODS = ("lemke", "active_set", "interior_point")
 TOLERANCE = 1e-8
@@ -61,7 +61,7 @@ def tables(plate: int) -> Tables:
         except InputError:
             continue
         load = problem.discretisation.cases["load"].nodal
-        if 2 <= len(problem.gaps) <= MOST and not no_equilibrium(problem.discretisation, problem.freedom, load):
+        if 2 <= len(problem.gaps) <= MOST and imbalance(problem.discretisation, problem.freedom, load) is None:
             return drawn
 
 

@@ -175,8 +175,8 @@ def test_the_mesh_file_is_looked_for_beside_the_input_file(written):
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("[suport]", "slab.toml:10: suport: unknown key 'suport'. Did you mean 'support'?"),
-        ("[[supports]]\nat = [0, 0]", "slab.toml:10: supports: unknown key 'supports'. Did you mean 'support'?"),
+        ("[suport]", "slab.toml:10: suport: unknown key 'suport'. Did you mean [[support]]?"),
+        ("[[supports]]\nat = [0, 0]", "slab.toml:10: supports: unknown key 'supports'. Did you mean [[support]]?"),
         (
             "[support]\nat = [1, 2]",
             "slab.toml:10: support: found one table; this is a list of tables, each under [[sup",
@@ -190,7 +190,10 @@ def test_the_mesh_file_is_looked_for_beside_the_input_file(written):
         ("[solver]\ntitle = 'x'", "unknown key 'title'. It belongs above the first table."),
         ("mesh = 3", "load[1].mesh: unknown key 'mesh'. It is a table of its own: [mesh]."),
         ("[units]\nlength = 3", "slab.toml:11: units.length: found 3; it must be text in quotes."),
-        ("[[support]]", "slab.toml:10: support[1]: found none; exactly one of at, edge, line, circle, area says where"),
+        (
+            "[[support]]",
+            "slab.toml:10: support[1]: found none; exactly one of at, nodes, edge, line, circle, area says",
+        ),
         ("[[support]]\nat = [1, 1]\nedge = 'left'", "support[1]: found at and edge; exactly one of"),
         ("[[support]]\nat = 3", "slab.toml:11: support[1].at: found 3; it must be a point [x, y] or a list of points."),
         ("[[support]]\nat = []", "support[1].at: found []; it must be a point"),
@@ -220,7 +223,7 @@ def test_the_mesh_file_is_looked_for_beside_the_input_file(written):
         ("[[support]]\narea.rectangle = [1, 0, 0, 1]", "[x0, y0, x1, y1] needs x0 < x1 and y0 < y1."),
         (
             "[[support]]\narea.polygon = [[0,0],[1,1],[1,0],[0,1]]",
-            "support[1].area.polygon: its outline crosses itself",
+            "support[1].area.polygon: The polygon crosses or touches itself",
         ),
         ("[[support]]\narea = 'all'\nfix = 'simple'", "support[1].fix: fix does not go with area; use resists."),
         ("[[support]]\nat = [1, 1]\nfix = 'clampd'", 'support[1].fix: found "clampd"; it must be one of clamped, hard'),
@@ -270,10 +273,10 @@ def test_the_mesh_file_is_looked_for_beside_the_input_file(written):
         ),
         ("[[load]]", "slab.toml:10: load[2]: found none; a load is exactly one of pressure, force, line_load, moment"),
         ("[[load]]\nforce = 1\npressure = 1", "load[2]: found pressure and force; a load is exactly one of"),
-        ("[[load]]\nforce = 1", "load[2]: found no place; force needs at to say where it acts."),
+        ("[[load]]\nforce = 1", "load[2]: found no place; force needs exactly one of at, nodes to say"),
         (
             "[[load]]\nforce = 1\nat = [0, 0]\narea = 'all'",
-            "load[2].area: area does not go with force, which goes with at.",
+            "load[2].area: area does not go with force, which goes with at or nodes.",
         ),
         (
             "[[load]]\nforce = '1'\nat = [0, 0]",
@@ -292,14 +295,13 @@ def test_the_mesh_file_is_looked_for_beside_the_input_file(written):
         ("[[load]]\nself_weight = true\nat = [0, 0]", "load[2].at: at does not go with self_weight, which goes alone."),
         ("[[load]]\ncurvature = [1, 2]", "load[2].curvature: found [1, 2]; it must be three curvatures [kx, ky, kxy]."),
         ("[[load]]\ncurvature = [1, 2, 3]\narea = 'all'", "load[2].area: area does not go with curvature"),
-        ("[[load]]\nmoment = 1\nat = [0, 0]", "load[2].moment: found 1; it must be two couples [mx, my]."),
+        ("[[load]]\nmoment = 1\nat = [0, 0]", "load[2].moment: found 1; it must be [mx, my], couples about two axes."),
         ("[[load]]\nline_load = 1", "line_load needs exactly one of edge, line, circle to say where it acts."),
         ("[[load]]\nline_load = 1\nedge = 'lef'", "slab.toml:12: load[2].edge: Unknown edge 'lef'."),
         (
             "[[combination]]\nfactors = { load = 1, Q = 2 }",
             "slab.toml:11: combination[1].factors.Q: Unknown case 'Q'. This",
         ),
-        ("[[combination]]\nfactors = {}", "combination[1].factors: it is empty."),
         ("[[combination]]\nfactors.load = '1'", 'combination[1].factors.load: found "1"; it must be a number.'),
         ("[[combination]]\nfactors = 3", "combination[1].factors: found 3; it must be a table."),
         ("[[combination]]\nname = 'a'", "combination[1].factors (\"a\"): 'factors' is missing."),
@@ -354,7 +356,10 @@ def test_bad_input_gives_one_message_with_its_place(written, text, says):
             "'x+' is not an expression in x and y: it cannot be read",
         ),
         ("shape = 'rectangle'\nsize = [1, 0]\nthickness = 1", "plate.size[2]: found 0; it must be greater than 0."),
-        ("shape = 'rectangle'\nsize = 3\nthickness = 1", "plate.size: found 3; it must be [a, b]."),
+        (
+            "shape = 'rectangle'\nsize = 3\nthickness = 1",
+            "plate.size: found 3; it must be two lengths [a, b], along x and y.",
+        ),
         ("shape = 'rectangle'\nsize = [1, 1]\nthickness = 1\norigin = [1e9, 0]", "Move the plate to the origin."),
         (
             "shape = 'disc'\nradius = 1\nthickness = 1\nsector = 45",
@@ -370,7 +375,7 @@ def test_bad_input_gives_one_message_with_its_place(written, text, says):
         ),
         (
             "shape = 'disc'\nradius = 1\nthickness = 1\nsize = [1, 1]",
-            "plate.size: unknown key 'size'. It belongs in [mesh].",
+            "plate.size: unknown key 'size'. It goes with shape = \"rectangle\".",
         ),
         (
             "shape = 'annulus'\ninner = 2\nouter = 1\nthickness = 1",
@@ -433,7 +438,7 @@ def test_several_problems_are_one_error_in_the_order_of_the_file(written):
         "slab.toml: 3 problems:",
         "  slab.toml:3: material.nu: found 0.7; it must be less than 0.5.",
         "  slab.toml:12: support[1].gap: found -1; it must not be less than 0.",
-        "  slab.toml:13: slver: unknown key 'slver'. Did you mean 'solver'? Allowed here: title, units, material, "
+        "  slab.toml:13: slver: unknown key 'slver'. Did you mean [solver]? Allowed here: title, units, material, "
         "plate, mesh, support, load, combination, moving, probe, output, solver.",
     ]
 
@@ -443,10 +448,10 @@ def test_several_problems_are_one_error_in_the_order_of_the_file(written):
     [
         (
             b"title = 'a'\nE 3\n",
-            "slab.toml:2: this is not TOML: expected '=' after a key in a key/value pair (column 3) in: E 3",
+            "slab.toml:2: this is not TOML. A line is [a header], key = value, or # a comment. Found (column 3): E 3",
         ),
         (b"a = 1\n\nb = [1,\n", "slab.toml:3: this is not TOML: invalid value at the end of the file in: b = [1,"),
-        (b"a = 1\na = 2\n", "slab.toml:2: this is not TOML: cannot overwrite a value"),
+        (b"a = 1\na = 2\n", "slab.toml:2: this is not TOML. A key stands once in a table. Found (column 6): a = 2"),
         (b"a = 1\nb = '\xff'\n", "slab.toml:2: byte 0xff is not UTF-8 text."),
         (b"\xff\xfea\x00", "slab.toml:1: byte 0xff is not UTF-8 text. Save the file in the encoding UTF-8."),
         (b"a = " + b"9" * 5000, "slab.toml: a number in it has too many digits to be read."),

@@ -245,7 +245,7 @@ SMALL = np.vstack([SQUARE, 0.5 * SQUARE + (2.0, 0.0)])
         (moved(4, (0.2, 0.0)), ELEMENT, r"Element 0 .* folds over itself"),
         (SQUARE, ELEMENT[:, [0, 3, 2, 1, 7, 6, 5, 4]], "Element 0 .* is clockwise"),
         (moved(1, (np.nan, 0.0)), ELEMENT, "not finite: node 1"),
-        (np.vstack([SQUARE, [[9.0, 9.0]]]), ELEMENT, r"no element uses, such as node 8 .* at \(9, 9\)"),
+        (np.vstack([SQUARE, [[9.0, 9.0]]]), ELEMENT, r"no element uses, such as node 8 .* at \[9, 9\]"),
         (SQUARE, ELEMENT + 1, "must use nodes 0 to 7; found 1 to 8"),
         (SQUARE, np.array([[0, 1, 2, 3, 4, 5, 6, 6]]), "Element 0 .* uses a node twice"),
         (SQUARE, np.empty((0, 8)), "ne ≥ 1"),
@@ -263,7 +263,7 @@ def test_a_mesh_names_what_is_wrong_with_it(points, elements, message):
 def test_a_midside_that_is_a_neighbours_corner_hangs():
     points = np.vstack([SQUARE, [[3, 1], [3, 2], [2.5, 1], [3, 1.5], [2.5, 2], [2, 1.5]]])
     neighbour = [5, 8, 9, 2, 10, 11, 12, 13]
-    with pytest.raises(InputError, match=r"hanging node: its midside node 5 .* at \(2, 1\)"):
+    with pytest.raises(InputError, match=r"hanging node: its midside node 5 .* at \[2, 1\]"):
         Mesh(points, np.array([ELEMENT[0], neighbour]), {})
 
 

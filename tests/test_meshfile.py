@@ -7,9 +7,12 @@ import meshio
 import numpy as np
 import pytest
 
+from signorini import Model, solve
+from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.mesh.meshers import annulus, rectangle
 from signorini.mesh.meshfile import read
+from signorini.mesh.nodenumbers import node_numbers
 
 PLATE = rectangle((0.0, 0.0), (4.0, 2.0), (4, 2))
 
@@ -301,3 +304,176 @@ def test_a_node_that_a_mesh_file_has_not_is_named_by_its_index(tmp_path):
     path = write(tmp_path / "plate.vtu", meshio.Mesh(in_space(PLATE.points), [("quad8", elements)]))
     with pytest.raises(InputError, match=r"a node of index 999, where the first has 0; it has 37 nodes"):
         read(path)
+
+
+# Four nodes of two elements, numbered as no position in the file would number them.
+NUMBERED = {
+    ".inp": """*HEADING
+two plates
+*NODE
+10, 0, 0
+20, 1, 0
+30, 2, 0
+40, 0, 1
+50, 1, 1
+60, 2, 1
+11, 0.5, 0
+21, 1.5, 0
+31, 0, 0.5
+41, 1, 0.5
+51, 2, 0.5
+61, 0.5, 1
+71, 1.5, 1
+*ELEMENT, TYPE=S8R
+1, 10, 20, 50, 40, 11, 41, 61, 31
+2, 20, 30, 60, 50, 21, 51, 71, 41
+""",
+    ".msh": """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+13
+10 0 0 0
+20 1 0 0
+30 2 0 0
+40 0 1 0
+50 1 1 0
+60 2 1 0
+11 0.5 0 0
+21 1.5 0 0
+31 0 0.5 0
+41 1 0.5 0
+51 2 0.5 0
+61 0.5 1 0
+71 1.5 1 0
+$EndNodes
+$Elements
+2
+1 16 2 0 1 10 20 50 40 11 41 61 31
+2 16 2 0 1 20 30 60 50 21 51 71 41
+$EndElements
+""",
+    "4.msh": """$MeshFormat
+4.1 0 8
+$EndMeshFormat
+$Nodes
+2 13 10 71
+2 1 0 6
+10
+20
+30
+40
+50
+60
+0 0 0
+1 0 0
+2 0 0
+0 1 0
+1 1 0
+2 1 0
+2 2 0 7
+11
+21
+31
+41
+51
+61
+71
+0.5 0 0
+1.5 0 0
+0 0.5 0
+1 0.5 0
+2 0.5 0
+0.5 1 0
+1.5 1 0
+$EndNodes
+$Elements
+1 2 1 2
+2 1 16 2
+1 10 20 50 40 11 41 61 31
+2 20 30 60 50 21 51 71 41
+$EndElements
+""",
+}
+
+
+def on_nodes(file, support, load):
+    return {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {"shape": "mesh", "file": str(file), "thickness": 0.1},
+        "support": [{"resists": "down", **support}],
+        "load": [load],
+    }
+
+
+@pytest.mark.parametrize("ending", NUMBERED)
+def test_supports_and_loads_name_nodes_by_their_numbers(tmp_path, ending):
+    file = tmp_path / f"plate{ending}"
+    file.write_text(NUMBERED[ending])
+    by_number = on_nodes(file, {"nodes": [60, 10, 30, 40]}, {"force": 1e3, "nodes": 41})
+    by_point = on_nodes(file, {"at": [[2, 1], [0, 0], [2, 0], [0, 1]]}, {"force": 1e3, "at": [1, 0.5]})
+    one, other = (solve(Model(**model))["all"] for model in (by_number, by_point))
+    assert one.supports[0].positions.tolist() == by_point["support"][0]["at"]
+    np.testing.assert_array_equal(one.deflection, other.deflection)
+
+
+def test_nodes_of_a_vtu_count_from_0(tmp_path):
+    meshio.Mesh(
+        np.array([[0, 0], [4, 0], [4, 2], [0, 2], [2, 0], [4, 1], [2, 2], [0, 1]], float), [("quad8", [range(8)])]
+    ).write(tmp_path / "plate.vtu")
+    model = on_nodes(tmp_path / "plate.vtu", {"nodes": [0, 1, 2, 3]}, {"moment": [1e3, 0], "nodes": [7]})
+    found = discretise(Model(**model))
+    assert found.model.load[0].at == ((0.0, 1.0),) and found.contacts.positions.tolist()[2] == [4.0, 2.0]
+
+
+def test_a_number_that_no_node_has_is_told_its_place(tmp_path):
+    file = tmp_path / "plate.inp"
+    file.write_text(NUMBERED[".inp"])
+    with pytest.raises(InputError) as caught:
+        discretise(Model(**on_nodes(file, {"nodes": [10, 12, 40]}, {"force": 1, "nodes": [1]})))
+    says = "The mesh file has no node {}; its 13 nodes have numbers from 10 to 71."
+    assert [(part.place, part.message) for part in caught.value.parts] == [
+        ("support[1].nodes[2]", says.format(12)),
+        ("load[1].nodes[1]", says.format(1)),
+    ]
+
+
+def test_nodes_of_files_without_numbers_are_refused(tmp_path):
+    file = tmp_path / "plate.msh"
+    file.write_text(NUMBERED[".msh"])
+    binary = tmp_path / "binary.msh"
+    meshio.write(binary, meshio.read(file), file_format="gmsh22", binary=True)
+    with pytest.raises(InputError, match=r"^plate.file: .*binary.msh: .* Mesh.Binary = 0, or give points with at"):
+        discretise(Model(**on_nodes(binary, {"nodes": [1, 2, 3]}, {"force": 1, "at": [1, 0.5]})))
+    with pytest.raises(
+        InputError, match=r"not in \.med\. Give points with at, or write the mesh in one of these formats"
+    ):
+        node_numbers(tmp_path / "plate.med", 13)
+
+
+@pytest.mark.parametrize(
+    ("support", "load", "says"),
+    [
+        (
+            {"nodes": [1, 2]},
+            {"force": 1, "at": [1, 1]},
+            r"^support\[1\].nodes: nodes are those of a mesh file, and this",
+        ),
+        ({"at": [1, 1]}, {"force": 1, "nodes": 3}, r"^load\[1\].nodes: nodes are those of a mesh file"),
+        ({"at": [1, 1], "nodes": 3}, {"pressure": 1}, "found at and nodes; exactly one of at, nodes, edge"),
+        (
+            {"at": [1, 1]},
+            {"force": 1, "at": [1, 1], "nodes": 3},
+            "found at and nodes; force needs exactly one of at, nodes",
+        ),
+        ({"at": [1, 1]}, {"pressure": 1, "nodes": 3}, "nodes does not go with pressure"),
+        ({"nodes": [3, 3]}, {"pressure": 1}, "3 is listed twice"),
+        ({"nodes": [1.5]}, {"pressure": 1}, r"found 1.5; it must be a whole number"),
+        ({"nodes": []}, {"pressure": 1}, "it must be the number of a node or a list of numbers"),
+        ({"nodes": -1}, {"pressure": 1}, "must not be less than 0"),
+    ],
+)
+def test_nodes_are_refused_where_they_do_not_fit(support, load, says):
+    plate = {"shape": "rectangle", "size": [2, 2], "thickness": 0.1}
+    with pytest.raises(InputError, match=says):
+        Model(**on_nodes("", support, load) | {"plate": plate})

@@ -131,7 +131,7 @@ def test_divisions_follow_from_counts_size_or_twenty_along_the_longer_side(plate
 @pytest.mark.parametrize(
     ("corners", "says"),
     [
-        ([[0, 0], [1, 1], [1, 0], [0, 1]], "crosses itself"),
+        ([[0, 0], [1, 1], [1, 0], [0, 1]], "crosses or touches itself: the sides from corners 1 and 3 meet"),
         ([[0, 0], [1, 1], [2, 2]], "encloses nothing"),
         ([[0, 0], [1, 0]], "at least 3 points"),
         ([[0, 0], [1, 0], [1, 1], [0, 0]], "closes by itself"),
@@ -150,8 +150,8 @@ def test_a_model_made_in_python_is_refused_in_the_words_of_an_input_file():
             make()
         assert str(caught.value).splitlines()[1:] == [
             "  plate.thickness: found -0.1; it must be greater than 0.",
-            "  support[1].stifness: unknown key 'stifness'. Did you mean 'stiffness'? Allowed here: name, at, edge, "
-            "line, circle, area, fix, resists, gap, stiffness, settlement.",
+            "  support[1].stifness: unknown key 'stifness'. Did you mean 'stiffness'? Allowed here: name, at, nodes, "
+            "edge, line, circle, area, fix, resists, gap, stiffness, settlement.",
         ]
     with pytest.raises(InputError, match=r"^stiffness: found 0; it must be greater than 0.$"):
         Support(at=[1, 1], stiffness=0)
@@ -175,7 +175,7 @@ def test_every_problem_is_listed_up_to_twenty():
         validate(slab(load=[{"force": "a", "at": [0, 0]}] * 30))
     lines = str(caught.value).splitlines()
     assert lines[0] == "30 problems:"
-    assert lines[1] == '  load[1].force: found "a"; it must be a number.'
+    assert lines[1] == '  load[1].force: found "a"; it must be a number. Write digits without quotes, such as 30e9.'
     assert lines[-1] == "  and 10 more."
 
 

@@ -1,5 +1,5 @@
 from collections.abc import Callable
-from typing import Literal
+from typing import Literal, final
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +10,30 @@ _Bools = npt.NDArray[np.bool_]
 _Springs = tuple[_Ints, _Floats, _Floats, _Floats]
 _Constraints = tuple[_Ints, _Floats, _Floats, _Floats, _Bools, _Floats]
 _Form = Literal["dual", "stiffness"] | None
+
+__all__ = [
+    "CombinedCases",
+    "ContactProblem",
+    "ContactSolution",
+    "LcpSolution",
+    "Plate",
+    "Reference",
+    "Response",
+    "__version__",
+    "combine",
+    "combined_cases",
+    "envelop",
+    "lemke",
+    "load_responses",
+    "point_responses",
+    "response_stresses",
+    "rest_response",
+    "section_points",
+    "serendipity",
+    "solution_stresses",
+    "solve_together",
+    "superpose",
+]
 
 __version__: str
 
@@ -53,6 +77,7 @@ def envelop(
     smallest_by: _Ints,
 ) -> tuple[_Floats, _Ints]: ...
 
+@final
 class LcpSolution:
     @property
     def z(self) -> _Floats: ...
@@ -69,6 +94,7 @@ class LcpSolution:
     @property
     def message(self) -> str: ...
 
+@final
 class Plate:
     def __new__(
         cls,
@@ -98,6 +124,7 @@ class Plate:
     def stiffness_matrix(self, spring_arrays: _Springs) -> tuple[_Ints, _Ints, _Floats]: ...
     def element_stiffness(self) -> _Floats: ...
 
+@final
 class ContactProblem:
     def __new__(
         cls,
@@ -156,8 +183,10 @@ class ContactProblem:
     @property
     def factor_flops(self) -> float: ...
 
+@final
 class Reference: ...
 
+@final
 class ContactSolution:
     @property
     def status(self) -> Literal["solved", "no_equilibrium", "unsolved"]: ...
@@ -182,6 +211,7 @@ class ContactSolution:
     @property
     def corrections(self) -> int: ...
 
+@final
 class Response:
     @property
     def hi(self) -> _Floats: ...
@@ -193,4 +223,5 @@ class Response:
     def moved(self) -> _Floats: ...
     def at_points(self) -> Response: ...
 
+@final
 class CombinedCases: ...

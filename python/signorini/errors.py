@@ -3,7 +3,20 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+
+Place = tuple[str | int, ...]
+"""Where something stands in the model: keys and, counted from 0, positions in lists."""
+
+_MOST_TOLD = 20
+"""Problems that are told together."""
+_MOST_NAMES = 30
+"""Names up to which a message lists all; an expression has 26 functions."""
+_NEAREST = 8
+"""Names that a message lists of more."""
+_LONGEST = 60
+"""Characters of a name that are compared with others."""
 
 
 class SignoriniError(Exception):
@@ -22,25 +35,88 @@ class InputError(SignoriniError):
     ----------
     message : str
         What was found, what is allowed and what to do.
-    place : str
-        Where: a key path such as ``support[2].stiffness``, or a file and line.
+    place : str or tuple of str and int
+        Where: a path in the model such as ``("support", 1, "stiffness")``, or in words an argument, or a file and line.
+
+    Attributes
+    ----------
+    message, place : str
+        The same in words; a path reads ``support[2].stiffness``, as positions count from 1.
+    path : tuple of str and int
+        The path in the model, if it was one.
 
     Examples
     --------
-    >>> print(InputError("Thickness is -0.1; it must be positive.", place="plate.thickness"))
+    >>> print(InputError("Thickness is -0.1; it must be positive.", place=("plate", "thickness")))
     plate.thickness: Thickness is -0.1; it must be positive.
     """
 
     exit_code = 2
 
-    def __init__(self, message: str, place: str = "") -> None:
+    def __init__(self, message: str, place: str | Place = "") -> None:
         super().__init__(message)
         self.message = message
-        self.place = place
+        self.path: Place = () if isinstance(place, str) else place
+        self.place = place if isinstance(place, str) else path_in_words(place)
+        self._parts: tuple[InputError, ...] = ()
 
     def __str__(self) -> str:
         """Put the place before the message."""
         return f"{self.place}: {self.message}" if self.place else self.message
+
+    @property
+    def parts(self) -> tuple[InputError, ...]:
+        """Each problem by itself."""
+        return self._parts or (self,)
+
+    @classmethod
+    def of(cls, problems: Sequence[InputError], source: str = "", untold: int = 0) -> InputError:
+        """Tell problems together, those of a source such as a file, and how many more there are."""
+        parts = tuple(part for problem in problems for part in problem.parts)
+        count = len(parts) + untold
+        if count == 1:
+            return parts[0]
+        more = [f"and {count - _MOST_TOLD} more."] if count > _MOST_TOLD else []
+        whole = cls("\n  ".join([f"{count} problems:", *map(str, parts[:_MOST_TOLD]), *more]), place=source)
+        whole._parts = parts
+        return whole
+
+
+class Problems:
+    """Collects what is wrong, so that all of it is told together.
+
+    Of one place the first problem counts: what comes later there follows from it. What has no place is the plate's.
+
+    Examples
+    --------
+    >>> problems = Problems()
+    >>> for index in range(2):
+    ...     with problems.collected():
+    ...         raise InputError("not on the plate.", place=("load", index, "at"))
+    >>> problems.tell()
+    Traceback (most recent call last):
+    signorini.errors.InputError: 2 problems:
+      load[1].at: not on the plate.
+      load[2].at: not on the plate.
+    """
+
+    def __init__(self) -> None:
+        self._of: dict[str, InputError] = {}
+
+    @contextmanager
+    def collected(self) -> Iterator[None]:
+        """Keep what is raised within, and go on behind it."""
+        try:
+            yield
+        except InputError as error:
+            for part in error.parts:
+                placed = part if part.place else InputError(part.message, place=("plate",))
+                self._of.setdefault(placed.place, placed)
+
+    def tell(self) -> None:
+        """Raise what was collected, if anything was."""
+        if self._of:
+            raise InputError.of(list(self._of.values()))
 
 
 class UnknownNameError(InputError, KeyError):
@@ -59,8 +135,42 @@ class NotCertifiedError(SignoriniError):
     exit_code = 4
 
 
+def path_in_words(path: Place) -> str:
+    """Write where something stands in the model; positions count from 1.
+
+    Examples
+    --------
+    >>> path_in_words(("support", 1, "at", 0))
+    'support[2].at[1]'
+    """
+    return "".join(f"[{key + 1}]" if isinstance(key, int) else f".{key}" for key in path).removeprefix(".")
+
+
+def point(at: Iterable[float], size: float = 0.0) -> str:
+    """Write a point; beside a size, such as the plate's, without the digits that are rounding.
+
+    Examples
+    --------
+    >>> point([2, 0.5]), point([-5.7985, -1.4e-14], size=10.0)
+    ('[2, 0.5]', '[-5.7985, 0]')
+    """
+    x, y = (length(part, size) for part in at)
+    return f"[{x}, {y}]"
+
+
+def length(value: float, size: float = 0.0) -> str:
+    """Write a length; beside a size, such as the plate's, without the digits that are rounding.
+
+    Examples
+    --------
+    >>> length(-1.3e-16, 4.0), length(0.1 + 0.2, 4.0), length(-2.5e-6, 1e-5)
+    ('0', '0.3', '-2.5e-06')
+    """
+    return f"{round(float(value) / size, 9) * size + 0.0 if size else float(value) + 0.0:.6g}"
+
+
 def unknown(kind: str, found: str, allowed: Iterable[str], owner: str = "This model") -> str:
-    """Say that a name is unknown, which names there are, and which is nearest.
+    """Say that a name is unknown, which names there are, of many the nearest, and whether one was meant.
 
     Examples
     --------
@@ -68,8 +178,14 @@ def unknown(kind: str, found: str, allowed: Iterable[str], owner: str = "This mo
     "Unknown edge 'lft'. This plate has: bottom, left, right, top. Did you mean 'left'?"
     >>> unknown("case", "Q", [])
     "Unknown case 'Q'. This model has none."
+    >>> unknown("case", "truck", ["G", *(f"truck@{place}" for place in range(90))])[:69]
+    "Unknown case 'truck'. This model has 91, such as: truck@9, truck@8, t"
     """
     names = sorted(allowed)
-    has = f"has: {', '.join(names)}." if names else "has none."
-    near = difflib.get_close_matches(found, names, n=1)
+    near = difflib.get_close_matches(found[:_LONGEST], names, n=_NEAREST)
+    if len(names) > _MOST_NAMES:
+        some = list(dict.fromkeys([*near, *names[:_NEAREST]]))[:_NEAREST]
+        has = f"has {len(names)}, such as: {', '.join(some)}, ..."
+    else:
+        has = f"has: {', '.join(names)}." if names else "has none."
     return f"Unknown {kind} {found!r}. {owner} {has}" + (f" Did you mean {near[0]!r}?" if near else "")

@@ -13,15 +13,15 @@ import numpy as np
 from signorini.base.regular import open_regular
 from signorini.discretise import Discretisation, discretise
 from signorini.discretise.rows import Floats
-from signorini.equilibrium.balance import RigidFreedom, allowed_motions, rigid_freedom, tipping_axis
-from signorini.equilibrium.limits import nearest_limit, on_the_brink, why_none
+from signorini.equilibrium.balance import RigidFreedom, allowed_motions, rigid_freedom
+from signorini.equilibrium.imbalance import WORK, Imbalance
+from signorini.equilibrium.limits import imbalance_of, nearest_limit, on_the_brink
+from signorini.equilibrium.words import explain
 from signorini.errors import InputError
 from signorini.model import Combination, Model
 from signorini.results.marks import load_marks, support_marks
 
 _NO_FORCE = 1e-12
-_WORK = 1e-10
-"""Work below this part of the load times the motion is rounding."""
 _FORMATS = (".png", ".svg", ".pdf")
 _HEAD = 1000
 """Bytes of a picture within which its metadata are."""
@@ -183,28 +183,25 @@ def _resultants(found: Discretisation, freedom: RigidFreedom) -> Iterator[Result
         resultant = np.sum([np.zeros(3), *(factor * of_case[case] for case, factor in factors.items())], axis=0)
         total = sum(abs(factor) * size[case] for case, factor in factors.items())
         work = motions @ (resultant / scale @ freedom.motions) if len(motions) else np.zeros(0)
-        message = ""
-        if work.max(initial=0.0) > _WORK * total:
-            message = why_none(found, freedom, combination)
-        yield _of(found, freedom, combination, resultant, total, message)
+        why = imbalance_of(found, freedom, combination) if work.max(initial=0.0) > WORK * total else None
+        yield _of(found, combination, resultant, total, why)
 
 
 def _resultant(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> Resultant:
     weighing = found.load(combination).weighing
-    message = why_none(found, freedom, combination)
-    brink = not message and on_the_brink(found, freedom, weighing)
-    limit = nearest_limit(found, freedom, combination)
+    why = imbalance_of(found, freedom, combination)
+    brink = why is None and on_the_brink(found, freedom, weighing)
+    limit = nearest_limit(found, freedom, combination) if why is None else why.limit
     total = float(np.abs(weighing[::3]).sum())
-    return _of(found, freedom, combination, found.rigid_motions.T @ weighing, total, message, brink, limit)
+    return _of(found, combination, found.rigid_motions.T @ weighing, total, why, brink, limit)
 
 
 def _of(
     found: Discretisation,
-    freedom: RigidFreedom,
     combination: Combination,
     resultant: Floats,
     total: float,
-    message: str,
+    why: Imbalance | None,
     brink: bool = False,
     limit: tuple[str, float] | None = None,
 ) -> Resultant:
@@ -214,8 +211,8 @@ def _of(
     if force:
         x, y = ((found.middle + np.array([mx, my]) / force) / found.mesh.size).round(12) * found.mesh.size + 0.0
         at = (float(x), float(y))
-    if not message:
-        return Resultant(combination.name, force, at, (mx, my), "", brink, limit, None)
-    ends = tipping_axis(found, freedom, found.load(combination).weighing)
-    axis = None if ends is None else ((float(ends[0, 0]), float(ends[0, 1])), (float(ends[1, 0]), float(ends[1, 1])))
-    return Resultant(combination.name, force, at, (mx, my), message, brink, limit, axis)
+    axis = None
+    if why is not None and why.axis is not None:
+        (ax, ay), (bx, by) = why.axis.ends(found.middle, found.mesh.size).tolist()
+        axis = (ax, ay), (bx, by)
+    return Resultant(combination.name, force, at, (mx, my), explain(found, why), brink, limit, axis)

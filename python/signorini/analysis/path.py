@@ -20,8 +20,9 @@ from signorini.contact.selection import chosen, doubtful
 from signorini.contact.strategy import ways_along
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.equilibrium.balance import no_equilibrium
+from signorini.equilibrium.imbalance import imbalance
 from signorini.equilibrium.limits import CONTRADICTION, floats, largest_factor, supports_contradict
+from signorini.equilibrium.words import explain
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
 from signorini.model import Model
 from signorini.results.load_path import AT_LIMIT, Ending, LoadPath, ahead, beside
@@ -94,7 +95,7 @@ def path(
         raise InputError(f'the load "{add}" is zero; it must be one that grows. Name another.', place="add")
     watcher(Progress(stage="factor"))
     problem = contact_problem(found)
-    message = no_equilibrium(found, problem.freedom, loads[0].weighing)
+    message = explain(found, imbalance(found, problem.freedom, loads[0].weighing))
     if message:
         raise NoEquilibriumError(f"{start or 'without load'}: {message}")
     if floats(found, problem.freedom, loads[0].weighing, loads[1].weighing):

@@ -17,7 +17,8 @@ from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.contact.refusal import refusal, uncertain
 from signorini.contact.strategy import answered
 from signorini.discretise import discretise
-from signorini.equilibrium.limits import CONTRADICTION, nearest_limit, why_none
+from signorini.equilibrium.limits import CONTRADICTION, imbalance_of, nearest_limit
+from signorini.equilibrium.words import explain
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, UnknownNameError
 from signorini.model import Combination, Model
 from signorini.results.columns import Column, together
@@ -318,7 +319,7 @@ def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watch
         watcher(Progress(combination.name, step, changing, residual))
 
     begun = time.perf_counter()
-    message = why_none(found, problem.freedom, combination)
+    message = explain(found, imbalance_of(found, problem.freedom, combination))
     if message:
         return unsolved_result(found, combination.name, message), time.perf_counter() - begun
     tried = answered(problem, load, steps)

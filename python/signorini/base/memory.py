@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from signorini.errors import InputError
+from signorini.errors import InputError, Place
 
 _PER_DOF = 2100.0
 """Bytes of element matrices, assembled matrices, fields and what fronts leave for a dof: the most that slabs on
@@ -115,7 +115,7 @@ def _address_space() -> float:
     return limit - taken - (threads + 1) * _PER_THREAD
 
 
-def require_memory(elements: int, place: str) -> None:
+def require_memory(elements: int, place: Place) -> None:
     """Refuse a mesh that cannot fit, before the system ends the process for trying.
 
     Raises
@@ -126,7 +126,7 @@ def require_memory(elements: int, place: str) -> None:
     _require(needed, elements, f"A mesh of {elements:,} elements", "Take larger elements.", place)
 
 
-def require_memory_for_points(points: int, advice: str, place: str) -> None:
+def require_memory_for_points(points: int, advice: str, place: Place) -> None:
     """Refuse contact points whose condensed problem cannot fit, with advice.
 
     Raises
@@ -146,7 +146,7 @@ def require_memory_for_proximal_steps(dofs: int, points: int) -> None:
         If they would take more memory than there is; the message says how many dofs fit.
     """
     what = f"Solving {dofs:,} dofs by proximal steps"
-    _require(lambda count: needed_by_proximal_steps(count, points), dofs, what, "Take a coarser mesh.", "mesh")
+    _require(lambda count: needed_by_proximal_steps(count, points), dofs, what, "Take a coarser mesh.", ("mesh",))
 
 
 def require_memory_for_interior_point(dofs: int, points: int) -> None:
@@ -158,10 +158,10 @@ def require_memory_for_interior_point(dofs: int, points: int) -> None:
         If it would take more memory than there is; the message says how many dofs fit.
     """
     what, advice = f"Solving {dofs:,} dofs by the interior point method", 'Leave solver.method at "auto".'
-    _require(lambda count: needed_by_interior_point(count, points), dofs, what, advice, "solver.method")
+    _require(lambda count: needed_by_interior_point(count, points), dofs, what, advice, ("solver", "method"))
 
 
-def _require(taking: Callable[[int], float], count: int, what: str, advice: str, place: str) -> None:
+def _require(taking: Callable[[int], float], count: int, what: str, advice: str, place: Place) -> None:
     most, takes = available(), taking(count)
     if takes <= most:
         return

@@ -89,9 +89,9 @@ def _require_condensable(points: int, of_all: bool, asked: str) -> None:
     if points > MOST_POINTS:
         raise InputError(
             f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. {advice}",
-            place="support",
+            place=("support",),
         )
-    require_memory_for_points(points, advice, "support")
+    require_memory_for_points(points, advice, ("support",))
 
 
 def core_problem(
@@ -121,7 +121,7 @@ def core_problem(
             raise InputError(
                 "q8r bends in some shapes without resistance, and on this mesh the supports do not hold them all. "
                 'Take element = "mitc9" or a finer mesh.',
-                place="plate.element",
+                place=("plate", "element"),
             ) from None
         if soft := softest(found):
             raise InputError(soft.why, place=soft.place) from None
@@ -129,7 +129,7 @@ def core_problem(
             "The plate's parts are too unlike for double precision: see that the thickness, the elements' sides and "
             "the stiffnesses of the supports do not differ wildly."
         )
-        raise InputError(f"The stiffness matrix cannot be factored: {error}. {why}", place="plate") from None
+        raise InputError(f"The stiffness matrix cannot be factored: {error}. {why}", place=("plate",)) from None
     except MemoryError:
         raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
 

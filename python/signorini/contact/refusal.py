@@ -11,6 +11,7 @@ from signorini.contact.certificate import CERTIFIABLE, Certificate, forces_at_no
 from signorini.contact.slenderness import of_shape
 from signorini.contact.softness import softest
 from signorini.discretise import CaseLoad, Discretisation
+from signorini.errors import point
 
 _PUSHING = 100.0
 """Sum of reactions, over that of the loads, from which supports push against each other more than they carry."""
@@ -94,7 +95,7 @@ def _of_supports(found: Discretisation, load: CaseLoad, answer: Answer) -> str:
         return ""
     where = found.mesh.points[int(np.abs(found.contact_rows.T @ np.abs(answer.reaction)).argmax()) // 3]
     return (
-        f"Supports near [{where[0]:.6g}, {where[1]:.6g}] push against each other with forces that outweigh all others, "
+        f"Supports near {point(where)} push against each other with forces that outweigh all others, "
         "and so does their rounding. Leave out those that nearly repeat each other, give the rigid ones a stiffness, "
         "or correct a settlement."
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from signorini.discretise import Discretisation
-from signorini.discretise.rows import Floats
+from signorini.errors import point
 
 _LONG = 1000.0
 """Ratio of an element's sides up to which every ribbon of benchmarks/ribbons.py is certified, whatever its thickness:
@@ -23,7 +23,7 @@ def of_shape(found: Discretisation) -> str:
     ratio = lengths.max(axis=1) / lengths.min(axis=1)
     worst = int(ratio.argmax())
     thickness = np.broadcast_to(found.thickness.at_points, (len(mesh.elements), found.thickness.at_points.shape[1]))
-    place = _middle(corners[worst])
+    place = point(corners[worst].mean(axis=0))
     if ratio[worst] > _LONG:
         long, short = np.sort(lengths[worst])[::-1]
         # A ratio that only rounding puts past a whole number is that number.
@@ -37,7 +37,7 @@ def of_shape(found: Discretisation) -> str:
         )
     slenderness = thickness.min(axis=1) / mesh.size
     worst = int(slenderness.argmin())
-    place = _middle(corners[worst])
+    place = point(corners[worst].mean(axis=0))
     if found.model.plate.element == "q8r" and slenderness[worst] < _THIN:
         return (
             f"Double precision cannot tell bending of the q8r element at {place}, "
@@ -45,8 +45,3 @@ def of_shape(found: Discretisation) -> str:
             f'"mitc9", or a thickness of {_THIN * mesh.size:.6g} or more.'
         )
     return ""
-
-
-def _middle(corners: Floats) -> str:
-    x, y = corners.mean(axis=0)
-    return f"[{x:.6g}, {y:.6g}]"

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from signorini.discretise import Discretisation
+from signorini.errors import Place
 
 _SOFTEST = 1e-6
 """Stiffness of a support in all, over Et³/12a², from which on it is found on meshes and plates of every kind tried."""
@@ -21,7 +22,7 @@ _DOUBTFUL = 1e3
 class Softest(NamedTuple):
     """The softest support: its place in the input, and why it is too soft."""
 
-    place: str
+    place: Place
     why: str
 
 
@@ -39,7 +40,7 @@ def softest(found: Discretisation, doubtful: bool = False) -> Softest | None:
     ...     load=[{"pressure": 5e3}],
     ... )
     >>> softest(discretise(model)), softest(discretise(model), doubtful=True).place
-    (None, 'support[2].stiffness')
+    (None, ('support', 1, 'stiffness'))
     """
     springs, contacts = found.springs, found.contacts
     yielding = contacts.compliance > 0
@@ -56,7 +57,7 @@ def softest(found: Discretisation, doubtful: bool = False) -> Softest | None:
     enough = max(_SURE * _SOFTEST * own, _MORE * least)
     loses = "loses" if least < _SOFTEST * own else "may lose"
     return Softest(
-        f"support[{index + 1}].stiffness",
+        ("support", index, "stiffness"),
         f"The stiffness of {found.model.support[index].name}, {least:.4g} in all, is {least / own:.2g} of the plate's "
         f"own, E t³/12 over its size squared, and double precision {loses} it beside what else holds the plate. Give "
         f"it at least {enough:.3g} in all, or leave it out and hold the plate otherwise.",

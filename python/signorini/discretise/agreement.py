@@ -15,7 +15,7 @@ from signorini.discretise.places import curve, region
 from signorini.discretise.quadrature.crossings import evaluate, quadratics, with_circles, with_segments
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import ContactPoints
-from signorini.errors import InputError
+from signorini.errors import InputError, path_in_words, point
 from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
 from signorini.model import AnnulusPlate, DiscPlate, Model, Plate, Support
@@ -332,9 +332,9 @@ class _Values:
 
     def _formulas(self, at: Floats) -> tuple[Floats, Floats]:
         """Settlement and gap at points (q, 2)."""
-        name = f"support[{self.index + 1}]"
-        settlement = self.support.settlement(*at.T, place=f"{name}.settlement")
-        return settlement, self.support.gap(*at.T, at_least=0.0, place=f"{name}.gap")
+        own = ("support", self.index)
+        settlement = self.support.settlement(*at.T, place=(*own, "settlement"))
+        return settlement, self.support.gap(*at.T, at_least=0.0, place=(*own, "gap"))
 
     def bounds(self, at: Floats) -> tuple[Floats, Floats]:
         """The least and the most deflection that the support allows at points (q, 2)."""
@@ -369,8 +369,7 @@ def _contradiction(
     mesh: Mesh, at: Floats, distance: float, bounds: Sequence[tuple[int, Floats, Floats]], which: int
 ) -> InputError:
     (first, *mine), (second, *theirs) = ((index, least[which], most[which]) for index, least, most in bounds)
-    x, y = np.round(at / mesh.size, 12) * mesh.size + 0.0
-    names = f"support[{first + 1}]", f"support[{second + 1}]"
+    names = [path_in_words(("support", index)) for index in (first, second)]
     away, why = "", ""
     if distance > _SAME_PLACE * mesh.size:
         away, why = f", {distance:.3g} away,", "Mesh elements are too large to tell these places apart. "
@@ -382,7 +381,7 @@ def _contradiction(
             f"{theirs[0] + 0.0:g}"
         )
     return InputError(
-        f"Supports contradict each other at [{x:g}, {y:g}]: {said}. {why}Correct a gap or a settlement, or "
+        f"Supports contradict each other at {point(at, mesh.size)}: {said}. {why}Correct a gap or a settlement, or "
         "give a stiffness.",
-        place=names[1],
+        place=("support", second),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,12 +21,14 @@ from signorini.discretise.holds import hold
 from signorini.discretise.loads import CaseLoad, case_loads
 from signorini.discretise.meshing import mesh_of
 from signorini.discretise.moving import Cases
+from signorini.discretise.parts import Parts, parts_of
+from signorini.discretise.placed import placed
 from signorini.discretise.places import located
 from signorini.discretise.redundancy import Repeated, that_can_act
 from signorini.discretise.rows import Floats, Rows
 from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
 from signorini.discretise.thickness import Thickness, thickness_of
-from signorini.errors import InputError
+from signorini.errors import InputError, Problems
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
 
@@ -61,6 +64,11 @@ class Discretisation(Remade):
     def points(self) -> ContactPoints:
         """Contact points and, behind them, those that repeat them (m + r,)."""
         return ContactPoints.join([self.contacts, self.repeated.points])
+
+    @cached_property
+    def parts(self) -> tuple[Parts, ...]:
+        """What of held nodes, springs and ``points`` is each support's."""
+        return parts_of(len(self.model.support), self.held, self.springs, self.points)
 
     @cached_property
     def contact_rows(self) -> csr_array:
@@ -139,35 +147,56 @@ def discretise(model: Model) -> Discretisation:
     >>> print(round(found.cases["load"].nodal[::3].sum(), 6))
     40000.0
     """
-    made_by(model, Model, "Make one with signorini.Model(...) or signorini.load(file).", "model")
-    try:
-        return _discretise(model)
-    except InputError as error:
-        # What a mesh finds wrong with itself is the plate's fault.
-        raise InputError(error.message, place=error.place or "plate") from None
-
-
-def _discretise(model: Model) -> Discretisation:
+    made_by(model, Model, _advice(model), "model")
     begun = time.perf_counter()
-    mesh = mesh_of(model)
+    mesh, model = mesh_of(model)
     meshed = time.perf_counter()
-    held = hold(model, mesh)
-    thickness = thickness_of(model, mesh)
+    problems = Problems()
+    supports = placed(model, mesh, problems)
+    held = hold(mesh, supports, problems)
+    # A thickness that is wrong keeps no other problem from being found.
+    thickness = Thickness(np.full((1, 1), mesh.size))
+    with problems.collected():
+        thickness = thickness_of(model, mesh)
     plate = _plate(model, mesh, thickness, held)
     stiffness = PlateStiffness.of(model, mesh, thickness.at_points)
-    springs, contacts = springs_and_contacts(model, mesh, plate, held.dofs, stiffness)
+    springs, contacts = springs_and_contacts(model.plate, mesh, plate, held.dofs, stiffness, supports, problems)
+    still = case_loads(model, mesh, plate, held, problems)
+    probes = [Location(np.zeros(0, np.int64), np.zeros((0, 2)))]
+    for index, probe in enumerate(model.probe):
+        with problems.collected():
+            at = located(mesh, probe.at, ("probe", index, "at"))
+            probes.append(Location(at.elements, at.xi))
+    problems.tell()
     contacts, repeated = that_can_act(model, mesh, held, contacts)
-    cases = Cases(case_loads(model, mesh, plate, held), model.moving, mesh)
-    positions = np.array([point for probe in model.probe for point in probe.at]).reshape(-1, 2)
-    probes = Location(np.zeros(0, np.int64), np.zeros((0, 2)))
-    if len(positions):
-        parts = [located(mesh, probe.at, f"probe[{i + 1}]") for i, probe in enumerate(model.probe)]
-        probes = Location(np.concatenate([p.elements for p in parts]), np.concatenate([p.xi for p in parts]))
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
     return Discretisation(
-        model, mesh, plate, thickness, stiffness, held, springs, contacts, repeated, cases, probes, positions, seconds
+        model,
+        mesh,
+        plate,
+        thickness,
+        stiffness,
+        held,
+        springs,
+        contacts,
+        repeated,
+        Cases(still, model.moving, mesh),
+        Location(np.concatenate([at.elements for at in probes]), np.concatenate([at.xi for at in probes])),
+        np.array([at for probe in model.probe for at in probe.at]).reshape(-1, 2),
+        seconds,
     )
+
+
+def _advice(given: object) -> str:
+    """How to come from what was given to a model."""
+    match given:
+        case str() | os.PathLike():
+            return "Load the file first: signorini.load(file)."
+        case Mapping():
+            return "Make one of the mapping first: signorini.validate(mapping)."
+        case _:
+            return "Make one with signorini.Model(...) or signorini.load(file)."
 
 
 def _plate(model: Model, mesh: Mesh, thickness: Thickness, held: Held) -> _core.Plate:
@@ -185,4 +214,4 @@ def _plate(model: Model, mesh: Mesh, thickness: Thickness, held: Held) -> _core.
             thickness.layered,
         )
     except ValueError as error:
-        raise InputError(f"{error}. Change the mesh or the thickness.", place="plate") from None
+        raise InputError(f"{error}. Change the mesh or the thickness.", place=("plate",)) from None

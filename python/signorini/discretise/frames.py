@@ -18,16 +18,14 @@ class Holds:
 
     node_count: int
     value: dict[int, float] = field(default_factory=dict)
-    by: dict[int, list[int]] = field(default_factory=dict)
+    by: dict[int, dict[int, int]] = field(default_factory=dict)
     directions: dict[int, list[tuple[float, float]]] = field(default_factory=dict)
     slope_by: dict[int, int] = field(default_factory=dict)
 
-    def deflection(self, node: int, value: float, support: int) -> None:
+    def deflection(self, node: int, value: float, support: int, number: int) -> None:
         """Hold a node's deflection; supports that do so, which agree on its value, share its reaction."""
         self.value.setdefault(node, value)
-        holders = self.by.setdefault(node, [])
-        if support not in holders:
-            holders.append(support)
+        self.by.setdefault(node, {}).setdefault(support, number)
 
     def slope(self, node: int, direction: tuple[float, float], support: int) -> None:
         """Hold a node's slope along a unit direction."""
@@ -41,7 +39,7 @@ class Holds:
         support = np.full((self.node_count, 3), -1, dtype=np.int64)
         frames = np.tile([1.0, 0.0], (self.node_count, 1))
         for node, deflection in self.value.items():
-            held[node, 0], value[node, 0], support[node, 0] = True, deflection, self.by[node][0]
+            held[node, 0], value[node, 0], support[node, 0] = True, deflection, next(iter(self.by[node]))
         for node, directions in self.directions.items():
             first, *others = directions
             support[node, 1:] = self.slope_by[node]
@@ -55,8 +53,10 @@ class Holds:
                 held[node, 1] = True
                 frames[node] = np.array(first) / np.hypot(*first)
         framed = bool((frames[:, 1] != 0).any())
-        holders = np.array([(node, one) for node in sorted(self.by) for one in self.by[node]], np.int64).reshape(-1, 2)
-        return Held(held.ravel(), value.ravel(), support.ravel(), holders, frames if framed else None)
+        holders = [(node, *one) for node in sorted(self.by) for one in self.by[node].items()]
+        *pairs, numbers = np.array(holders, np.int64).reshape(-1, 3).T
+        by_node = np.column_stack(pairs)
+        return Held(held.ravel(), value.ravel(), support.ravel(), by_node, numbers, frames if framed else None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,13 +64,15 @@ class Held:
     """Held dofs (3n,), their values, the supports that hold them, and frames (n, 2), or None for x and y.
 
     ``support`` (3n,) names of several the first, and −1 where there is none; ``holders`` (k, 2) are all pairs of a node
-    and a support that holds its deflection, by node.
+    and a support that holds its deflection, by node, and ``numbers`` (k,) which of the support's points that is, from
+    0; 0 along lines.
     """
 
     dofs: Bools
     values: Floats
     support: Ints
     holders: Ints
+    numbers: Ints
     frames: Floats | None
 
     def to_global(self, rotations: Floats) -> Floats:

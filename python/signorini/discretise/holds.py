@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from signorini.discretise.frames import PARALLEL, Held, Holds
-from signorini.discretise.places import Sampled, edge_nodes, located, mesh_edges, quadratic_tangents
+from signorini.discretise.placed import Placed
+from signorini.discretise.places import edge_nodes, quadratic_tangents
 from signorini.discretise.rows import Ints
+from signorini.errors import Problems
 from signorini.mesh import Mesh
-from signorini.model import Model, Support
-
-_SAME_NODE = 1e-9
+from signorini.model import Support
 
 
-def hold(model: Model, mesh: Mesh) -> Held:
+def hold(mesh: Mesh, supports: Sequence[Placed], problems: Problems) -> Held:
     """Dofs that supports hold at nodes: bilateral, rigid, and where the mesh has nodes for them."""
     holds = Holds(mesh.node_count)
-    for index, support in enumerate(model.support):
-        if support.place in ("edge", "line", "circle"):
-            _hold_along(mesh, holds, index, support)
-        elif support.place == "at":
-            _hold_points(mesh, holds, index, support)
+    for placed in supports:
+        with problems.collected():
+            if placed.sides is not None:
+                _hold_along(mesh, holds, placed, placed.sides)
+            elif placed.points is not None:
+                _hold_points(mesh, holds, placed)
     return holds.settle()
 
 
@@ -30,24 +33,14 @@ def holds_deflection(support: Support) -> bool:
     return support.stiffness is None and ("w" in support.fixed or (support.resists == "both" and no_gap))
 
 
-def nodes_at(mesh: Mesh, sampled: Sampled) -> Ints:
-    """Node (q,) that each point coincides with, −1 where there is none."""
-    nodes = mesh.elements[sampled.elements]
-    offset = mesh.points[nodes] - sampled.positions[:, None]
-    distance = np.hypot(offset[..., 0], offset[..., 1])
-    picked = np.arange(len(nodes)), distance.argmin(axis=1)
-    return np.where(distance[picked] <= _SAME_NODE * mesh.size, nodes[picked], -1)
-
-
-def _hold_along(mesh: Mesh, holds: Holds, index: int, support: Support) -> None:
-    triples = mesh_edges(mesh, support, f"support[{index + 1}]")
-    if triples is None:
-        return
+def _hold_along(mesh: Mesh, holds: Holds, placed: Placed, sides: Ints) -> None:
+    support, index = placed.support, placed.index
     if holds_deflection(support):
-        _hold_deflections(mesh, holds, index, support, edge_nodes(mesh, triples).nodes)
+        nodes = edge_nodes(mesh, sides).nodes
+        _hold_deflections(mesh, holds, placed, nodes, np.zeros_like(nodes))
     if not {"slope", "twist"} & set(support.fixed):
         return
-    for node, tangents in _tangents(mesh, triples).items():
+    for node, tangents in _tangents(mesh, sides).items():
         for tx, ty in tangents:
             if "slope" in support.fixed:
                 holds.slope(node, (ty, -tx), index)
@@ -55,23 +48,21 @@ def _hold_along(mesh: Mesh, holds: Holds, index: int, support: Support) -> None:
                 holds.slope(node, (tx, ty), index)
 
 
-def _hold_points(mesh: Mesh, holds: Holds, index: int, support: Support) -> None:
-    assert support.at is not None
-    sampled = located(mesh, support.at, f"support[{index + 1}]")
-    nodes = nodes_at(mesh, sampled)
-    nodes = nodes[nodes >= 0]
-    if holds_deflection(support):
-        _hold_deflections(mesh, holds, index, support, nodes)
-    if "slope" in support.fixed:
+def _hold_points(mesh: Mesh, holds: Holds, placed: Placed) -> None:
+    (numbers,) = np.nonzero(placed.nodes >= 0)
+    nodes = placed.nodes[numbers]
+    if holds_deflection(placed.support):
+        _hold_deflections(mesh, holds, placed, nodes, numbers)
+    if "slope" in placed.support.fixed:
         for node in nodes.tolist():
-            holds.slope(node, (1.0, 0.0), index)
-            holds.slope(node, (0.0, 1.0), index)
+            holds.slope(node, (1.0, 0.0), placed.index)
+            holds.slope(node, (0.0, 1.0), placed.index)
 
 
-def _hold_deflections(mesh: Mesh, holds: Holds, index: int, support: Support, nodes: Ints) -> None:
-    settlement = support.settlement(*mesh.points[nodes].T, place=f"support[{index + 1}].settlement")
-    for node, value in zip(nodes.tolist(), settlement.tolist(), strict=True):
-        holds.deflection(node, value, index)
+def _hold_deflections(mesh: Mesh, holds: Holds, placed: Placed, nodes: Ints, numbers: Ints) -> None:
+    settlement = placed.support.settlement(*mesh.points[nodes].T, place=(*placed.place, "settlement"))
+    for node, value, number in zip(nodes.tolist(), settlement.tolist(), numbers.tolist(), strict=True):
+        holds.deflection(node, value, placed.index, number)
 
 
 def _tangents(mesh: Mesh, triples: Ints) -> dict[int, list[tuple[float, float]]]:

@@ -8,8 +8,9 @@ import numpy as np
 
 from signorini import _core
 from signorini.discretise.frames import Held
-from signorini.discretise.places import Sampled, along_curve, in_area, located
+from signorini.discretise.places import Sampled, along_curve, in_area, located, mesh_edges
 from signorini.discretise.rows import Floats, Ints
+from signorini.errors import Place, Problems
 from signorini.expression import Expression
 from signorini.mesh import Mesh
 from signorini.model import Area, Load, Model
@@ -77,13 +78,14 @@ def _sum(a: Floats, b: Floats) -> Floats:
     return np.where(np.abs(total) <= _CANCELLED * (np.abs(a) + np.abs(b)), 0.0, total)
 
 
-def case_loads(model: Model, mesh: Mesh, plate: _core.Plate, held: Held) -> dict[str, CaseLoad]:
+def case_loads(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, problems: Problems) -> dict[str, CaseLoad]:
     """Every load case of the model, by name."""
     cases: dict[str, CaseLoad] = {}
     motions = held.rigid_motions(mesh.points, mesh.middle) / [1.0, mesh.size, mesh.size]
     for index, load in enumerate(model.load):
-        found = _weighed(motions, _load(model, mesh, plate, held, load, f"load[{index + 1}]"))
-        cases[load.case] = cases[load.case] + found if load.case in cases else found
+        with problems.collected():
+            found = _weighed(motions, _load(model, mesh, plate, held, load, ("load", index)))
+            cases[load.case] = cases[load.case] + found if load.case in cases else found
     return {case: _weighed(motions, load) for case, load in cases.items()}
 
 
@@ -94,7 +96,7 @@ def _weighed(motions: Floats, load: CaseLoad) -> CaseLoad:
     return replace(load, weighing=np.zeros_like(load.nodal)) if balanced and load.nodal.any() else load
 
 
-def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, place: str) -> CaseLoad:
+def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, place: Place) -> CaseLoad:
     nodal = np.zeros(3 * mesh.node_count)
     curvature, couples = np.zeros(3), np.zeros(2 * len(mesh.elements))
     match load.kind:
@@ -108,16 +110,17 @@ def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, 
         case "line_load":
             assert load.line_load is not None
             order = _GAUSS if load.line_load.is_constant else _GAUSS_VARYING
-            points = along_curve(mesh, model.plate, load, place, order, levels=load.line_load.levels)
-            force = load.line_load(*points.positions.T, place=f"{place}.line_load")
+            sides = mesh_edges(mesh, load, place)
+            points = along_curve(mesh, model.plate, load, place, sides, order, levels=load.line_load.levels)
+            force = load.line_load(*points.positions.T, place=(*place, "line_load"))
             push(mesh, nodal, points.elements, points.xi, points.weights * force)
         case "force":
             assert load.force is not None and load.at is not None
-            points = located(mesh, load.at, place)
+            points = located(mesh, load.at, (*place, "at"))
             push(mesh, nodal, points.elements, points.xi, load.force * points.weights)
         case "moment":
             assert load.moment is not None and load.at is not None
-            _twist(mesh, plate, nodal, couples, located(mesh, load.at, place), load.moment)
+            _twist(mesh, plate, nodal, couples, located(mesh, load.at, (*place, "at")), load.moment)
         case "curvature":
             assert load.curvature is not None
             nodal, couples = plate.curvature_load(load.curvature)
@@ -131,13 +134,13 @@ def _press(
     nodal: Floats,
     pressure: Expression,
     area: Area | str | None,
-    place: str,
+    place: Place,
     key: str,
     factor: float = 1.0,
 ) -> None:
     order = _GAUSS if pressure.is_constant else _GAUSS_VARYING
     points = in_area(mesh, model.plate, area, place, order, levels=pressure.levels)
-    force = factor * points.weights * pressure(*points.positions.T, place=f"{place}.{key}")
+    force = factor * points.weights * pressure(*points.positions.T, place=(*place, key))
     push(mesh, nodal, points.elements, points.xi, force)
 
 

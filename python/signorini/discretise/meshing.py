@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import TypeVar
 
 from signorini.base.memory import require_memory
 from signorini.discretise.places import curve, region
+from signorini.errors import InputError, Place, Problems
 from signorini.expression import Expression
 from signorini.expression.levels import Drawing
 from signorini.mesh import Mesh
@@ -15,17 +17,69 @@ from signorini.model import AnnulusPlate, DiscPlate, Load, MeshPlate, Model, Rec
 from signorini.shapes import Curve, Region
 from signorini.shapes.outlines import Box, Point
 
+_Item = TypeVar("_Item", Support, Load)
 
-def mesh_of(model: Model) -> Mesh:
-    """Mesh the model's plate, or read its mesh."""
+
+def mesh_of(model: Model) -> tuple[Mesh, Model]:
+    """Mesh the model's plate, or read its mesh; in the model nodes that it names by number have become points.
+
+    Raises
+    ------
+    InputError
+        If there is not the memory for it, or a file holds no mesh of a plate.
+    """
     plate = model.plate
     if isinstance(plate, MeshPlate):
-        from signorini.mesh.meshfile import read
+        return _read(model, plate)
+    require_memory(math.prod(plate.divisions(model.mesh)), ("mesh",))
+    try:
+        return _made(model, plate), model
+    except InputError as error:
+        raise InputError(error.message, place=("plate",)) from None
 
-        mesh = read(plate.file)
-        require_memory(len(mesh.elements), "plate.file")
-        return mesh
-    require_memory(math.prod(plate.divisions(model.mesh)), "mesh")
+
+def _read(model: Model, plate: MeshPlate) -> tuple[Mesh, Model]:
+    from signorini.mesh.meshfile import read, read_numbered
+
+    place = ("plate", "file")
+    named: list[Support | Load] = [*model.support, *model.load]
+    points: Mapping[int, Point] = {}
+    try:
+        if all(item.nodes is None for item in named):
+            mesh = read(plate.file)
+        else:
+            mesh, points = read_numbered(plate.file)
+    except InputError as error:
+        raise InputError(str(error), place) from None
+    require_memory(len(mesh.elements), place)
+    return mesh, _at_nodes(model, points)
+
+
+def _at_nodes(model: Model, points: Mapping[int, Point]) -> Model:
+    """Put supports and loads that name nodes at their points."""
+    problems = Problems()
+    support = tuple(_placed(item, ("support", i), points, problems) for i, item in enumerate(model.support))
+    load = tuple(_placed(item, ("load", i), points, problems) for i, item in enumerate(model.load))
+    problems.tell()
+    return model.model_copy(update={"support": support, "load": load})
+
+
+def _placed(item: _Item, place: Place, points: Mapping[int, Point], problems: Problems) -> _Item:
+    if item.nodes is None:
+        return item
+    for position, number in enumerate(item.nodes):
+        if number not in points:
+            with problems.collected():
+                raise InputError(
+                    f"The mesh file has no node {number}; its {len(points)} nodes have numbers from {min(points)} to "
+                    f"{max(points)}.",
+                    place=(*place, "nodes", position),
+                )
+    at = tuple(points[number] for number in item.nodes if number in points)
+    return item.model_copy(update={"at": at, "nodes": None})
+
+
+def _made(model: Model, plate: RectanglePlate | DiscPlate | AnnulusPlate) -> Mesh:
     match plate:
         case RectanglePlate():
             (x, y), (a, b) = plate.origin, plate.size

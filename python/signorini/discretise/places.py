@@ -16,7 +16,7 @@ from signorini.discretise.quadrature import (
 )
 from signorini.discretise.quadrature.stepped import OFF, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.errors import InputError, unknown
+from signorini.errors import InputError, Place, length, point, unknown
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, Area, DiscPlate, Load, Plate, Support
 from signorini.shapes import Circle, Curve, Polygon, Polyline, Rectangle, Region, Ring
@@ -42,14 +42,7 @@ class Sampled:
 
 def region(area: Area | str | None) -> Region | None:
     """The region of the plane that an area names; None for the whole plate."""
-    if not isinstance(area, Area):
-        return None
-    if area.rectangle is not None:
-        return Rectangle(*area.rectangle)
-    if area.circle is not None:
-        return Circle(area.circle.center, area.circle.radius)
-    assert area.polygon is not None  # the model has exactly one of the three
-    return Polygon(area.polygon)
+    return area.region if isinstance(area, Area) else None
 
 
 def curve(item: Support | Load) -> Curve | None:
@@ -61,7 +54,7 @@ def curve(item: Support | Load) -> Curve | None:
     return None
 
 
-def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: str) -> Sampled:
+def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Sampled:
     """Points given by their coordinates.
 
     Raises
@@ -72,17 +65,25 @@ def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: str) -> Samp
     positions = np.array(at, dtype=np.float64)
     where = mesh.locate(positions)
     if not where.inside.all():
-        x, y = positions[np.argmin(where.inside)]
-        low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
-        raise InputError(
-            f"The point [{x:g}, {y:g}] is not on the plate, which lies within x = {low[0]:g} to {high[0]:g}, "
-            f"y = {low[1]:g} to {high[1]:g}. Move the point onto the plate.",
-            place=f"{place}.at",
+        (left, bottom), (right, top) = (
+            [length(part, mesh.size) for part in corner]
+            for corner in (mesh.points.min(axis=0), mesh.points.max(axis=0))
+        )
+        off = np.flatnonzero(~where.inside).tolist()
+        raise InputError.of(
+            [
+                InputError(
+                    f"The point {point(at[i])} is not on the plate, which lies within x = {left} to {right}, "
+                    f"y = {bottom} to {top}. Move the point onto the plate.",
+                    place=(*place, i) if len(at) > 1 else place,
+                )
+                for i in off
+            ]
         )
     return Sampled(where.elements, where.xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
 
 
-def mesh_edges(mesh: Mesh, item: Support | Load, place: str) -> Ints | None:
+def mesh_edges(mesh: Mesh, item: Support | Load, place: Place) -> Ints | None:
     """Sides of elements (k, 3) that make up the item's edge, line or circle; None if the mesh does not follow it.
 
     Raises
@@ -91,18 +92,31 @@ def mesh_edges(mesh: Mesh, item: Support | Load, place: str) -> Ints | None:
         If the mesh has no edge of that name.
     """
     if item.edge is not None:
-        for name in item.edge:
-            if name not in mesh.edges:
-                raise InputError(unknown("edge", name, mesh.edges, "This mesh"), place=f"{place}.edge")
+        problems = [
+            InputError(unknown("edge", name, mesh.edges, "This mesh"), place=(*place, "edge", position))
+            for position, name in enumerate(item.edge)
+            if name not in mesh.edges
+        ]
+        if problems:
+            raise InputError.of(problems)
         return np.concatenate([mesh.edges[name] for name in item.edge])
     along = curve(item)
     return None if along is None else mesh.edges_along(along)
 
 
 def along_curve(
-    mesh: Mesh, plate: Plate, item: Support | Load, place: str, order: int, at_ends: int = 0, levels: Levels = ()
+    mesh: Mesh,
+    plate: Plate,
+    item: Support | Load,
+    place: Place,
+    sides: Ints | None,
+    order: int,
+    at_ends: int = 0,
+    levels: Levels = (),
 ) -> Sampled:
     """Gauss points of the item's edge, line or circle, divided where levels change sign; weights are lengths.
+
+    ``sides`` are those of `mesh_edges`.
 
     If ``at_ends`` is not 0, so many points of Lobatto's rule on pieces at ends and corners.
 
@@ -111,14 +125,13 @@ def along_curve(
     InputError
         If the curve leaves the plate.
     """
-    triples = mesh_edges(mesh, item, place)
-    if triples is not None:
-        return _sampled(edge_quadrature(mesh, triples, order, at_ends > 0, levels))
+    if sides is not None:
+        return _sampled(edge_quadrature(mesh, sides, order, at_ends > 0, levels))
     along = curve(item)
     assert along is not None  # an item on a curve has an edge, a line or a circle
     points = curve_quadrature(mesh, along, order, at_ends, levels)
     key = "line" if item.line is not None else "circle"
-    _require_on_plate(mesh, plate, along, points, f"The {key}", f"{place}.{key}")
+    _require_on_plate(mesh, plate, along, points, f"The {key}", (*place, key))
     return _sampled(points)
 
 
@@ -126,7 +139,7 @@ def in_area(
     mesh: Mesh,
     plate: Plate,
     area: Area | str | None,
-    place: str,
+    place: Place,
     order: int,
     to_outline: Bools | None = None,
     levels: Levels = (),
@@ -144,12 +157,12 @@ def in_area(
     wanted = region(area)
     points = area_quadrature(mesh, wanted, order, to_outline, levels, off)
     if wanted is not None:
-        _require_on_plate(mesh, plate, wanted, points, "The area", f"{place}.area")
+        _require_on_plate(mesh, plate, wanted, points, "The area", (*place, "area"))
     return points
 
 
 def _require_on_plate(
-    mesh: Mesh, plate: Plate, shape: Region | Curve, points: Quadrature, what: str, place: str
+    mesh: Mesh, plate: Plate, shape: Region | Curve, points: Quadrature, what: str, place: Place
 ) -> None:
     """Refuse what leaves the plate; a sector stands for the whole plate and cuts circles about its center."""
     whole = shape.area if isinstance(shape, Rectangle | Circle | Polygon) else shape.length

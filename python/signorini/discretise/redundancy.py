@@ -9,9 +9,9 @@ from scipy.sparse import csr_array
 
 from signorini.discretise.agreement import require_agreement
 from signorini.discretise.frames import Held
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Ints
 from signorini.discretise.supports import ContactPoints
-from signorini.errors import InputError
+from signorini.errors import InputError, point
 from signorini.mesh import Mesh
 from signorini.model import Model
 
@@ -93,7 +93,7 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
     contradicted = fixed & pressed & rigid
     if contradicted.any():
         first = int(np.argmax(contradicted))
-        raise _contradiction(contacts, first, float(beyond[first]))
+        raise _contradiction(mesh, contacts, first, float(beyond[first]))
     return contacts.pick(~fixed | _with_its_other_way(contacts, fixed & pressed))
 
 
@@ -118,7 +118,7 @@ def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[Conta
         raise InputError(
             f"Found {len(equations)} rigid points between the mesh's nodes that hold both ways; at most {_MOST} can be "
             "told apart. Hold an edge, or a line or circle that the mesh follows, or give a stiffness.",
-            place=f"support[{contacts.support[equations[0]] + 1}]",
+            place=("support", int(contacts.support[equations[0]])),
         )
     points = contacts.pick(equations)
     coefficients = np.where(_free_entries(mesh, held, points), points.rows.coefficients, 0.0)
@@ -144,7 +144,7 @@ def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[Conta
     apart = np.abs(travel[dropped] - combination @ travel[kept])
     if (wrong := apart > _CONSISTENT * max(np.abs(travel).max(), np.abs(points.distance).max())).any():
         first = int(np.argmax(wrong))
-        raise _contradiction(points, int(dropped[first]), float(apart[first]))
+        raise _contradiction(mesh, points, int(dropped[first]), float(apart[first]))
     stay = np.ones(len(contacts), np.bool_)
     stay[equations[dropped]] = False
     # By unit rows; reactions go by the rows as they are.
@@ -162,10 +162,10 @@ def _free_entries(mesh: Mesh, held: Held, contacts: ContactPoints) -> Bools:
     return np.asarray((np.abs(contacts.rows.coefficients) > _NONE) & ~held.dofs[dofs])
 
 
-def _contradiction(contacts: ContactPoints, point: int, by: float) -> InputError:
-    at: Floats = contacts.positions[point]
+def _contradiction(mesh: Mesh, contacts: ContactPoints, which: int, by: float) -> InputError:
+    at = point(contacts.positions[which], mesh.size)
     return InputError(
-        f"Supports contradict each other at [{at[0]:g}, {at[1]:g}]: others hold the plate there, and this rigid one is "
+        f"Supports contradict each other at {at}: others hold the plate there, and this rigid one is "
         f"{by:g} in its way. Correct a gap or a settlement, or give a stiffness.",
-        place=f"support[{contacts.support[point] + 1}]",
+        place=("support", int(contacts.support[which])),
     )

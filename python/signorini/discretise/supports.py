@@ -10,13 +10,15 @@ import numpy as np
 
 from signorini import _core
 from signorini.discretise.averages import STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
-from signorini.discretise.holds import holds_deflection, nodes_at
-from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area, located, mesh_edges
+from signorini.discretise.holds import holds_deflection
+from signorini.discretise.placed import Placed
+from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
+from signorini.errors import Place, Problems
 from signorini.expression.levels import Level
 from signorini.mesh import Mesh
-from signorini.model import Model, Plate, Support
+from signorini.model import Plate, Support
 
 _GAUSS = 3
 _GAUSS_RIGID = 2
@@ -66,13 +68,14 @@ class _Table:
 
 @dataclass(frozen=True, eq=False)
 class Springs(_Table):
-    """Linear springs: stiffness and base (m,); position (m, 2), weight and support of each."""
+    """Linear springs: stiffness and base (m,); position (m, 2), weight and support of each, ``numbers`` as below."""
 
     stiffness: Floats
     base: Floats
     positions: Floats
     weights: Floats
     support: Ints
+    numbers: Ints
 
     @property
     def arrays(self) -> tuple[Ints, Floats, Floats, Floats]:
@@ -86,7 +89,8 @@ class ContactPoints(_Table):
 
     ``direction`` is +1 where the support pushes the plate up and −1 where it holds it down (its row is turned round);
     ``slope`` marks two-sided points that hold a slope instead of the deflection. ``shared`` (m, 4) names the elements
-    of which points of an averaged area stand for part, by their areas; −1 where there is none.
+    of which points of an averaged area stand for part, by their areas; −1 where there is none. ``numbers`` (m,) say
+    which of its support's points each is, as the input lists them from 0; 0 along lines and on areas.
     """
 
     distance: Floats
@@ -98,6 +102,7 @@ class ContactPoints(_Table):
     weights: Floats
     support: Ints
     shared: Ints
+    numbers: Ints
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,30 +115,37 @@ class _Acting:
     weights: Floats
     slope: bool
     shared: Ints | None = None
+    numbers: Ints | None = None
 
     @classmethod
-    def of(cls, rows: Rows, sampled: Sampled, slope: bool = False) -> Self:
+    def of(cls, rows: Rows, sampled: Sampled, slope: bool = False, numbers: Ints | None = None) -> Self:
         """Rows of points of the plate."""
-        return cls(rows, sampled.positions, sampled.within, sampled.weights, slope)
+        return cls(rows, sampled.positions, sampled.within, sampled.weights, slope, None, numbers)
 
 
 def springs_and_contacts(
-    model: Model, mesh: Mesh, plate: _core.Plate, held: Bools, of_elements: PlateStiffness
+    shape: Plate,
+    mesh: Mesh,
+    plate: _core.Plate,
+    held: Bools,
+    of_elements: PlateStiffness,
+    supports: Sequence[Placed],
+    problems: Problems,
 ) -> tuple[Springs, ContactPoints]:
     """What the supports do beyond the dofs (3n,) that they hold at nodes."""
     none = np.zeros(0)
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
-    springs = [Springs(Rows.join([]), none, none, place, none, who)]
-    contacts = [ContactPoints(Rows.join([]), none, none, flags, none, flags, place, none, who, _NOT_SHARED)]
-    for index, support in enumerate(model.support):
-        for acting in _acting(mesh, model.plate, plate, held, of_elements, index, support):
-            found = _springs_or_contacts(of_elements, index, support, acting)
-            if isinstance(found, Springs):
-                springs.append(found)
-            else:
-                contacts += found
-    joined = ContactPoints.join(contacts)
-    return Springs.join(springs), joined
+    springs = [Springs(Rows.join([]), none, none, place, none, who, who)]
+    contacts = [ContactPoints(Rows.join([]), none, none, flags, none, flags, place, none, who, _NOT_SHARED, who)]
+    for placed in supports:
+        with problems.collected():
+            for acting in _acting(mesh, shape, plate, held, of_elements, placed):
+                found = _springs_or_contacts(of_elements, placed, acting)
+                if isinstance(found, Springs):
+                    springs.append(found)
+                else:
+                    contacts += found
+    return Springs.join(springs), ContactPoints.join(contacts)
 
 
 def can_let_go(support: Support) -> bool:
@@ -149,29 +161,29 @@ def _acting(
     plate: _core.Plate,
     held: Bools,
     of_elements: PlateStiffness,
-    index: int,
-    support: Support,
+    placed: Placed,
 ) -> list[_Acting]:
     """Points and rows of one support, for what no node holds."""
-    place = f"support[{index + 1}]"
+    support, place, triples = placed.support, placed.place, placed.sides
     deflection = "w" in support.fixed or support.resists is not None
     if support.area is not None:
         return [_on_area(mesh, shape, plate, held, of_elements, support, place)]
-    if support.at is not None:
-        sampled = located(mesh, support.at, place)
-        between_nodes = nodes_at(mesh, sampled) < 0
-        if holds_deflection(support) or not deflection:
-            sampled = _pick(sampled, between_nodes)
-        found = [_Acting.of(_rows(plate, sampled, 0), sampled)] if deflection else []
+    if placed.points is not None:
+        at_nodes = (
+            placed.nodes >= 0 if holds_deflection(support) or not deflection else np.zeros_like(placed.nodes, bool)
+        )
+        (numbers,) = np.nonzero(~at_nodes)
+        sampled = _pick(placed.points, numbers)
+        found = [_Acting.of(_rows(plate, sampled, 0), sampled, numbers=numbers)] if deflection else []
         if "slope" in support.fixed:
-            found += [_Acting.of(_rows(plate, sampled, part), sampled, slope=True) for part in (1, 2)]
+            found += [_Acting.of(_rows(plate, sampled, part), sampled, True, numbers) for part in (1, 2)]
         return found
-    triples = mesh_edges(mesh, support, place)
     if support.stiffness is not None:
         at_ends = _GAUSS + 1 if can_let_go(support) else 0
-        sampled = along_curve(mesh, shape, support, place, _GAUSS, at_ends, _steps(support))
+        sampled = along_curve(mesh, shape, support, place, triples, _GAUSS, at_ends, _steps(support))
     elif triples is None:
-        sampled = along_curve(mesh, shape, support, place, _GAUSS_RIGID, _GAUSS_RIGID if can_let_go(support) else 0)
+        at_ends = _GAUSS_RIGID if can_let_go(support) else 0
+        sampled = along_curve(mesh, shape, support, place, None, _GAUSS_RIGID, at_ends)
         sampled = _once(mesh, sampled)
     elif support.fixed or holds_deflection(support):
         return []
@@ -202,7 +214,7 @@ def _on_area(
     held: Bools,
     of_elements: PlateStiffness,
     support: Support,
-    place: str,
+    place: Place,
 ) -> _Acting:
     """Points of an area, or means of elements where it is as good as rigid; if it lets go, they reach its outline."""
     elastic, one_sided = support.stiffness is not None, can_let_go(support)
@@ -217,30 +229,29 @@ def _on_area(
     if elastic and not one_sided:
         return through
     if support.stiffness is not None:
-        stiffness = support.stiffness(*within.T, above=0.0, place=f"{place}.stiffness")
+        stiffness = support.stiffness(*within.T, above=0.0, place=(*place, "stiffness"))
         if (stiffness < _STIFF * of_elements.in_waves[sampled.elements]).all():
             tips = missing_corners(mesh, shape, support, covered, through.positions)
             return _with(mesh, plate, held, through, tips)
     return _with(mesh, plate, held, _means(through), outline_points(mesh, shape, support, covered))
 
 
-def _springs_or_contacts(
-    of_elements: PlateStiffness, index: int, support: Support, acting: _Acting
-) -> Springs | list[ContactPoints]:
-    place = f"support[{index + 1}]"
+def _springs_or_contacts(of_elements: PlateStiffness, placed: Placed, acting: _Acting) -> Springs | list[ContactPoints]:
+    support, place = placed.support, placed.place
     positions, weights, count = acting.positions, acting.weights, len(acting.rows)
     at = acting.within if _steps(support) else positions
-    settlement = np.zeros(count) if acting.slope else support.settlement(*at.T, place=f"{place}.settlement")
-    gap = support.gap(*at.T, at_least=0.0, place=f"{place}.gap")
-    who = np.full(count, index, dtype=np.int64)
+    settlement = np.zeros(count) if acting.slope else support.settlement(*at.T, place=(*place, "settlement"))
+    gap = support.gap(*at.T, at_least=0.0, place=(*place, "gap"))
+    who = np.full(count, placed.index, dtype=np.int64)
+    numbers = np.zeros(count, np.int64) if acting.numbers is None else acting.numbers
     compliance = np.zeros(count)
     two_way = support.fix is not None or support.resists == "both"
     if support.stiffness is not None:
         shear = of_elements.in_shear[acting.rows.elements]
-        stiffness = weights * support.stiffness(*at.T, above=0.0, place=f"{place}.stiffness")
+        stiffness = weights * support.stiffness(*at.T, above=0.0, place=(*place, "stiffness"))
         if two_way and not gap.any():
             stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
-            return Springs(acting.rows, stiffness, settlement, positions, weights, who)
+            return Springs(acting.rows, stiffness, settlement, positions, weights, who, numbers)
         compliance = np.where(stiffness < STIFFEST_SPRING * shear, 1.0 / stiffness, 0.0)
     pushes_up = (1.0, gap + settlement)
     holds_down = (-1.0, gap - settlement)
@@ -261,6 +272,7 @@ def _springs_or_contacts(
             weights,
             who,
             shared,
+            numbers,
         )
         for sign, distance in sides
     ]
@@ -325,5 +337,5 @@ def _once(mesh: Mesh, sampled: Sampled) -> Sampled:
     return _pick(once, np.isin(np.arange(len(weights)), order))
 
 
-def _pick(sampled: Sampled, which: Bools) -> Sampled:
+def _pick(sampled: Sampled, which: Bools | Ints) -> Sampled:
     return Sampled(*(getattr(sampled, field.name)[which] for field in fields(sampled)))

@@ -10,7 +10,7 @@ import numpy as np
 from signorini import _core
 from signorini.discretise.quadrature.stepped import Cut, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
-from signorini.errors import InputError
+from signorini.errors import InputError, point
 from signorini.mesh import Mesh
 from signorini.model import Model
 
@@ -87,7 +87,7 @@ def thickness_of(model: Model, mesh: Mesh) -> Thickness:
 
 
 def _evaluated(model: Model, mesh: Mesh, points: Floats) -> Floats:
-    thickness = model.plate.thickness(*points.T, above=0.0, place="plate.thickness")
+    thickness = model.plate.thickness(*points.T, above=0.0, place=("plate", "thickness"))
     _require_plate(mesh, thickness, points)
     return thickness
 
@@ -96,11 +96,11 @@ def _require_plate(mesh: Mesh, thickness: Floats, points: Floats) -> None:
     thinnest, thickest = _RANGE[0] * mesh.size, _RANGE[1] * mesh.size
     wrong = (thickness < thinnest) | (thickness > thickest)
     if wrong.any():
-        x, y = points[np.argmax(wrong)]
+        at = point(points[np.argmax(wrong)], mesh.size)
         raise InputError(
-            f"Found the thickness {thickness[np.argmax(wrong)]:g} at [{x:g}, {y:g}]; on a plate {mesh.size:g} long it "
+            f"Found the thickness {thickness[np.argmax(wrong)]:g} at {at}; on a plate {mesh.size:g} long it "
             f"must be from {thinnest:g} to {thickest:g}. Are the units those of the plate's size?",
-            place="plate.thickness",
+            place=("plate", "thickness"),
         )
 
 

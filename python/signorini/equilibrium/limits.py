@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
-from signorini.equilibrium.balance import Bearing, RigidFreedom, load_size, no_equilibrium, work_of
+from signorini.equilibrium.balance import Bearing, RigidFreedom, load_size, work_of
+from signorini.equilibrium.imbalance import Imbalance, imbalance
 from signorini.model import Combination
 
 _MOST = 1e6
@@ -24,14 +26,10 @@ CONTRADICTION = (
 """What there is to say where `supports_contradict`."""
 
 
-def why_none(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> str:
-    """Say why no reactions balance a combination, what would, or nothing where they exist."""
-    message = no_equilibrium(found, freedom, found.load(combination).weighing)
-    limit = nearest_limit(found, freedom, combination) if message else None
-    if limit is None:
-        return message
-    case, factor = limit
-    return f'{message} With the case "{case}" at {factor:.4g} times its factor it would just stand.'
+def imbalance_of(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> Imbalance | None:
+    """Find out why no reactions balance a combination, with the case that would let it stand; None where they do."""
+    why = imbalance(found, freedom, found.load(combination).weighing)
+    return None if why is None else replace(why, limit=nearest_limit(found, freedom, combination))
 
 
 def nearest_limit(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> tuple[str, float] | None:

@@ -58,34 +58,3 @@ def steepest(motions: Floats, moves: Floats, work: Floats) -> Floats | None:
     motion = free @ np.linalg.solve(free.T @ metric @ free, free.T @ work)
     motion = motion / max(np.abs(motion).max(initial=0.0), np.finfo(float).tiny)
     return motion if (moves @ motion).max(initial=0.0) <= _HOLDS and work @ motion > 0 else None
-
-
-def line_in_words(normal: Floats, offset: float, size: float) -> str:
-    """Equation of the line normal · x + offset = 0 on a plate of some size, the larger of its coefficients one.
-
-    Examples
-    --------
-    >>> line_in_words(np.array([-0.6, -0.8]), 1.6, 4.0)
-    '0.75 x + y = 2'
-    >>> line_in_words(np.array([1.0, 1e-17]), 1e-16, 4.0)
-    'x = 0'
-    """
-    leading = int(abs(normal[1]) > abs(normal[0]) * (1 + 1e-9))
-    a, b = (round(float(part / normal[leading]), 9) for part in normal)
-    equals = clean(-offset / normal[leading], size)
-    if a == 0.0 or b == 0.0:
-        return f"{'xy'[leading]} = {equals}"
-    first = "x" if a == 1.0 else f"{a:.6g} x"
-    second = "y" if abs(b) == 1.0 else f"{abs(b):.6g} y"
-    return f"{first} {'+' if b > 0 else '-'} {second} = {equals}"
-
-
-def clean(length: float, size: float) -> str:
-    """Write a length without the digits that are rounding beside the plate's size.
-
-    Examples
-    --------
-    >>> clean(-1.3e-16, 4.0), clean(0.1 + 0.2, 4.0), clean(-2.5e-6, 1e-5)
-    ('0', '0.3', '-2.5e-06')
-    """
-    return f"{round(float(length) / size, 9) * size + 0.0:.6g}"

@@ -10,7 +10,7 @@ from numbers import Real
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from signorini.errors import InputError
+from signorini.errors import InputError, Place
 from signorini.expression.levels import Level, levels
 from signorini.expression.tree import check, evaluate, first_point, parse, short
 
@@ -49,7 +49,7 @@ class Expression:
     >>> Expression("1/x")([0.0], [3.0])
     Traceback (most recent call last):
         ...
-    signorini.errors.InputError: '1 / x' divides by zero at x = 0, y = 3.
+    signorini.errors.InputError: '1 / x' divides by zero at [0, 3].
     """
 
     source: float | str
@@ -88,7 +88,13 @@ class Expression:
         return levels(self._tree)
 
     def __call__(
-        self, x: ArrayLike, y: ArrayLike, *, above: float | None = None, at_least: float | None = None, place: str = ""
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        *,
+        above: float | None = None,
+        at_least: float | None = None,
+        place: str | Place = "",
     ) -> _Array:
         """Evaluate at points.
 
@@ -98,7 +104,7 @@ class Expression:
             Coordinates, of one shape.
         above, at_least : float, optional
             Bounds that every value must keep: greater than ``above``, not less than ``at_least``.
-        place : str
+        place : str or path
             Where the expression was given, for the message of an error.
 
         Returns
@@ -116,10 +122,11 @@ class Expression:
                 values = np.array(np.broadcast_to(evaluate(self._tree, px, py), px.shape), dtype=np.float64)
         except InputError as error:
             raise InputError(error.message, place=place) from None
+        over, least = (-np.inf if bound is None else bound for bound in (above, at_least))
         bounds = (
             (~(np.abs(values) <= LARGEST), f"but must be finite and at most {LARGEST:g} in size"),
-            (values <= (-np.inf if above is None else above), f"but must be greater than {above}"),
-            (values < (-np.inf if at_least is None else at_least), f"but must be at least {at_least}"),
+            (values <= over, f"but must be greater than {over:g}"),
+            (values < least, f"but must be at least {least:g}"),
         )
         for wrong, why in bounds:
             if wrong.any():

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from signorini.errors import InputError, unknown
+from signorini.errors import InputError, point, unknown
 
 _MAX_LENGTH = 2000
 _MAX_DEPTH = 80
@@ -194,7 +194,7 @@ def _not_finite(node: ast.expr, values: list[Any], wrong: NDArray[np.bool_], x: 
 
 def first_point(mask: NDArray[np.bool_], x: _Array, y: _Array) -> str:
     """Write the first point of a mask."""
-    return f"x = {x[mask].flat[0]:g}, y = {y[mask].flat[0]:g}"
+    return point((x[mask].flat[0], y[mask].flat[0]))
 
 
 def short(text: str) -> str:

@@ -14,8 +14,10 @@ from pydantic.json_schema import GenerateJsonSchema
 from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.expression import Expression
+from signorini.formats.toml_hints import hint
 from signorini.formats.toml_lines import Lines
 from signorini.model import MeshPlate, Model, validate
+from signorini.model.problems import LISTS
 
 _LARGEST_FILE = 4_000_000
 _MOST_KEY_PARTS = 16
@@ -61,21 +63,23 @@ def _look_beside(data: dict[str, Any], directory: Path) -> None:
 
 
 def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
-    """Put the file and line before the place of an error that was found only after reading.
+    """Put the file and line before the places of an error that was found only after reading.
 
     Parameters
     ----------
     error : InputError
-        With a place such as ``load[2].at``; any other is returned as it is.
+        With places in the model; any others are left as they are.
     path : str or path-like
         The input file.
     """
-    tables = "|".join(Model.model_fields)
-    if not re.fullmatch(rf"({tables})(\[\d+\])?(\.[A-Za-z_]+(\[\d+\])?)*", error.place):
+    if not any(part.path for part in error.parts):
         return error
-    keys = re.findall(r"[A-Za-z_]+|\d+", error.place)
-    line = Lines(_read(path)).of(tuple(int(key) - 1 if key.isdigit() else key for key in keys))
-    return InputError(error.message, place=f"{os.path.basename(path)}:{line}: {error.place}")
+    lines, source = Lines(_read(path)), os.path.basename(path)
+    placed = sorted(((lines.of(part.path) if part.path else 0, part) for part in error.parts), key=lambda pair: pair[0])
+    return InputError.of(
+        [InputError(part.message, place=f"{source}:{line}: {part.place}") if line else part for line, part in placed],
+        source,
+    )
 
 
 def _read(path: str | os.PathLike[str]) -> str:
@@ -114,8 +118,12 @@ def _parse(text: str, source: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         says, line, column = _syntax(str(error), text)
         written = text.replace("\r\n", "\n").split("\n")[line - 1].strip()
-        shown = f" in: {written[:77]}..." if len(written) > 80 else f" in: {written}" if written else ""
-        raise InputError(f"this is not TOML: {says}{column}{shown}", place=f"{source}:{line}") from None
+        shown = f"{written[:77]}..." if len(written) > 80 else written
+        if advice := hint(says, written, LISTS):
+            message = f"this is not TOML. {advice} Found{column}: {shown}"
+        else:
+            message = f"this is not TOML: {says}{column}" + (f" in: {shown}" if shown else "")
+        raise InputError(message, place=f"{source}:{line}") from None
     except RecursionError:
         raise InputError("lists or tables are nested too deeply.", place=source) from None
     except ValueError:
@@ -128,9 +136,14 @@ def _syntax(message: str, text: str) -> tuple[str, int, str]:
     if match is None:
         return message, 1, ""
     says = match.group(1)[:1].lower() + match.group(1)[1:]
+    last = text.rstrip().count("\n") + 1 if match.group(2) is None else int(match.group(2))
+    if says == "unclosed array":
+        # It is missed only where the next line begins.
+        opened = [i for i, line in enumerate(text.split("\n")[:last], start=1) if re.search(r"=\s*\[[^\]]*$", line)]
+        return "this list has no closing ]", opened[-1] if opened else last, ""
     if match.group(2) is None:
-        return f"{says} at the end of the file", text.rstrip().count("\n") + 1, ""
-    return says, int(match.group(2)), f" (column {match.group(3)})"
+        return f"{says} at the end of the file", last, ""
+    return says, last, f" (column {match.group(3)})"
 
 
 def schema() -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from signorini.errors import InputError
+from signorini.errors import InputError, point
 from signorini.mesh.boxtree import BoxTree
 from signorini.mesh.isoparametric import CORNERS, SIDES, determinants, side_boxes
 
@@ -20,13 +20,11 @@ _COINCIDENT = 1e-9
 
 def name_element(points: Floats, elements: Ints, index: int) -> str:
     """Name an element so that its owner finds it."""
-    x, y = points[elements[index]].mean(axis=0)
-    return f"Element {index} (the first has index 0) near ({x:g}, {y:g})"
+    return f"Element {index} (the first has index 0) near {point(points[elements[index]].mean(axis=0))}"
 
 
 def _name_node(points: Floats, index: int) -> str:
-    x, y = points[index]
-    return f"node {index} (the first has index 0) at ({x:g}, {y:g})"
+    return f"node {index} (the first has index 0) at {point(points[index])}"
 
 
 def check_numbers(points: Floats, elements: Ints) -> None:

@@ -10,7 +10,9 @@ import re
 import threading
 import warnings
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 import meshio  # type: ignore[import-untyped]
 import numpy as np
@@ -20,15 +22,18 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from signorini.base.regular import open_regular
-from signorini.errors import InputError
+from signorini.errors import InputError, point
 from signorini.expression import LARGEST
 from signorini.mesh import Mesh
 from signorini.mesh.checks import loops, on_boundary
 from signorini.mesh.isoparametric import SIDES
+from signorini.mesh.nodenumbers import node_numbers
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
+
+_T = TypeVar("_T")
 
 OUTLINE = "boundary"
 _SAME = 1e-9
@@ -73,7 +78,30 @@ def read(path: str | Path) -> Mesh:
     Traceback (most recent call last):
     signorini.errors.InputError: nowhere.msh: There is no such mesh file.
     """
+    return _read(Path(path), _mesh)
+
+
+def read_numbered(path: str | Path) -> tuple[Mesh, dict[int, tuple[float, float]]]:
+    """Read a mesh file, and where its nodes are by the numbers that they have in it.
+
+    Merged and unused nodes are among them; see `signorini.mesh.nodenumbers` for the formats.
+
+    Raises
+    ------
+    InputError
+        As `read` does, and if the file is of a format that gives no numbers.
+    """
     path = Path(path)
+
+    def numbered(data: meshio.Mesh) -> tuple[Mesh, dict[int, tuple[float, float]]]:
+        numbers = node_numbers(path, len(data.points)).tolist()
+        points = np.asarray(data.points, dtype=np.float64)[:, :2].tolist()
+        return _mesh(data), {number: (x, y) for number, (x, y) in zip(numbers, points, strict=True)}
+
+    return _read(path, numbered)
+
+
+def _read(path: Path, make: Callable[[meshio.Mesh], _T]) -> _T:
     try:
         with open_regular(path, _LARGEST_FILE) as file:
             data = _load(path, os.fstat(file.fileno()).st_size)
@@ -85,7 +113,7 @@ def read(path: str | Path) -> Mesh:
         why = error.strerror if isinstance(error, OSError) and error.strerror else error
         raise InputError(f"The mesh file cannot be read: {why}.", place=str(path)) from None
     try:
-        return _mesh(data)
+        return make(data)
     except InputError as error:
         raise InputError(error.message, place=str(path)) from None
 
@@ -230,10 +258,8 @@ def _edges_of_lines(data: meshio.Mesh, number: Ints, sides: Ints, outer: Bools) 
         at = first[np.minimum(np.searchsorted(middles, triples[:, 1]), len(first) - 1)]
         lost = (np.sort(triples, axis=1) != np.sort(sides[at], axis=1)).any(axis=1) | (triples[:, 1] != sides[at, 1])
         if lost.any():
-            x, y = data.points[lines[np.argmax(lost), 2], :2]
-            raise InputError(
-                f"Group {name!r} of the mesh file has a line at ({x:g}, {y:g}) that is no side of an element."
-            )
+            spot = point(data.points[lines[np.argmax(lost), 2], :2])
+            raise InputError(f"Group {name!r} of the mesh file has a line at {spot} that is no side of an element.")
         triples = np.where(outer[at, None], sides[at], triples)
         edges[name] = np.vstack([edges[name], triples]) if name in edges else triples
     return {name: triples[np.unique(triples[:, 1], return_index=True)[1]] for name, triples in edges.items()}

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from functools import cached_property
+from typing import Annotated, Literal
 
-import numpy as np
 from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema
 
+from signorini import shapes
+from signorini.errors import InputError
 from signorini.model.base import (
     Complaint,
     Number,
@@ -19,6 +21,7 @@ from signorini.model.base import (
     numbers_schema,
 )
 from signorini.model.problems import BRANCHES
+from signorini.shapes import Region
 
 _MOST_CORNERS = 2000
 _FORMS = ("rectangle", "circle", "polygon")
@@ -56,32 +59,23 @@ class Area(Table):
             if not (x0 < x1 and y0 < y1):
                 yield ("rectangle",), f"found {list(self.rectangle)}; [x0, y0, x1, y1] needs x0 < x1 and y0 < y1."
         if self.polygon is not None:
-            why = _polygon_fault(np.array(self.polygon))
-            if why:
-                yield ("polygon",), why
+            if len(self.polygon) > _MOST_CORNERS:
+                yield ("polygon",), f"found {len(self.polygon)} corners; at most {_MOST_CORNERS} are allowed."
+                return
+            try:
+                assert self.region is not None
+            except InputError as error:
+                yield ("polygon",), error.message
 
-
-def _polygon_fault(corners: np.ndarray[Any, np.dtype[np.float64]]) -> str:
-    """Say why the outline encloses no area of its own, or nothing."""
-    count = len(corners)
-    if count > _MOST_CORNERS:
-        return f"found {count} corners; at most {_MOST_CORNERS} are allowed."
-    start, end = corners, np.roll(corners, -1, axis=0)
-    for index in range(count - 1):
-        first, last = index + 2, count - (index == 0)
-        a, b, c, d = start[index], end[index], start[first:last], end[first:last]
-        apart = (_cross(b - a, c - a) * _cross(b - a, d - a) < 0) & (_cross(d - c, a - c) * _cross(d - c, b - c) < 0)
-        if apart.any():
-            other = first + int(np.argmax(apart))
-            return f"its outline crosses itself: the side after corner {index + 1} cuts that after corner {other + 1}."
-    local = start - start[0]
-    if abs(_cross(local, np.roll(local, -1, axis=0)).sum()) <= 1e-12 * (np.ptp(corners, axis=0) ** 2).sum():
-        return "it encloses nothing."
-    return ""
-
-
-def _cross(u: Any, v: Any) -> Any:
-    return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+    @cached_property
+    def region(self) -> Region:
+        """The region of the plane."""
+        if self.rectangle is not None:
+            return shapes.Rectangle(*self.rectangle)
+        if self.circle is not None:
+            return shapes.Circle(self.circle.center, self.circle.radius)
+        assert self.polygon is not None  # it has exactly one of the three
+        return shapes.Polygon(self.polygon)
 
 
 def _area_form(value: object) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import reprlib
 from collections.abc import Callable, Iterable, Iterator
 from numbers import Integral, Real
@@ -21,12 +22,12 @@ from pydantic import (
 )
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from signorini.errors import InputError
+from signorini.errors import InputError, Place
 from signorini.expression import LARGEST, Expression
 from signorini.model.problems import explained
-from signorini.model.words import Path, as_list, describe
+from signorini.model.words import as_list, describe
 
-Complaint = tuple[Path, str]
+Complaint = tuple[Place, str]
 
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ class Table(BaseModel, metaclass=_InWords):
 def number(value: object) -> float:
     """Accept an int or float (NumPy's too) that is finite; never a bool or text."""
     if isinstance(value, bool) or not isinstance(value, Real):
-        hint = " Write it without quotes." if isinstance(value, str) and _is_numeral(value) else ""
+        hint = _as_number(value) if isinstance(value, str) else ""
         raise ValueError(f"found {describe(value)}; it must be a number.{hint}")
     try:
         result = float(value)
@@ -103,12 +104,16 @@ def number(value: object) -> float:
     return result
 
 
-def _is_numeral(text: str) -> bool:
+def _as_number(text: str) -> str:
+    """Say how a text is written as a number."""
     try:
         float(text)
     except ValueError:
-        return False
-    return True
+        pointed = re.fullmatch(r"\s*([+-]?\d+),(\d+)\s*", text)
+        if pointed:
+            return f" The decimal sign is a point, and there are no quotes: {pointed[1]}.{pointed[2]}."
+        return " Write digits without quotes, such as 30e9."
+    return " Write it without quotes."
 
 
 def _whole(value: object) -> int:
@@ -162,7 +167,10 @@ def listed(length: int, form: str) -> Callable[[object], object]:
     def check(value: object) -> object:
         value = as_list(value)
         if not isinstance(value, list | tuple) or len(value) != length:
-            raise ValueError(f"found {describe(value)}; it must be {form}.")
+            # TOML takes a decimal comma for two numbers.
+            twice = isinstance(value, list) and len(value) == 2 * length and all(type(part) is int for part in value)
+            hint = " The decimal sign is a point." if twice else ""
+            raise ValueError(f"found {describe(value)}; it must be {form}.{hint}")
         return value
 
     return check
@@ -200,6 +208,19 @@ def _corners(fewest: int, closed: bool) -> Callable[[object], object]:
     return check
 
 
+def _nodes(value: object) -> object:
+    """Read one number as a list of one."""
+    value = as_list(value)
+    if isinstance(value, Integral):
+        return [value]
+    if not isinstance(value, list | tuple) or not value:
+        raise ValueError(f"found {describe(value)}; it must be the number of a node or a list of numbers.")
+    repeated = next((number for index, number in enumerate(value) if number in value[:index]), None)
+    if repeated is not None:
+        raise ValueError(f"{describe(repeated)} is listed twice.")
+    return value
+
+
 def _edges(value: object) -> object:
     """Read one name as a list of one."""
     if isinstance(value, str):
@@ -235,6 +256,19 @@ Polyline = Annotated[
 ]
 Polygon = Annotated[
     tuple[Point, ...], BeforeValidator(_corners(3, closed=True)), Field(json_schema_extra={"minItems": 3})
+]
+NodeNumber = Annotated[int, Field(ge=0), BeforeValidator(_whole)]
+Nodes = Annotated[
+    tuple[NodeNumber, ...],
+    BeforeValidator(_nodes),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "integer", "minimum": 0},
+                {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 1, "uniqueItems": True},
+            ]
+        }
+    ),
 ]
 Edges = Annotated[
     tuple[Text, ...],

@@ -107,11 +107,9 @@ class Combination(Table):
         default="",
         description='Name, each once; default "combination 1", "combination 2", ... Generated names begin with it.',
     )
-    factors: (
-        Annotated[Mapping[Text, Number], Field(min_length=1), AfterValidator(Factors), PlainSerializer(dict)] | None
-    ) = Field(
+    factors: Annotated[Mapping[Text, Number], AfterValidator(Factors), PlainSerializer(dict)] | None = Field(
         default=None,
-        description="Factor of each load case, as in { G = 1.35, Q = 1.5 }; a case left out has none.",
+        description="Factor of each load case, as in { G = 1.35, Q = 1.5 }; a case left out has none. Empty: no load.",
     )
     generate: Generate | None = Field(
         default=None,
@@ -153,7 +151,7 @@ class Combination(Table):
             )
         goes = {key for keys in _KEYS.values() for key in keys}
         for key in sorted(goes - set(_KEYS[self.generate])):
-            if getattr(self, key):
+            if getattr(self, key) not in (None, ()):
                 with_it = [f'generate = "{way}"' for way, keys in _KEYS.items() if way and key in keys]
                 here = f'generate = "{self.generate}"' if self.generate else "a combination without generate"
                 yield (key,), f"{key} does not go with {here}; it goes with {' or '.join(with_it)}."

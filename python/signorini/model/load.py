@@ -8,16 +8,28 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
 
 from signorini.model.area import AnyArea, Circle
-from signorini.model.base import Complaint, Edges, Number, Points, Polyline, Scalar, Table, Text, listed, numbers_schema
+from signorini.model.base import (
+    Complaint,
+    Edges,
+    Nodes,
+    Number,
+    Points,
+    Polyline,
+    Scalar,
+    Table,
+    Text,
+    listed,
+    numbers_schema,
+)
 from signorini.model.words import describe
 
 Kind = Literal["pressure", "force", "line_load", "moment", "self_weight", "curvature"]
 
 _PLACES: dict[Kind, tuple[str, ...]] = {
     "pressure": ("area",),
-    "force": ("at",),
+    "force": ("at", "nodes"),
     "line_load": ("edge", "line", "circle"),
-    "moment": ("at",),
+    "moment": ("at", "nodes"),
     "self_weight": (),
     "curvature": (),
 }
@@ -36,9 +48,9 @@ class Load(Table):
         json_schema_extra={
             "oneOf": [
                 {"required": ["pressure"]},
-                {"required": ["force", "at"]},
+                {"required": ["force"], "oneOf": [{"required": [place]} for place in _PLACES["force"]]},
                 {"required": ["line_load"], "oneOf": [{"required": [place]} for place in _PLACES["line_load"]]},
-                {"required": ["moment", "at"]},
+                {"required": ["moment"], "oneOf": [{"required": [place]} for place in _PLACES["moment"]]},
                 {"required": ["self_weight"]},
                 {"required": ["curvature"]},
             ]
@@ -49,19 +61,21 @@ class Load(Table):
     pressure: Scalar | None = Field(
         default=None, description="Force per area, positive down, everywhere or on area: a number or an expression."
     )
-    force: Number | None = Field(default=None, description="Force at each point of at, positive down.")
+    force: Number | None = Field(default=None, description="Force at each point of at or nodes, positive down.")
     line_load: Scalar | None = Field(
         default=None,
         description="Force per length along edge, line or circle, positive down: a number or an expression.",
     )
     moment: (
         Annotated[
-            tuple[Number, Number], BeforeValidator(listed(2, "two couples [mx, my]")), WithJsonSchema(numbers_schema(2))
+            tuple[Number, Number],
+            BeforeValidator(listed(2, "[mx, my], couples about two axes")),
+            WithJsonSchema(numbers_schema(2)),
         ]
         | None
     ) = Field(
         default=None,
-        description="Couples [mx, my] at each point of at; mx works on the rotation θx = ∂w/∂x, my on θy.",
+        description="Couples [mx, my] at each point of at or nodes; mx works on the rotation θx = ∂w/∂x, my on θy.",
     )
     self_weight: Annotated[Literal[True], BeforeValidator(_true)] | None = Field(
         default=None, description="true: the plate's own weight, from material.unit_weight and the thickness."
@@ -75,6 +89,9 @@ class Load(Table):
         | None
     ) = Field(default=None, description="Stress-free curvatures [kx, ky, kxy], as by a temperature gradient.")
     at: Points | None = Field(default=None, description="A point [x, y] or a list of points; they need not be nodes.")
+    nodes: Nodes | None = Field(
+        default=None, description="A node of the mesh file by its number, or a list of numbers."
+    )
     edge: Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
     line: Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
     circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
@@ -113,7 +130,7 @@ class Load(Table):
                 goes = f"with {' or '.join(allowed)}" if allowed else "alone"
                 yield (key,), f"{key} does not go with {self.kind}, which goes {goes}."
         here = [key for key in places if key in allowed]
-        if allowed and len(here) != 1:
+        if allowed and len(here) != 1 and len(here) == len(places):
             needs = f"exactly one of {', '.join(allowed)}" if len(allowed) > 1 else allowed[0]
             yield (), f"found {' and '.join(here) or 'no place'}; {self.kind} needs {needs} to say where it acts."
 

@@ -112,7 +112,9 @@ class RectanglePlate(_OutlinedPlate):
 
     shape: Literal["rectangle"] = Field(default="rectangle", description="One of rectangle, disc, annulus, mesh.")
     size: Annotated[
-        tuple[Positive, Positive], BeforeValidator(listed(2, "[a, b]")), WithJsonSchema(numbers_schema(2))
+        tuple[Positive, Positive],
+        BeforeValidator(listed(2, "two lengths [a, b], along x and y")),
+        WithJsonSchema(numbers_schema(2)),
     ] = Field(description="Side lengths [along x, along y].")
     origin: Point = Field(default=(0.0, 0.0), description="Lower left corner [x, y]; default [0, 0].")
 
@@ -140,7 +142,7 @@ class DiscPlate(_OutlinedPlate):
     """A full, half or quarter disc; a sector starts at the x axis and turns towards y."""
 
     shape: Literal["disc"] = Field(default="disc", description="One of rectangle, disc, annulus, mesh.")
-    radius: Positive = Field(description="Radius.")
+    radius: Positive = Field(description="Radius of the disc.")
     center: Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
     sector: Annotated[float, AfterValidator(_quarters), BeforeValidator(number)] = Field(
         default=360.0,

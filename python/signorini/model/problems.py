@@ -12,13 +12,13 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from signorini.errors import InputError
-from signorini.model.words import Path, as_list, describe
+from signorini.errors import InputError, Place
+from signorini.model.words import as_list, describe
 
-_MOST_LISTED = 20
 _MOST_READ = 1000
 
-_LISTS = ("support", "load", "combination", "moving", "probe")
+LISTS = ("support", "load", "combination", "moving", "probe")
+"""Tables that stand in double brackets."""
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}
 """Of keys that take one of several tables, these by what pydantic puts into its path for them, which is no key of the
@@ -41,21 +41,22 @@ class Problem:
         What was found and what is allowed.
     """
 
-    path: Path
+    path: Place
     label: str
     message: str
 
-    @property
-    def place(self) -> str:
-        """The path as the user reads it; positions count from 1.
+    def error(self, source: str, line: int) -> InputError:
+        """Say it at its path, and, where a line is given, at this of the source.
 
         Examples
         --------
-        >>> Problem(("support", 1, "stiffness"), "soil", "...").place
-        'support[2].stiffness ("soil")'
+        >>> print(Problem(("support", 1, "stiffness"), "soil", "found -1.").error("slab.toml", 7))
+        slab.toml:7: support[2].stiffness ("soil"): found -1.
         """
-        keys = "".join(f"[{key + 1}]" if isinstance(key, int) else f".{key}" for key in self.path).removeprefix(".")
-        return f'{keys} ("{self.label}")' if self.label else keys
+        error = InputError(self.message, self.path)
+        error.place += f' ("{self.label}")' if self.label else ""
+        error.place = f"{source}:{line}: {error.place}" if line else error.place
+        return error
 
 
 def explained(
@@ -63,24 +64,16 @@ def explained(
     root: type[BaseModel],
     data: Any,
     source: str = "",
-    line_of: Callable[[Path], int] | None = None,
+    line_of: Callable[[Place], int] | None = None,
 ) -> InputError:
     """Put pydantic's error with data for a table in words; the other parameters are those of `validate`."""
     errors = error.errors(include_url=False)
     found = _problems(errors[:_MOST_READ], data, root)
-    unread = len(errors[_MOST_READ:])
-    if line_of is None:
-        placed = [(problem.place, problem.message) for problem in found]
-    else:
-        lines = sorted(((line_of(problem.path), problem) for problem in found), key=lambda pair: pair[0])
-        placed = [(f"{source}:{line}", f"{problem.place}: {problem.message}") for line, problem in lines]
-    count = len(placed) + unread
-    if count == 1:
-        return InputError(placed[0][1], place=placed[0][0])
-    listed = [f"{place}: {message}" if place else message for place, message in placed[:_MOST_LISTED]]
-    if count > _MOST_LISTED:
-        listed.append(f"and {count - _MOST_LISTED} more.")
-    return InputError("\n  ".join([f"{count} problems:", *listed]), place=source)
+    placed = [(line_of(problem.path) if line_of is not None else 0, problem) for problem in found]
+    placed.sort(key=lambda pair: pair[0])
+    return InputError.of(
+        [problem.error(source, line) for line, problem in placed], source, untold=len(errors[_MOST_READ:])
+    )
 
 
 def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> list[Problem]:
@@ -103,7 +96,7 @@ def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> l
     return list(dict.fromkeys(found))
 
 
-def _resolve(loc: Path, data: Any, root: type[BaseModel]) -> tuple[Path, type[BaseModel], FieldInfo | None]:
+def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[BaseModel], FieldInfo | None]:
     """Walk pydantic's path; return it as the user wrote it, with the table and field that its last key belongs to."""
     path: list[str | int] = []
     owner: type[BaseModel] = root
@@ -150,7 +143,7 @@ def _table_in(annotation: object) -> type[BaseModel] | None:
     return next((table for part in get_args(annotation) if (table := _table_in(part))), None)
 
 
-def _label(path: Path, data: Any) -> str:
+def _label(path: Place, data: Any) -> str:
     """Name of the support or combination, or case of the load, that the path leads into."""
     match path:
         case ("support" | "load" | "moving" | "combination" as key, int(position), *_) if isinstance(data, Mapping):
@@ -161,7 +154,7 @@ def _label(path: Path, data: Any) -> str:
     return ""
 
 
-def _message(details: ErrorDetails, path: Path, table: type[BaseModel], field: FieldInfo | None) -> str:
+def _message(details: ErrorDetails, path: Place, table: type[BaseModel], field: FieldInfo | None) -> str:
     key = next((str(part) for part in reversed(path) if isinstance(part, str)), "")
     context = details.get("ctx", {})
     found = f"found {describe(as_list(details['input']))}"
@@ -176,7 +169,7 @@ def _message(details: ErrorDetails, path: Path, table: type[BaseModel], field: F
         case "extra_forbidden":
             return _unknown_key(path, table)
         case "missing" | "union_tag_not_found":
-            return f"'{key}' is missing. {about}"
+            return f"'{key}' is missing. {about}{_written_as(path)}"
         case "union_tag_invalid":
             return _unknown_shape(details["input"])
         case "literal_error":
@@ -205,13 +198,30 @@ def _message(details: ErrorDetails, path: Path, table: type[BaseModel], field: F
             return f"{found}; it does not fit here. {about}"
 
 
-def _unknown_key(path: Path, table: type[BaseModel]) -> str:
+def _written_as(path: Place) -> str:
+    """How a table that is missing is written."""
+    name = str(path[-1])
+    if len(path) > 1 or not TOP.get(name):
+        return ""
+    return f" Write it under {f'[[{name}]]' if name in LISTS else f'[{name}]'}."
+
+
+def _unknown_key(path: Place, table: type[BaseModel]) -> str:
     key = str(path[-1])
-    hint = _suggest(key, table.model_fields)
-    if not hint and len(path) > 1:
-        headers = {name: f"[[{name}]]" if name in _LISTS else f"[{name}]" for name, tables in TOP.items() if tables}
+    headers = {name: f"[[{name}]]" if name in LISTS else f"[{name}]" for name, tables in TOP.items() if tables}
+    near = _nearest(key, table.model_fields)
+    hint = (
+        f" Did you mean {headers[near]}?" if len(path) == 1 and near in headers else _suggest(key, table.model_fields)
+    )
+    if not hint:
+        inner = [name for name, below in tables_of(table).items() if _has(below, key)]
+        shapes = [shape for shape, plate in BRANCHES["plate"].items() if key in plate.model_fields]
         owners = [headers[name] for name, tables in TOP.items() if _has(tables, key) and name != path[0]]
-        if key in headers:
+        if path[0] == "plate" and shapes:
+            hint = f" It goes with shape = {' or '.join(map(describe, shapes))}."
+        elif inner and len(path) > 1:
+            hint = f" It goes within {' or '.join(inner)}: {inner[0]} = {{ {key} = ... }}."
+        elif key in headers:
             hint = f" It is a table of its own: {headers[key]}."
         elif key in TOP:
             hint = " It belongs above the first table."

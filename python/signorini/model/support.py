@@ -12,6 +12,7 @@ from signorini.model.area import AnyArea, Circle
 from signorini.model.base import (
     Complaint,
     Edges,
+    Nodes,
     NonNegativeScalar,
     Points,
     Polyline,
@@ -25,7 +26,7 @@ from signorini.model.words import describe
 Place = Literal["at", "edge", "line", "circle", "area"]
 Component = Literal["w", "slope", "twist"]
 
-_PLACES: tuple[Place, ...] = ("at", "edge", "line", "circle", "area")
+_PLACES = ("at", "nodes", "edge", "line", "circle", "area")
 _COMPONENTS: tuple[Component, ...] = ("w", "slope", "twist")
 _KINDS: dict[str, tuple[Component, ...]] = {
     "clamped": ("w", "slope", "twist"),
@@ -66,7 +67,7 @@ Fix = Annotated[
 
 
 class Support(Table):
-    """A support: where (exactly one of at, edge, line, circle, area) and how (fix, or resists)."""
+    """A support: where (exactly one of at, nodes, edge, line, circle, area) and how (fix, or resists)."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -77,6 +78,9 @@ class Support(Table):
 
     name: Text = Field(default="", description='Name, each once; default "support 1", "support 2", ...')
     at: Points | None = Field(default=None, description="A point [x, y] or a list of points; they need not be nodes.")
+    nodes: Nodes | None = Field(
+        default=None, description="A node of the mesh file by its number, or a list of numbers."
+    )
     edge: Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
     line: Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
     circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
@@ -112,8 +116,9 @@ class Support(Table):
 
     @property
     def place(self) -> Place:
-        """The key that says where the support is."""
-        return next(place for place in _PLACES if getattr(self, place) is not None)
+        """Where the support is; nodes are points."""
+        places: tuple[Place, ...] = ("edge", "line", "circle", "area")
+        return next((place for place in places if getattr(self, place) is not None), "at")
 
     @property
     def fixed(self) -> tuple[Component, ...]:
@@ -148,7 +153,7 @@ class Support(Table):
             yield ("resists",), "found both fix and resists; give one. fix holds both ways."
         if self.area is not None:
             yield ("fix",), "fix does not go with area; use resists."
-        if self.at is not None and ("slope" in fixed) != ("twist" in fixed):
+        if self.given(("at", "nodes")) and ("slope" in fixed) != ("twist" in fixed):
             yield (
                 ("fix",),
                 f"found {describe(self.fix)}; a point has no direction, so slope and twist go together there: "

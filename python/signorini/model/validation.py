@@ -7,12 +7,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from signorini.errors import Place
 from signorini.model.problems import explained
 from signorini.model.whole import Model
-from signorini.model.words import Path
 
 
-def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Path], int] | None = None) -> Model:
+def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Place], int] | None = None) -> Model:
     """Make a model of nested mappings and lists, as read from an input file.
 
     Parameters

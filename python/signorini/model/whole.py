@@ -113,6 +113,7 @@ class Model(Table):
         yield from _repeated("support", [support.name for support in self.support])
         yield from _repeated("combination", [combination.name for combination in self.combination])
         yield from self._edge_complaints()
+        yield from self._node_complaints()
         for index, load in enumerate(self.load):
             if load.self_weight and self.material.unit_weight is None:
                 yield (
@@ -218,6 +219,18 @@ class Model(Table):
             for position, edge in enumerate(listed):
                 if edge not in names:
                     yield (key, index, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
+
+    def _node_complaints(self) -> Iterator[Complaint]:
+        if isinstance(self.plate, MeshPlate):
+            return
+        tables: tuple[tuple[str, tuple[Support | Load, ...]], ...] = (("support", self.support), ("load", self.load))
+        for key, items in tables:
+            for index, item in enumerate(items):
+                if item.nodes is not None:
+                    yield (
+                        (key, index, "nodes"),
+                        f"nodes are those of a mesh file, and this {self.plate.shape} has none. Give points with at.",
+                    )
 
 
 def _repeated(table: str, names: list[str], key: str = "name") -> Iterator[Complaint]:

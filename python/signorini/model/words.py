@@ -6,9 +6,6 @@ import datetime
 import reprlib
 from typing import Any
 
-Path = tuple[str | int, ...]
-"""Where something stands in the model: keys and, counted from 0, positions in lists."""
-
 
 def describe(value: object) -> str:
     """Show a value the way the input file writes it, cut short when long."""

@@ -21,7 +21,7 @@ from signorini.contact.selection import chosen
 from signorini.contact.strategy import answered
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
-from signorini.errors import InputError, NotCertifiedError
+from signorini.errors import InputError, NotCertifiedError, point
 from signorini.results.columns import Block, Column, Layout, together
 from signorini.results.envelope import Envelope
 from signorini.results.notebook import path_table
@@ -204,7 +204,7 @@ class LoadPath(States[float]):
         positions = self.problem.discretisation.probe_positions.tolist()
         at_probes = np.array([stop.deflections for stop in self.stops])
         extremes = {name: np.array([getattr(stop, name) for stop in self.stops]) for name in ("largest", "smallest")}
-        curves = {f"at [{x:.6g}, {y:.6g}]": at_probes[:, i] for i, (x, y) in enumerate(positions)}
+        curves = {f"at {point(at)}": at_probes[:, i] for i, at in enumerate(positions)}
         supports = self.model.support
         parts = np.array([stop.closed / np.maximum(stop.counts, 1) for stop in self.stops[:-1]])
         return load_path_picture(

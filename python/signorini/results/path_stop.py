@@ -12,6 +12,7 @@ from signorini.base.brief import Brief
 from signorini.contact.answer import Answer
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
+from signorini.errors import point
 from signorini.results.support_result import support_result
 
 _MOST_POINTS = 3
@@ -88,7 +89,7 @@ class PathStop(Brief):
         said = []
         for name, change in dict.fromkeys((switch.support, switch.change) for switch in self.switched):
             places = [switch.at for switch in self.switched if (switch.support, switch.change) == (name, change)]
-            some = " ".join(f"[{x:.6g}, {y:.6g}]" for x, y in places[:_MOST_POINTS])
+            some = " ".join(point(at) for at in places[:_MOST_POINTS])
             more = f" and {len(places) - _MOST_POINTS} more" if len(places) > _MOST_POINTS else ""
             said.append(f"{name} {change} at {some}{more}")
         return "; ".join(said)

@@ -19,7 +19,7 @@ from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import Certificate
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
-from signorini.errors import InputError
+from signorini.errors import InputError, point
 from signorini.formats.vtk import displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
 from signorini.model import Model
@@ -195,8 +195,8 @@ class Result(Remade):
         positions = arguments.points(points)
         where = self.mesh.locate(positions)
         if not where.inside.all():
-            x, y = positions[np.argmin(where.inside)]
-            raise InputError(f"The point [{x:g}, {y:g}] is not on the plate. Move it onto the plate.")
+            at = point(positions[np.argmin(where.inside)])
+            raise InputError(f"The point {at} is not on the plate. Move it onto the plate.")
         return positions, where
 
     def plot(self, field: str = "deflection", ax: Axes | None = None) -> Axes:

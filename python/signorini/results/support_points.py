@@ -13,7 +13,6 @@ from scipy.sparse import csr_array
 from signorini.discretise import Discretisation
 from signorini.discretise.averages import STRIP
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.model import Support
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,15 +60,9 @@ class SupportPoints:
 
     @classmethod
     def _found(cls, found: Discretisation, index: int) -> SupportPoints:
-        support, contacts = found.model.support[index], found.points
-        held, holder = found.held.holders.T
-        nodes = held[holder == index]
-        share = 1.0 / np.bincount(held, minlength=found.mesh.node_count)[nodes]
-        springs = np.flatnonzero(found.springs.support == index)
-        mine = np.flatnonzero((contacts.support == index) & ~contacts.slope)
-        # A point with travel both ways has two rows, first all those that push up, then all that hold down.
-        ways = 2 if len(mine) and np.ptp(contacts.direction[mine]) > 0 else 1
-        rows = mine.reshape(ways, -1)
+        contacts, parts = found.points, found.parts[index]
+        nodes, springs, rows = parts.nodes, parts.springs, parts.rows
+        share = 1.0 / np.bincount(found.held.holders[:, 0], minlength=found.mesh.node_count)[nodes]
         points = contacts.pick(rows[0])
         elements, places, weight, shares = points.rows.elements, points.positions, points.weights, None
         if (points.shared >= 0).any():
@@ -81,7 +74,7 @@ class SupportPoints:
         weights = np.concatenate([np.ones(len(nodes)), found.springs.weights[springs], weight])
         of_springs = found.springs.rows.elements[springs]
         elements = np.concatenate([np.full(len(nodes), -1), of_springs, elements])
-        order = _as_written(support, positions)
+        order = parts.order if shares is None else np.arange(len(positions))
         direction, weights = contacts.direction[rows], weights[order]
         return cls(nodes, springs, share, rows, direction, order, positions[order], weights, elements[order], shares)
 
@@ -164,12 +157,3 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
 _INWARD = 3e-10
 """Part of the plate's size by which an element's point is kept within the element: corners are of several."""
 _KNOWN: WeakKeyDictionary[Discretisation, dict[int, SupportPoints]] = WeakKeyDictionary()
-
-
-def _as_written(support: Support, positions: Floats) -> Ints:
-    """Order of point supports as the model lists them."""
-    if support.at is None or not len(positions):
-        return np.arange(len(positions))
-    given = np.array(support.at)
-    nearest = ((positions[:, None] - given) ** 2).sum(axis=2).argmin(axis=1)
-    return np.argsort(nearest, kind="stable")

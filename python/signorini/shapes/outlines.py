@@ -86,11 +86,6 @@ class Round:
         return (x - r, y - r, x + r, y + r)
 
 
-def at(point: Point) -> str:
-    """Write a point."""
-    return f"({point[0]:g}, {point[1]:g})"
-
-
 def require_finite(owner: str, numbers: Sequence[float]) -> None:
     """Refuse infinities and NaN."""
     if not all(math.isfinite(number) for number in numbers):

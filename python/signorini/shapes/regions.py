@@ -10,14 +10,13 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from signorini.errors import InputError
+from signorini.errors import InputError, point
 from signorini.shapes.outlines import (
     Box,
     Outline,
     Point,
     Round,
     Straight,
-    at,
     bounds_of,
     closed,
     points_of,
@@ -29,6 +28,8 @@ Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
 _CHUNK = 4_000_000
+_PAIRS = 200_000
+"""Pairs of sides that are looked at together."""
 
 
 @dataclass(frozen=True)
@@ -210,7 +211,7 @@ class Polyline(Straight):
             raise InputError(f"A line needs at least 2 points; found {len(points)}.")
         for i, (a, b) in enumerate(pairwise(points)):
             if a == b:
-                raise InputError(f"Points {i + 1} and {i + 2} of a line coincide at {at(a)}; leave one out.")
+                raise InputError(f"Points {i + 1} and {i + 2} of a line coincide at {point(a)}; leave one out.")
         object.__setattr__(self, "points", points)
 
     @property
@@ -270,27 +271,31 @@ def _require_simple(segments: Floats) -> None:
     """Refuse sides that meet anywhere but at the corner they share, and sides that fold back."""
     count = len(segments)
     a, b = segments[:, 0], segments[:, 1]
+    along = b - a
     tiny = 1e-12 * float(np.ptp(a, axis=0).max()) ** 2
-    coincide = (a == b).all(axis=1)
+    coincide = (along == 0.0).all(axis=1)
     if coincide.any():
-        i = int(np.argmax(coincide))
-        raise InputError(f"Corners {i + 1} and {(i + 1) % count + 1} of a polygon coincide; leave one out.")
-    for i in range(count):
-        after = (i + 1) % count
-        along, onward = b[i] - a[i], b[after] - a[after]
-        if abs(float(_cross(along, onward))) <= tiny and float(along @ onward) < 0.0:
-            raise InputError(f"The polygon folds back on itself at corner {after + 1}.")
-        others = np.array([j for j in range(i + 2, count) if (j + 1) % count != i], dtype=int)
-        if not len(others):
-            continue
-        c, d = a[others], b[others]
-        ends = np.stack([_cross(along, c - a[i]), _cross(along, d - a[i])])
-        mine = np.stack([_cross(d - c, a[i] - c), _cross(d - c, b[i] - c)])
+        corner = int(np.argmax(coincide)) + 1
+        raise InputError(f"Corners {corner} and {corner % count + 1} of the polygon coincide; leave one out.")
+    onward = np.roll(along, -1, axis=0)
+    folds = (np.abs(_cross(along, onward)) <= tiny) & ((along * onward).sum(axis=1) < 0.0)
+    if folds.any():
+        corner = (int(np.argmax(folds)) + 1) % count + 1
+        raise InputError(f"The polygon folds back on itself at corner {corner}: it encloses nothing there.")
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    numbers = np.arange(count)
+    for first in np.array_split(np.arange(count), 1 + count**2 // _PAIRS):
+        near = ((low[first, None] <= high) & (high[first, None] >= low)).all(axis=2)
+        # Every pair once, without those that share a corner.
+        near &= (numbers > first[:, None] + 1) & ((first[:, None] > 0) | (numbers < count - 1))
+        i, j = np.nonzero(near)
+        i = first[i]
+        ends = np.stack([_cross(along[i], a[j] - a[i]), _cross(along[i], b[j] - a[i])])
+        mine = np.stack([_cross(along[j], a[i] - a[j]), _cross(along[j], b[i] - a[j])])
         apart = (ends > tiny).all(0) | (ends < -tiny).all(0) | (mine > tiny).all(0) | (mine < -tiny).all(0)
-        overlap = (np.minimum(c, d) <= np.maximum(a[i], b[i])) & (np.maximum(c, d) >= np.minimum(a[i], b[i]))
-        meet = others[~apart & overlap.all(axis=1)]
-        if len(meet):
+        if not apart.all():
+            one, other = i[np.argmin(apart)] + 1, j[np.argmin(apart)] + 1
             raise InputError(
-                f"The polygon crosses or touches itself: the sides from corners {i + 1} and {meet[0] + 1} meet. "
-                "Give the corners in order around the outline, or split it into several polygons."
+                f"The polygon crosses or touches itself: the sides from corners {one} and {other} meet. Give the "
+                "corners in order around the outline, or split it into several polygons."
             )

@@ -1,0 +1,235 @@
+"""Whether reactions exist that balance a load: decided on the plate as a rigid body, before anything is factorized.
+
+Reactions of one-sided supports have a sign, so by Farkas' lemma they balance the load exactly if no rigid motion that
+every support allows lets the load do work. The motion with the most work is found by a linear program in at most
+three unknowns. Supports reach as far as their outlines, whatever the mesh.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from signorini.discretise import Discretisation
+from signorini.discretise.rows import Floats, Ints
+from signorini.equilibrium.balance import RANK, Bearing, RigidFreedom, allowed_motions, load_size, work_of
+from signorini.equilibrium.tipping import steepest
+from signorini.errors import InputError, point
+
+WORK = 1e-10
+"""Work below this part of the load times the motion is rounding."""
+_COARSE = 1e-5
+"""Part of the load below which the tolerances of a linear program, 1e-7, count in an extra load."""
+_CLOSED = 1e-7
+"""Part of the largest opening below which a point stays closed as the plate tips."""
+_LIFTS = 1e-9
+"""Part of the plate's size below which a motion of unit turning lifts the plate nowhere."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """A line about which the plate tips: ``normal`` (2,) · x + ``offset`` = 0, the normal of length one."""
+
+    normal: Floats
+    offset: float
+
+    def ends(self, middle: Floats, length: float) -> Floats:
+        """Two points (2, 2) of the line so far apart, about its point nearest to the middle."""
+        foot = middle - (self.normal @ middle + self.offset) * self.normal
+        along = np.array([-self.normal[1], self.normal[0]])
+        return np.asarray(foot + np.outer([-0.5, 0.5], along) * length)
+
+
+@dataclass(frozen=True, eq=False)
+class Holding:
+    """The least extra force that would just hold the plate, which way it acts, and at which node (2,)."""
+
+    force: float
+    way: Literal["up", "down"]
+    at: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Imbalance:
+    """Why no reactions balance a load: it moves the plate off all its supports, or tips it about a line.
+
+    Parameters
+    ----------
+    resultant : float
+        Sum of the load's forces, positive down.
+    way : "up", "down" or None
+        Which way the plate moves off its supports; None where it tips.
+    axis : Axis or None
+        The line about which it tips, if it does.
+    moment : float
+        The moment that is short about that line.
+    hinges, supports : (k, 2) and (k,) arrays
+        Points of the supports' outlines on the line, and whose they are.
+    holding : Holding or None
+        What would hold the plate; None if no force at one point does.
+    limit : (case, factor) or None
+        A case of a combination that at this factor on top of its own would just let it stand.
+    """
+
+    resultant: float
+    way: Literal["up", "down"] | None
+    axis: Axis | None
+    moment: float
+    hinges: Floats
+    supports: Ints
+    holding: Holding | None
+    limit: tuple[str, float] | None = None
+
+
+def imbalance(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Imbalance | None:
+    """Find out why no reactions balance a nodal load (3n,); None where they exist.
+
+    Raises
+    ------
+    InputError
+        If they exist, but the contact points of the mesh do not reach as far as they act.
+
+    Examples
+    --------
+    >>> from signorini import Model
+    >>> from signorini.discretise import discretise
+    >>> from signorini.equilibrium.balance import rigid_freedom
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     support=[{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
+    ...     load=[{"force": 20e3, "at": [4, 2]}],
+    ... )
+    >>> found = discretise(model)
+    >>> why = imbalance(found, rigid_freedom(found), found.cases["load"].weighing)
+    >>> round(why.moment, 6), round(why.axis.offset, 9), why.hinges.tolist()
+    (20000.0, -3.0, [[3.0, 1.0], [3.0, 3.0]])
+    """
+    if way := _lifting(found, freedom, nodal):
+        down, mx, my = (float(part) for part in found.rigid_motions.T @ nodal)
+        acting = found.middle + np.array([mx, my]) / down
+        holding = _holding(found, freedom, nodal, acting, "down" if way == "up" else "up")
+        return Imbalance(down, way, None, 0.0, np.zeros((0, 2)), np.zeros(0, np.int64), holding)
+    best = _unresisted(found, freedom, freedom.outline, nodal)
+    if best is None:
+        _require_reach(found, freedom, nodal)
+        return None
+    # Of all such motions the one with most work for its turning.
+    most = steepest(freedom.motions, freedom.outline.moves, work_of(found, freedom, nodal) / load_size(found, nodal))
+    return _tipping(found, freedom, nodal, best if most is None else most)
+
+
+def _tipping(found: Discretisation, freedom: RigidFreedom, nodal: Floats, motion: Floats) -> Imbalance:
+    """How a load tips the plate by a motion (d,) that every support allows."""
+    opening = np.abs(freedom.outline.moves @ motion)
+    w, *slopes = (freedom.motions @ motion) / np.array([1.0, found.mesh.size, found.mesh.size])
+    turning = float(np.hypot(*slopes))
+    normal = np.array(slopes) / turning
+    axis = Axis(normal, float(w / turning - normal @ found.middle))
+    work = found.rigid_motions.T @ nodal
+    closed = opening <= _CLOSED * opening.max(initial=0.0)
+    # Weight holds it best where the motion lifts the plate most.
+    lift = -(found.mesh.points @ normal + axis.offset)
+    farthest = int(lift.argmax())
+    holding = None
+    if lift[farthest] > _LIFTS * found.mesh.size:
+        holding = _holding(found, freedom, nodal, found.mesh.points[farthest], "down")
+    return Imbalance(
+        float(work[0]),
+        None,
+        axis,
+        float(work @ np.array([w, *slopes])) / turning,
+        freedom.outline.positions[closed],
+        freedom.outline.support[closed],
+        holding,
+    )
+
+
+def _unresisted(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, nodal: Floats) -> Floats | None:
+    """The motion (d,) of at most unit size that a bearing allows on which the load does most work, if there is one."""
+    from scipy.optimize import linprog
+
+    total = load_size(found, nodal)
+    if not freedom.count or total == 0:
+        return None
+    work, one_sided = work_of(found, freedom, nodal), bearing.moves
+    best = linprog(
+        -work / total,
+        A_ub=one_sided,
+        b_ub=np.zeros(len(one_sided)),
+        bounds=(-1, 1),
+        method="highs",
+        # By default 1e-7 of the load may be overlooked, which a certificate sees.
+        options={"primal_feasibility_tolerance": WORK, "dual_feasibility_tolerance": WORK},
+    )
+    return None if best.x is None or work @ best.x <= WORK * total else np.asarray(best.x)
+
+
+def _require_reach(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> None:
+    """Refuse a load that the supports can balance on their outlines, but not at the contact points of the mesh."""
+    if _unresisted(found, freedom, freedom.on_mesh, nodal) is None:
+        return
+    down, mx, my = found.rigid_motions.T @ nodal
+    where = (
+        ""
+        if abs(down) <= WORK * load_size(found, nodal)
+        else (f" near {point(found.middle + np.array([mx, my]) / down, found.mesh.size)}")
+    )
+    raise InputError(
+        f"The load acts{where} so near the outline of the supports that they can balance it, but not at the contact "
+        "points of this mesh, which lie within that outline. Take a finer mesh there.",
+        place=("mesh",),
+    )
+
+
+def _lifting(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Literal["up", "down"] | None:
+    """Which way the plate moves off all its supports without turning, if it does."""
+    one_sided, least = freedom.outline.moves, WORK * load_size(found, nodal)
+    work = work_of(found, freedom, nodal)
+    ways: tuple[tuple[Literal["up", "down"], float], ...] = (("up", -1.0), ("down", 1.0))
+    for way, w in ways:
+        motion = np.array([w, 0.0, 0.0])
+        part = motion @ freedom.motions
+        free = np.abs(freedom.motions @ part - motion).max() <= RANK
+        if free and (one_sided @ part).max(initial=0.0) <= RANK and work @ part > least:
+            return way
+    return None
+
+
+def _holding(
+    found: Discretisation, freedom: RigidFreedom, nodal: Floats, best: Floats, way: Literal["up", "down"]
+) -> Holding | None:
+    """What least extra load would hold the plate, at the best point or, if none does there, amid the supports."""
+    for at in (best, freedom.outline.positions.mean(axis=0)):
+        node = found.mesh.points[((found.mesh.points - at) ** 2).sum(axis=1).argmin()]
+        least = _least_holding(found, freedom, nodal, node, way)
+        if least is not None:
+            return Holding(least, way, node)
+    return None
+
+
+def _least_holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, at: Floats, way: str) -> float | None:
+    """Least extra load at a point with which reactions balance the load, by a linear program in them."""
+    from scipy.optimize import linprog
+
+    size = found.mesh.size
+    # The conditions of equilibrium over the free motions, forces in units of the load and lengths of the plate.
+    scale = np.array([1.0, size, size])
+    resultant = (found.rigid_motions.T @ nodal / scale) @ freedom.motions
+    total = float(np.abs(resultant).max())
+    sign = 1.0 if way == "down" else -1.0
+    extra = sign * (np.array([1.0, *(at - found.middle)]) / scale) @ freedom.motions
+    one_sided = freedom.outline.moves
+    cost = np.zeros(1 + len(one_sided))
+    cost[0] = 1.0
+    balance = np.column_stack([-extra, one_sided.T])
+    least = linprog(cost, A_eq=balance, b_eq=resultant / total, bounds=(0, None), method="highs")
+    if least.x is None or least.x[0] > _COARSE:
+        return None if least.x is None else total * float(least.x[0])
+    # So little is within what the program lets pass: it is told by the motions that the load would win.
+    rays = allowed_motions(freedom.outline)
+    needed, helped = rays @ resultant / total, -(rays @ extra)
+    helping = (helped > RANK) & (needed > 0.0)
+    return total * float((needed[helping] / helped[helping]).max()) if helping.any() else None

@@ -1,0 +1,73 @@
+"""docs/input.md against the JSON schema: every key is in both."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import signorini
+
+TEXT = (Path(__file__).parents[1] / "docs" / "input.md").read_text("utf-8")
+SCHEMA = signorini.schema()
+LISTS = {"support", "load", "combination", "moving", "probe"}
+# Tables of the schema that are values of a key, with the section that tells theirs.
+WITHIN = {"Area": "support", "Circle": "support"}
+
+
+def keys_of(node):
+    """Keys of a table of the schema, or of any of its alternatives."""
+    if "$ref" in node:
+        return keys_of(SCHEMA["$defs"][node["$ref"].rpartition("/")[2]])
+    if "items" in node:
+        return keys_of(node["items"])
+    found = set(node.get("properties", {}))
+    for branch in [*node.get("anyOf", []), *node.get("oneOf", [])]:
+        found |= keys_of(branch)
+    return found
+
+
+def sections():
+    """The headings with the keys of the file in them, as the names of tables, and the text under each."""
+    parts = re.split(r"^## (.*)$", TEXT, flags=re.MULTILINE)[1:]
+    return [(set(re.findall(r"`\[*(\w+)\]*`", head)), body) for head, body in zip(parts[::2], parts[1::2], strict=True)]
+
+
+def told(name):
+    """Text of the section of a table."""
+    return next(body for tables, body in sections() if name in tables)
+
+
+TABLES = {name: keys_of(node) for name, node in SCHEMA["properties"].items() if keys_of(node)}
+
+
+@pytest.mark.parametrize(("table", "key"), [(table, key) for table, keys in TABLES.items() for key in sorted(keys)])
+def test_every_key_of_the_schema_is_in_its_section(table, key):
+    assert re.search(rf"`(?:{table}\.)?{key}\b", told(table))
+
+
+@pytest.mark.parametrize("table", SCHEMA["properties"])
+def test_every_table_of_the_schema_has_a_section(table):
+    assert told(table)
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_every_key_of_a_section_is_in_the_schema(table):
+    first_cells = re.findall(r"^\| (`[^|]*) \|", told(table), re.MULTILINE)
+    written = {key for cell in first_cells for key in re.findall(r"`((?:\w+\.)?\w+)`", cell)}
+    names = {tuple(key.rpartition(".")[::2]) for key in written}
+    own = {key for owner, key in names if owner in ("", table)}
+    shared = set().union(*(TABLES.get(owner, set()) for owner in next(t for t, _ in sections() if table in t)))
+    shapes = {"rectangle", "disc", "annulus", "mesh"} if table == "plate" else set()
+    assert own - shared - shapes - set(SCHEMA["properties"]) == set()
+
+
+def test_keys_of_areas_and_circles_are_told():
+    for name, section in WITHIN.items():
+        for key in SCHEMA["$defs"][name]["properties"]:
+            assert re.search(rf"\b{key}\b", told(section))
+
+
+def test_the_example_is_a_model(tmp_path):
+    example = re.search(r"```toml\n(.*?)```", TEXT, re.DOTALL)[1]
+    (tmp_path / "slab.toml").write_text(example, encoding="utf-8")
+    assert signorini.load(tmp_path / "slab.toml").support[0].name == "bearings"

@@ -1,0 +1,73 @@
+"""Equilibrium as numbers: the line about which a plate tips, the moment that is short, what would hold it."""
+
+import numpy as np
+import pytest
+import scipy.optimize
+
+from signorini import Model
+from signorini.analysis.check import check
+from signorini.discretise import discretise
+from signorini.equilibrium.balance import rigid_freedom
+from signorini.equilibrium.imbalance import imbalance
+from signorini.equilibrium.limits import imbalance_of
+from signorini.equilibrium.words import explain
+
+PLATE = {
+    "units": {"force": "kN", "length": "m"},
+    "material": {"E": 30e9, "nu": 0.2},
+    "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    "mesh": {"divisions": [4, 4]},
+    "support": [{"name": "pads", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
+}
+
+
+def asked(*loads):
+    found = discretise(Model(**PLATE, load=list(loads)))
+    return found, rigid_freedom(found)
+
+
+def test_a_plate_that_tips_has_its_axis_moment_hinges_and_what_holds_it():
+    # 80 at 2, 1 m inside of the line x = 3; 200 at 4, 1 m outside: 120 short, held by 40 at 3 m from it.
+    found, freedom = asked({"case": "G", "pressure": 5}, {"case": "Q", "force": 200, "at": [4, 2]})
+    why = imbalance_of(found, freedom, found.model.effective_combinations[0])
+    assert (why.resultant, why.way, why.moment) == (pytest.approx(280), None, pytest.approx(120))
+    np.testing.assert_allclose([*why.axis.normal, why.axis.offset], [1, 0, -3], atol=1e-9)
+    np.testing.assert_allclose(why.axis.ends(found.middle, 4.0), [[3, 0], [3, 4]], atol=1e-9)
+    assert why.hinges.tolist() == [[3, 1], [3, 3]] and why.supports.tolist() == [0, 0]
+    assert (why.holding.force, why.holding.way, why.holding.at[0]) == (pytest.approx(40), "down", 0.0)
+    case, factor = why.limit
+    assert (case, factor) == ("Q", pytest.approx(0.4))
+    assert explain(found, why).startswith(
+        "The plate tips about the line x = 3 through [3, 1], [3, 3] of pads, short by a moment of 120 kN m. "
+        "An extra 40 kN down at [0, "
+    )
+
+
+def test_a_plate_that_is_lifted_has_the_way_and_what_holds_it():
+    found, freedom = asked({"pressure": -5})
+    why = imbalance(found, freedom, found.cases["load"].weighing)
+    assert (why.resultant, why.way, why.axis) == (pytest.approx(-80), "up", None)
+    assert (why.holding.force, why.holding.way) == (pytest.approx(80), "down")
+    assert why.holding.at.tolist() == [2, 2]
+    assert "lifts off its supports: the load's resultant is 80 kN up" in explain(found, why)
+
+
+def test_a_load_that_is_balanced_has_nothing_to_explain():
+    found, freedom = asked({"pressure": 5})
+    assert imbalance(found, freedom, found.cases["load"].weighing) is None
+    assert explain(found, None) == ""
+
+
+def test_check_looks_for_the_motion_once(monkeypatch):
+    solved = []
+    linprog = scipy.optimize.linprog
+
+    def counted(cost, *, A_ub=None, **options):
+        # The program of motions is the only one within a box of unit size.
+        solved.append(options.get("bounds") == (-1, 1))
+        return linprog(cost, A_ub=A_ub, **options)
+
+    monkeypatch.setattr(scipy.optimize, "linprog", counted)
+    (resultant,) = check(Model(**PLATE, load=[{"force": 1, "at": [4, 2]}])).resultants
+    np.testing.assert_allclose(resultant.axis, [[3, 0], [3, 4]], atol=1e-9)
+    assert resultant.message and sum(solved) == 1
