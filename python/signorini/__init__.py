@@ -19,10 +19,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from signorini._core import __version__
+    from signorini._core import LcpSolution, __version__
     from signorini.analysis.path import path
     from signorini.analysis.solve import Results, solve
     from signorini.base.progress import Progress
+    from signorini.contact.lemke import lemke
     from signorini.contact.problem import ContactProblem, contact_problem
     from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
     from signorini.formats.inputfile import load, schema
@@ -33,10 +34,11 @@ if TYPE_CHECKING:
     from signorini.results.support_result import SupportResult
 
 _HOME = {
-    "_core": ("__version__",),
+    "_core": ("LcpSolution", "__version__"),
     "analysis.path": ("path",),
     "analysis.solve": ("Results", "solve"),
     "base.progress": ("Progress",),
+    "contact.lemke": ("lemke",),
     "contact.problem": ("ContactProblem", "contact_problem"),
     "errors": ("InputError", "NoEquilibriumError", "NotCertifiedError", "SignoriniError"),
     "formats.inputfile": ("load", "schema"),
@@ -51,6 +53,7 @@ _HOME = {
 __all__ = [
     "ContactProblem",
     "InputError",
+    "LcpSolution",
     "Model",
     "NoEquilibriumError",
     "NotCertifiedError",
@@ -63,6 +66,7 @@ __all__ = [
     "SupportResult",
     "__version__",
     "contact_problem",
+    "lemke",
     "load",
     "path",
     "schema",

@@ -73,7 +73,7 @@ class ContactProblem(Remade):
 
     Examples
     --------
-    >>> from signorini import Model
+    >>> from signorini import Model, lemke
     >>> model = Model(
     ...     material={"E": 30e9, "nu": 0.2},
     ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
@@ -83,7 +83,7 @@ class ContactProblem(Remade):
     ... )
     >>> problem = contact_problem(model)
     >>> P, s = problem.dual(problem.load("all"))
-    >>> answer = _core.lemke(P, -s)
+    >>> answer = lemke(P, -s)
     >>> answer.status, problem.G.shape, bool(np.isclose(*answer.z))
     ('solved', (2, 195), True)
     """
@@ -172,7 +172,7 @@ class ContactProblem(Remade):
         --------
         A beam of plate on a soft spring that only pushes; the factor carries it, so that its gap is the unknown.
 
-        >>> from signorini import Model
+        >>> from signorini import Model, lemke
         >>> model = Model(
         ...     material={"E": 30e9, "nu": 0.2},
         ...     plate={"shape": "rectangle", "size": [4, 1], "thickness": 0.2},
@@ -183,7 +183,7 @@ class ContactProblem(Remade):
         >>> problem = contact_problem(model)
         >>> load = problem.load("all")
         >>> posed = problem.lcp(load, "dual")
-        >>> answer = _core.lemke(posed.M, posed.q)
+        >>> answer = lemke(posed.M, posed.q)
         >>> reaction, gap = posed.contact(answer.z)
         >>> refined = problem.recover(load, posed, answer.z)
         >>> posed.gap_is_z.tolist(), gap.tolist(), bool(np.isclose(reaction, refined.reaction).all())

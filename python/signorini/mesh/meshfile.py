@@ -80,6 +80,8 @@ def read(path: str | Path) -> Mesh:
         raise InputError("There is no such mesh file.", place=str(path)) from None
     except IsADirectoryError:
         raise InputError("There is no such mesh file; this is a directory.", place=str(path)) from None
+    except InputError:
+        raise
     except (OSError, ValueError) as error:
         why = error.strerror if isinstance(error, OSError) and error.strerror else error
         raise InputError(f"The mesh file cannot be read: {why}.", place=str(path)) from None
