@@ -24,8 +24,8 @@ def lemke(
 
         w = M z + q,   z ≥ 0,   w ≥ 0,   zᵀw = 0.
 
-    Of the paper's dual, ``lemke(P, -s)``, z are the reactions and w the gaps. The path is finite for every M, degenerate
-    problems included. M and q are scaled by powers of two first; z and w are solved for afresh on the last basis.
+    Of the paper's dual, ``lemke(P, -s)``, z are the reactions and w the gaps. The path is finite for every M, also of
+    degenerate problems. M and q are scaled by powers of two first; z and w are solved for afresh on the last basis.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def lemke(
 
         - "solved": ``z`` and ``w`` (m,) are a solution, ``basis`` (m,) is True where z is basic;
         - "ray": the path left along a secondary ray ``ray`` (m,), v ≥ 0. If M is copositive-plus, as every positive
-          semidefinite matrix is, Mᵀv ≤ 0 and qᵀv < 0 prove that the problem has no solution. Of other M it says nothing;
+          semidefinite matrix is, Mᵀv ≤ 0 and qᵀv < 0 prove that there is no solution. Of other M it says nothing;
         - "pivot_limit": the limit was reached, or rounding kept every basis infeasible.
 
         z and w are NaN unless it is solved; ``pivots`` counts, and ``message`` says the status in a sentence.

@@ -6,7 +6,7 @@ import numpy as np
 
 from signorini.discretise.frames import PARALLEL, Held, Holds
 from signorini.discretise.places import Sampled, edge_nodes, located, mesh_edges, quadratic_tangents
-from signorini.discretise.rows import Ints
+from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
 
@@ -21,13 +21,20 @@ def hold(model: Model, mesh: Mesh) -> Held:
             _hold_along(mesh, holds, index, support)
         elif support.place == "at":
             _hold_points(mesh, holds, index, support)
-    return holds.settle()
+    return holds.settle(mesh.points)
 
 
 def holds_deflection(support: Support) -> bool:
     """Whether a support holds the deflection both ways, rigidly and without a gap."""
     no_gap = support.gap.is_constant and support.gap.value == 0
     return support.stiffness is None and ("w" in support.fixed or (support.resists == "both" and no_gap))
+
+
+def prescribed_rotations(support: Support, positions: Floats, place: str) -> Floats:
+    """Slopes θx, θy (q, 2) at which a support holds those that it holds."""
+    if support.rotation is None:
+        return np.zeros((len(positions), 2))
+    return np.column_stack([one(*positions.T, place=f"{place}.rotation") for one in support.rotation])
 
 
 def nodes_at(mesh: Mesh, sampled: Sampled) -> Ints:
@@ -47,12 +54,14 @@ def _hold_along(mesh: Mesh, holds: Holds, index: int, support: Support) -> None:
         _hold_deflections(mesh, holds, index, support, edge_nodes(mesh, triples).nodes)
     if not {"slope", "twist"} & set(support.fixed):
         return
-    for node, tangents in _tangents(mesh, triples).items():
-        for tx, ty in tangents:
+    tangents = _tangents(mesh, triples)
+    rotations = prescribed_rotations(support, mesh.points[list(tangents)], f"support[{index + 1}]")
+    for (node, directions), rotation in zip(tangents.items(), rotations, strict=True):
+        for tx, ty in directions:
             if "slope" in support.fixed:
-                holds.slope(node, (ty, -tx), index)
+                holds.slope(node, (ty, -tx), rotation, index)
             if "twist" in support.fixed:
-                holds.slope(node, (tx, ty), index)
+                holds.slope(node, (tx, ty), rotation, index)
 
 
 def _hold_points(mesh: Mesh, holds: Holds, index: int, support: Support) -> None:
@@ -63,9 +72,10 @@ def _hold_points(mesh: Mesh, holds: Holds, index: int, support: Support) -> None
     if holds_deflection(support):
         _hold_deflections(mesh, holds, index, support, nodes)
     if "slope" in support.fixed:
-        for node in nodes.tolist():
-            holds.slope(node, (1.0, 0.0), index)
-            holds.slope(node, (0.0, 1.0), index)
+        rotations = prescribed_rotations(support, mesh.points[nodes], f"support[{index + 1}]")
+        for node, rotation in zip(nodes.tolist(), rotations, strict=True):
+            holds.slope(node, (1.0, 0.0), rotation, index)
+            holds.slope(node, (0.0, 1.0), rotation, index)
 
 
 def _hold_deflections(mesh: Mesh, holds: Holds, index: int, support: Support, nodes: Ints) -> None:

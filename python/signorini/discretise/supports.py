@@ -10,7 +10,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.discretise.averages import STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
-from signorini.discretise.holds import holds_deflection, nodes_at
+from signorini.discretise.holds import holds_deflection, nodes_at, prescribed_rotations
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area, located, mesh_edges
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
@@ -84,12 +84,14 @@ class Springs(_Table):
 class ContactPoints(_Table):
     """Contact points: row·u + gap − compliance·reaction = distance.
 
+    Of ``distance`` the part ``settlement`` is that of the base in the row's direction; the rest is free travel.
     ``direction`` is +1 where the support pushes the plate up and −1 where it holds it down (its row is turned round);
     ``slope`` marks two-sided points that hold a slope instead of the deflection. ``shared`` (m, 4) names the elements
     of which points of an averaged area stand for part, by their areas; −1 where there is none.
     """
 
     distance: Floats
+    settlement: Floats
     compliance: Floats
     two_sided: Bools
     direction: Floats
@@ -102,17 +104,20 @@ class ContactPoints(_Table):
 
 @dataclass(frozen=True, eq=False)
 class _Acting:
-    """Points of one support with the rows that they act through, and where formulas that jump are evaluated."""
+    """Points of one support with the rows that they act through, and where formulas that jump are evaluated.
+
+    ``slope`` (k,) are the values at which a slope is held, None where the rows are of the deflection.
+    """
 
     rows: Rows
     positions: Floats
     within: Floats
     weights: Floats
-    slope: bool
+    slope: Floats | None = None
     shared: Ints | None = None
 
     @classmethod
-    def of(cls, rows: Rows, sampled: Sampled, slope: bool = False) -> Self:
+    def of(cls, rows: Rows, sampled: Sampled, slope: Floats | None = None) -> Self:
         """Rows of points of the plate."""
         return cls(rows, sampled.positions, sampled.within, sampled.weights, slope)
 
@@ -124,7 +129,7 @@ def springs_and_contacts(
     none = np.zeros(0)
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
     springs = [Springs(Rows.join([]), none, none, place, none, who)]
-    contacts = [ContactPoints(Rows.join([]), none, none, flags, none, flags, place, none, who, _NOT_SHARED)]
+    contacts = [ContactPoints(Rows.join([]), none, none, none, flags, none, flags, place, none, who, _NOT_SHARED)]
     for index, support in enumerate(model.support):
         for acting in _acting(mesh, model.plate, plate, held, of_elements, index, support):
             found = _springs_or_contacts(of_elements, index, support, acting)
@@ -164,7 +169,8 @@ def _acting(
             sampled = _pick(sampled, between_nodes)
         found = [_Acting.of(_rows(plate, sampled, 0), sampled)] if deflection else []
         if "slope" in support.fixed:
-            found += [_Acting.of(_rows(plate, sampled, part), sampled, slope=True) for part in (1, 2)]
+            rotation = prescribed_rotations(support, sampled.positions, place)
+            found += [_Acting.of(_rows(plate, sampled, part), sampled, rotation[:, part - 1]) for part in (1, 2)]
         return found
     triples = mesh_edges(mesh, support, place)
     if support.stiffness is not None:
@@ -185,7 +191,8 @@ def _acting(
     for component, directions in (("slope", (ty, -tx)), ("twist", (tx, ty))):
         if component in support.fixed:
             rows = _along(plate, sampled, *directions)
-            found.append(_Acting.of(rows, sampled, slope=True))
+            rotation = prescribed_rotations(support, sampled.positions, place)
+            found.append(_Acting.of(rows, sampled, (np.column_stack(directions) * rotation).sum(axis=1)))
     return found
 
 
@@ -230,7 +237,8 @@ def _springs_or_contacts(
     place = f"support[{index + 1}]"
     positions, weights, count = acting.positions, acting.weights, len(acting.rows)
     at = acting.within if _steps(support) else positions
-    settlement = np.zeros(count) if acting.slope else support.settlement(*at.T, place=f"{place}.settlement")
+    slope = acting.slope is not None
+    settlement = support.settlement(*at.T, place=f"{place}.settlement") if acting.slope is None else acting.slope
     gap = support.gap(*at.T, at_least=0.0, place=f"{place}.gap")
     who = np.full(count, index, dtype=np.int64)
     compliance = np.zeros(count)
@@ -242,8 +250,7 @@ def _springs_or_contacts(
             stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
             return Springs(acting.rows, stiffness, settlement, positions, weights, who)
         compliance = np.where(stiffness < STIFFEST_SPRING * shear, 1.0 / stiffness, 0.0)
-    pushes_up = (1.0, gap + settlement)
-    holds_down = (-1.0, gap - settlement)
+    pushes_up, holds_down = (1.0, settlement), (-1.0, -settlement)
     shared = np.full((count, 4), -1, np.int64) if acting.shared is None else acting.shared
     equation = two_way and not gap.any()
     sides = {"down": [pushes_up], "up": [holds_down]}.get(
@@ -252,17 +259,18 @@ def _springs_or_contacts(
     return [
         ContactPoints(
             acting.rows if sign > 0 else -acting.rows,
-            distance,
+            gap + base,
+            base,
             compliance,
             np.full(count, equation),
             np.full(count, sign),
-            np.full(count, acting.slope),
+            np.full(count, slope),
             positions,
             weights,
             who,
             shared,
         )
-        for sign, distance in sides
+        for sign, base in sides
     ]
 
 
@@ -287,7 +295,7 @@ def _means(through: _Acting) -> _Acting:
 
     shared = np.column_stack([elements, np.full((len(elements), 3), -1)])
     middle = mean(through.positions)
-    return _Acting(Rows(elements, mean(through.rows.coefficients)), middle, middle, area, False, shared)
+    return _Acting(Rows(elements, mean(through.rows.coefficients)), middle, middle, area, None, shared)
 
 
 def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: OutlinePoints) -> _Acting:
@@ -309,7 +317,7 @@ def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: O
         np.concatenate([acting.positions, positions]),
         np.concatenate([acting.within, within]),
         np.concatenate([kept * acting.weights, parts.sum(axis=1)]),
-        False,
+        None,
         None if acting.shared is None else np.concatenate([acting.shared, shared]),
     )
 
