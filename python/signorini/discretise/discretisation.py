@@ -115,8 +115,8 @@ class Discretisation(Remade):
         return total
 
 
-def discretise(model: Model) -> Discretisation:
-    """Mesh the plate and turn supports and loads into arrays.
+def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
+    """Mesh the plate, unless a mesh of it is given, and turn supports and loads into arrays.
 
     Raises
     ------
@@ -141,15 +141,15 @@ def discretise(model: Model) -> Discretisation:
     """
     made_by(model, Model, "Make one with signorini.Model(...) or signorini.load(file).", "model")
     try:
-        return _discretise(model)
+        return _discretise(model, mesh)
     except InputError as error:
         # What a mesh finds wrong with itself is the plate's fault.
         raise InputError(error.message, place=error.place or "plate") from None
 
 
-def _discretise(model: Model) -> Discretisation:
+def _discretise(model: Model, mesh: Mesh | None) -> Discretisation:
     begun = time.perf_counter()
-    mesh = mesh_of(model)
+    mesh = mesh_of(model) if mesh is None else mesh
     meshed = time.perf_counter()
     held = hold(model, mesh)
     thickness = thickness_of(model, mesh)
