@@ -189,6 +189,33 @@ def test_table_1_is_printed_as_in_the_paper() -> None:
     assert centre[1] == 0 and centre[2] == centre[3] == centre[4] < 0
 
 
+def test_the_first_example_of_the_paper_is_the_same_from_toml() -> None:
+    model = signorini.load(EXAMPLES / "clamped_quarter.toml")
+    example = script("clamped_quarter")
+    columns = example.table()
+    assert columns.young == pytest.approx(model.material.E, rel=1e-12)
+    first, unilateral = signorini.solve(model).values()
+    assert example.row_by_row(first) == pytest.approx(columns.first, abs=1e-9)
+    assert example.row_by_row(unilateral) == pytest.approx(columns.unilateral, abs=1e-9)
+    (event,) = signorini.path(model, None, "load", until=1.0).events
+    assert event.t == pytest.approx(0.5, rel=1e-9) and event.switched[0].change == "closes"
+    assert "the digits of its Table 1 are not matched" in (EXAMPLES / "clamped_quarter.toml").read_text("utf-8")
+
+
+def test_the_second_example_of_the_paper_is_the_same_from_toml_and_opens_its_inner_ring_along_a_path() -> None:
+    model = signorini.load(EXAMPLES / "circular_cover.toml")
+    results, wanted = signorini.solve(model), signorini.solve(script("circular_cover").cover())
+    assert list(results) == list(wanted)
+    for name, result in results.items():
+        assert np.abs(result.deflection - wanted[name].deflection).max() < 1e-9 * np.abs(result.deflection).max()
+    path = signorini.path(model, "180 Kgm", "pressure", until=1.0)
+    switched = [one for event in path.events for one in event.switched]
+    assert {(one.support, one.change) for one in switched} == {("inner ring", "opens")}
+    first, *_, last = (event.t for event in path.events)
+    assert (first, last) == pytest.approx((0.5358, 0.5388), rel=1e-3)
+    assert len(switched) == results["180 Kgm and pressure"].supports[1].open_count
+
+
 def test_circular_cover_bulges_with_its_bolts_and_opens_its_inner_ring_under_pressure() -> None:
     example = script("circular_cover")
     results = signorini.solve(example.cover())

@@ -1,11 +1,11 @@
-"""The binding of the linear-complementarity solver; the solver itself is tested in core/tests."""
+"""Lemke's algorithm on plain arrays: its face in Python; the solver itself is tested in core/tests."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from signorini._core import lemke
+from signorini import InputError, lemke
 
 UNIQUE = np.array([[60.0, 26, 37], [26, 36, 29], [37, 29, 30]]), -np.ones(3)
 INFEASIBLE = np.array([[1.0, -1], [-1, 1]]), -np.ones(2)
@@ -68,18 +68,27 @@ def test_layout_of_the_arrays_does_not_matter():
     ("arguments", "message"),
     [
         ({"q": -np.ones(2)}, "M is 3 x 3 and q has 2 entries"),
-        ({"matrix": np.ones((3, 2))}, "M is 3 x 2 and q has 3 entries"),
-        ({"matrix": np.diag([1.0, np.nan, 1.0])}, r"M\[1, 1\] is NaN"),
+        ({"M": np.ones((3, 2))}, "M is 3 x 2 and q has 3 entries"),
+        ({"M": np.diag([1.0, np.nan, 1.0])}, r"M\[1, 1\] is NaN"),
         ({"q": np.array([0, np.inf, 0])}, r"q\[1\] is inf"),
         ({"covering": np.ones(2)}, "covering has 2 entries"),
         ({"covering": np.array([1.0, 0, 1])}, r"covering\[1\] is 0; every entry must be finite and greater than zero"),
         ({"start": np.ones(4, dtype=bool)}, "basis has 4 entries"),
+        ({"start": np.ones(3)}, "start: found an array of float64"),
+        ({"M": np.ones(3)}, "M: found an array of shape \\(3,\\); it must be one of numbers in 2 dimensions"),
+        ({"q": ["a"]}, "q: found"),
+        ({"max_pivots": -1}, "max_pivots: found -1"),
     ],
 )
 def test_bad_input_is_a_value_error_that_names_it(arguments, message):
     matrix, q = UNIQUE
-    with pytest.raises(ValueError, match=message):
-        lemke(**{"matrix": matrix, "q": q, **arguments})
+    with pytest.raises(InputError, match=message) as caught:
+        lemke(**{"M": matrix, "q": q, **arguments})
+    assert isinstance(caught.value, ValueError)
+
+
+def test_lists_are_as_good_as_arrays():
+    assert lemke([[2, 1], [1, 2]], [-3, -3]).z.tolist() == [1, 1]
 
 
 @settings(max_examples=50, deadline=None)

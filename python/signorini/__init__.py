@@ -19,10 +19,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from signorini._core import __version__
+    from signorini._core import LcpSolution, __version__
     from signorini.analysis.path import path
+    from signorini.analysis.recover import recover
     from signorini.analysis.solve import Results, solve
     from signorini.base.progress import Progress
+    from signorini.contact.lemke import lemke
+    from signorini.contact.own_rows import RowProblem, with_rows
     from signorini.contact.problem import ContactProblem, contact_problem
     from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
     from signorini.formats.inputfile import load, schema
@@ -33,10 +36,13 @@ if TYPE_CHECKING:
     from signorini.results.support_result import SupportResult
 
 _HOME = {
-    "_core": ("__version__",),
+    "_core": ("LcpSolution", "__version__"),
     "analysis.path": ("path",),
+    "analysis.recover": ("recover",),
     "analysis.solve": ("Results", "solve"),
     "base.progress": ("Progress",),
+    "contact.lemke": ("lemke",),
+    "contact.own_rows": ("RowProblem", "with_rows"),
     "contact.problem": ("ContactProblem", "contact_problem"),
     "errors": ("InputError", "NoEquilibriumError", "NotCertifiedError", "SignoriniError"),
     "formats.inputfile": ("load", "schema"),
@@ -51,6 +57,7 @@ _HOME = {
 __all__ = [
     "ContactProblem",
     "InputError",
+    "LcpSolution",
     "LoadPath",
     "Model",
     "NoEquilibriumError",
@@ -59,15 +66,19 @@ __all__ = [
     "Progress",
     "Result",
     "Results",
+    "RowProblem",
     "SignoriniError",
     "SupportResult",
     "__version__",
     "contact_problem",
+    "lemke",
     "load",
     "path",
+    "recover",
     "schema",
     "solve",
     "validate",
+    "with_rows",
 ]
 
 

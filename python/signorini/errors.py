@@ -28,8 +28,8 @@ class SignoriniError(Exception):
     exit_code = 1
 
 
-class InputError(SignoriniError):
-    """The model or the input file says something that cannot be.
+class InputError(SignoriniError, ValueError):
+    """The model, the input file or an argument says something that cannot be; a ValueError too.
 
     Parameters
     ----------

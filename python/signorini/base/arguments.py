@@ -64,6 +64,23 @@ def vector(value: object, length: int, place: str) -> NDArray[np.float64]:
     return found
 
 
+def array(value: object, place: str, dimensions: int) -> NDArray[np.float64]:
+    """Numbers in so many dimensions.
+
+    Examples
+    --------
+    >>> array([[1, 2]], "q", 1)
+    Traceback (most recent call last):
+    signorini.errors.InputError: q: found an array of shape (1, 2); it must be one of numbers in 1 dimension.
+    """
+    found = _array(value)
+    if found is None or found.ndim != dimensions:
+        what = reprlib.repr(value) if found is None else f"an array of shape {found.shape}"
+        wanted = f"{dimensions} dimension{'s' if dimensions > 1 else ''}"
+        raise InputError(f"found {what}; it must be one of numbers in {wanted}.", place=place)
+    return found
+
+
 def name(value: object, kind: str, place: str) -> str:
     """The name of something."""
     if not isinstance(value, str):

@@ -12,6 +12,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.base.arguments import known, made_by, number, vector
+from signorini.base.arguments import points as points_of_plate
 from signorini.base.memory import require_memory_for_interior_point, require_memory_for_proximal_steps
 from signorini.base.remade import Remade
 from signorini.contact.answer import Answer
@@ -19,12 +20,14 @@ from signorini.contact.dependence import repeats_itself
 from signorini.contact.factoring import Method, base_of, core_problem, factored, method_of, regularization
 from signorini.contact.selection import chosen
 from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints, Rows
 from signorini.equilibrium.balance import RigidFreedom, rigid_freedom
 from signorini.errors import InputError, SignoriniError
+from signorini.mesh import Mesh
 from signorini.model import Model
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
     from scipy.sparse import csc_array, csr_array
 
 Form = Literal["auto", "dual", "stiffness"]
@@ -34,6 +37,11 @@ Steps: TypeAlias = Callable[[int, int, float], object]
 
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 _METHODS: tuple[Method, ...] = ("lemke", "active_set", "interior_point")
+_PARTS = ("w", "θx", "θy")
+_NO_PART = 1e-14
+"""Coefficient of a row below which it is rounding of the place in its element."""
+_NOT_OUTLINE = {"thickness", "element", "shear_factor"}
+"""What a plate may change and keep its mesh."""
 _LOAD = "Take discretisation.load(combination) or one of discretisation.cases."
 """How to come by a load with its nodal forces and curvatures."""
 
@@ -61,7 +69,7 @@ class Lcp(NamedTuple):
     def contact(self, z: Floats) -> tuple[Floats, Floats]:
         """Reactions (k,) and gaps (k,) of ``points``, given z (k,); z need not solve the problem.
 
-        `ContactProblem.recover` gives those of two-sided points too, and the displacements.
+        `signorini.recover` makes of the reactions a certified result.
         """
         w = self.M @ z + self.q
         return np.where(self.gap_is_z, w, z), np.where(self.gap_is_z, z, w)
@@ -71,9 +79,18 @@ class Lcp(NamedTuple):
 class ContactProblem(Remade):
     """A discretised model on its supports, factored once and condensed onto its contact points.
 
+    Dof 3i is the deflection w of node i of `mesh`, positive down; 3i + 1 and 3i + 2 are its slopes θx ≈ ∂w/∂x and
+    θy ≈ ∂w/∂y, or where an edge askew holds one slope alone, those along its `frames`. `K`, `G` and loads go over every
+    dof, in this order, which the mesh alone decides; `held` marks those at prescribed values. Loads are work-conjugate:
+    forces down on w, couples on slopes.
+
+    Contact points are the rows of `G`, support by support in the order of the model: +w where the support pushes up, −w
+    where it holds down; of travel both ways first those that push up. Their unknowns are reactions λ ≥ 0 and gaps
+    ρ = `gaps` − Gu + `compliance`·λ ≥ 0; two-sided points, which `two_sided` marks, have ρ = 0 and λ of either sign.
+
     Examples
     --------
-    >>> from signorini import Model
+    >>> from signorini import Model, lemke
     >>> model = Model(
     ...     material={"E": 30e9, "nu": 0.2},
     ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
@@ -83,7 +100,7 @@ class ContactProblem(Remade):
     ... )
     >>> problem = contact_problem(model)
     >>> P, s = problem.dual(problem.load("all"))
-    >>> answer = _core.lemke(P, -s)
+    >>> answer = lemke(P, -s)
     >>> answer.status, problem.G.shape, bool(np.isclose(*answer.z))
     ('solved', (2, 195), True)
     """
@@ -93,8 +110,8 @@ class ContactProblem(Remade):
     method: Method
     reference: _core.Reference | None = None
     """A solved load that others begin with; see `near`."""
-    _cores: dict[Method, _core.ContactProblem] = field(default_factory=dict, repr=False)
-    """Those of all methods that have been asked for, by what they are factored for; see `by`."""
+    _cores: dict[str, _core.ContactProblem] = field(default_factory=dict, repr=False)
+    """All that have been asked for, by the method they are factored for; "dual" carries no contact point. See `by`."""
 
     _made = MappingProxyType(
         {
@@ -139,13 +156,86 @@ class ContactProblem(Remade):
 
     @property
     def gaps(self) -> Floats:
-        """Free travel (m,) of every contact point, settlement included."""
+        """Bounds g (m,) of Gu: the free travel of every contact point, and the settlement of its base."""
         return self.discretisation.contacts.distance
+
+    @property
+    def settlements(self) -> Floats:
+        """What of `gaps` (m,) is the settlement of the base in the row's direction; the rest is free travel, ≥ 0."""
+        return self.discretisation.contacts.settlement
+
+    @property
+    def two_sided(self) -> Bools:
+        """Contact points (m,) that hold both ways, without travel: equations Gu = gaps, whose reaction has any sign."""
+        return self.discretisation.contacts.two_sided
 
     @property
     def compliance(self) -> Floats:
         """Inverse stiffness (m,) of every contact point's support; 0 where it is rigid."""
         return self.discretisation.contacts.compliance
+
+    @property
+    def positions(self) -> Floats:
+        """Where every contact point is (m, 2)."""
+        return self.discretisation.contacts.positions
+
+    @property
+    def mesh(self) -> Mesh:
+        """Nodes, ``mesh.points`` (n, 2), and 8-node elements, ``mesh.elements`` (ne, 8)."""
+        return self.discretisation.mesh
+
+    @property
+    def held(self) -> Bools:
+        """Dofs (3n,) that supports hold at `held_values`."""
+        return self.discretisation.held.dofs
+
+    @property
+    def held_values(self) -> Floats:
+        """Prescribed values (3n,) of held dofs, the paper's u₀: settlements and rotations; 0 elsewhere."""
+        return self.discretisation.held.values
+
+    @property
+    def frames(self) -> Floats:
+        """Unit vectors (n, 2) along which the first slope of every node is; the second is a quarter turn from it.
+
+        [1, 0], so that they are θx and θy, but at nodes of edges askew to x and y.
+        """
+        frames = self.discretisation.held.frames
+        return np.broadcast_to([1.0, 0.0], (self.mesh.node_count, 2)) if frames is None else frames
+
+    def rows_at(self, points: ArrayLike, of: Literal["w", "θx", "θy"] = "w") -> csr_array:
+        """Rows (q, 3n) that take the displacements to the deflection, or a slope, at points (q, 2) of the plate.
+
+        Of `mitc9` between nodes a slope has a part in its elements' own middle, without their loads.
+
+        Raises
+        ------
+        InputError
+            If a point is not on the plate, or there is no such part.
+
+        Examples
+        --------
+        >>> from signorini import Model
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        ...     mesh={"divisions": [2, 2]},
+        ...     support=[{"edge": "left", "fix": "clamped"}],
+        ...     load=[{"pressure": 5e3}],
+        ... )
+        >>> rows = contact_problem(model).rows_at([[4, 2], [1.3, 0.7]])
+        >>> rows.shape, rows.sum(axis=1).round(12).tolist(), rows[[0]].nnz
+        ((2, 63), [1.0, 1.0], 1)
+        """
+        known(of, _PARTS, "part", "of", "A displacement")
+        found, positions = self.discretisation, points_of_plate(points)
+        where = found.mesh.locate(positions)
+        if not where.inside.all():
+            x, y = positions[np.argmin(where.inside)]
+            raise InputError(f"the point [{x:g}, {y:g}] is not on the plate.", place="points")
+        coefficients, _ = found.plate.interpolation_rows(where.elements, where.xi, _PARTS.index(of))
+        coefficients[np.abs(coefficients) < _NO_PART] = 0.0
+        return Rows(where.elements, coefficients).matrix(found.mesh.elements, found.dof_count)
 
     def load(self, combination: str) -> Floats:
         """Nodal load (3n,) of a combination.
@@ -176,7 +266,7 @@ class ContactProblem(Remade):
         --------
         A beam of plate on a soft spring that only pushes; the factor carries it, so that its gap is the unknown.
 
-        >>> from signorini import Model
+        >>> from signorini import Model, lemke, recover
         >>> model = Model(
         ...     material={"E": 30e9, "nu": 0.2},
         ...     plate={"shape": "rectangle", "size": [4, 1], "thickness": 0.2},
@@ -187,10 +277,10 @@ class ContactProblem(Remade):
         >>> problem = contact_problem(model)
         >>> load = problem.load("all")
         >>> posed = problem.lcp(load, "dual")
-        >>> answer = _core.lemke(posed.M, posed.q)
-        >>> reaction, gap = posed.contact(answer.z)
-        >>> refined = problem.recover(load, posed, answer.z)
-        >>> posed.gap_is_z.tolist(), gap.tolist(), bool(np.isclose(reaction, refined.reaction).all())
+        >>> answer = lemke(posed.M, posed.q)
+        >>> reactions, gaps = posed.contact(answer.z)
+        >>> result = recover(problem, "all", reactions)
+        >>> posed.gap_is_z.tolist(), gaps.tolist(), bool(np.isclose(reactions[0], result.reactions["support 2"]))
         ([True], [0.0], True)
         """
         load = vector(load, self.discretisation.dof_count, "load")
@@ -212,18 +302,6 @@ class ContactProblem(Remade):
         alone = (np.diff(rows.indptr) == 1).all() and len(np.unique(rows.indices)) == rows.nnz
         return "stiffness" if alone else "dual"
 
-    def recover(self, load: Floats, posed: Lcp, z: Floats) -> _core.ContactSolution:
-        """Displacements (3n,), and reactions and gaps (m,) of every contact point, from a solution z (k,) of the LCP.
-
-        They are solved for on the contact set that z stands for, and refined; `_core.ContactSolution.status` is
-        "unsolved" where that set does not hold the plate, or not in one way.
-        """
-        reaction, gap = posed.contact(z)
-        closed = self.discretisation.contacts.two_sided.copy()
-        largest = [np.abs(values).max(initial=0.0) or 1.0 for values in (reaction, gap)]
-        closed[posed.points] = reaction / largest[0] > gap / largest[1]
-        return self.condensed.core.solve_on(load, self.discretisation.held.values, closed)
-
     def dual(self, load: Floats) -> tuple[Floats, Floats]:
         """P (m, m) and s (m,) of the paper's (26) and (27), over every row of ``G``: gap = P·reaction − s.
 
@@ -240,26 +318,53 @@ class ContactProblem(Remade):
         SignoriniError
             If K has no inverse: one-sided supports, or two-sided points between nodes, alone hold the plate.
         """
+        self._require_regular()
+        load = vector(load, self.discretisation.dof_count, "load")
+        held = self.discretisation.held.values
+        matrix, q, _, _ = self._bare.lcp(load, held, "dual")
+        return matrix, -q
+
+    def free(self, load: Floats, held: bool = True) -> Floats:
+        """Displacements (3n,) under a nodal load (3n,) without contact points: K⁻¹ f, with held dofs at their values.
+
+        Without ``held`` these values are 0.
+
+        Raises
+        ------
+        InputError
+            If the load is not 3n finite numbers.
+        SignoriniError
+            If K has no inverse, as for `dual`.
+        """
+        self._require_regular()
+        load = vector(load, self.discretisation.dof_count, "load")
+        values = self.held_values if held else np.zeros_like(load)
+        solution = self._bare.solve_on(load, values, np.zeros(len(self.gaps), np.bool_))
+        return solution.hi + solution.lo
+
+    def _require_regular(self) -> None:
         if not self.freedom.regular:
             raise SignoriniError(
                 "The paper's P and s need K to be regular, but one-sided supports, or points between nodes, alone hold "
                 'this plate. Take lcp(load, "stiffness") or lcp(load, "dual"), which takes a few gaps among its '
                 "unknowns."
             )
-        load = vector(load, self.discretisation.dof_count, "load")
-        held = self.discretisation.held.values
-        matrix, q, _, _ = self._bare.lcp(load, held, "dual")
-        return matrix, -q
 
-    @cached_property
+    @property
     def _bare(self) -> _core.ContactProblem:
-        """All points condensed as one-sided ones onto a factor that carries none of them."""
-        found = self.discretisation
-        points = found.contacts
-        if points.two_sided.any() or regularization(found, self.freedom).any():
+        """All points condensed as one-sided ones onto a factor that carries none of them.
+
+        Where the factor of the solve carries some, their stiffness could be taken off again, but with it the digits by
+        which it exceeds the plate's.
+        """
+        found, points = self.discretisation, self.discretisation.contacts
+        if not points.two_sided.any() and not regularization(found, self.freedom).any():
+            return self.condensed.core
+        if "dual" not in self._cores:
             one_sided = replace(points, two_sided=np.zeros(len(points), np.bool_))
-            return core_problem(found, one_sided, np.zeros(len(points)), self.freedom.motions[:, :0], False)
-        return self.condensed.core
+            motions = self.freedom.motions[:, :0]
+            self._cores["dual"] = core_problem(found, one_sided, np.zeros(len(points)), motions, False)
+        return self._cores["dual"]
 
     @property
     def condensed(self) -> ContactProblem:
@@ -270,6 +375,51 @@ class ContactProblem(Remade):
         """Pose the same problem for another method; it is factored when that is first needed, and once for all."""
         known(method, _METHODS, "method", "method", "A contact problem")
         return self if method == self.method else replace(self, method=method, reference=None)
+
+    def with_model(self, model: Model) -> ContactProblem:
+        """Pose another model on this one's mesh, as a sweep over gaps, stiffnesses, supports, thickness or loads does.
+
+        Dofs, and the order of all arrays over them, stay as they are, whatever the other model would have the mesh
+        follow; so do contact points, as long as the supports are where they were. P is the same for all loads, gaps and
+        settlements of contact points, so for these it is enough to change s, which falls by what `gaps` rise.
+
+        Raises
+        ------
+        InputError
+            If the other model's plate has another outline, or as `contact_problem`.
+
+        Examples
+        --------
+        >>> from signorini import Model, lemke
+        >>> def slab(stiffness):
+        ...     return Model(
+        ...         material={"E": 30e9, "nu": 0.2},
+        ...         plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        ...         mesh={"divisions": [4, 4]},
+        ...         support=[
+        ...             {"edge": "left", "fix": "clamped"},
+        ...             {"at": [4, 2], "resists": "down", "stiffness": stiffness},
+        ...         ],
+        ...         load=[{"pressure": 5e3}],
+        ...     )
+        >>> first = contact_problem(slab(1e5))
+        >>> for stiffness in (1e5, 1e6, 1e7):
+        ...     problem = first.with_model(slab(stiffness))
+        ...     P, s = problem.dual(problem.load("all"))
+        ...     print(problem.mesh is first.mesh, round(lemke(P, -s).z[0], -1))
+        True 760.0
+        True 6150.0
+        True 21060.0
+        """
+        made_by(model, Model, "Make one with signorini.Model(...) or signorini.load(file).", "model")
+        mine = self.discretisation.model.plate
+        if model.plate.model_dump(exclude=_NOT_OUTLINE) != mine.model_dump(exclude=_NOT_OUTLINE):
+            raise InputError(
+                "found another outline than that of this problem's plate; only thickness, element and shear_factor may "
+                "differ. Take contact_problem(model).",
+                place="plate",
+            )
+        return contact_problem(discretise(model, self.mesh))
 
     def near(self, load: Floats, progress: Steps | None = None) -> ContactProblem:
         """Pose the same problem for loads not unlike a nodal one (3n,), with whose contact set an active set begins.

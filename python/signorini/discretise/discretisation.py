@@ -123,8 +123,8 @@ class Discretisation(Remade):
         return total
 
 
-def discretise(model: Model) -> Discretisation:
-    """Mesh the plate and turn supports and loads into arrays.
+def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
+    """Mesh the plate, unless a mesh of it is given, and turn supports and loads into arrays.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def discretise(model: Model) -> Discretisation:
     """
     made_by(model, Model, _advice(model), "model")
     begun = time.perf_counter()
-    mesh, model = mesh_of(model)
+    mesh, model = mesh_of(model, mesh)
     meshed = time.perf_counter()
     problems = Problems()
     supports = placed(model, mesh, problems)

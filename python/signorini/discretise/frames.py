@@ -6,52 +6,74 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from signorini.base.brief import Brief
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.errors import InputError, point
 
 PARALLEL = np.sin(np.radians(10.0))
 """Directions closer than this count as one: a rim's tangent, from its parabolas, is not quite square to a radius."""
+_CONSISTENT = 1e-9
+"""Part of the largest rotation prescribed at a node by which those of its supports may differ: their rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Slope:
+    """A slope along a unit direction (2,), held at that of a rotation (2,), by a support."""
+
+    direction: Floats
+    rotation: Floats
+    support: int
 
 
 @dataclass(eq=False)
 class Holds:
-    """Collects what supports hold at nodes: deflections at prescribed values, and slopes along directions."""
+    """Collects what supports hold at nodes: deflections, and slopes along directions, at prescribed values."""
 
     node_count: int
     value: dict[int, float] = field(default_factory=dict)
     by: dict[int, dict[int, int]] = field(default_factory=dict)
-    directions: dict[int, list[tuple[float, float]]] = field(default_factory=dict)
-    slope_by: dict[int, int] = field(default_factory=dict)
+    slopes: dict[int, list[_Slope]] = field(default_factory=dict)
 
     def deflection(self, node: int, value: float, support: int, number: int) -> None:
         """Hold a node's deflection; supports that do so, which agree on its value, share its reaction."""
         self.value.setdefault(node, value)
         self.by.setdefault(node, {}).setdefault(support, number)
 
-    def slope(self, node: int, direction: tuple[float, float], support: int) -> None:
-        """Hold a node's slope along a unit direction."""
-        self.directions.setdefault(node, []).append(direction)
-        self.slope_by.setdefault(node, support)
+    def slope(self, node: int, direction: tuple[float, float], rotation: Floats, support: int) -> None:
+        """Hold a node's slope along a unit direction at that of a rotation (2,)."""
+        self.slopes.setdefault(node, []).append(_Slope(np.array(direction), rotation, support))
 
-    def settle(self) -> Held:
-        """Turn what was collected into dofs and frames."""
+    def settle(self, points: Floats) -> Held:
+        """Turn what was collected into dofs and frames, of nodes at points (n, 2).
+
+        Raises
+        ------
+        InputError
+            If supports hold a node's slope at different values.
+        """
         held = np.zeros((self.node_count, 3), dtype=np.bool_)
         value = np.zeros((self.node_count, 3))
         support = np.full((self.node_count, 3), -1, dtype=np.int64)
         frames = np.tile([1.0, 0.0], (self.node_count, 1))
         for node, deflection in self.value.items():
             held[node, 0], value[node, 0], support[node, 0] = True, deflection, next(iter(self.by[node]))
-        for node, directions in self.directions.items():
-            first, *others = directions
-            support[node, 1:] = self.slope_by[node]
-            if any(abs(first[0] * d[1] - first[1] * d[0]) > PARALLEL for d in others):
+        for node, slopes in self.slopes.items():
+            first = slopes[0]
+            support[node, 1:] = first.support
+            apart = [abs(_cross(first.direction, other.direction)) for other in slopes]
+            basis = [first, slopes[int(np.argmax(apart))]] if max(apart) > PARALLEL else [first]
+            _require_one_rotation(basis, slopes, points[node])
+            x, y = first.direction
+            if len(basis) == 2:
                 held[node, 1:] = True
-            elif abs(first[1]) < 1e-9:
-                held[node, 1] = True
-            elif abs(first[0]) < 1e-9:
-                held[node, 2] = True
+                value[node, 1:] = _rotation_of(basis)
+            elif abs(y) < 1e-9 or abs(x) < 1e-9:
+                dof = 1 if abs(y) < 1e-9 else 2
+                held[node, dof], value[node, dof] = True, first.rotation[dof - 1]
             else:
                 held[node, 1] = True
-                frames[node] = np.array(first) / np.hypot(*first)
+                frames[node] = first.direction / np.hypot(x, y)
+                value[node, 1] = frames[node] @ first.rotation
         framed = bool((frames[:, 1] != 0).any())
         holders = [(node, *one) for node in sorted(self.by) for one in self.by[node].items()]
         *pairs, numbers = np.array(holders, np.int64).reshape(-1, 3).T
@@ -59,8 +81,36 @@ class Holds:
         return Held(held.ravel(), value.ravel(), support.ravel(), by_node, numbers, frames if framed else None)
 
 
-@dataclass(frozen=True, eq=False)
-class Held:
+def _cross(a: Floats, b: Floats) -> float:
+    return float(a[0] * b[1] - a[1] * b[0])
+
+
+def _rotation_of(basis: list[_Slope]) -> Floats:
+    """The rotation (2,) whose slopes along two directions are those prescribed."""
+    directions = np.array([slope.direction for slope in basis])
+    wanted = np.array([slope.direction @ slope.rotation for slope in basis])
+    return np.asarray(np.linalg.solve(directions, wanted)) if wanted.any() else np.zeros(2)
+
+
+def _require_one_rotation(basis: list[_Slope], slopes: list[_Slope], at: Floats) -> None:
+    """Refuse slopes that the prescribed ones of a basis do not agree with; directions as good as parallel are one."""
+    largest = max(float(np.abs(slope.rotation).max()) for slope in slopes)
+    if largest == 0.0:
+        return
+    for slope in slopes:
+        alike = next((one for one in basis if abs(_cross(one.direction, slope.direction)) <= PARALLEL), None)
+        along = slope.direction if alike is None else alike.direction
+        there = _rotation_of(basis) if alike is None else alike.rotation
+        if abs(along @ (slope.rotation - there)) > _CONSISTENT * largest:
+            raise InputError(
+                f"found the slopes {point(slope.rotation)} at {point(at)}, where support[{basis[0].support + 1}] "
+                f"prescribes {point(there)}. Prescribe the same, or let one of them not hold the slope.",
+                place=("support", slope.support, "rotation"),
+            )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Held(Brief):
     """Held dofs (3n,), their values, the supports that hold them, and frames (n, 2), or None for x and y.
 
     ``support`` (3n,) names of several the first, and −1 where there is none; ``holders`` (k, 2) are all pairs of a node

@@ -9,7 +9,7 @@ import numpy as np
 from signorini.discretise.frames import PARALLEL, Held, Holds
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents
-from signorini.discretise.rows import Ints
+from signorini.discretise.rows import Floats, Ints
 from signorini.errors import Problems
 from signorini.mesh import Mesh
 from signorini.model import Support
@@ -24,13 +24,23 @@ def hold(mesh: Mesh, supports: Sequence[Placed], problems: Problems) -> Held:
                 _hold_along(mesh, holds, placed, placed.sides)
             elif placed.points is not None:
                 _hold_points(mesh, holds, placed)
-    return holds.settle()
+    with problems.collected():
+        return holds.settle(mesh.points)
+    return Holds(mesh.node_count).settle(mesh.points)
 
 
 def holds_deflection(support: Support) -> bool:
     """Whether a support holds the deflection both ways, rigidly and without a gap."""
     no_gap = support.gap.is_constant and support.gap.value == 0
     return support.stiffness is None and ("w" in support.fixed or (support.resists == "both" and no_gap))
+
+
+def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:
+    """Slopes θx, θy (q, 2) at which a support holds those that it holds."""
+    rotation = placed.support.rotation
+    if rotation is None:
+        return np.zeros((len(positions), 2))
+    return np.column_stack([one(*positions.T, place=(*placed.place, "rotation")) for one in rotation])
 
 
 def _hold_along(mesh: Mesh, holds: Holds, placed: Placed, sides: Ints) -> None:
@@ -40,12 +50,14 @@ def _hold_along(mesh: Mesh, holds: Holds, placed: Placed, sides: Ints) -> None:
         _hold_deflections(mesh, holds, placed, nodes, np.zeros_like(nodes))
     if not {"slope", "twist"} & set(support.fixed):
         return
-    for node, tangents in _tangents(mesh, sides).items():
-        for tx, ty in tangents:
+    tangents = _tangents(mesh, sides)
+    rotations = prescribed_rotations(placed, mesh.points[list(tangents)])
+    for (node, directions), rotation in zip(tangents.items(), rotations, strict=True):
+        for tx, ty in directions:
             if "slope" in support.fixed:
-                holds.slope(node, (ty, -tx), index)
+                holds.slope(node, (ty, -tx), rotation, index)
             if "twist" in support.fixed:
-                holds.slope(node, (tx, ty), index)
+                holds.slope(node, (tx, ty), rotation, index)
 
 
 def _hold_points(mesh: Mesh, holds: Holds, placed: Placed) -> None:
@@ -54,9 +66,10 @@ def _hold_points(mesh: Mesh, holds: Holds, placed: Placed) -> None:
     if holds_deflection(placed.support):
         _hold_deflections(mesh, holds, placed, nodes, numbers)
     if "slope" in placed.support.fixed:
-        for node in nodes.tolist():
-            holds.slope(node, (1.0, 0.0), placed.index)
-            holds.slope(node, (0.0, 1.0), placed.index)
+        rotations = prescribed_rotations(placed, mesh.points[nodes])
+        for node, rotation in zip(nodes.tolist(), rotations, strict=True):
+            holds.slope(node, (1.0, 0.0), rotation, placed.index)
+            holds.slope(node, (0.0, 1.0), rotation, placed.index)
 
 
 def _hold_deflections(mesh: Mesh, holds: Holds, placed: Placed, nodes: Ints, numbers: Ints) -> None:

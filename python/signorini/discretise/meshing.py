@@ -20,8 +20,10 @@ from signorini.shapes.outlines import Box, Point
 _Item = TypeVar("_Item", Support, Load)
 
 
-def mesh_of(model: Model) -> tuple[Mesh, Model]:
+def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
     """Mesh the model's plate, or read its mesh; in the model nodes that it names by number have become points.
+
+    A mesh that is given is taken as it is.
 
     Raises
     ------
@@ -30,7 +32,9 @@ def mesh_of(model: Model) -> tuple[Mesh, Model]:
     """
     plate = model.plate
     if isinstance(plate, MeshPlate):
-        return _read(model, plate)
+        return _read(model, plate, mesh)
+    if mesh is not None:
+        return mesh, model
     require_memory(math.prod(plate.divisions(model.mesh)), ("mesh",))
     try:
         return _made(model, plate), model
@@ -38,17 +42,18 @@ def mesh_of(model: Model) -> tuple[Mesh, Model]:
         raise InputError(error.message, place=("plate",)) from None
 
 
-def _read(model: Model, plate: MeshPlate) -> tuple[Mesh, Model]:
+def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Model]:
     from signorini.mesh.meshfile import read, read_numbered
 
     place = ("plate", "file")
     named: list[Support | Load] = [*model.support, *model.load]
     points: Mapping[int, Point] = {}
     try:
-        if all(item.nodes is None for item in named):
+        if any(item.nodes is not None for item in named):
+            in_file, points = read_numbered(plate.file)
+            mesh = in_file if mesh is None else mesh
+        elif mesh is None:
             mesh = read(plate.file)
-        else:
-            mesh, points = read_numbered(plate.file)
     except InputError as error:
         raise InputError(str(error), place) from None
     require_memory(len(mesh.elements), place)

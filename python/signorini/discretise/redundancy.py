@@ -87,8 +87,10 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
     pressed = beyond > _CONSISTENT * np.maximum(np.abs(moved), np.abs(contacts.distance))
     rigid = contacts.compliance == 0
     # Settlements that meet at zero are rounded by their size elsewhere.
-    largest = max(np.abs(held.values[::3]).max(), np.abs(contacts.distance[rigid]).max(initial=0.0))
-    rounding = _CONSISTENT * min(largest, mesh.size) / np.where(contacts.slope, mesh.size, 1.0)
+    by_length = np.where(contacts.slope, mesh.size, 1.0)
+    at_nodes = np.abs(held.values.reshape(-1, 3) * [1.0, mesh.size, mesh.size]).max()
+    largest = max(at_nodes, np.abs(by_length * contacts.distance)[rigid].max(initial=0.0))
+    rounding = _CONSISTENT * min(largest, mesh.size) / by_length
     pressed &= ~rigid | (beyond > rounding)
     contradicted = fixed & pressed & rigid
     if contradicted.any():

@@ -9,8 +9,9 @@ from typing import Self
 import numpy as np
 
 from signorini import _core
+from signorini.base.brief import Brief
 from signorini.discretise.averages import STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
-from signorini.discretise.holds import holds_deflection
+from signorini.discretise.holds import holds_deflection, prescribed_rotations
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area
 from signorini.discretise.quadrature.stepped import INSIDE
@@ -38,8 +39,8 @@ _OFF = 0.02
 """How far a cut may lie from a curved step of a support, over an element's side: finer cuts are many contact points."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Table:
+@dataclass(frozen=True, eq=False, repr=False)
+class _Table(Brief):
     """Arrays of equal length, one entry a row."""
 
     rows: Rows
@@ -66,7 +67,7 @@ class _Table:
         return type(self)(**{name: getattr(self, name)[which] for name in names})
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Springs(_Table):
     """Linear springs: stiffness and base (m,); position (m, 2), weight and support of each, ``numbers`` as below."""
 
@@ -83,10 +84,11 @@ class Springs(_Table):
         return self.rows.elements, self.rows.coefficients, self.stiffness, self.base
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ContactPoints(_Table):
     """Contact points: row·u + gap − compliance·reaction = distance.
 
+    Of ``distance`` the part ``settlement`` is that of the base in the row's direction; the rest is free travel.
     ``direction`` is +1 where the support pushes the plate up and −1 where it holds it down (its row is turned round);
     ``slope`` marks two-sided points that hold a slope instead of the deflection. ``shared`` (m, 4) names the elements
     of which points of an averaged area stand for part, by their areas; −1 where there is none. ``numbers`` (m,) say
@@ -94,6 +96,7 @@ class ContactPoints(_Table):
     """
 
     distance: Floats
+    settlement: Floats
     compliance: Floats
     two_sided: Bools
     direction: Floats
@@ -107,18 +110,21 @@ class ContactPoints(_Table):
 
 @dataclass(frozen=True, eq=False)
 class _Acting:
-    """Points of one support with the rows that they act through, and where formulas that jump are evaluated."""
+    """Points of one support with the rows that they act through, and where formulas that jump are evaluated.
+
+    ``slope`` (k,) are the values at which a slope is held, None where the rows are of the deflection.
+    """
 
     rows: Rows
     positions: Floats
     within: Floats
     weights: Floats
-    slope: bool
+    slope: Floats | None = None
     shared: Ints | None = None
     numbers: Ints | None = None
 
     @classmethod
-    def of(cls, rows: Rows, sampled: Sampled, slope: bool = False, numbers: Ints | None = None) -> Self:
+    def of(cls, rows: Rows, sampled: Sampled, slope: Floats | None = None, numbers: Ints | None = None) -> Self:
         """Rows of points of the plate."""
         return cls(rows, sampled.positions, sampled.within, sampled.weights, slope, None, numbers)
 
@@ -136,7 +142,7 @@ def springs_and_contacts(
     none = np.zeros(0)
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
     springs = [Springs(Rows.join([]), none, none, place, none, who, who)]
-    contacts = [ContactPoints(Rows.join([]), none, none, flags, none, flags, place, none, who, _NOT_SHARED, who)]
+    contacts = [ContactPoints(Rows.join([]), none, none, none, flags, none, flags, place, none, who, _NOT_SHARED, who)]
     for placed in supports:
         with problems.collected():
             for acting in _acting(mesh, shape, plate, held, of_elements, placed):
@@ -176,7 +182,10 @@ def _acting(
         sampled = _pick(placed.points, numbers)
         found = [_Acting.of(_rows(plate, sampled, 0), sampled, numbers=numbers)] if deflection else []
         if "slope" in support.fixed:
-            found += [_Acting.of(_rows(plate, sampled, part), sampled, True, numbers) for part in (1, 2)]
+            rotation = prescribed_rotations(placed, sampled.positions)
+            found += [
+                _Acting.of(_rows(plate, sampled, part), sampled, rotation[:, part - 1], numbers) for part in (1, 2)
+            ]
         return found
     if support.stiffness is not None:
         at_ends = _GAUSS + 1 if can_let_go(support) else 0
@@ -197,7 +206,8 @@ def _acting(
     for component, directions in (("slope", (ty, -tx)), ("twist", (tx, ty))):
         if component in support.fixed:
             rows = _along(plate, sampled, *directions)
-            found.append(_Acting.of(rows, sampled, slope=True))
+            rotation = prescribed_rotations(placed, sampled.positions)
+            found.append(_Acting.of(rows, sampled, (np.column_stack(directions) * rotation).sum(axis=1)))
     return found
 
 
@@ -240,7 +250,8 @@ def _springs_or_contacts(of_elements: PlateStiffness, placed: Placed, acting: _A
     support, place = placed.support, placed.place
     positions, weights, count = acting.positions, acting.weights, len(acting.rows)
     at = acting.within if _steps(support) else positions
-    settlement = np.zeros(count) if acting.slope else support.settlement(*at.T, place=(*place, "settlement"))
+    slope = acting.slope is not None
+    settlement = support.settlement(*at.T, place=(*place, "settlement")) if acting.slope is None else acting.slope
     gap = support.gap(*at.T, at_least=0.0, place=(*place, "gap"))
     who = np.full(count, placed.index, dtype=np.int64)
     numbers = np.zeros(count, np.int64) if acting.numbers is None else acting.numbers
@@ -253,8 +264,7 @@ def _springs_or_contacts(of_elements: PlateStiffness, placed: Placed, acting: _A
             stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
             return Springs(acting.rows, stiffness, settlement, positions, weights, who, numbers)
         compliance = np.where(stiffness < STIFFEST_SPRING * shear, 1.0 / stiffness, 0.0)
-    pushes_up = (1.0, gap + settlement)
-    holds_down = (-1.0, gap - settlement)
+    pushes_up, holds_down = (1.0, settlement), (-1.0, -settlement)
     shared = np.full((count, 4), -1, np.int64) if acting.shared is None else acting.shared
     equation = two_way and not gap.any()
     sides = {"down": [pushes_up], "up": [holds_down]}.get(
@@ -263,18 +273,19 @@ def _springs_or_contacts(of_elements: PlateStiffness, placed: Placed, acting: _A
     return [
         ContactPoints(
             acting.rows if sign > 0 else -acting.rows,
-            distance,
+            gap + base,
+            base,
             compliance,
             np.full(count, equation),
             np.full(count, sign),
-            np.full(count, acting.slope),
+            np.full(count, slope),
             positions,
             weights,
             who,
             shared,
             numbers,
         )
-        for sign, distance in sides
+        for sign, base in sides
     ]
 
 
@@ -299,7 +310,7 @@ def _means(through: _Acting) -> _Acting:
 
     shared = np.column_stack([elements, np.full((len(elements), 3), -1)])
     middle = mean(through.positions)
-    return _Acting(Rows(elements, mean(through.rows.coefficients)), middle, middle, area, False, shared)
+    return _Acting(Rows(elements, mean(through.rows.coefficients)), middle, middle, area, None, shared)
 
 
 def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: OutlinePoints) -> _Acting:
@@ -321,7 +332,7 @@ def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: O
         np.concatenate([acting.positions, positions]),
         np.concatenate([acting.within, within]),
         np.concatenate([kept * acting.weights, parts.sum(axis=1)]),
-        False,
+        None,
         None if acting.shared is None else np.concatenate([acting.shared, shared]),
     )
 

@@ -109,6 +109,8 @@ def _read(path: Path, make: Callable[[meshio.Mesh], _T]) -> _T:
         raise InputError("There is no such mesh file.", place=str(path)) from None
     except IsADirectoryError:
         raise InputError("There is no such mesh file; this is a directory.", place=str(path)) from None
+    except InputError:
+        raise
     except (OSError, ValueError) as error:
         why = error.strerror if isinstance(error, OSError) and error.strerror else error
         raise InputError(f"The mesh file cannot be read: {why}.", place=str(path)) from None

@@ -243,6 +243,13 @@ Scalar = Annotated[Expression, *_scalar()]
 PositiveScalar = Annotated[Expression, *_scalar(above=0.0)]
 NonNegativeScalar = Annotated[Expression, *_scalar(at_least=0.0)]
 
+Rotation = Annotated[
+    tuple[Scalar, Scalar],
+    BeforeValidator(listed(2, "two slopes [θx, θy], numbers or expressions in x and y")),
+    WithJsonSchema(
+        {"type": "array", "items": {"anyOf": [{"type": "number"}, {"type": "string"}]}, "minItems": 2, "maxItems": 2}
+    ),
+]
 Point = Annotated[
     tuple[Number, Number], BeforeValidator(listed(2, "a point [x, y]")), WithJsonSchema(numbers_schema(2))
 ]

@@ -17,6 +17,7 @@ from signorini.model.base import (
     Points,
     Polyline,
     PositiveScalar,
+    Rotation,
     Scalar,
     Table,
     Text,
@@ -106,6 +107,10 @@ class Support(Table):
     settlement: Scalar = Field(
         default=Expression(0.0), description="The base moves down by this: a number or an expression; default 0."
     )
+    rotation: Rotation | None = Field(
+        default=None,
+        description="Slopes [θx, θy] at which slope and twist are held, numbers or expressions; default [0, 0].",
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -146,6 +151,12 @@ class Support(Table):
                     yield ("at", index), f"point {index + 1} repeats point {seen[point] + 1}."
         if self.fix is not None:
             yield from self._fix_complaints()
+        if self.rotation is not None and not {"slope", "twist"} & set(self.fixed):
+            yield (
+                ("rotation",),
+                f"{describe(self.fix or self.resists)} does not hold a slope, so none is prescribed; use fix = "
+                "clamped, hard or symmetry, or a list with slope or twist.",
+            )
 
     def _fix_complaints(self) -> Iterator[Complaint]:
         fixed = self.fixed

@@ -54,7 +54,7 @@ class Result(Remade):
     nodal_reaction : (n,) array
         Upward force of every support on every node that it acts on.
     method : str
-        "lemke", "active_set" or "interior_point".
+        "lemke", "active_set" or "interior_point"; "given" where `signorini.recover` was given the reactions.
     unsettled : tuple of str
         Methods that were tried before and did not settle; almost always none.
     iterations : int

@@ -1,0 +1,201 @@
+"""From reactions that somebody else found to a certified result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from signorini.base.arguments import array, known, made_by, vector
+from signorini.contact.answer import Answer
+from signorini.contact.certificate import TOLERANCE, certified
+from signorini.contact.own_rows import RowProblem
+from signorini.contact.problem import ContactProblem
+from signorini.contact.refusal import refusal
+from signorini.contact.selection import chosen
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.rows import Bools, Floats
+from signorini.errors import InputError, NotCertifiedError
+from signorini.results.result import Result
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+_T = TypeVar("_T")
+_ACCURATE = 1e-6
+"""Part of the largest reaction or load by which given reactions may miss those on their contact set: what iterations
+leave."""
+_NONE = (1e-13, TOLERANCE)
+"""Part of the same size that is no reaction: exact ones leave rounding, others what the certificate lets pass."""
+_NOT = "These reactions are not the answer: "
+_OWN = "own load"
+"""Name of a load that is no combination."""
+
+
+def recover(problem: ContactProblem | RowProblem, load: str | ArrayLike, reactions: ArrayLike) -> Result:
+    """Certify reactions, however they were found, and recover the plate that they belong to.
+
+    They say which points push; the plate is solved for on these, refined and certified. So reactions may miss by a
+    millionth of the largest of them, or of the largest nodal load; those of the result are exact to rounding.
+
+    Parameters
+    ----------
+    problem : ContactProblem or RowProblem
+    load : str or (3n,) array_like
+        Name of a combination, or nodal forces and couples of one's own.
+    reactions : (m,) or (m + r,) array_like
+        λ of the paper's (27) of every row of ``problem.G``: positive where it pushes the way it resists.
+        Those of two-sided rows may be NaN where they are not known, as by an LCP that has eliminated them.
+
+    Returns
+    -------
+    Result
+        Whose ``method`` is "given". Reactions of rows of one's own are among its loads.
+
+    Raises
+    ------
+    InputError
+        If shapes or numbers are wrong, or there is no combination of that name.
+    NotCertifiedError
+        If these reactions are not the answer; it says what is wrong with them.
+
+    Examples
+    --------
+    >>> from signorini import Model, contact_problem, lemke
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     mesh={"divisions": [4, 4]},
+    ...     support=[{"edge": "left", "fix": "clamped"}, {"name": "props", "at": [[4, 0], [4, 4]], "resists": "down"}],
+    ...     load=[{"pressure": 5e3}],
+    ... )
+    >>> problem = contact_problem(model)
+    >>> P, s = problem.dual(problem.load("all"))
+    >>> reactions = lemke(P, -s).z
+    >>> result = recover(problem, "all", reactions)
+    >>> bool(np.isclose(result.reactions["props"], reactions.sum())), result.certificate.passed
+    (True, True)
+    >>> recover(problem, "all", [reactions[0], 0.0])
+    Traceback (most recent call last):
+    signorini.errors.NotCertifiedError: These reactions are not the answer: that of row 0 at [4, 0] is 14286.2, but \
+with the rows that push here it would be 21130.1.
+    """
+    if not isinstance(problem, RowProblem):
+        made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
+    found = (problem.problem if isinstance(problem, RowProblem) else problem).discretisation
+    name, case = _load(found, load)
+    given = _reactions(problem, reactions)
+    if isinstance(problem, RowProblem):
+        return _of_rows(problem, name, case, given)
+    return _recover(problem, name, case, given)
+
+
+def _load(found: Discretisation, load: str | ArrayLike) -> tuple[str, CaseLoad]:
+    if isinstance(load, str):
+        combinations = {one.name: one for one in found.model.effective_combinations}
+        return load, found.load(combinations[known(load, combinations, "combination", "load")])
+    nodal = vector(load, found.dof_count, "load")
+    nothing = CaseLoad.none(found.mesh.node_count, len(found.mesh.elements))
+    return _OWN, replace(nothing, nodal=nodal, weighing=nodal)
+
+
+def _beside(load: CaseLoad, pushed: Floats) -> CaseLoad:
+    """A load, less what rows of one's own push with (3n,)."""
+    nodal = load.nodal - pushed
+    return replace(load, nodal=nodal, weighing=nodal if load.all_weighs else load.weighing - pushed)
+
+
+def _reactions(problem: ContactProblem | RowProblem, reactions: ArrayLike) -> Floats:
+    given, both = array(reactions, "reactions", 1), problem.two_sided
+    if len(given) != len(both):
+        raise InputError(f"found {len(given)} numbers; they must be {len(both)}, one a row of G.", place="reactions")
+    wrong = np.where(both, np.isinf(given), ~np.isfinite(given))
+    if wrong.any():
+        at = int(np.argmax(wrong))
+        raise InputError(f"found {given[at]} at index {at}; all numbers must be finite.", place="reactions")
+    return given
+
+
+def _recover(problem: ContactProblem, name: str, load: CaseLoad, given: Floats) -> Result:
+    found = problem.discretisation
+    unit = np.where(found.contacts.slope, found.mesh.size, 1.0)
+    size = float(max(np.nanmax(np.abs(given) / unit, initial=0.0), np.abs(load.nodal[::3]).max()))
+
+    def on(pushing: Bools) -> Result:
+        solution = problem.core.solve_on(load.nodal, problem.held_values, pushing)
+        if solution.status != "solved":
+            raise NotCertifiedError(f"{_NOT}where they push the plate is not held, or not in one way.")
+        _require_same(problem, given, solution.reaction, unit, size)
+        answer = chosen(found, problem.freedom, load.nodal, Answer.of(found, solution))
+        answer, certificate = certified(found, load, answer)
+        if not certificate.passed:
+            gap = np.where(problem.two_sided, 0.0, answer.gap)
+            if certificate.penetration > TOLERANCE and gap.min(initial=0.0) < 0.0:
+                at = int(np.argmin(gap))
+                raise NotCertifiedError(f"{_NOT}{_row(problem, at)} would be passed by {-gap[at]:g}.")
+            raise NotCertifiedError(f"{_NOT}{refusal(name, found, load, answer, certificate)}")
+        return Result.of(found, name, ("given",), load, answer, certificate)
+
+    return _first(on, [problem.two_sided | (given > part * size) for part in _NONE])
+
+
+def _first(on: Callable[[Bools], _T], sets: Sequence[Bools]) -> _T:
+    """What comes of the first set of rows that is not refused."""
+    try:
+        return on(sets[0])
+    except NotCertifiedError:
+        if np.array_equal(sets[0], sets[1]):
+            raise
+        return on(sets[1])
+
+
+def _row(problem: ContactProblem | RowProblem, row: int) -> str:
+    points = problem.problem.positions if isinstance(problem, RowProblem) else problem.positions
+    return f"row {row} at [{points[row][0]:g}, {points[row][1]:g}]" if row < len(points) else f"row {row}"
+
+
+def _require_same(
+    problem: ContactProblem | RowProblem, given: Floats, found: Floats, unit: Floats, size: float
+) -> None:
+    """Refuse reactions that are not those on their own contact set, in units in which they can be compared."""
+    missed = np.nan_to_num(np.abs(given - found)) / unit
+    if missed.max(initial=0.0) > _ACCURATE * size:
+        at = int(np.argmax(missed))
+        raise NotCertifiedError(
+            f"{_NOT}that of {_row(problem, at)} is {given[at]:g}, but with the rows that push here it would be "
+            f"{found[at]:g}."
+        )
+
+
+def _of_rows(problem: RowProblem, name: str, load: CaseLoad, given: Floats) -> Result:
+    matrix, s = problem.dual(load.nodal)
+    count = len(problem.problem.gaps)
+    # Rows have units of their own; over these, reactions and what they oppose are roots of energies.
+    unit = 1.0 / np.sqrt(np.diag(matrix))
+    size = float(max(np.nanmax(np.abs(given) / unit, initial=0.0), np.abs(s * unit).max(initial=0.0)))
+
+    def on(pushing: Bools) -> Result:
+        exact = np.zeros(len(s))
+        exact[pushing] = np.linalg.lstsq(matrix[np.ix_(pushing, pushing)], s[pushing])[0]
+        _require_same(problem, given, exact, unit, size)
+        own = exact[count:]
+        result = _recover(problem.problem, name, _beside(load, problem.rows.T @ own), exact[:count])
+        _require_open(problem, result, own)
+        return result
+
+    return _first(on, [problem.two_sided | (given / unit > part * size) for part in _NONE])
+
+
+def _require_open(problem: RowProblem, result: Result, own: Floats) -> None:
+    """Refuse displacements that pass a row of one's own, or leave one that pushes."""
+    count, found = len(problem.problem.gaps), problem.problem.discretisation
+    slopes = found.held.from_global(result.rotation)
+    moved = np.column_stack([result.deflection, slopes]).ravel()
+    gap = problem.row_gaps - problem.rows @ moved + problem.row_compliance * own
+    size = abs(problem.rows) @ np.abs(moved) + np.abs(problem.row_gaps) + problem.row_compliance * np.abs(own)
+    missed = np.where(problem.row_two_sided | (own != 0.0), np.abs(gap), np.maximum(-gap, 0.0))
+    if (missed > TOLERANCE * size).any():
+        at = int(np.argmax(missed - TOLERANCE * size))
+        raise NotCertifiedError(f"{_NOT}{_row(problem, count + at)} would be passed by {-gap[at]:g}.")

@@ -1,0 +1,201 @@
+"""A contact problem with rows of one's own: any linear bounds on the displacements, beside the model's supports."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from signorini.base.arguments import array, made_by
+from signorini.base.brief import Brief
+from signorini.contact.lemke import lemke
+from signorini.contact.problem import ContactProblem
+from signorini.discretise.rows import Bools, Floats
+from signorini.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from scipy.sparse import csr_array, sparray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RowProblem(Brief):
+    """The paper's problem over the model's contact points and, behind them, rows of one's own; see `with_rows`.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+    rows : (r, 3n) sparse array
+    row_gaps, row_compliance : (r,) arrays
+    row_two_sided : (r,) array of bool
+    """
+
+    problem: ContactProblem
+    rows: csr_array
+    row_gaps: Floats
+    row_compliance: Floats
+    row_two_sided: Bools
+
+    @cached_property
+    def G(self) -> csr_array:
+        """All rows (m + r, 3n); Gu ≤ gaps."""
+        from scipy.sparse import csr_array, vstack
+
+        return csr_array(vstack([self.problem.G, self.rows]))
+
+    @property
+    def gaps(self) -> Floats:
+        """Bounds (m + r,) of Gu."""
+        return np.concatenate([self.problem.gaps, self.row_gaps])
+
+    @property
+    def compliance(self) -> Floats:
+        """Inverse stiffness (m + r,) of every row; 0 where it is rigid."""
+        return np.concatenate([self.problem.compliance, self.row_compliance])
+
+    @property
+    def two_sided(self) -> Bools:
+        """Rows (m + r,) that are equations."""
+        return np.concatenate([self.problem.two_sided, self.row_two_sided])
+
+    def dual(self, load: Floats) -> tuple[Floats, Floats]:
+        """P (m + r, m + r) and s (m + r,) of one nodal load (3n,): gap = P·reaction − s, as `ContactProblem.dual`.
+
+        Raises
+        ------
+        InputError
+            If the load is not 3n finite numbers.
+        """
+        matrix, s = self.problem.dual(load)
+        across = self.problem.G @ self._moved
+        own = self.rows @ self._moved
+        whole = np.block([[matrix, across], [across.T, 0.5 * (own + own.T) + np.diag(self.row_compliance)]])
+        return whole, np.concatenate([s, self.rows @ self.problem.free(load) - self.row_gaps])
+
+    @cached_property
+    def _moved(self) -> Floats:
+        """Displacements (3n, r) under each row as a load."""
+        columns = [self.problem.free(self.rows[[i]].toarray()[0], held=False) for i in range(self.rows.shape[0])]
+        return np.column_stack(columns) if columns else np.zeros((self.rows.shape[1], 0))
+
+    def solve(self, load: Floats) -> Floats:
+        """Reactions (m + r,) under one nodal load (3n,), by Lemke's algorithm once two-sided rows are eliminated.
+
+        `signorini.recover` makes a certified result of them.
+
+        Raises
+        ------
+        InputError
+            If no displacements agree with all rows, or two-sided rows repeat each other.
+        """
+        matrix, s = self.dual(load)
+        both, one = self.two_sided, ~self.two_sided
+        try:
+            follow = np.linalg.solve(matrix[np.ix_(both, both)], np.column_stack([matrix[np.ix_(both, one)], s[both]]))
+        except np.linalg.LinAlgError:
+            raise InputError(
+                "two-sided rows repeat each other. Leave out those that follow from others.", "G"
+            ) from None
+        coupled = matrix[np.ix_(one, both)]
+        answer = lemke(
+            matrix[np.ix_(one, one)] - coupled @ follow[:, :-1], coupled @ follow[:, -1] - s[one], max_pivots=None
+        )
+        if answer.status != "solved":
+            raise InputError(
+                "some contradict each other: no displacements agree with all. Correct a gap, or give a flexibility.",
+                place="G",
+            )
+        reactions = np.zeros(len(s))
+        reactions[one] = answer.z
+        reactions[both] = follow[:, -1] - follow[:, :-1] @ answer.z
+        return reactions
+
+
+def with_rows(
+    problem: ContactProblem,
+    G: ArrayLike | sparray,
+    gaps: ArrayLike,
+    two_sided: ArrayLike | None = None,
+    flexibility: ArrayLike | None = None,
+) -> RowProblem:
+    """Put rows of one's own beside those of a model's contact points: G u − C λ ≤ g, with λ ≥ 0 acting as −Gᵀλ.
+
+    A row may couple any dofs: the difference of two deflections, a mean, a slope. `ContactProblem.rows_at` gives those
+    of points. Their reactions are no support's: results have them among the loads.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        Its K has to be regular: held dofs, springs and two-sided points at nodes hold the plate without these rows.
+    G : (r, 3n) array_like or sparse array
+        In the order of dofs that `ContactProblem` documents, and the frames of its nodes.
+    gaps : (r,) array_like
+        g, in the units of G u: lengths where G is of deflections with coefficients of 1.
+    two_sided : (r,) array_like of bool, optional
+        Rows that are equations, G u − C λ = g, with λ of either sign; by default none.
+    flexibility : (r,) array_like, optional
+        The diagonal of C ≥ 0, gap over reaction; by default 0, rigid.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not fit each other, or a rigid row acts on held dofs alone.
+    SignoriniError
+        If K is not regular.
+
+    Examples
+    --------
+    The free corner of a plate may sink by no more than 1 mm beyond the middle of its edge, by a stop between the two.
+
+    >>> from signorini import Model, contact_problem, recover
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.1},
+    ...     mesh={"divisions": [4, 4]},
+    ...     support=[{"edge": "left", "fix": "clamped"}],
+    ...     load=[{"force": 10e3, "at": [4, 0]}],
+    ... )
+    >>> problem = contact_problem(model)
+    >>> corner, middle = problem.rows_at([4, 0]), problem.rows_at([4, 2])
+    >>> stopped = with_rows(problem, corner - middle, [1e-3])
+    >>> reactions = stopped.solve(problem.load("all"))
+    >>> result = recover(stopped, "all", reactions)
+    >>> at_corner, at_middle = result.probe([(4, 0), (4, 2)])
+    >>> bool(reactions[0] > 0), round(at_corner.deflection - at_middle.deflection, 12), result.certificate.passed
+    (True, 0.001, True)
+    """
+    from scipy.sparse import csr_array, issparse
+
+    made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
+    found = csr_array(G) if issparse(G) else csr_array(array(G, "G", 2))
+    count, size = found.shape[0], problem.discretisation.dof_count
+    if found.shape[1] != size:
+        raise InputError(f"found an array of shape {found.shape}; it must have {size} columns, one a dof.", place="G")
+    bounds = _one_a_row(gaps, count, "gaps")
+    soft = np.zeros(count) if flexibility is None else _one_a_row(flexibility, count, "flexibility")
+    both = np.zeros(count, np.bool_) if two_sided is None else np.asarray(two_sided)
+    if both.shape != (count,) or both.dtype != np.bool_:
+        raise InputError(
+            f"found an array of {both.dtype}, shape {both.shape}; it must be {count} of bool, one a row.", "two_sided"
+        )
+    if not np.isfinite(found.data).all():
+        raise InputError("found numbers that are not finite; all must be.", place="G")
+    if (soft < 0).any():
+        raise InputError(f"found {soft.min():g}; none must be less than 0.", place="flexibility")
+    idle = (abs(found[:, ~problem.held]).sum(axis=1) == 0) & (soft == 0)
+    if idle.any():
+        raise InputError(
+            f"row {int(np.argmax(idle))} acts on held dofs alone; it moves nothing. Leave it out.", place="G"
+        )
+    rows = RowProblem(problem, found, bounds, soft, both)
+    problem.free(np.zeros(size))
+    return rows
+
+
+def _one_a_row(value: ArrayLike, count: int, place: str) -> Floats:
+    found = array(value, place, 1)
+    if len(found) != count or not np.isfinite(found).all():
+        raise InputError(f"found {len(found)} numbers; they must be {count}, one a row, and finite.", place=place)
+    return found
