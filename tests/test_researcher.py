@@ -86,6 +86,13 @@ def test_travel_and_settlement_and_points_that_hold_both_ways_are_told_apart() -
     assert problem.positions[3].tolist() == [3.9, 0.3]
 
 
+def test_nobody_writes_into_the_arrays_of_a_problem() -> None:
+    problem = contact_problem(model(CLAMPED, PROPS))
+    for name in ("gaps", "settlements", "compliance", "two_sided", "positions", "held", "held_values", "frames"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(problem, name)[0] = 1
+
+
 def test_dofs_are_ordered_as_documented() -> None:
     problem = contact_problem(model({**CLAMPED, "settlement": 1e-3, "rotation": [2e-3, "3e-3*y"]}, PROPS))
     x, y = problem.mesh.points.T

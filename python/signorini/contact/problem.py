@@ -197,7 +197,7 @@ class ContactProblem(Remade):
         [1, 0], so that they are θx and θy, but at nodes of edges askew to x and y.
         """
         frames = self.discretisation.held.frames
-        return np.tile([1.0, 0.0], (self.mesh.node_count, 1)) if frames is None else frames
+        return np.broadcast_to([1.0, 0.0], (self.mesh.node_count, 2)) if frames is None else frames
 
     def rows_at(self, points: ArrayLike, of: Literal["w", "θx", "θy"] = "w") -> csr_array:
         """Rows (q, 3n) that take the displacements to the deflection, or a slope, at points (q, 2) of the plate.

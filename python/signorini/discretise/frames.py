@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from signorini.base.brief import Brief
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError
 
@@ -112,8 +113,8 @@ def _require_one_rotation(basis: list[_Slope], slopes: list[_Slope], at: Floats)
             )
 
 
-@dataclass(frozen=True, eq=False)
-class Held:
+@dataclass(frozen=True, eq=False, repr=False)
+class Held(Brief):
     """Held dofs (3n,), their values, the supports that hold them, and frames (n, 2), or None for x and y.
 
     ``support`` (3n,) names of several the first, and −1 where there is none; ``holders`` (k, 2) are all pairs of a node

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 
 from signorini import _core
+from signorini.base.brief import Brief
 from signorini.discretise.averages import STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
 from signorini.discretise.holds import holds_deflection, nodes_at, prescribed_rotations
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area, located, mesh_edges
@@ -36,8 +37,8 @@ _OFF = 0.02
 """How far a cut may lie from a curved step of a support, over an element's side: finer cuts are many contact points."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Table:
+@dataclass(frozen=True, eq=False, repr=False)
+class _Table(Brief):
     """Arrays of equal length, one entry a row."""
 
     rows: Rows
@@ -64,7 +65,7 @@ class _Table:
         return type(self)(**{name: getattr(self, name)[which] for name in names})
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Springs(_Table):
     """Linear springs: stiffness and base (m,); position (m, 2), weight and support of each."""
 
@@ -80,7 +81,7 @@ class Springs(_Table):
         return self.rows.elements, self.rows.coefficients, self.stiffness, self.base
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ContactPoints(_Table):
     """Contact points: row·u + gap − compliance·reaction = distance.
 
