@@ -1,6 +1,6 @@
 """Faults planted in right answers, which the certificate has to find; and right answers that it must not refuse."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -156,7 +156,8 @@ def test_a_reaction_across_a_small_gap() -> None:
     asked = answer([{"at": CORNERS, "resists": "both"}, {"at": [2.0, 2.0], "resists": "down", "gap": 1.0}])
     held = answer([{"at": CORNERS, "resists": "both"}, {"at": [2.0, 2.0], "resists": "down", "stiffness": 0.1}])
     asked.hi, asked.lo, asked.reaction = held.hi, held.lo, held.reaction
-    asked.found.contacts.distance[-1] = 1.0001 * held.hi.max()
+    distance = np.append(asked.found.contacts.distance[:-1], 1.0001 * held.hi.max())
+    asked.found = replace(asked.found, contacts=replace(asked.found.contacts, distance=distance))
     judged = asked.judged()
     assert 0 < held.reaction[-1] < 1e-4 * held.reaction.max()
     assert not judged.passed and judged.complementarity > 1e-7
