@@ -90,9 +90,9 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
             }
         ],
         "seconds": dict.fromkeys(["mesh", "assemble", "order", "factor", "contact", "recover", "total"]),
-        "files": None,
+        "files": [dict.fromkeys(["combination", "kind", "file"])],
     }
-    assert found["schema"] == 1
+    assert found["schema"] == 2
     assert found["model"] == {"nodes": 65, "elements": 16, "dofs": 195, "contact_points": 5}
 
 
@@ -252,15 +252,15 @@ def test_names_are_text_in_notebooks_and_pictures(oddly_named: signorini.Results
 
 def test_write_leaves_whole_files_of_the_solved_combinations(results: signorini.Results, tmp_path: Path) -> None:
     written = write(results, tmp_path / "a" / "out")
-    names = ["g-q-2.png", "g-q-2.vtu", "g-q.png", "g-q.vtu", "reactions.csv", "results.json"]
+    names = ["g+q.png", "g+q.vtu", "g-q.png", "g-q.vtu", "reactions.csv", "results.json"]
     assert sorted(path.name for path in written) == names
     assert sorted(path.name for path in (tmp_path / "a" / "out").iterdir()) == names
     assert [path.name for path in (tmp_path / "a").iterdir()] == ["out"]
     found = json.loads((tmp_path / "a" / "out" / "results.json").read_text("utf-8"))
     assert found == results_json(results)
-    mesh = meshio.read(tmp_path / "a" / "out" / "g-q.vtu")
+    mesh = meshio.read(tmp_path / "a" / "out" / "g+q.vtu")
     assert np.allclose(mesh.point_data["displacement"][:, 2], -results["G+Q"].deflection)
-    assert (tmp_path / "a" / "out" / "g-q.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "a" / "out" / "g+q.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_second_run_replaces_the_first_and_nothing_else(results: signorini.Results, tmp_path: Path) -> None:
@@ -274,7 +274,9 @@ def test_a_second_run_replaces_the_first_and_nothing_else(results: signorini.Res
     ]
 
 
-@pytest.mark.parametrize("names", ['["../precious.vtu", "/etc/passwd"]', "7", '{"a": 1}', "[3]"])
+@pytest.mark.parametrize(
+    "names", ['["../precious.vtu", "/etc/passwd"]', "7", '{"a": 1}', "[3]", '[{"a": 1}]', '[{"file": 7}]']
+)
 def test_a_forged_list_of_former_files_removes_nothing_else(
     results: signorini.Results, tmp_path: Path, names: str
 ) -> None:
@@ -310,7 +312,7 @@ def test_results_and_a_load_path_in_one_directory_leave_each_other_alone(
     for _ in range(2):
         write_path(followed, tmp_path)
         write(results, tmp_path)
-    assert {"path.json", "path.csv", "path.png", *results_json(results)["files"]} == {
+    assert {"path.json", "path.csv", "path.png", *(entry["file"] for entry in results_json(results)["files"])} == {
         p.name for p in tmp_path.iterdir()
     }
     named_path = signorini.solve(model(combination=[{"name": "path", "factors": {"G": 1}}]))
@@ -334,6 +336,35 @@ def test_a_failure_on_the_way_leaves_everything_as_it_was(
         write(results, tmp_path / "out")
     monkeypatch.undo()
     assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
+
+
+def test_signs_are_told_apart_in_file_names_and_results_json_says_which_is_which(tmp_path: Path) -> None:
+    names = ["W+ lead", "W- lead", "W lead", "1.35 G + 1.5 W", "1.35 G - 1.5 W", "−W", "a - b", "a-b"]
+    assert unique_slugs(names) == [
+        *("w+lead", "w-minus-lead", "w-lead", "1.35-g+1.5-w", "1.35-g-minus-1.5-w", "minus-w", "a-minus-b", "a-b")
+    ]
+    found = signorini.solve(model(combination=[{"name": name, "factors": {"G": 1}} for name in names[:2]]))
+    written = write(found, tmp_path)
+    entries = json.loads((tmp_path / "results.json").read_text())["files"]
+    assert [tmp_path / entry["file"] for entry in entries] == written
+    assert [(entry["combination"], entry["kind"], entry["file"]) for entry in entries] == [
+        (None, "results", "results.json"),
+        (None, "reactions", "reactions.csv"),
+        ("W+ lead", "vtu", "w+lead.vtu"),
+        ("W+ lead", "picture", "w+lead.png"),
+        ("W- lead", "vtu", "w-minus-lead.vtu"),
+        ("W- lead", "picture", "w-minus-lead.png"),
+    ]
+
+
+def test_results_of_schema_1_are_replaced_too(results: signorini.Results, tmp_path: Path) -> None:
+    (tmp_path / "w-lead-2.vtu").write_text("former")
+    former = {key: None for key in results_json(results)}
+    former["files"] = ["results.json", "reactions.csv", "w-lead-2.vtu"]
+    for name in former["files"]:
+        (tmp_path / name).write_text(json.dumps(former))
+    write(results, tmp_path)
+    assert not (tmp_path / "w-lead-2.vtu").exists()
 
 
 def test_a_failure_on_the_way_leaves_no_directory(
@@ -372,7 +403,7 @@ def test_file_names_are_safe_and_differ_on_every_file_system(names: list[str]) -
     slugs = unique_slugs(names)
     assert len({slug.lower() for slug in slugs}) == len(names)
     for slug in slugs:
-        assert slug and len(slug) < 90 and set(slug) <= set("abcdefghijklmnopqrstuvwxyz0123456789-_.")
+        assert slug and len(slug) < 90 and set(slug) <= set("abcdefghijklmnopqrstuvwxyz0123456789-_.+")
         assert slug[0] not in "-." and slug not in ("con", "nul", "aux", "prn")
 
 

@@ -11,12 +11,12 @@ from typing import Any
 from signorini.analysis.solve import Results
 from signorini.output.cells import name_cell
 from signorini.output.envelope_json import envelope_json, table_json
-from signorini.output.names import file_names
+from signorini.output.names import files
 from signorini.results.probe_result import ProbeResult
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 
-SCHEMA = 1
+SCHEMA = 2
 _COLUMNS = (
     *("combination", "support", "kind", "point", "x", "y", "reaction", "gap", "state"),
     *("closed", "open", "contact_area", "max_pressure"),
@@ -66,7 +66,7 @@ def results_json(results: Results) -> dict[str, Any]:
         "combinations": [_combination(result, results.limits[name]) for name, result in results.items()],
         **tabulated,
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
-        "files": file_names(results),
+        "files": files(results),
     }
 
 
