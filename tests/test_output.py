@@ -67,7 +67,9 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         "model": dict.fromkeys(["nodes", "elements", "dofs", "contact_points"]),
         "combinations": [
             {
-                **dict.fromkeys(["name", "status", "message", "method", "unsettled", "iterations", "not_unique"]),
+                **dict.fromkeys(
+                    ["name", "status", "message", "method", "unsettled", "iterations", "not_unique", "warnings"]
+                ),
                 "limit": dict.fromkeys(["case", "factor"]),
                 "certificate": dict.fromkeys(
                     [

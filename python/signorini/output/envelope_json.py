@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,12 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
 from signorini.formats.vtk import write_vtu
 from signorini.results.result import FIELDS
+from signorini.results.warnings import model_warnings, too_far
 
 TABLE, ENVELOPE = "combinations.parquet", "envelope.vtu"
 
 
-def table_json(combined: Combined) -> dict[str, Any]:
+def table_json(combined: Combined, found: Discretisation) -> dict[str, Any]:
     """Give the key "table" of results.json."""
     return {
         "file": TABLE,
@@ -27,8 +29,18 @@ def table_json(combined: Combined) -> dict[str, Any]:
         "not_unique": combined.not_unique,
         "governing": list(combined.governing),
         "certificate": {**combined.certificate, "passed": True},
+        "warnings": list(table_warnings(combined, found)),
         "unbalanced": [{"name": name, "message": message} for name, message in combined.unbalanced.items()],
     }
+
+
+def table_warnings(combined: Combined, found: Discretisation) -> Iterator[str]:
+    """Say what of the model, and of the largest deflections where these are enveloped, is seldom meant."""
+    yield from model_warnings(found)
+    extremes = combined.envelope.fields.get("deflection")
+    if extremes is not None:
+        down = extremes.largest >= -extremes.smallest
+        yield from too_far(found, np.where(down, extremes.largest, extremes.smallest))
 
 
 def envelope_json(combined: Combined, found: Discretisation) -> dict[str, Any]:

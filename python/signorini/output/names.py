@@ -28,7 +28,7 @@ def files(results: Results) -> list[dict[str, str | None]]:
     together = {"results": JSON, "reactions": CSV}
     if results.combined is not None:
         together |= {"table": TABLE} | ({"envelope": ENVELOPE} if results.combined.envelope.fields else {})
-    named = [(None, kind, name) for kind, name in together.items()]
+    named: list[tuple[str | None, str, str]] = [(None, kind, name) for kind, name in together.items()]
     named += [(one.name, kind, slug + ending) for one, slug in slugs(results) for kind, ending in endings.items()]
     return [{"combination": name, "kind": kind, "file": file} for name, kind, file in named]
 

@@ -52,7 +52,9 @@ def results_json(results: Results) -> dict[str, Any]:
     ('all', 'solved', ['closed', 'closed', 'closed', 'closed'])
     """
     found, combined = results.discretisation, results.combined
-    tabulated = {} if combined is None else {"table": table_json(combined), "envelope": envelope_json(combined, found)}
+    tabulated = (
+        {} if combined is None else {"table": table_json(combined, found), "envelope": envelope_json(combined, found)}
+    )
     return {
         "schema": SCHEMA,
         "title": found.model.title,
@@ -103,6 +105,7 @@ def _combination(result: Result, limit: tuple[str, float] | None) -> dict[str, A
         "unsettled": list(result.unsettled),
         "iterations": result.iterations,
         "not_unique": [asdict(one) | {"supports": list(one.supports)} for one in result.not_unique],
+        "warnings": list(result.warnings),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         "deflection": _extremes(result) if solved else None,
         "supports": [_support(support) for support in result.supports],
