@@ -91,6 +91,9 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                 "probes": [dict.fromkeys(["at", "deflection", "rotation", "moment", "shear", "pressure"])],
             }
         ],
+        "governing_reactions": [
+            dict.fromkeys(["support", "point", "at", "max", "max_by", "max_with", "min", "min_by", "min_with"])
+        ],
         "seconds": dict.fromkeys(["mesh", "assemble", "order", "factor", "contact", "recover", "total"]),
         "files": [dict.fromkeys(["combination", "kind", "file"])],
     }

@@ -17,6 +17,7 @@ import typer
 import signorini
 from signorini.cli import interrupts, streams, tables
 from signorini.cli.cells import visible
+from signorini.cli.grid import say
 from signorini.cli.progress import transient_line
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini.formats.inputfile import with_line
@@ -241,5 +242,5 @@ def _messages(file: Path | None = None) -> Iterator[None]:
 
 
 def _end(message: str, code: int) -> None:
-    streams.stderr().print(visible(message))
+    say(streams.stderr(), visible(message))
     raise typer.Exit(code)

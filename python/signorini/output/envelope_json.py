@@ -92,6 +92,11 @@ def _support(combined: Combined, index: int) -> dict[str, Any]:
         "reaction": _both(combined, support.reaction, 0),
         "lifted": int((support.lifted > 0).sum()),
     }
+    if support.pressed is not None:
+        out |= {
+            "max_pressure": _both(combined, support.pressed, 0),
+            "contact_area": _both(combined, support.pressed, 1),
+        }
     if asked.place == "at":
         out["points"] = [
             {

@@ -11,6 +11,7 @@ from typing import Any
 from signorini.analysis.solve import Results
 from signorini.output.cells import name_cell
 from signorini.output.envelope_json import envelope_json, table_json
+from signorini.output.governing import governing_json
 from signorini.output.names import files
 from signorini.results.probe_result import ProbeResult
 from signorini.results.result import Result
@@ -66,6 +67,7 @@ def results_json(results: Results) -> dict[str, Any]:
             "contact_points": int((~found.contacts.two_sided).sum()),
         },
         "combinations": [_combination(result, results.limits[name]) for name, result in results.items()],
+        "governing_reactions": governing_json(results),
         **tabulated,
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
         "files": files(results),

@@ -12,7 +12,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.analysis.combinations.block import Block, Column, Layout
-from signorini.analysis.combinations.envelope import Envelope, Extremes, SupportEnvelope
+from signorini.analysis.combinations.envelope import Concurrent, Envelope, Extremes, SupportEnvelope
 from signorini.analysis.combinations.terms import Terms, terms_of
 from signorini.base.brief import Brief
 from signorini.contact.certificate import FIGURES, TOLERANCE
@@ -22,8 +22,7 @@ from signorini.contact.selection import doubtful
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Combination, Combinations
 from signorini.results.result import FIELDS, Result
-
-__all__ = ["Combined", "Envelope", "Extremes", "Layout", "SupportEnvelope", "combine"]
+from signorini.results.support_result import area_contact
 
 _MOST_ROWS = 4096
 _MOST_NUMBERS = 4_000_000
@@ -141,10 +140,17 @@ class _Run:
         self.envelope = Envelope(
             {name: Extremes.none(nodes) for name in ((*layout.fields, "reaction") if layout.fields else ())},
             tuple(
-                SupportEnvelope(Extremes.none(1), Extremes.none(p), Extremes.none(p), np.zeros(p, dtype=np.int64))
-                for p in (len(points.positions) for points in layout.supports)
+                SupportEnvelope(
+                    Extremes.none(1),
+                    Extremes.none(p),
+                    Extremes.none(p),
+                    np.zeros(p, dtype=np.int64),
+                    Extremes.none(2) if index in layout.areas else None,
+                )
+                for index, p in enumerate(len(points.positions) for points in layout.supports)
             ),
             Extremes.none(len(FIELDS) * len(layout.probes)),
+            Concurrent.none(len(layout.bearings)),
         )
         self.solved = self.alone = self.not_unique = 0
         self.worst = np.zeros(len(FIGURES))
@@ -169,12 +175,17 @@ class _Run:
         self.worst = np.maximum(self.worst, block.certificate[block.solved].max(axis=0, initial=0.0))
         who = block.numbers[block.solved]
         self.envelope.probes.take(block.probes[block.solved], who)
+        self.envelope.bearings.take(self.layout.of_bearings(block.reaction[block.solved]), who)
         for where, support in zip(self.layout.slices, self.envelope.supports, strict=True):
             reaction = block.reaction[block.solved, where]
             support.reaction.take(reaction.sum(axis=1)[:, None], who)
             support.points.take(reaction, who)
             support.gap.take(block.gap[block.solved, where], who)
             support.lifted[:] += (~block.closed[block.solved, where]).sum(axis=0)
+        for at, index in enumerate(self.layout.areas):
+            pressed = self.envelope.supports[index].pressed
+            assert pressed is not None  # the support is an area
+            pressed.take(block.areas[block.solved, at], who)
 
     def _alone(self, combination: Combination) -> Result:
         result = self.single(combination)
@@ -201,6 +212,9 @@ class _Run:
             if name in self.layout.fields:
                 at = self.layout.fields.index(name)
                 block.peaks[rows, at], block.places[rows, at] = peaks, places
+        if terms.deflection is not None:
+            for row, deflection in zip(rows, _core.superpose(coefficients, terms.deflection), strict=True):
+                self._put_areas(block, row, deflection)
         block.iterations[:] = pivots
         for row in rows:
             block.method[row] = "lemke"
@@ -222,6 +236,13 @@ class _Run:
             block.reaction[rows, where] = points.forces(held, reaction)
             block.gap[rows, where] = points.gaps(gap[rows])
             block.closed[rows, where] = points.closed(closed[rows])
+
+    def _put_areas(self, block: Block, row: np.integer, deflection: Floats) -> None:
+        for at, index in enumerate(self.layout.areas):
+            where = self.layout.slices[index]
+            found = self.problem.discretisation
+            area = area_contact(found, index, deflection, block.reaction[row, where], block.closed[row, where])
+            block.areas[row, at] = area.max_pressure, area.contact_area
 
     def _take_fields(self, result: Result, who: Ints) -> None:
         for name, extremes in self.envelope.fields.items():

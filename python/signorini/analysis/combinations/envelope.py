@@ -47,6 +47,31 @@ class Extremes:
 
 
 @dataclass(frozen=True, eq=False)
+class Concurrent:
+    """Extremes of the reactions of bearings (b,), and of each what all bearings do in its combination (b, b)."""
+
+    extremes: Extremes
+    with_largest: Floats
+    with_smallest: Floats
+
+    @classmethod
+    def none(cls, size: int) -> Concurrent:
+        """Nothing met yet."""
+        return cls(Extremes.none(size), np.full((size, size), np.nan), np.full((size, size), np.nan))
+
+    def take(self, values: Floats, who: Ints) -> None:
+        """Meet reactions (k, b) of combinations (k,), in rising order."""
+        largest_by, smallest_by = self.extremes.largest_by.copy(), self.extremes.smallest_by.copy()
+        self.extremes.take(values, who)
+        for now, before, beside in (
+            (self.extremes.largest_by, largest_by, self.with_largest),
+            (self.extremes.smallest_by, smallest_by, self.with_smallest),
+        ):
+            changed = np.flatnonzero(now != before)
+            beside[changed] = values[np.searchsorted(who, now[changed])]
+
+
+@dataclass(frozen=True, eq=False)
 class SupportEnvelope:
     """Extremes of one support.
 
@@ -60,12 +85,15 @@ class SupportEnvelope:
         Of what is left of the travel of every point (p,); the largest is by the combination that lifts it most.
     lifted : (p,) array
         In how many combinations the point is open.
+    pressed : Extremes or None
+        Of an area, of its largest pressure and of the part of it in contact (2,).
     """
 
     reaction: Extremes
     points: Extremes
     gap: Extremes
     lifted: Ints
+    pressed: Extremes | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,11 +108,14 @@ class Envelope:
         In the order of the model.
     probes : Extremes
         Of every field at every probe, (8q,).
+    bearings : Concurrent
+        Of the bearings' reactions, in the order of the layout.
     """
 
     fields: dict[str, Extremes]
     supports: tuple[SupportEnvelope, ...]
     probes: Extremes
+    bearings: Concurrent
 
     def governing(self) -> dict[str, tuple[float, int, float, int]]:
         """Largest value, by which combination, smallest value, and by which; of fields and of supports' reactions.
