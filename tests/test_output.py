@@ -415,3 +415,37 @@ def test_file_names_are_safe_and_differ_on_every_file_system(names: list[str]) -
 def test_importing_the_package_imports_no_plotting() -> None:
     code = "import signorini, sys; print(sorted({'matplotlib', 'typer'} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "[]"
+
+
+def test_a_held_edge_gives_the_reactions_of_its_nodes(tmp_path: Path) -> None:
+    wall = {"name": "wall", "edge": "left", "fix": "simple"}
+    found = signorini.solve(model(support=[wall, model().support[0]], combination=[{"name": "G", "factors": {"G": 1}}]))
+    support = results_json(found)["combinations"][0]["supports"][0]
+    assert sorted(node["at"][1] for node in support["nodes"]) == pytest.approx(np.linspace(0, 4, 9))
+    assert {node["at"][0] for node in support["nodes"]} == {0}
+    assert sum(node["reaction"] for node in support["nodes"]) == pytest.approx(support["reaction"], rel=1e-12)
+    rows = [row for row in csv.DictReader(io.StringIO(reactions_csv(found))) if row["support"] == "wall"]
+    assert [row["point"] for row in rows] == ["total", *map(str, range(1, 10))]
+    assert [float(row["reaction"]) for row in rows[1:]] == [node["reaction"] for node in support["nodes"]]
+
+
+def test_governing_reactions_come_with_those_of_the_others() -> None:
+    wanted = [{"name": f"c{i}", "factors": {"G": 1, "Q": i / 8}} for i in range(9)] + [
+        {"name": "storm", "factors": {"W": 1}}
+    ]
+    few = signorini.solve(model(combination=wanted))
+    many = signorini.solve(model(combination=wanted, output={"combinations": "table"}))
+    listed = results_json(few)["governing_reactions"]
+    for one, other in zip(listed, results_json(many)["governing_reactions"], strict=True):
+        assert (one["support"], one["point"], one["at"]) == (other["support"], other["point"], other["at"])
+        for side in ("max", "min"):
+            assert one[side] == pytest.approx(other[side], rel=1e-9, abs=1e-9)
+            assert one[f"{side}_with"] == pytest.approx(other[f"{side}_with"], rel=1e-9, abs=1e-9)
+    reactions = {
+        name: [*few[name].supports[0].reactions, few[name].supports[1].reaction] for name in few if name != "storm"
+    }
+    assert [(one["support"], one["point"]) for one in listed] == [*(("legs", i) for i in range(1, 5)), ("prop", 1)]
+    for index, one in enumerate(listed):
+        assert one["max"] == max(values[index] for values in reactions.values()) == one["max_with"][index]
+        assert one["min"] == min(values[index] for values in reactions.values())
+        assert one["max_with"] == reactions[one["max_by"]] and one["min_with"] == reactions[one["min_by"]]

@@ -18,10 +18,10 @@ _LONGEST_WORD = 32
 """Signs of a word from which on it may be broken."""
 _GLUE = "\ue000"
 """Stands, while lines are broken, for a space at which none may be."""
-_TOGETHER = re.compile(r"(?<=\d) (?=[^\s\d])|\[[^\[\]]{1,40}\]")
-"""The space between a number and its unit; a point, or a unit behind a title."""
-_SPARE = 24
-"""Width that a spare column of words keeps, or it is dropped."""
+_TOGETHER = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=[+−-]) (?=\d)|\[[^\[\]]{1,40}\]")
+"""The space between a number and its unit, or its sign; a point, or a unit behind a title."""
+_LEAST, _SPARE = 16, 24
+"""Widths that a column of words keeps where it has them, or the table is turned; and a spare one, or it is dropped."""
 
 
 def say(console: Console, text: Cell, style: str = "") -> None:
@@ -91,7 +91,7 @@ class Grid:
             widths.append(max(cell.cell_len for cell in (title, *whole)))
             column = self.columns[index]
             needed = (cell.cell_len if column.number else _longest_word(cell) for cell in whole)
-            wanted = min(widths[-1], _SPARE) if column.spare and not column.number else 0
+            wanted = 0 if column.number else min(widths[-1], _SPARE if column.spare else _LEAST)
             least.append(max([wanted, _longest_word(title), *needed]))
         excess = sum(widths) + len(_GAP) * (len(kept) - 1) - room
         if sum(least) + len(_GAP) * (len(kept) - 1) > room:

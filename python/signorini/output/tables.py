@@ -77,7 +77,7 @@ def results_json(results: Results) -> dict[str, Any]:
 def reactions_csv(results: Results) -> str:
     """Give the reactions as a table of comma-separated values.
 
-    A row a combination and support, its ``point`` "total"; and, for point supports, a row a point. Names that a
+    A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node. Names that a
     spreadsheet would compute have an apostrophe before them.
 
     Parameters
@@ -128,7 +128,9 @@ def _extremes(result: Result) -> dict[str, Any]:
 def _support(support: SupportResult) -> dict[str, Any]:
     found = {"name": support.name, "kind": support.kind, **_total(support)}
     found["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
-    return found | ({"points": list(_points(support))} if support.place == "at" else {})
+    if support.area is not None:
+        return found
+    return found | {"points" if support.place == "at" else "nodes": list(_points(support))}
 
 
 def _total(support: SupportResult) -> dict[str, Any]:
@@ -143,7 +145,7 @@ def _total(support: SupportResult) -> dict[str, Any]:
 
 
 def _points(support: SupportResult) -> Iterator[dict[str, Any]]:
-    """What it does at each of its points."""
+    """What it does at each of its points; of a held edge the consistent nodal forces."""
     columns = (support.positions, support.reactions, support.gaps, support.closed)
     for at, reaction, gap, closed in zip(*(column.tolist() for column in columns), strict=True):
         yield {"at": at, "reaction": reaction, "gap": gap, "state": "closed" if closed else "open"}
@@ -162,7 +164,7 @@ def _rows(result: Result) -> Iterator[dict[str, Any]]:
         names = {"combination": name_cell(result.name), "support": name_cell(support.name)}
         row = names | {"kind": support.kind}
         yield row | {"point": "total"} | _total(support)
-        if support.place == "at":
+        if support.area is None:
             for number, point in enumerate(_points(support), start=1):
                 x, y = point.pop("at")
                 yield row | {"point": number, "x": x, "y": y} | point
