@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from rich.console import Console
 from typer.testing import CliRunner
@@ -95,7 +96,8 @@ def test_a_table_drops_spare_columns_and_then_turns() -> None:
 @pytest.mark.parametrize(("count", "first"), [(7, "solved by"), (8, "largest deflection [m]"), (13, "field")])
 def test_from_eight_combinations_on_a_summary_comes_first(count: int, first: str) -> None:
     lines = shown(print_results, signorini.solve(model(count)), 200).splitlines()
-    assert first in lines[3]
+    assert any(first in line for line in lines[3:6])
+    assert (first in lines[3]) == (count <= 8)
     governing = [line for line in lines if line.startswith("largest pads[1]")]
     assert len(governing) == (count >= 8)
     if governing:
@@ -117,19 +119,20 @@ def test_point_reactions_are_shown_and_noise_is_zero() -> None:
 
 
 def test_warnings_are_printed_once_after_the_tables() -> None:
-    thick = signorini.solve(model(3, material={"E": 30e3, "nu": 0.2}))
+    thick = signorini.solve(model(3, material={"E": 3e3, "nu": 0.2}))
     lines = shown(print_results, thick, WIDE).splitlines()
     said = [line for line in lines if line.startswith("Warning")]
-    assert len([line for line in said if "E = 3e+04 kN/m²" in line]) == 1
+    assert len([line for line in said if "E = 3000 kN/m²" in line]) == 1
     assert lines.index(said[0]) > max(i for i, line in enumerate(lines) if line.startswith("certificate"))
     assert any(re.match(r"Warning \(ULS 3: 1.35 G \+ 0.25 Q\): The deflection at ", line) for line in said)
-    assert "Warning: E = 3e+04 kN/m²" in shown(print_check, check(thick.discretisation.model), WIDE)
+    assert "Warning: E = 3000 kN/m²" in shown(print_check, check(thick.discretisation.model), WIDE)
 
 
 @pytest.mark.parametrize("command", [[], ["solve"], ["check"], ["path"], ["schema"]])
 def test_help_has_an_example_and_is_not_cut(command: list[str]) -> None:
     text = CliRunner().invoke(app, [*command, "--help"], env={"COLUMNS": "80"}, terminal_width=80).stdout
-    assert f"Example: signorini {command[0] if command else 'solve'} " in " ".join(text.split()) and "..." not in text
+    assert f"Example: signorini {command[0] if command else 'solve'} " in " ".join(text.split())
+    assert "..." not in text.replace("[ARGS]...", "")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a closed pipe is of POSIX")
@@ -146,3 +149,17 @@ def test_head_ends_a_run_quietly_with_its_code(tmp_path: Path, factor: int, code
     done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (code, "first\n")
     assert (done.stderr == "") == (code == 0) and "Traceback" not in done.stderr and "Errno" not in done.stderr
+
+
+def test_of_many_points_the_largest_and_those_that_are_open_are_shown() -> None:
+    many = {"name": "feet", "at": [[x, y] for x in range(5) for y in range(5)], "resists": "down"}
+    results = signorini.solve(model(9, support=[many]))
+    result = results["ULS 9: 1.35 G + 1.0 Q"]
+    (support,) = result.supports
+    lines = shown(print_results, results, WIDE).splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith("ULS 9: 1.35 G + 1.0 Q: solved"))
+    rows = [line.split() for line in lines[at:] if line.startswith("feet[")]
+    wanted = sorted(np.abs(support.reactions))[-20:]
+    assert sorted(float(row[3]) for row in rows) == pytest.approx(wanted, rel=1e-5, abs=1e-9)
+    assert "and 5 more points of smaller reactions, all in reactions.csv" in lines[at:]
+    assert any(line.startswith("feet, open: [") for line in lines[at:]) == (0 < support.open_count <= 8)

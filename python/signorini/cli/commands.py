@@ -30,8 +30,8 @@ app = typer.Typer(
     name="signorini",
     help="Plates on supports that can let go: finite elements for Reissner-Mindlin plates, one-sided supports solved "
     "exactly, every result with a certificate.",
-    epilog="Example: signorini solve slab.toml writes slab-results/ and prints the reactions. Exit codes: 0 solved, 2 bad "
-    "input, 3 no equilibrium in some combination, 4 not certified.",
+    epilog="Example: signorini solve slab.toml writes slab-results/ and prints the reactions. Exit codes: 0 solved, "
+    "2 bad input, 3 no equilibrium in some combination, 4 not certified.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

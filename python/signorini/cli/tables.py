@@ -26,6 +26,8 @@ _SEVERAL = 8
 """Combinations from which on a summary comes first."""
 _MOST_POINTS = 20
 """Points of supports whose reactions are listed; of more the largest."""
+_MOST_OPEN = 8
+"""Open points named where not all points are listed; where more are open their number says enough."""
 _MOST_LISTED = 20
 """Combinations listed by `check`, and as many again of those that cannot be balanced."""
 _MOST_WARNINGS = 20
@@ -114,7 +116,7 @@ def _print_summary(console: Console, results: Results) -> None:
     size = max((size_of(result.deflection) for result in results.values() if result.supports), default=0.0)
     for result in results.values():
         if result.status != "solved":
-            shown.add(Text(result.name, style="bold red"), "none", "", "", *[""] * len(names))
+            shown.add(Text(result.name, style="bold red"), "", "", "", *[""] * len(names))
             continue
         ends = (number(float(end), size) for end in (result.deflection.max(), result.deflection.min()))
         load = _load(result)
@@ -183,6 +185,10 @@ def _print_points(console: Console, result: Result) -> None:
     shown.show(console)
     if left := len(every) - len(most):
         say(console, f"and {left} more points of smaller reactions, all in reactions.csv")
+        for found in result.supports:
+            if found.place == "at" and 0 < found.open_count <= _MOST_OPEN:
+                places = (point(at, size) for at in found.positions[~found.closed].tolist())
+                say(console, f"{found.name}, open: {', '.join(places)}")
     console.print()
 
 
