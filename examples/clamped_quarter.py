@@ -8,9 +8,9 @@ Two linear steps give the same as one unilateral one, or as one load path: R1, t
 the gap, and R2, the plate on the support for the rest of the load. Their sum is R*, the unilateral plate's reactions
 in one step.
 
-The paper gives neither size, thickness nor material, so the digits of its Table 1 are not matched (of equal elements
-the nearest are 1.7 N off, of 12.6 N); that both ways agree is what it shows. Here the quarter is 100 mm wide, 20 mm thick, nu = 0.3; its load
-is 64 N, and E is chosen so that the gap closes at exactly half of it.
+The paper gives neither size, thickness nor material, so the digits of its Table 1 are not matched (of equal
+elements the nearest are 1.7 N off, of 12.6 N); that both ways agree is what it shows. Here the quarter is 100 mm wide,
+20 mm thick, nu = 0.3; its load is 64 N, and E is chosen so that the gap closes at exactly half of it.
 """
 
 from __future__ import annotations

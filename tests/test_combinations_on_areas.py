@@ -216,3 +216,25 @@ def test_a_slab_on_soil_has_the_same_bits_on_any_number_of_threads():
         for threads in "123"
     ]
     assert found[0] and found[0] == found[1] == found[2]
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_pressure_and_contact_area_are_columns_and_have_envelopes(method, tmp_path):
+    support = "soil and rigid points" if method == "lemke" else "a wall and a rigid bed"
+    rows = random_rows(100 if method == "lemke" else 14)
+    model = Model(**tables(support, rows, solver={"method": method}, mesh={"divisions": [4, 4]}))
+    combined = signorini.solve(model, table=tmp_path / "rows.parquet").combined
+    assert combined.alone == 0
+    rows = pq.read_table(tmp_path / "rows.parquet").to_pydict()
+    problem = contact_problem(model)
+    alone = [solve_one(problem, combination) for combination in model.effective_combinations]
+    (index,) = (i for i, one in enumerate(model.support) if one.area is not None)
+    name = model.support[index].name
+    found = np.array([[one.supports[index].max_pressure, one.supports[index].contact_area] for one in alone])
+    assert np.allclose(rows[f"max_pressure:{name}"], found[:, 0], rtol=1e-7)
+    assert np.allclose(rows[f"contact_area:{name}"], found[:, 1], rtol=1e-7)
+    assert np.ptp(found[:, 0]) > 0
+    pressed = combined.envelope.supports[index].pressed
+    assert np.allclose(pressed.largest, found.max(axis=0), rtol=1e-7)
+    assert np.allclose(pressed.smallest, found.min(axis=0), rtol=1e-7)
+    assert [one.pressed is None for one in combined.envelope.supports].count(False) == 1

@@ -51,8 +51,9 @@ def started(path: Path, before: str = "") -> subprocess.Popen[str]:
 def whole(directory: Path) -> str:
     """Title of the results in a directory, every file of which is there and of that run."""
     found = json.loads((directory / "results.json").read_text("utf-8"))
-    assert sorted(found["files"]) == sorted(path.name for path in directory.iterdir())
-    assert all((directory / name).stat().st_size > 0 for name in found["files"])
+    names = [entry["file"] for entry in found["files"]]
+    assert sorted(names) == sorted(path.name for path in directory.iterdir())
+    assert all((directory / name).stat().st_size > 0 for name in names)
     return str(found["title"])
 
 

@@ -67,7 +67,9 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         "model": dict.fromkeys(["nodes", "elements", "dofs", "contact_points"]),
         "combinations": [
             {
-                **dict.fromkeys(["name", "status", "message", "method", "unsettled", "iterations", "not_unique"]),
+                **dict.fromkeys(
+                    ["name", "status", "message", "method", "unsettled", "iterations", "not_unique", "warnings"]
+                ),
                 "limit": dict.fromkeys(["case", "factor"]),
                 "certificate": dict.fromkeys(
                     [
@@ -89,10 +91,13 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                 "probes": [dict.fromkeys(["at", "deflection", "rotation", "moment", "shear", "pressure"])],
             }
         ],
+        "governing_reactions": [
+            dict.fromkeys(["support", "point", "at", "max", "max_by", "max_with", "min", "min_by", "min_with"])
+        ],
         "seconds": dict.fromkeys(["mesh", "assemble", "order", "factor", "contact", "recover", "total"]),
-        "files": None,
+        "files": [dict.fromkeys(["combination", "kind", "file"])],
     }
-    assert found["schema"] == 1
+    assert found["schema"] == 2
     assert found["model"] == {"nodes": 65, "elements": 16, "dofs": 195, "contact_points": 5}
 
 
@@ -252,15 +257,15 @@ def test_names_are_text_in_notebooks_and_pictures(oddly_named: signorini.Results
 
 def test_write_leaves_whole_files_of_the_solved_combinations(results: signorini.Results, tmp_path: Path) -> None:
     written = write(results, tmp_path / "a" / "out")
-    names = ["g-q-2.png", "g-q-2.vtu", "g-q.png", "g-q.vtu", "reactions.csv", "results.json"]
+    names = ["g+q.png", "g+q.vtu", "g-q.png", "g-q.vtu", "reactions.csv", "results.json"]
     assert sorted(path.name for path in written) == names
     assert sorted(path.name for path in (tmp_path / "a" / "out").iterdir()) == names
     assert [path.name for path in (tmp_path / "a").iterdir()] == ["out"]
     found = json.loads((tmp_path / "a" / "out" / "results.json").read_text("utf-8"))
     assert found == results_json(results)
-    mesh = meshio.read(tmp_path / "a" / "out" / "g-q.vtu")
+    mesh = meshio.read(tmp_path / "a" / "out" / "g+q.vtu")
     assert np.allclose(mesh.point_data["displacement"][:, 2], -results["G+Q"].deflection)
-    assert (tmp_path / "a" / "out" / "g-q.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "a" / "out" / "g+q.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_second_run_replaces_the_first_and_nothing_else(results: signorini.Results, tmp_path: Path) -> None:
@@ -274,7 +279,9 @@ def test_a_second_run_replaces_the_first_and_nothing_else(results: signorini.Res
     ]
 
 
-@pytest.mark.parametrize("names", ['["../precious.vtu", "/etc/passwd"]', "7", '{"a": 1}', "[3]"])
+@pytest.mark.parametrize(
+    "names", ['["../precious.vtu", "/etc/passwd"]', "7", '{"a": 1}', "[3]", '[{"a": 1}]', '[{"file": 7}]']
+)
 def test_a_forged_list_of_former_files_removes_nothing_else(
     results: signorini.Results, tmp_path: Path, names: str
 ) -> None:
@@ -310,7 +317,7 @@ def test_results_and_a_load_path_in_one_directory_leave_each_other_alone(
     for _ in range(2):
         write_path(followed, tmp_path)
         write(results, tmp_path)
-    assert {"path.json", "path.csv", "path.png", *results_json(results)["files"]} == {
+    assert {"path.json", "path.csv", "path.png", *(entry["file"] for entry in results_json(results)["files"])} == {
         p.name for p in tmp_path.iterdir()
     }
     named_path = signorini.solve(model(combination=[{"name": "path", "factors": {"G": 1}}]))
@@ -334,6 +341,35 @@ def test_a_failure_on_the_way_leaves_everything_as_it_was(
         write(results, tmp_path / "out")
     monkeypatch.undo()
     assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
+
+
+def test_signs_are_told_apart_in_file_names_and_results_json_says_which_is_which(tmp_path: Path) -> None:
+    names = ["W+ lead", "W- lead", "W lead", "1.35 G + 1.5 W", "1.35 G - 1.5 W", "−W", "a - b", "a-b"]
+    assert unique_slugs(names) == [
+        *("w+lead", "w-minus-lead", "w-lead", "1.35-g+1.5-w", "1.35-g-minus-1.5-w", "minus-w", "a-minus-b", "a-b")
+    ]
+    found = signorini.solve(model(combination=[{"name": name, "factors": {"G": 1}} for name in names[:2]]))
+    written = write(found, tmp_path)
+    entries = json.loads((tmp_path / "results.json").read_text())["files"]
+    assert [tmp_path / entry["file"] for entry in entries] == written
+    assert [(entry["combination"], entry["kind"], entry["file"]) for entry in entries] == [
+        (None, "results", "results.json"),
+        (None, "reactions", "reactions.csv"),
+        ("W+ lead", "vtu", "w+lead.vtu"),
+        ("W+ lead", "picture", "w+lead.png"),
+        ("W- lead", "vtu", "w-minus-lead.vtu"),
+        ("W- lead", "picture", "w-minus-lead.png"),
+    ]
+
+
+def test_results_of_schema_1_are_replaced_too(results: signorini.Results, tmp_path: Path) -> None:
+    (tmp_path / "w-lead-2.vtu").write_text("former")
+    former = {key: None for key in results_json(results)}
+    former["files"] = ["results.json", "reactions.csv", "w-lead-2.vtu"]
+    for name in former["files"]:
+        (tmp_path / name).write_text(json.dumps(former))
+    write(results, tmp_path)
+    assert not (tmp_path / "w-lead-2.vtu").exists()
 
 
 def test_a_failure_on_the_way_leaves_no_directory(
@@ -372,10 +408,44 @@ def test_file_names_are_safe_and_differ_on_every_file_system(names: list[str]) -
     slugs = unique_slugs(names)
     assert len({slug.lower() for slug in slugs}) == len(names)
     for slug in slugs:
-        assert slug and len(slug) < 90 and set(slug) <= set("abcdefghijklmnopqrstuvwxyz0123456789-_.")
+        assert slug and len(slug) < 90 and set(slug) <= set("abcdefghijklmnopqrstuvwxyz0123456789-_.+")
         assert slug[0] not in "-." and slug not in ("con", "nul", "aux", "prn")
 
 
 def test_importing_the_package_imports_no_plotting() -> None:
     code = "import signorini, sys; print(sorted({'matplotlib', 'typer'} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "[]"
+
+
+def test_a_held_edge_gives_the_reactions_of_its_nodes(tmp_path: Path) -> None:
+    wall = {"name": "wall", "edge": "left", "fix": "simple"}
+    found = signorini.solve(model(support=[wall, model().support[0]], combination=[{"name": "G", "factors": {"G": 1}}]))
+    support = results_json(found)["combinations"][0]["supports"][0]
+    assert sorted(node["at"][1] for node in support["nodes"]) == pytest.approx(np.linspace(0, 4, 9))
+    assert {node["at"][0] for node in support["nodes"]} == {0}
+    assert sum(node["reaction"] for node in support["nodes"]) == pytest.approx(support["reaction"], rel=1e-12)
+    rows = [row for row in csv.DictReader(io.StringIO(reactions_csv(found))) if row["support"] == "wall"]
+    assert [row["point"] for row in rows] == ["total", *map(str, range(1, 10))]
+    assert [float(row["reaction"]) for row in rows[1:]] == [node["reaction"] for node in support["nodes"]]
+
+
+def test_governing_reactions_come_with_those_of_the_others() -> None:
+    wanted = [{"name": f"c{i}", "factors": {"G": 1, "Q": i / 8}} for i in range(9)] + [
+        {"name": "storm", "factors": {"W": 1}}
+    ]
+    few = signorini.solve(model(combination=wanted))
+    many = signorini.solve(model(combination=wanted, output={"combinations": "table"}))
+    listed = results_json(few)["governing_reactions"]
+    for one, other in zip(listed, results_json(many)["governing_reactions"], strict=True):
+        assert (one["support"], one["point"], one["at"]) == (other["support"], other["point"], other["at"])
+        for side in ("max", "min"):
+            assert one[side] == pytest.approx(other[side], rel=1e-9, abs=1e-9)
+            assert one[f"{side}_with"] == pytest.approx(other[f"{side}_with"], rel=1e-9, abs=1e-9)
+    reactions = {
+        name: [*few[name].supports[0].reactions, few[name].supports[1].reaction] for name in few if name != "storm"
+    }
+    assert [(one["support"], one["point"]) for one in listed] == [*(("legs", i) for i in range(1, 5)), ("prop", 1)]
+    for index, one in enumerate(listed):
+        assert one["max"] == max(values[index] for values in reactions.values()) == one["max_with"][index]
+        assert one["min"] == min(values[index] for values in reactions.values())
+        assert one["max_with"] == reactions[one["max_by"]] and one["min_with"] == reactions[one["min_by"]]

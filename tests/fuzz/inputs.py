@@ -134,7 +134,7 @@ def _faults_of_results(directory: Path, code: int) -> list[str]:
     except (OSError, ValueError) as error:
         return [f"results.json: {error}"]
     wrong = []
-    if sorted(found["files"]) != sorted(path.name for path in directory.iterdir()):
+    if sorted(entry["file"] for entry in found["files"]) != sorted(path.name for path in directory.iterdir()):
         wrong.append("other files than results.json says")
     states = [combination["status"] for combination in found["combinations"]]
     unbalanced = found["table"]["no_equilibrium"] if "table" in found else states.count("no_equilibrium")

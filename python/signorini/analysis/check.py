@@ -20,6 +20,7 @@ from signorini.equilibrium.words import explain
 from signorini.errors import InputError
 from signorini.model import Combination, Model
 from signorini.results.marks import load_marks, support_marks
+from signorini.results.warnings import model_warnings, no_resultant
 
 _NO_FORCE = 1e-12
 _FORMATS = (".png", ".svg", ".pdf")
@@ -68,6 +69,13 @@ class Check:
 
     discretisation: Discretisation
     resultants: tuple[Resultant, ...]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What of the model, and of the loads' resultants, is seldom meant, in sentences."""
+        found = self.discretisation
+        of_loads = () if found.model.tabulated else map(found.load, found.model.effective_combinations)
+        return tuple(dict.fromkeys((*model_warnings(found), *(s for load in of_loads for s in no_resultant(load)))))
 
     @property
     def balanced(self) -> bool:

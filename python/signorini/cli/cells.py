@@ -1,23 +1,16 @@
-"""Tables, numbers, points and units the way the terminal shows them."""
+"""Numbers, points and units the way the terminal shows them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich import box
-from rich.table import Table
+import numpy as np
+from numpy.typing import ArrayLike
 
 from signorini.model import Units
 
-
-def table(*left: str, right: Sequence[str]) -> Table:
-    """Make an empty table: titles of columns of words, and of columns of numbers."""
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, header_style="bold")
-    for title in left:
-        table.add_column(title, overflow="fold")
-    for title in right:
-        table.add_column(title, justify="right", overflow="fold")
-    return table
+ROUNDING = 1e-10
+"""Part of the largest of its kind below which a figure is shown as zero; certificates allow a hundredfold."""
 
 
 def visible(text: object) -> str:
@@ -31,15 +24,34 @@ def visible(text: object) -> str:
     return "".join(sign if sign.isprintable() or sign == "\n" else repr(sign)[1:-1] for sign in str(text))
 
 
-def number(value: float, digits: int = 6) -> str:
-    """Write a number short enough to be read."""
+def size_of(values: ArrayLike) -> float:
+    """Give the largest size of values, with which those of their kind are compared; 0 of none."""
+    return float(np.abs(np.asarray(values, dtype=np.float64)).max(initial=0.0))
+
+
+def number(value: float, largest: float = 0.0, digits: int = 6) -> str:
+    """Write a number short enough to be read; what beside the ``largest`` of its kind is rounding is zero.
+
+    Examples
+    --------
+    >>> number(-1.7e-10, largest=8109.0), number(8109.0), number(1234567.8)
+    ('0', '8109', '1234568')
+    """
+    if abs(value) <= ROUNDING * largest:
+        return "0"
     # Forces in newtons pass six digits soon; an exponent would be harder to read than some more of them.
     return f"{value:.0f}" if 1e5 <= abs(value) < 1e10 else f"{value:.{digits}g}"
 
 
-def point(at: Sequence[float]) -> str:
-    """Write a point."""
-    return f"[{', '.join(f'{value:.6g}' for value in at)}]"
+def point(at: Sequence[float], size: float = 0.0) -> str:
+    """Write a point of a plate of that size.
+
+    Examples
+    --------
+    >>> point([-5.7985, -1.4e-14], size=12.0)
+    '[-5.7985, 0]'
+    """
+    return f"[{', '.join('0' if abs(value) <= ROUNDING * size else f'{value:.6g}' for value in at)}]"
 
 
 def per_area(units: Units) -> str:

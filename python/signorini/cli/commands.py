@@ -17,6 +17,7 @@ import typer
 import signorini
 from signorini.cli import interrupts, streams, tables
 from signorini.cli.cells import visible
+from signorini.cli.grid import say
 from signorini.cli.progress import transient_line
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini.formats.inputfile import with_line
@@ -29,7 +30,8 @@ app = typer.Typer(
     name="signorini",
     help="Plates on supports that can let go: finite elements for Reissner-Mindlin plates, one-sided supports solved "
     "exactly, every result with a certificate.",
-    epilog="Exit codes: 0 solved, 2 bad input, 3 no equilibrium in some combination, 4 not certified.",
+    epilog="Example: signorini solve slab.toml writes slab-results/ and prints the reactions. Exit codes: 0 solved, "
+    "2 bad input, 3 no equilibrium in some combination, 4 not certified.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -72,7 +74,9 @@ def _options(
 ) -> None: ...
 
 
-@app.command()
+@app.command(
+    short_help="Solve every combination, write the results.", epilog="Example: signorini solve slab.toml -o results"
+)
 def solve(
     file: InputFile,
     output: Annotated[
@@ -113,7 +117,10 @@ def solve(
         _refuse(results.unbalanced, results.unbalanced_count)
 
 
-@app.command()
+@app.command(
+    short_help="Mesh and draw the model, see whether it can stand.",
+    epilog="Example: signorini check slab.toml -o slab.svg",
+)
 def check(
     file: InputFile,
     output: Annotated[
@@ -141,7 +148,10 @@ def check(
         _refuse(unbalanced, len(unbalanced))
 
 
-@app.command()
+@app.command(
+    short_help="Follow one load as another grows.",
+    epilog="Example: signorini path slab.toml --from G --add Q --until 2",
+)
 def path(
     file: InputFile,
     add: Annotated[
@@ -186,7 +196,9 @@ def path(
             raise NotCertifiedError(f"the path was followed to t = {found.end:.6g} only; beyond, {why}.")
 
 
-@app.command()
+@app.command(
+    short_help="Print the JSON Schema of the input file.", epilog="Example: signorini schema > signorini.schema.json"
+)
 def schema() -> None:
     """Print the JSON Schema of the input file, with which editors complete and check it."""
     with _messages():
@@ -241,5 +253,5 @@ def _messages(file: Path | None = None) -> Iterator[None]:
 
 
 def _end(message: str, code: int) -> None:
-    streams.stderr().print(visible(message))
+    say(streams.stderr(), visible(message))
     raise typer.Exit(code)

@@ -13,8 +13,8 @@ from typing import IO, Any
 
 from rich.console import Console
 
-_WIDTH_OF_FILES = 160
-"""Where the output is no terminal, tables keep their width up to this, so that programs find a row on a line."""
+_WIDTH_OF_FILES = 100_000
+"""Where the output is no terminal, tables keep their width, so that programs find a row on a line."""
 
 
 def stdout() -> Console:
@@ -70,5 +70,5 @@ def _console(stream: IO[str]) -> Console:
     shown: Any = _Shown(stream)
     console = Console(file=shown, markup=False, highlight=False, emoji=False, soft_wrap=True)
     if not console.is_terminal:
-        console.width = max(console.width, _WIDTH_OF_FILES)
+        console.width = _WIDTH_OF_FILES
     return console

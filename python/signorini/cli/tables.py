@@ -1,46 +1,61 @@
-"""Tables on the terminal, whose first column shows what kind each support is."""
+"""What is solved, or checked, on the terminal: every combination, of several a summary first."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
+import numpy as np
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from signorini.analysis.check import Check
 from signorini.analysis.solve import Results
-from signorini.cli.cells import in_unit, number, per_area, point, table, unit_of
-from signorini.cli.governing import print_combined
+from signorini.cli.cells import in_unit, number, per_area, point, size_of, unit_of
+from signorini.cli.governing import print_combined, print_governing
+from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.discretise import Discretisation
 from signorini.model import Support, Units
+from signorini.output.envelope_json import table_warnings
+from signorini.output.governing import governing_reactions
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 from signorini.results.support_words import MEANINGS, SYMBOLS, describe, kinds
 
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
+_SEVERAL = 8
+"""Combinations from which on a summary comes first."""
+_MOST_POINTS = 20
+"""Points of supports whose reactions are listed; of more the largest."""
 _MOST_OPEN = 8
-"""Open points named below a table; where more are open their number says enough."""
+"""Open points named where not all points are listed; where more are open their number says enough."""
 _MOST_LISTED = 20
 """Combinations listed by `check`, and as many again of those that cannot be balanced."""
-_ROUNDING = 1e-12
-"""Part of the largest value of its kind below which a figure shows zero."""
+_MOST_WARNINGS = 20
 
 
 def print_results(console: Console, results: Results) -> None:
-    """Print every combination: supports, certificate, extremes, probes."""
-    _print_model(console, results.discretisation)
+    """Print every combination: supports, their points, certificate, extremes, probes; then what is seldom meant."""
+    found = results.discretisation
+    _print_model(console, found)
     if results.model.tabulated:
         console.print()
-        print_combined(console, results.combined, results.full)
+        print_combined(console, results.combined, results.full, governing_reactions(results))
+        warnings: dict[str, list[str]] = {sentence: [] for sentence in table_warnings(results)}
+    else:
+        warnings = _by_sentence(results)
+        if len(results) >= _SEVERAL:
+            console.print()
+            _print_summary(console, results)
+            print_governing(console, found.model, governing_reactions(results))
     for result in results.full.values() if not results.model.tabulated else ():
         console.print()
         if result.status == "solved":
             _print_result(console, result)
         else:
-            console.print(Text(f"{result.name}: no equilibrium", style="bold red"))
+            say(console, f"{result.name}: no equilibrium", style="bold red")
     console.print()
-    _print_legend(console, results.discretisation.model.support)
+    _print_warnings(console, warnings, len(results))
+    _print_legend(console, found.model.support)
 
 
 def print_check(console: Console, check: Check) -> None:
@@ -49,7 +64,8 @@ def print_check(console: Console, check: Check) -> None:
     model, units = found.model, found.model.units
     _print_model(console, found)
     console.print()
-    supports = table("", "support", "kind", right=["nodes held", "springs", "contact points"])
+    columns = [Column(""), Column("support"), Column("kind", spare=True)]
+    supports = Grid([*columns, *numbers("nodes held", "springs", "contact points")], heads=2)
     for index, support in enumerate(model.support):
         held = found.held.support.reshape(-1, 3)[found.held.dofs.reshape(-1, 3).any(axis=1)]
         counts = (
@@ -57,108 +73,183 @@ def print_check(console: Console, check: Check) -> None:
             int((found.springs.support == index).sum()),
             int((found.contacts.support == index).sum()),
         )
-        supports.add_row(_symbol(support, console), Text(support.name), describe(support), *map(str, counts))
-    console.print(supports)
+        supports.add(_symbol(support, console), support.name, describe(support), *map(str, counts))
+    supports.show(console)
     console.print()
-    right = [f"load{in_unit(units.force)}", f"acts at{in_unit(units.length)}", "balanced", "limit"]
-    loads = table("combination", right=right)
+    titles = (f"load{in_unit(units.force)}", f"acts at{in_unit(units.length)}", "balanced", "limit")
+    loads = Grid([Column("combination"), *numbers(*titles)])
+    largest = size_of([resultant.force for resultant in check.resultants])
     listed = [r for number, r in enumerate(check.resultants) if number < _MOST_LISTED or r.message]
     for resultant in listed[: 2 * _MOST_LISTED]:
-        at = point(resultant.at) if resultant.at else f"couple {point(resultant.couple)}"
+        at = point(resultant.at, found.mesh.size) if resultant.at else f"couple {point(resultant.couple)}"
         verdict = Text("no", style="bold red") if resultant.message else Text("just" if resultant.brink else "yes")
         none = "not asked" if found.model.tabulated else "none"
         limit = f"{resultant.limit[0]} at {resultant.limit[1]:.4g}" if resultant.limit else none
-        loads.add_row(Text(resultant.name), number(resultant.force), at, verdict, Text(limit))
-    console.print(loads)
+        loads.add(resultant.name, number(resultant.force, largest), at, verdict, limit)
+    loads.show(console)
     if left := len(check.resultants) - len(listed[: 2 * _MOST_LISTED]):
         unbalanced = sum(bool(resultant.message) for resultant in check.resultants)
-        console.print(f"and {left} more; of all {len(check.resultants)} combinations {unbalanced} cannot be balanced")
+        say(console, f"and {left} more; of all {len(check.resultants)} combinations {unbalanced} cannot be balanced")
     console.print()
+    _print_warnings(console, dict.fromkeys(check.warnings, ()))
     _print_legend(console, model.support)
 
 
 def _print_model(console: Console, found: Discretisation) -> None:
     model = found.model
     if model.title:
-        console.print(Text(model.title, style="bold"))
+        say(console, model.title, style="bold")
     one_sided = int((~found.contacts.two_sided).sum())
-    console.print(
+    say(
+        console,
         f"{model.plate.shape}, {len(found.mesh.elements)} elements {model.plate.element}, "
-        f"{found.mesh.node_count} nodes, {found.dof_count} dofs, {one_sided} one-sided contact points"
+        f"{found.mesh.node_count} nodes, {found.dof_count} dofs, {one_sided} one-sided contact points",
     )
+
+
+def _print_summary(console: Console, results: Results) -> None:
+    model = results.discretisation.model
+    names = [f"{support.name}{in_unit(model.units.force)}" for support in model.support]
+    unit = in_unit(model.units.length)
+    columns = [*numbers(f"largest deflection{unit}", f"smallest{unit}", "open points")]
+    shown = Grid([Column("combination"), *columns, *(Column(name, number=True, spare=True) for name in names)])
+    size = max((size_of(result.deflection) for result in results.full.values() if result.supports), default=0.0)
+    for result in results.full.values():
+        if result.status != "solved":
+            shown.add(Text(result.name, style="bold red"), "", "", "", *[""] * len(names))
+            continue
+        ends = (number(float(end), size) for end in (result.deflection.max(), result.deflection.min()))
+        load = _load(result)
+        reactions = (number(found.reaction, load) for found in result.supports)
+        shown.add(result.name, *ends, str(sum(found.open_count for found in result.supports)), *reactions)
+    shown.show(console)
+    if results.unbalanced:
+        say(console, f"without equilibrium: {', '.join(results.unbalanced)}", style="bold red")
+    console.print()
 
 
 def _print_result(console: Console, result: Result) -> None:
-    units = result.model.units
+    units, load = result.model.units, _load(result)
     before = f" after {' and '.join(result.unsettled)} did not settle" if result.unsettled else ""
     how = f": solved by {result.method}{before}, {result.iterations} {result.counted}"
-    console.print(Text(result.name, style="bold") + Text(how))
-    rows = table("", "support", "kind", right=[f"reaction{in_unit(units.force)}", "closed", "open"])
-    least = _ROUNDING * float(abs(result.nodal_reaction).max())
+    say(console, Text(result.name, style="bold") + Text(how))
+    columns = [Column(""), Column("support"), Column("kind", spare=True)]
+    rows = Grid([*columns, *numbers(f"reaction{in_unit(units.force)}", "closed", "open")], heads=2)
     for support, found in zip(result.model.support, result.supports, strict=True):
-        rows.add_row(
-            _symbol(support, console),
-            Text(found.name),
-            found.kind,
-            number(found.reaction if abs(found.reaction) > least else 0.0),
-            str(found.closed_count),
-            str(found.open_count),
-        )
+        counts = (str(found.closed_count), str(found.open_count))
+        rows.add(_symbol(support, console), found.name, found.kind, number(found.reaction, load), *counts)
     if len(result.supports) > 1:
-        rows.add_section()
+        rows.last_apart = True
         total = sum(found.reaction for found in result.supports)
-        counts = [sum(getattr(found, count) for found in result.supports) for count in ("closed_count", "open_count")]
-        rows.add_row("", "all", "", number(total), *map(str, counts))
-    console.print(rows)
+        closed = sum(found.closed_count for found in result.supports)
+        opened = sum(found.open_count for found in result.supports)
+        rows.add("", "all", "", number(total, load), str(closed), str(opened))
+    rows.show(console)
+    _print_points(console, result)
     for found in result.supports:
-        _print_extent(console, found, units)
+        if found.contact_area is not None and found.max_pressure is not None:
+            area = f"{number(found.contact_area)}{unit_of(units.length, 2)}"
+            pressure = f"{number(found.max_pressure)} {per_area(units)}".rstrip()
+            say(console, f"{found.name}, in contact: {area}, largest pressure {pressure}")
     _print_deflection(console, result)
-    for one in result.not_unique:
-        console.print(Text(f"not unique: {one}", style="yellow"))
-    console.print(Text(f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red"))
+    say(console, f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red")
     if result.probes:
-        console.print(_probes(result, units))
+        console.print()
+        _print_probes(console, result, units)
 
 
-def _print_extent(console: Console, found: SupportResult, units: Units) -> None:
-    """Which points are open, or how large the area in contact is."""
-    if found.place == "at" and 0 < found.open_count <= _MOST_OPEN:
-        console.print(f"{found.name}, open: {', '.join(map(point, found.positions[~found.closed].tolist()))}")
-    if found.contact_area is not None and found.max_pressure is not None:
-        area = f"{number(found.contact_area)}{unit_of(units.length, 2)}"
-        pressure = f"{number(found.max_pressure)} {per_area(units)}".rstrip()
-        console.print(f"{found.name}, in contact: {area}, largest pressure {pressure}")
+def _load(result: Result) -> float:
+    """The size of all that supports do, with which one reaction is compared."""
+    return float(np.abs(result.nodal_reaction).sum())
+
+
+def _print_points(console: Console, result: Result) -> None:
+    """Reactions of point supports, of many the largest."""
+    every = [
+        (found, index) for found in result.supports if found.place == "at" for index in range(len(found.reactions))
+    ]
+    if not every:
+        return
+    units, load, size = result.model.units, _load(result), result.mesh.size
+    most = sorted(every, key=lambda one: -abs(one[0].reactions[one[1]]))[:_MOST_POINTS]
+    kept = {(id(found), index) for found, index in most}
+    titles = (f"at{in_unit(units.length)}", f"reaction{in_unit(units.force)}", f"gap{in_unit(units.length)}")
+    shown = Grid([Column("point"), *numbers(*titles), Column("state")])
+    for found, index in every:
+        if (id(found), index) in kept:
+            at = point(found.positions[index].tolist(), size)
+            gap = number(float(found.gaps[index]), size_of(result.deflection))
+            reaction = number(float(found.reactions[index]), load)
+            shown.add(_named(found, index), at, reaction, gap, "closed" if found.closed[index] else "open")
+    console.print()
+    shown.show(console)
+    if left := len(every) - len(most):
+        say(console, f"and {left} more points of smaller reactions, all in reactions.csv")
+        for found in result.supports:
+            if found.place == "at" and 0 < found.open_count <= _MOST_OPEN:
+                places = (point(at, size) for at in found.positions[~found.closed].tolist())
+                say(console, f"{found.name}, open: {', '.join(places)}")
+    console.print()
+
+
+def _named(found: SupportResult, index: int) -> str:
+    return f"{found.name}[{index + 1}]" if len(found.reactions) > 1 else found.name
 
 
 def _print_deflection(console: Console, result: Result) -> None:
-    unit = unit_of(result.model.units.length)
+    unit, largest = unit_of(result.model.units.length), size_of(result.deflection)
     ends = (("max", int(result.deflection.argmax())), ("min", int(result.deflection.argmin())))
     parts = (
-        f"{name} {number(float(result.deflection[node]))}{unit} at {point(result.mesh.points[node].tolist())}"
+        f"{name} {number(float(result.deflection[node]), largest)}{unit} "
+        f"at {point(result.mesh.points[node].tolist(), result.mesh.size)}"
         for name, node in ends
     )
-    console.print(f"deflection, positive down: {', '.join(parts)}")
+    say(console, f"deflection, positive down: {', '.join(parts)}")
 
 
-def _probes(result: Result, units: Units) -> Table:
-    moment = f" [{units.force} {units.length}/{units.length}]" if units.force and units.length else ""
-    shear = f" [{units.force}/{units.length}]" if units.force and units.length else ""
-    titles = [f"deflection{in_unit(units.length)}", "θx", "θy", f"mx{moment}", "my", "mxy", f"qx{shear}", "qy"]
+def _print_probes(console: Console, result: Result, units: Units) -> None:
+    both = units.force and units.length
+    moment = f" [{units.force} {units.length}/{units.length}]" if both else ""
+    shear = f" [{units.force}/{units.length}]" if both else ""
+    titles = [f"deflection{in_unit(units.length)}", "θx", "θy", *(f"{name}{moment}" for name in ("mx", "my", "mxy"))]
     pressed = any(probe.pressure is not None for probe in result.probes)
-    rows = table(f"probe{in_unit(units.length)}", right=titles + pressed * [f"pressure{in_unit(per_area(units))}"])
-    rounding = [_ROUNDING * float(abs(field).max()) for field in result.fields.values()]
+    titles += [f"qx{shear}", f"qy{shear}", *pressed * [f"pressure{in_unit(per_area(units))}"]]
+    rows = Grid(numbers(f"probe{in_unit(units.length)}", *titles))
+    kinds = ("deflection",), ("rotation_x", "rotation_y"), ("mx", "my", "mxy"), ("qx", "qy")
+    largest = [max(size_of(result.fields[name]) for name in kind) for kind in kinds for _ in kind]
     for probe in result.probes:
         values = (probe.deflection, *probe.rotation, *probe.moment, *probe.shear)
-        shown = (value if abs(value) > least else 0.0 for value, least in zip(values, rounding, strict=True))
-        pressure = pressed * ["" if probe.pressure is None else number(probe.pressure, 5)]
-        rows.add_row(point(probe.at), *(number(value, 5) for value in shown), *pressure)
-    return rows
+        shown = (number(value, size, 5) for value, size in zip(values, largest, strict=True))
+        pressure = pressed * ["" if probe.pressure is None else number(probe.pressure, digits=5)]
+        rows.add(point(probe.at, result.mesh.size), *shown, *pressure)
+    rows.show(console)
+
+
+def _by_sentence(results: Results) -> dict[str, list[str]]:
+    """Every warning once, with the combinations that it is about."""
+    found: dict[str, list[str]] = {}
+    for result in results.full.values():
+        for sentence in result.warnings:
+            found.setdefault(sentence, []).append(result.name)
+    return found
+
+
+def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], of: int = 0) -> None:
+    """Print every sentence once; ``of`` combinations there are."""
+    for sentence, names in list(warnings.items())[:_MOST_WARNINGS]:
+        about = list(names)
+        where = f" ({', '.join(about)})" if 0 < len(about) < of else ""
+        say(console, f"Warning{where}: {sentence}", style="yellow")
+    if (left := len(warnings) - _MOST_WARNINGS) > 0:
+        say(console, f"And {left} more warnings, all in results.json.", style="yellow")
+    if warnings:
+        console.print()
 
 
 def _print_legend(console: Console, supports: Sequence[Support]) -> None:
     marks = _marks(console)
     used = {kind for support in supports for kind in kinds(support)}
-    console.print("  ".join(f"{marks[kind]} {meaning}" for kind, meaning in MEANINGS.items() if kind in used))
+    say(console, "  ".join(f"{marks[kind]} {meaning}" for kind, meaning in MEANINGS.items() if kind in used))
 
 
 def _symbol(support: Support, console: Console) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from signorini.base.files import require_free
 from signorini.base.regular import read_regular
@@ -17,7 +18,7 @@ from signorini.errors import InputError
 from signorini.model import Model
 from signorini.output.names import CSV, JSON, PATH_CSV, PATH_JSON, PATH_PICTURE, expected_names
 
-_OURS = re.compile(r"[\w.-]+\.(vtu|png)|reactions\.csv|results\.json|combinations\.parquet")
+_OURS = re.compile(r"[\w.+-]+\.(vtu|png)|reactions\.csv|results\.json|combinations\.parquet")
 _KEYS_OF_RESULTS = {"schema", "title", "units", "model", "combinations", "seconds", "files"}
 _KEYS_OF_PATH = {"schema", "title", "units", "from", "add", "method", "ending", "stops"}
 _LARGEST_ACCOUNT = 1_000_000_000
@@ -27,7 +28,9 @@ _LARGEST_ACCOUNT = 1_000_000_000
 def former_results(directory: Path) -> list[str]:
     """Files of the results in a directory; none if its ``results.json`` is somebody else's."""
     try:
-        named = _account(directory / JSON, _KEYS_OF_RESULTS)["files"]
+        entries = _account(directory / JSON, _KEYS_OF_RESULTS)["files"]
+        # Schema 1 lists names alone.
+        named = (entry["file"] if isinstance(entry, dict) else entry for entry in entries)
         names = [name for name in named if _OURS.fullmatch(name)]
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return []
@@ -43,8 +46,8 @@ def former_path(directory: Path) -> list[str]:
     return [PATH_JSON, PATH_CSV, PATH_PICTURE]
 
 
-def _account(file: Path, keys: set[str]) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = json.loads(read_regular(file, _LARGEST_ACCOUNT))
+def _account(file: Path, keys: set[str]) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(read_regular(file, _LARGEST_ACCOUNT))
     if not keys <= found.keys():
         raise KeyError
     return found

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from signorini.analysis.combinations import Combined, Extremes, Layout
+from signorini.analysis.combinations import Combined
 from signorini.analysis.solve import Results
 from signorini.discretise.rows import Floats
 from signorini.formats.vtk import write_vtu
+from signorini.results.columns import Layout
+from signorini.results.envelope import Extremes
 from signorini.results.result import FIELDS
+from signorini.results.warnings import model_warnings, too_far
 
 TABLE, ENVELOPE = "combinations.parquet", "envelope.vtu"
 
@@ -28,8 +32,18 @@ def table_json(results: Results) -> dict[str, Any]:
         "not_unique": combined.not_unique,
         "governing": list(results.governing),
         "certificate": {**combined.certificate, "passed": True},
+        "warnings": list(table_warnings(results)),
         "unbalanced": [{"name": name, "message": message} for name, message in combined.unbalanced.items()],
     }
+
+
+def table_warnings(results: Results) -> Iterator[str]:
+    """Say what of the model, and of the largest deflections where these are enveloped, is seldom meant."""
+    yield from model_warnings(results.discretisation)
+    extremes = results.envelope.fields.get("deflection")
+    if extremes is not None:
+        down = extremes.largest >= -extremes.smallest
+        yield from too_far(results.discretisation, np.where(down, extremes.largest, extremes.smallest))
 
 
 def envelope_json(results: Results) -> dict[str, Any]:
@@ -83,6 +97,11 @@ def _support(combined: Combined, index: int) -> dict[str, Any]:
         "reaction": _both(combined, support.reaction, 0),
         "lifted": int((support.lifted > 0).sum()),
     }
+    if support.pressed is not None:
+        out |= {
+            "max_pressure": _both(combined, support.pressed, 0),
+            "contact_area": _both(combined, support.pressed, 1),
+        }
     if asked.place == "at":
         out["points"] = [
             {

@@ -17,14 +17,20 @@ PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 PRESSURE = "-pressure"
 """Ends the name of the picture of the contact pressure."""
 _LONGEST_NAME = 80
+_MINUS = re.compile(r"(?<![a-z0-9_.)\]-])-(?!-)|(?<!-)-(?![a-z0-9_.(\[-])")
+"""A dash that a name has as a sign; one between words or numbers is a hyphen, several are a rule."""
 _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 
-def file_names(results: Results) -> list[str]:
-    """Name every file of the results."""
-    endings = [".vtu", ".png", *([f"{PRESSURE}.png"] if has_areas(results) else [])]
-    together = [TABLE, *([ENVELOPE] if results.envelope.fields else [])] if results.model.tabulated else []
-    return [JSON, CSV, *together, *(f"{slug}{ending}" for _, slug in slugs(results) for ending in endings)]
+def files(results: Results) -> list[dict[str, str | None]]:
+    """Name every file of the results: the combination that it is of, None if of all, its kind and its name."""
+    endings = {"vtu": ".vtu", "picture": ".png"} | ({"pressure": f"{PRESSURE}.png"} if has_areas(results) else {})
+    together = {"results": JSON, "reactions": CSV}
+    if results.model.tabulated:
+        together |= {"table": TABLE} | ({"envelope": ENVELOPE} if results.envelope.fields else {})
+    named: list[tuple[str | None, str, str]] = [(None, kind, name) for kind, name in together.items()]
+    named += [(one.name, kind, slug + ending) for one, slug in slugs(results) for kind, ending in endings.items()]
+    return [{"combination": name, "kind": kind, "file": file} for name, kind, file in named]
 
 
 def expected_names(model: Model) -> Iterator[str]:
@@ -55,22 +61,27 @@ def slugs(results: Results) -> Iterator[tuple[Result, str]]:
 
 
 def unique_slugs(names: Iterable[str]) -> list[str]:
-    """Turn names into file names without suffix: short, of small letters, digits, dots, dashes, each once.
+    """Turn names into file names without suffix: short, of small letters, digits, dots, dashes and signs, each once.
 
-    None is another one with the ending of the picture of the pressure.
+    A plus stays, and a dash that joins no two words or numbers is a minus. None is another one with the ending of the
+    picture of the pressure.
 
     Examples
     --------
-    >>> unique_slugs(["ULS 1.35G + 1.5Q", "uls 1.35G / 1.5Q", "../été", "荷重", "con"])
-    ['uls-1.35g-1.5q', 'uls-1.35g-1.5q-2', 'ete', 'combination', 'con-2']
+    >>> unique_slugs(["ULS 1.35G + 1.5Q", "uls 1.35G+1.5Q", "../été", "荷重", "con"])
+    ['uls-1.35g+1.5q', 'uls-1.35g+1.5q-2', 'ete', 'combination', 'con-2']
+    >>> unique_slugs(["W+ lead", "W- lead", "G - 1.5 W", "x-y"])
+    ['w+lead', 'w-minus-lead', 'g-minus-1.5-w', 'x-y']
     >>> unique_slugs(["wind", "wind pressure", "snow pressure", "snow"])
     ['wind', 'wind-pressure-2', 'snow-pressure', 'snow-2']
     """
     taken: set[str] = set()
     found = []
     for name in names:
-        plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode().lower()
-        base = re.sub(r"[^a-z0-9_.]+", "-", plain)[:_LONGEST_NAME].strip("-.") or "combination"
+        plain = unicodedata.normalize("NFKD", name.replace("−", "-")).encode("ascii", "ignore").decode().lower()
+        signed = _MINUS.sub(" minus ", plain)
+        short = re.sub(r"-*\+-*", "+", re.sub(r"[^a-z0-9_.+]+", "-", signed))[:_LONGEST_NAME]
+        base = short.strip("-.") or "combination"
         slug, count = base, 1
         while {slug, slug + PRESSURE} & taken or _RESERVED.fullmatch(slug):
             count += 1

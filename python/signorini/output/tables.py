@@ -11,12 +11,13 @@ from typing import Any
 from signorini.analysis.solve import Results
 from signorini.output.cells import name_cell
 from signorini.output.envelope_json import envelope_json, table_json
-from signorini.output.names import file_names
+from signorini.output.governing import governing_json
+from signorini.output.names import files
 from signorini.results.probe_result import ProbeResult
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 
-SCHEMA = 1
+SCHEMA = 2
 _COLUMNS = (
     *("combination", "support", "kind", "point", "x", "y", "reaction", "gap", "state"),
     *("closed", "open", "contact_area", "max_pressure"),
@@ -64,16 +65,17 @@ def results_json(results: Results) -> dict[str, Any]:
             "contact_points": int((~found.contacts.two_sided).sum()),
         },
         "combinations": [_combination(result, results.limits[name]) for name, result in results.full.items()],
+        "governing_reactions": governing_json(results),
         **tabulated,
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
-        "files": file_names(results),
+        "files": files(results),
     }
 
 
 def reactions_csv(results: Results) -> str:
     """Give the reactions as a table of comma-separated values.
 
-    A row a combination and support, its ``point`` "total"; and, for point supports, a row a point. Names that a
+    A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node. Names that a
     spreadsheet would compute have an apostrophe before them.
 
     Parameters
@@ -103,6 +105,7 @@ def _combination(result: Result, limit: tuple[str, float] | None) -> dict[str, A
         "unsettled": list(result.unsettled),
         "iterations": result.iterations,
         "not_unique": [asdict(one) | {"supports": list(one.supports)} for one in result.not_unique],
+        "warnings": list(result.warnings),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         "deflection": _extremes(result) if solved else None,
         "supports": [_support(support) for support in result.supports],
@@ -123,7 +126,9 @@ def _extremes(result: Result) -> dict[str, Any]:
 def _support(support: SupportResult) -> dict[str, Any]:
     found = {"name": support.name, "kind": support.kind, **_total(support)}
     found["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
-    return found | ({"points": list(_points(support))} if support.place == "at" else {})
+    if support.area is not None:
+        return found
+    return found | {"points" if support.place == "at" else "nodes": list(_points(support))}
 
 
 def _total(support: SupportResult) -> dict[str, Any]:
@@ -138,7 +143,7 @@ def _total(support: SupportResult) -> dict[str, Any]:
 
 
 def _points(support: SupportResult) -> Iterator[dict[str, Any]]:
-    """What it does at each of its points."""
+    """What it does at each of its points; of a held edge the consistent nodal forces."""
     columns = (support.positions, support.reactions, support.gaps, support.closed)
     for at, reaction, gap, closed in zip(*(column.tolist() for column in columns), strict=True):
         yield {"at": at, "reaction": reaction, "gap": gap, "state": "closed" if closed else "open"}
@@ -157,7 +162,7 @@ def _rows(result: Result) -> Iterator[dict[str, Any]]:
         names = {"combination": name_cell(result.name), "support": name_cell(support.name)}
         row = names | {"kind": support.kind}
         yield row | {"point": "total"} | _total(support)
-        if support.place == "at":
+        if support.area is None:
             for number, point in enumerate(_points(support), start=1):
                 x, y = point.pop("at")
                 yield row | {"point": number, "x": x, "y": y} | point

@@ -78,7 +78,7 @@ def write(
                 Path(table).rename(beside / TABLE)
             (beside / CSV).write_text(reactions_csv(results), encoding="utf-8")
             (beside / JSON).write_text(json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
-            names = found["files"]
+            names = [entry["file"] for entry in found["files"]]
     except OSError as error:
         raise cannot_write(target, error) from None
     return [target / name for name in names]

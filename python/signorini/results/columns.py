@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -15,8 +16,20 @@ from signorini.model import Model
 from signorini.results.result import FIELDS, Result
 from signorini.results.support_points import SupportPoints
 
+_MOST_BEARINGS = 100
+"""Points of one support beyond which its reaction is looked at as a whole."""
+
 Column = Sequence[str] | Floats | Ints
 Named = Iterable[tuple[str, Column]]
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """What one reaction is of: point ``point`` (from 1) of a support at points, or a support as a whole."""
+
+    support: int
+    point: int | None
+    at: tuple[float, float] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +51,32 @@ class Layout:
     def point_count(self) -> int:
         """Number of points of all supports."""
         return sum(len(points.positions) for points in self.supports)
+
+    @cached_property
+    def areas(self) -> tuple[int, ...]:
+        """Which supports are areas."""
+        return tuple(index for index, support in enumerate(self.model.support) if support.area is not None)
+
+    @cached_property
+    def bearings(self) -> tuple[Bearing, ...]:
+        """Points of supports at points, of which there are not too many, and all other supports."""
+        found = []
+        for index, (support, points) in enumerate(zip(self.model.support, self.supports, strict=True)):
+            places = points.positions.tolist()
+            if support.place == "at" and 0 < len(places) <= _MOST_BEARINGS:
+                found += [Bearing(index, number, (x, y)) for number, (x, y) in enumerate(places, start=1)]
+            else:
+                found.append(Bearing(index, None, None))
+        return tuple(found)
+
+    def of_bearings(self, reaction: Floats) -> Floats:
+        """Reactions (k, b) of the bearings, from those of all points (k, p)."""
+        found = np.empty((len(reaction), len(self.bearings)))
+        for column, bearing in enumerate(self.bearings):
+            where = self.slices[bearing.support]
+            of_support = reaction[:, where]
+            found[:, column] = of_support.sum(axis=1) if bearing.point is None else of_support[:, bearing.point - 1]
+        return found
 
     @property
     def slices(self) -> list[slice]:
@@ -63,6 +102,8 @@ class Block:
         Of every point of every support.
     probes : (k, 8q) array
         Every field at every probe.
+    areas : (k, a, 2) array
+        Of every area its largest pressure, and how much of it is in contact.
     peaks, places : (k, f, 2) arrays
         Largest and smallest value of each enveloped field, and the nodes they are at.
     """
@@ -77,6 +118,7 @@ class Block:
     gap: Floats
     closed: Bools
     probes: Floats
+    areas: Floats
     peaks: Floats
     places: Ints
 
@@ -99,6 +141,7 @@ class Block:
             nan(points),
             np.zeros((count, points), np.bool_),
             nan(len(FIELDS) * len(layout.probes)),
+            nan(len(layout.areas), 2),
             nan(fields, 2),
             np.zeros((count, fields, 2), np.int64),
         )
@@ -122,6 +165,10 @@ class Block:
             self.reaction[row, where] = support.reactions
             self.gap[row, where] = support.gaps
             self.closed[row, where] = support.closed
+        for at, index in enumerate(layout.areas):
+            area = result.supports[index].area
+            assert area is not None  # the support is one
+            self.areas[row, at] = area.max_pressure, area.contact_area
         values = [(p.deflection, *p.rotation, *p.moment, *p.shear) for p in result.probes]
         self.probes[row] = np.array(values).ravel()
         for at, name in enumerate(layout.fields):
@@ -141,11 +188,16 @@ class Block:
         yield "iterations", self.iterations
         yield "not_unique", self.not_unique
         yield from loads
+        area = 0
         for where, support, points in zip(layout.slices, layout.model.support, layout.supports, strict=True):
             reaction, closed = self.reaction[:, where], self.closed[:, where]
             yield f"reaction:{support.name}", reaction.sum(axis=1)
             yield f"closed:{support.name}", np.where(self.solved, closed.sum(axis=1), 0)
             yield f"open:{support.name}", np.where(self.solved, (~closed).sum(axis=1), 0)
+            if support.area is not None:
+                yield f"max_pressure:{support.name}", self.areas[:, area, 0]
+                yield f"contact_area:{support.name}", self.areas[:, area, 1]
+                area += 1
             if support.place == "at":
                 for number in range(len(points.positions)):
                     yield f"reaction_at:{support.name}[{number + 1}]", reaction[:, number]

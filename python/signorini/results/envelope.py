@@ -51,6 +51,31 @@ class Extremes:
 
 
 @dataclass(frozen=True, eq=False)
+class Concurrent:
+    """Extremes of the reactions of bearings (b,), and of each what all bearings do in that result (b, b)."""
+
+    extremes: Extremes
+    with_largest: Floats
+    with_smallest: Floats
+
+    @classmethod
+    def none(cls, size: int) -> Concurrent:
+        """Nothing met yet."""
+        return cls(Extremes.none(size), np.full((size, size), np.nan), np.full((size, size), np.nan))
+
+    def take(self, values: Floats, who: Ints) -> None:
+        """Meet reactions (k, b) of results (k,), in rising order."""
+        largest_by, smallest_by = self.extremes.largest_by.copy(), self.extremes.smallest_by.copy()
+        self.extremes.take(values, who)
+        for now, before, beside in (
+            (self.extremes.largest_by, largest_by, self.with_largest),
+            (self.extremes.smallest_by, smallest_by, self.with_smallest),
+        ):
+            changed = np.flatnonzero(now != before)
+            beside[changed] = values[np.searchsorted(who, now[changed])]
+
+
+@dataclass(frozen=True, eq=False)
 class SupportEnvelope:
     """Extremes of one support.
 
@@ -64,12 +89,15 @@ class SupportEnvelope:
         Of what is left of the travel of every point (p,); the largest is by the result that lifts it most.
     lifted : (p,) array
         In how many results the point is open.
+    pressed : Extremes or None
+        Of an area, of its largest pressure and of the part of it in contact (2,).
     """
 
     reaction: Extremes
     points: Extremes
     gap: Extremes
     lifted: Ints
+    pressed: Extremes | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,24 +112,34 @@ class Envelope:
         In the order of the model.
     probes : Extremes
         Of every field at every probe, (8q,).
+    bearings : Concurrent
+        Of the bearings' reactions, in the order of the layout.
     """
 
     fields: dict[str, Extremes]
     supports: tuple[SupportEnvelope, ...]
     probes: Extremes
+    bearings: Concurrent
 
     @classmethod
     def none(cls, layout: Layout, nodes: int) -> Envelope:
         """Nothing met yet, on a mesh of so many nodes."""
         names = (*layout.fields, "reaction") if layout.fields else ()
-        points = (len(one.positions) for one in layout.supports)
+        points = [len(one.positions) for one in layout.supports]
         return cls(
             {name: Extremes.none(nodes) for name in names},
             tuple(
-                SupportEnvelope(Extremes.none(1), Extremes.none(p), Extremes.none(p), np.zeros(p, dtype=np.int64))
-                for p in points
+                SupportEnvelope(
+                    Extremes.none(1),
+                    Extremes.none(count),
+                    Extremes.none(count),
+                    np.zeros(count, dtype=np.int64),
+                    Extremes.none(2) if index in layout.areas else None,
+                )
+                for index, count in enumerate(points)
             ),
             Extremes.none(len(FIELDS) * len(layout.probes)),
+            Concurrent.none(len(layout.bearings)),
         )
 
     def take_fields(self, result: Result, who: Ints) -> None:
@@ -113,12 +151,16 @@ class Envelope:
         """Meet supports and probes of a block."""
         who = block.numbers[block.solved]
         self.probes.take(block.probes[block.solved], who)
+        self.bearings.take(layout.of_bearings(block.reaction[block.solved]), who)
         for where, support in zip(layout.slices, self.supports, strict=True):
             reaction = block.reaction[block.solved, where]
             support.reaction.take(reaction.sum(axis=1)[:, None], who)
             support.points.take(reaction, who)
             support.gap.take(block.gap[block.solved, where], who)
             support.lifted[:] += (~block.closed[block.solved, where]).sum(axis=0)
+        for at, index in enumerate(layout.areas):
+            if (pressed := self.supports[index].pressed) is not None:
+                pressed.take(block.areas[block.solved, at], who)
 
     def governing(self) -> dict[str, tuple[float, int, float, int]]:
         """Largest value, by which result, smallest value, and by which; of fields and of supports' reactions.

@@ -27,6 +27,7 @@ from signorini.results.marks import pressure_layer, support_mark
 from signorini.results.notebook import supports_table
 from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
 from signorini.results.support_result import SupportResult, support_result
+from signorini.results.warnings import model_warnings, result_warnings
 
 if TYPE_CHECKING:
     from signorini.plot import Axes, PressureLayer, SupportMark
@@ -62,6 +63,8 @@ class Result(Remade):
     not_unique : tuple of NotUnique
         What else would be as right, where supports repeat each other or the plate may rest elsewhere: of all these the
         least reactions, and then the least deflection, are given. Empty where this is the only answer.
+    warnings : tuple of str
+        What of the model and of this answer is seldom meant, in sentences.
     """
 
     name: str
@@ -82,6 +85,7 @@ class Result(Remade):
     supports: tuple[SupportResult, ...]
     probes: tuple[ProbeResult, ...]
     seconds: float
+    warnings: tuple[str, ...]
 
     @classmethod
     def of(
@@ -135,6 +139,7 @@ class Result(Remade):
             supports,
             tuple(probe_results(fields, found.mesh, supports, found.probes, found.probe_positions)),
             time.perf_counter() - begun,
+            result_warnings(found, load, nodal[:, 0], answer.not_unique),
         )
 
     @property
@@ -256,8 +261,8 @@ class Result(Remade):
         verdict = (
             f"{html.escape(ends)}<br>{self.method}, {self.iterations} {self.counted}; certificate {self.certificate}"
         )
-        for one in self.not_unique:
-            verdict += f"<br>not unique: {html.escape(str(one))}"
+        for sentence in self.warnings:
+            verdict += f"<br>{html.escape(sentence)}"
         table = supports_table(self.model.support, self.supports, units.force)
         return f"{title}{table}<p>{verdict}</p>"
 
@@ -286,6 +291,7 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
         (),
         (),
         0.0,
+        model_warnings(found),
     )
 
 

@@ -103,14 +103,8 @@ def support_result(
     points = SupportPoints.of(found, index)
     reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.shared)
     closed = points.closed(answer.closed)
-    area = None
-    if support.area is not None:
-        on_means = points.shares is not None or support.stiffness is None
-        stiff = on_means | _stiff(found, support, points)
-        deflection = (answer.hi + answer.lo)[::3]
-        area = AreaContact(
-            found.mesh, support, deflection, points.elements, points.weights, closed, reactions, on_means, stiff
-        )
+    deflection = (answer.hi + answer.lo)[::3]
+    area = None if support.area is None else area_contact(found, index, deflection, reactions, closed)
     return SupportResult(
         support.name,
         describe(support),
@@ -122,6 +116,18 @@ def support_result(
         points.weights,
         support.place,
         area,
+    )
+
+
+def area_contact(
+    found: Discretisation, index: int, deflection: Floats, reactions: Floats, closed: Bools
+) -> AreaContact:
+    """Give the contact of an area from the deflection (n,), and the reactions and states (k,) of its points."""
+    support, points = found.model.support[index], SupportPoints.of(found, index)
+    on_means = points.shares is not None or support.stiffness is None
+    stiff = on_means | _stiff(found, support, points)
+    return AreaContact(
+        found.mesh, support, deflection, points.elements, points.weights, closed, reactions, on_means, stiff
     )
 
 

@@ -5,6 +5,7 @@ Memory does not grow with the number of combinations.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -20,10 +21,9 @@ from signorini.contact.selection import doubtful
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Combination, Combinations, Model
 from signorini.results.columns import Block, Column, Layout
-from signorini.results.envelope import Envelope, Extremes, SupportEnvelope
+from signorini.results.envelope import Envelope
 from signorini.results.result import FIELDS, Result
-
-__all__ = ["Combined", "Envelope", "Extremes", "Layout", "SupportEnvelope", "combine"]
+from signorini.results.support_result import area_contact
 
 _MOST_ROWS = 4096
 _MOST_NUMBERS = 4_000_000
@@ -183,6 +183,8 @@ class _Run:
             if name in self.layout.fields:
                 at = self.layout.fields.index(name)
                 block.peaks[rows, at], block.places[rows, at] = peaks, places
+        if terms.deflection is not None and len(rows):
+            self._put_areas(block, rows, coefficients, terms.deflection)
         block.iterations[:] = pivots
         for row in rows:
             block.method[row] = "lemke"
@@ -204,6 +206,17 @@ class _Run:
             block.reaction[rows, where] = points.forces(held, reaction)
             block.gap[rows, where] = points.gaps(gap[rows])
             block.closed[rows, where] = points.closed(closed[rows])
+
+    def _put_areas(self, block: Block, rows: Ints, coefficients: Floats, deflections: Floats) -> None:
+        """Pressures and extents of areas in rows that are sums of deflections (b, n)."""
+        found, layout = self.problem.discretisation, self.layout
+        for some in np.array_split(np.arange(len(rows)), math.ceil(len(rows) * deflections.shape[1] / _MOST_NUMBERS)):
+            every = _core.superpose(np.ascontiguousarray(coefficients[some]), deflections)
+            for row, deflection in zip(rows[some], every, strict=True):
+                for at, index in enumerate(layout.areas):
+                    where = layout.slices[index]
+                    area = area_contact(found, index, deflection, block.reaction[row, where], block.closed[row, where])
+                    block.areas[row, at] = area.max_pressure, area.contact_area
 
     def _unbalanced(self, name: str, message: str) -> None:
         self._without_equilibrium += 1

@@ -39,6 +39,8 @@ class Terms:
         Every field at every probe.
     fixed : (b, f) array
         Upward force of held nodes and springs, support by support.
+    deflection : (b, n) array or None
+        Where the plate rests on areas.
     proof : Proof
         What certificates are made of.
     """
@@ -48,6 +50,7 @@ class Terms:
     fields: dict[str, Floats]
     probes: Floats
     fixed: Floats
+    deflection: Floats | None
     proof: Proof
 
 
@@ -98,6 +101,9 @@ class _Measured:
         self._fields: list[Floats] = []
         self._probes: list[Floats] = []
         self._fixed: list[Floats] = []
+        self._deflections: list[Floats] | None = (
+            [] if any(support.area is not None for support in found.model.support) else None
+        )
         self._sizes: list[Sizes] = []
 
     def add(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> None:
@@ -130,6 +136,8 @@ class _Measured:
         kept = [every[:, FIELDS.index(name)] for name in self._names]
         if self._names:
             kept.append(on_plate[::3])
+        if self._deflections is not None:
+            self._deflections.append(every[:, 0])
         self._fields.append(np.array(kept).reshape(len(kept), found.mesh.node_count))
         at_probes = np.einsum("qi,qif->qf", self._values, every[found.mesh.elements[found.probes.elements]])
         self._probes.append(at_probes.ravel())
@@ -142,7 +150,8 @@ class _Measured:
         names = [*self._names, "reaction"] if self._names else []
         fields = {name: np.array([field[i] for field in self._fields]) for i, name in enumerate(names)}
         proof = Proof.of(self._found, self._sizes)
-        return Terms(cases, shared, fields, _table(self._probes), _table(self._fixed), proof)
+        deflection = None if self._deflections is None else _table(self._deflections)
+        return Terms(cases, shared, fields, _table(self._probes), _table(self._fixed), deflection, proof)
 
 
 def _table(rows: Iterable[Floats]) -> Floats:

@@ -1,0 +1,54 @@
+"""Which combinations give the largest and the smallest reaction of each bearing, and what the others do in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from signorini.analysis.solve import Results
+from signorini.results.columns import Bearing
+
+
+@dataclass(frozen=True)
+class Governing:
+    """One extreme of one bearing: the combination, and the reactions of all bearings in it, in their order."""
+
+    bearing: Bearing
+    largest: bool
+    combination: str
+    own: float
+    reactions: tuple[float, ...]
+
+
+def governing_reactions(results: Results) -> list[Governing]:
+    """Give the extremes of every bearing, the largest before the smallest; of equals the first combination's."""
+    bearings, found = results.combined.layout.bearings, results.envelope.bearings
+    sides = (
+        (True, found.extremes.largest_by, found.with_largest),
+        (False, found.extremes.smallest_by, found.with_smallest),
+    )
+    return [
+        Governing(bearing, largest, results.key(int(by[at])), float(beside[at, at]), tuple(beside[at].tolist()))
+        for at, bearing in enumerate(bearings)
+        for largest, by, beside in sides
+    ]
+
+
+def governing_json(results: Results) -> list[dict[str, Any]]:
+    """Give the key "governing_reactions" of results.json."""
+    model = results.discretisation.model
+    every = governing_reactions(results)
+    return [
+        {
+            "support": model.support[high.bearing.support].name,
+            "point": high.bearing.point,
+            "at": None if high.bearing.at is None else list(high.bearing.at),
+            **_side("max", high),
+            **_side("min", low),
+        }
+        for high, low in zip(every[::2], every[1::2], strict=True)
+    ]
+
+
+def _side(side: str, one: Governing) -> dict[str, Any]:
+    return {side: one.own, f"{side}_by": one.combination, f"{side}_with": list(one.reactions)}

@@ -1,0 +1,152 @@
+"""What a model or an answer may say that nobody meant, in sentences: it is solved all the same."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from signorini.contact.answer import NotUnique
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.places import region
+from signorini.discretise.rows import Floats
+from signorini.model import Support
+from signorini.results.support_points import SupportPoints
+from signorini.shapes.depths import depth
+
+_NEWTONS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "MN": 1e6, "kgf": 9.80665, "lbf": 4.4482216, "lb": 4.4482216}
+_NEWTONS |= {"tf": 9806.65, "kip": 4448.2216, "kips": 4448.2216}
+_METRES = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "in": 0.0254, "ft": 0.3048}
+_SOFTEST, _STIFFEST = 1e8, 1e12
+"""Pascals between which Young's moduli of plates are: rubber is softer, and hardly anything stiffer than diamond."""
+_SAME_PLACE = 1e-9
+"""Part of the plate's size within which two points are one."""
+_INSIDE = 1e-6
+"""Part of the plate's size by which a point of one area must be inside another: areas that touch do not overlap."""
+_NO_FORCE = 1e-12
+"""Part of the forces that act below which their sum is rounding."""
+
+
+def model_warnings(found: Discretisation) -> tuple[str, ...]:
+    """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place.
+
+    Examples
+    --------
+    >>> from signorini import Model
+    >>> from signorini.discretise import discretise
+    >>> model = Model(
+    ...     units={"length": "m", "force": "kN"},
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     support=[{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
+    ...     load=[{"pressure": 5}],
+    ... )
+    >>> model_warnings(discretise(model))
+    ('E = 3e+10 kN/m² is 3e+13 Pa, and what plates are made of has 1e+08 to 1e+12: was another unit meant?',)
+    """
+    if found not in _KNOWN:
+        _KNOWN[found] = (*_unit_of_modulus(found), *_one_element(found), *_one_place(found), *_overlaps(found))
+    return _KNOWN[found]
+
+
+def result_warnings(
+    found: Discretisation, load: CaseLoad, deflection: Floats, not_unique: Sequence[NotUnique]
+) -> tuple[str, ...]:
+    """Say what of one combination is seldom meant, behind what is of the model."""
+    warned = [*model_warnings(found), *no_resultant(load), *too_far(found, deflection)]
+    return (*warned, *(f"{str(one)[0].upper()}{str(one)[1:]}." for one in not_unique))
+
+
+def no_resultant(load: CaseLoad) -> Iterator[str]:
+    """Whether forces act that sum to zero, or nothing acts at all."""
+    if load.curvature.any():
+        return
+    forces = load.nodal[::3]
+    total = float(np.abs(forces).sum())
+    if total and abs(forces.sum()) <= _NO_FORCE * total:
+        yield "The load's resultant is zero: its forces cancel each other. Is each of the sign that is meant?"
+    elif not load.nodal.any():
+        yield "No load acts."
+
+
+def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
+    """Whether some deflection (n,) is beyond the thickness, where the theory of small deflections ends."""
+    elements = found.mesh.elements
+    thickness = np.broadcast_to(found.thickness.at_points.min(axis=1), len(elements))
+    at = int((np.abs(deflection[elements]).max(axis=1) / thickness).argmax())
+    node = elements[at, int(np.abs(deflection[elements[at]]).argmax())]
+    if abs(deflection[node]) > thickness[at]:
+        unit = found.model.units.length and f" {found.model.units.length}"
+        x, y = found.mesh.points[node]
+        yield (
+            f"The deflection at [{x:.6g}, {y:.6g}], {deflection[node]:.4g}{unit}, is beyond the thickness, "
+            f"{thickness[at]:.4g}{unit}: the theory is of small ones. Are E, thickness and loads in the same units?"
+        )
+
+
+def _unit_of_modulus(found: Discretisation) -> Iterator[str]:
+    units, modulus = found.model.units, found.model.material.E
+    if units.force not in _NEWTONS or units.length not in _METRES:
+        return
+    pascals = modulus * _NEWTONS[units.force] / _METRES[units.length] ** 2
+    if not _SOFTEST <= pascals <= _STIFFEST:
+        yield (
+            f"E = {modulus:.4g} {units.force}/{units.length}² is {pascals:.4g} Pa, and what plates are made of has "
+            f"{_SOFTEST:.0e} to {_STIFFEST:.0e}: was another unit meant?"
+        )
+
+
+def _one_element(found: Discretisation) -> Iterator[str]:
+    mesh = found.mesh
+    if len(mesh.elements) == 1:
+        yield "The mesh is one element, which says little of how the plate bends. Take more."
+    elif np.isin(mesh.elements[:, :4], mesh.sides[mesh.on_boundary]).all():
+        yield "The mesh is one element wide, which says little of how the plate bends across. Take more."
+
+
+def _one_place(found: Discretisation) -> Iterator[str]:
+    model = found.model
+    rigid = [i for i, s in enumerate(model.support) if s.place == "at" and s.stiffness is None]
+    places = [SupportPoints.of(found, index).positions for index in rigid]
+    within = _SAME_PLACE * found.mesh.size
+    for (one, here), (other, there) in combinations(zip(rigid, places, strict=True), 2):
+        near = (np.abs(here[:, None] - there) <= within).all(axis=-1).any(axis=-1)
+        if near.any() and _alike(model.support[one], model.support[other]):
+            x, y = here[near][0]
+            yield (
+                f"{model.support[one].name} and {model.support[other].name} both hold the plate rigidly at "
+                f"[{x:.6g}, {y:.6g}]: how they share its reaction is a convention."
+            )
+
+
+def _overlaps(found: Discretisation) -> Iterator[str]:
+    model = found.model
+    elastic = [i for i, s in enumerate(model.support) if s.area is not None and s.stiffness is not None]
+    for one, other in combinations(elastic, 2):
+        if _alike(model.support[one], model.support[other]) and (
+            _reaches(found, one, other) or _reaches(found, other, one)
+        ):
+            yield (
+                f"The areas of {model.support[one].name} and {model.support[other].name} overlap: where they do, their "
+                "stiffness adds."
+            )
+
+
+def _alike(one: Support, other: Support) -> bool:
+    """Whether both may push, or pull, at once."""
+    return {one.resists, other.resists} != {"down", "up"}
+
+
+def _reaches(found: Discretisation, one: int, other: int) -> bool:
+    """Whether an area has points inside another."""
+    points, others = SupportPoints.of(found, one), SupportPoints.of(found, other)
+    positions = points.positions[np.isin(points.elements, others.elements)]
+    of_other = region(found.model.support[other].area)
+    if of_other is None or not len(positions):
+        return len(positions) > 0
+    return bool((depth(of_other, positions) > _INSIDE * found.mesh.size).any())
+
+
+_KNOWN: WeakKeyDictionary[Discretisation, tuple[str, ...]] = WeakKeyDictionary()

@@ -1,0 +1,165 @@
+"""What the terminal shows: it fits, breaks no number, says what governs, and ends quietly."""
+
+import io
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+from typer.testing import CliRunner
+
+import signorini
+from signorini.analysis.check import check
+from signorini.cli import app
+from signorini.cli.cells import number, point
+from signorini.cli.events import print_path
+from signorini.cli.grid import Column, Grid, numbers
+from signorini.cli.tables import print_check, print_results
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+WIDE = 100_000
+
+
+def model(count: int, **changes: object) -> signorini.Model:
+    data = {
+        "title": "Slab on pads, with a title that is longer than a narrow terminal shows on a line",
+        "units": {"length": "m", "force": "kN"},
+        "material": {"E": 30e6, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        "mesh": {"divisions": [4, 4]},
+        "support": [
+            {"name": "pads", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"},
+            {"name": "prop in the middle", "at": [2, 2], "resists": "down", "gap": 1e-3, "stiffness": 1e4},
+            {"name": "soil", "area": {"rectangle": [0, 0, 1, 1]}, "resists": "down", "stiffness": 1e3},
+        ],
+        "load": [{"case": "G", "pressure": 5.123}, {"case": "Q", "force": 80, "at": [0.2, 0.3]}],
+        "combination": [
+            {"name": f"ULS {i + 1}: 1.35 G + {i / 8} Q", "factors": {"G": 1.35, "Q": i / 8}} for i in range(count)
+        ],
+        "probe": [{"at": [[2, 2], [1 / 3, 1 / 3], [3.5, 2.25]]}],
+    }
+    return signorini.validate(data | changes)
+
+
+def shown(printed: object, found: object, width: int) -> str:
+    console = Console(file=io.StringIO(), width=width, markup=False, highlight=False, emoji=False, soft_wrap=True)
+    printed(console, found)  # type: ignore[operator]
+    return console.file.getvalue()  # type: ignore[attr-defined,no-any-return]
+
+
+def figures(text: str) -> set[str]:
+    """Every number with more than three digits, whole words only."""
+    return set(re.findall(r"(?<!\S)-?\d[\d.]{3,}(?:e[-+]\d+)?(?!\S)", text))
+
+
+def held(printed: object, found: object) -> None:
+    wide = shown(printed, found, WIDE)
+    for width in (40, 80, 120):
+        text = shown(printed, found, width)
+        assert max(map(len, text.splitlines())) <= width
+        assert figures(text) >= figures(wide), (width, figures(wide) - figures(text))
+
+
+@pytest.mark.parametrize("count", [1, 2, 8, 40])
+def test_no_number_is_broken_on_a_terminal_of_any_width(count: int) -> None:
+    results = signorini.solve(model(count))
+    # With eight combinations on the summary leaves out columns that the tables of each combination have.
+    held(print_results, results)
+    held(print_check, check(results.discretisation.model))
+
+
+def test_nor_in_a_path() -> None:
+    held(print_path, signorini.path(model(1), add="Q", start="G", until=1))
+
+
+@pytest.mark.parametrize("file", ["slab_on_points", "base_plate", "disc_on_ring"])
+def test_nor_in_the_examples(file: str) -> None:
+    held(print_check, check(signorini.load(EXAMPLES / f"{file}.toml")))
+
+
+def test_a_table_drops_spare_columns_and_then_turns() -> None:
+    grid = Grid([Column("support"), Column("kind", spare=True), *numbers("reaction [kN]", "gap [m]")])
+    for name in ("pads", "props"):
+        grid.add(name, "points, pushes up only, rigid", "-1234.5678", "0.000123456")
+    lines = {width: shown(lambda console, _: grid.show(console), None, width).splitlines() for width in (80, 40, 30)}
+    assert lines[80][0].split() == ["support", "kind", "reaction", "[kN]", "gap", "[m]"]
+    assert lines[40][0].split() == ["support", "reaction", "[kN]", "gap", "[m]"]
+    assert [line.split()[0] for line in lines[30] if line[:1].isalpha()][:4] == ["support", "kind", "reaction", "gap"]
+    for each in lines.values():
+        assert sum("-1234.5678" in line for line in each) in (1, 2)
+
+
+@pytest.mark.parametrize(("count", "first"), [(7, "solved by"), (8, "largest deflection [m]"), (13, "field")])
+def test_from_eight_combinations_on_a_summary_comes_first(count: int, first: str) -> None:
+    lines = shown(print_results, signorini.solve(model(count)), 200).splitlines()
+    assert any(first in line for line in lines[3:6])
+    assert (first in lines[3]) == (count <= 8)
+    governing = [line for line in lines if line.startswith("largest pads[1]")]
+    assert len(governing) == (count >= 8)
+    if governing:
+        # The largest reaction comes with the largest Q; beside it those of the five others.
+        assert f"ULS {count}: 1.35 G + {(count - 1) / 8} Q" in governing[0]
+        assert len(governing[0].partition(" Q ")[2].split()) == 6
+
+
+def test_point_reactions_are_shown_and_noise_is_zero() -> None:
+    assert (number(-1.7e-10, 8109.0), number(1.7e-3, 8109.0)) == ("0", "0.0017")
+    assert point([-5.7985, -1.4e-14], 12.0) == "[-5.7985, 0]"
+    results = signorini.solve(model(1))
+    lines = shown(print_results, results, 200).splitlines()
+    result = results["ULS 1: 1.35 G + 0.0 Q"]
+    rows = [line.split() for line in lines if line.startswith("pads[")]
+    assert [float(row[3]) for row in rows] == pytest.approx(result.supports[0].reactions, rel=1e-5)
+    (prop,) = (line for line in lines if line.startswith("prop in the middle "))
+    assert prop.split()[-3:] == ["0", number(float(result.supports[1].gaps[0])), "open"]
+
+
+def test_warnings_are_printed_once_after_the_tables() -> None:
+    thick = signorini.solve(model(3, material={"E": 3e3, "nu": 0.2}))
+    lines = shown(print_results, thick, WIDE).splitlines()
+    said = [line for line in lines if line.startswith("Warning")]
+    assert len([line for line in said if "E = 3000 kN/m²" in line]) == 1
+    assert lines.index(said[0]) > max(i for i, line in enumerate(lines) if line.startswith("certificate"))
+    assert any(re.match(r"Warning \(ULS 3: 1.35 G \+ 0.25 Q\): The deflection at ", line) for line in said)
+    assert "Warning: E = 3000 kN/m²" in shown(print_check, check(thick.discretisation.model), WIDE)
+
+
+@pytest.mark.parametrize("command", [[], ["solve"], ["check"], ["path"], ["schema"]])
+def test_help_has_an_example_and_is_not_cut(command: list[str]) -> None:
+    text = CliRunner().invoke(app, [*command, "--help"], env={"COLUMNS": "80"}, terminal_width=80).stdout
+    assert f"Example: signorini {command[0] if command else 'solve'} " in " ".join(text.split())
+    assert "..." not in text.replace("[ARGS]...", "")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a closed pipe is of POSIX")
+@pytest.mark.parametrize(("factor", "code"), [(1, 0), (-1, 3)])
+def test_head_ends_a_run_quietly_with_its_code(tmp_path: Path, factor: int, code: int) -> None:
+    support = '[[support]]\nat = [[1, 1], [3, 1], [2, 3]]\nresists = "down"\n'
+    (tmp_path / "slab.toml").write_text(
+        'title = "first"\nmaterial = { E = 30e9, nu = 0.2 }\n'
+        'plate = { shape = "rectangle", size = [4, 4], thickness = 0.2 }\nmesh = { divisions = [2, 2] }\n'
+        f'{support}[[load]]\npressure = 1e3\n[[combination]]\nname = "a"\nfactors = {{ load = 1 }}\n'
+        f'[[combination]]\nname = "b"\nfactors = {{ load = {factor} }}\n'
+    )
+    command = f"{sys.executable} -m signorini solve slab.toml | head -1; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (code, "first\n")
+    assert (done.stderr == "") == (code == 0) and "Traceback" not in done.stderr and "Errno" not in done.stderr
+
+
+def test_of_many_points_the_largest_and_those_that_are_open_are_shown() -> None:
+    many = {"name": "feet", "at": [[x, y] for x in range(5) for y in range(5)], "resists": "down"}
+    results = signorini.solve(model(9, support=[many]))
+    result = results["ULS 9: 1.35 G + 1.0 Q"]
+    (support,) = result.supports
+    lines = shown(print_results, results, WIDE).splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith("ULS 9: 1.35 G + 1.0 Q: solved"))
+    rows = [line.split() for line in lines[at:] if line.startswith("feet[")]
+    wanted = sorted(np.abs(support.reactions))[-20:]
+    assert sorted(float(row[3]) for row in rows) == pytest.approx(wanted, rel=1e-5, abs=1e-9)
+    assert "and 5 more points of smaller reactions, all in reactions.csv" in lines[at:]
+    assert any(line.startswith("feet, open: [") for line in lines[at:]) == (0 < support.open_count <= 8)
