@@ -1,4 +1,5 @@
 //! Lemke's algorithm with the lexicographic ratio test.
+use super::pivoting::BasicValues;
 use super::problem::{Lcp, LcpError, LcpSolution, LcpStatus};
 use super::ratio_test::{Stuck, choose, first_row};
 use super::scaling::{CoveredLcp, Scaling};
@@ -100,7 +101,8 @@ fn solve(
     let scaling = Scaling::of(lcp);
     let problem = scaling.scale(lcp, options.covering);
     let solved = |basis: Vec<bool>, pivots: usize| {
-        let Some((mut z, mut w)) = problem.basic_solution(&basis)? else { return Ok(None) };
+        let Some(found) = problem.basic_solution(&basis)? else { return Ok(None) };
+        let BasicValues { mut z, mut w, .. } = found;
         scaling.unscale_z(&mut z);
         scaling.unscale_w(&mut w);
         // Numbers near the largest of f64 overflow.

@@ -3,7 +3,7 @@ use faer::{Mat, MatMut};
 
 use super::kernels::vectorized;
 use super::scaling::CoveredLcp;
-use super::tableau::Tableau;
+use super::tableau::{Parts, Tableau};
 use super::tolerances;
 use crate::dense::{Lu, OutOfMemory, matrix};
 use crate::double_double::DoubleDouble;
@@ -23,16 +23,16 @@ impl CoveredLcp<'_> {
         if !tableau.exchange_block(&exchanged, &exchanged)? {
             return Ok(None);
         }
-        let (matrix, covering, q) = tableau.into_parts()?;
+        let Parts { matrix, covering, q } = tableau.into_parts()?;
         Ok(Some(CoveredLcp { matrix: matrix.into(), units: vec![1.0; self.order()].into(), q, covering }))
     }
 
     /// z and w at a complementary basis; None if it is singular or infeasible. What is negative by rounding becomes zero.
-    pub(super) fn basic_solution(&self, basis: &[bool]) -> Result<Option<(Vec<f64>, Vec<f64>)>, OutOfMemory> {
+    pub(super) fn basic_solution(&self, basis: &[bool]) -> Result<Option<BasicValues>, OutOfMemory> {
         let Some(basis) = Basis::of(self, basis)? else { return Ok(None) };
-        let Some(BasicValues { mut z, mut w, feasible }) = basis.values(self)? else { return Ok(None) };
-        z.iter_mut().chain(&mut w).for_each(|x| *x = x.max(0.0));
-        Ok(feasible.then_some((z, w)))
+        let Some(mut found) = basis.values(self)?.filter(|found| found.feasible) else { return Ok(None) };
+        found.z.iter_mut().chain(&mut found.w).for_each(|x| *x = x.max(0.0));
+        Ok(Some(found))
     }
 
     /// M′_αα for the indices α; by eight rows at a time, because M lies by rows and the block by columns.

@@ -258,11 +258,12 @@ impl Tableau {
 
     /// T without the artificial variable's column, row-major, that column, and the values; meant for a tableau with no
     /// exchange pending.
-    pub(super) fn into_parts(mut self) -> Result<(Vec<f64>, Vec<f64>, Vec<f64>), OutOfMemory> {
+    pub(super) fn into_parts(mut self) -> Result<Parts, OutOfMemory> {
         self.values.truncate(self.order);
         let entry = |i: usize, j: usize| self.base[i * self.stride + j];
         let matrix = row_major(self.order, self.order, entry)?;
-        Ok((matrix, (0..self.order).map(|i| entry(i, self.order)).collect(), self.values))
+        let covering = (0..self.order).map(|i| entry(i, self.order)).collect();
+        Ok(Parts { matrix, covering, q: self.values })
     }
 
     fn swap_variables(&mut self, r: usize, s: usize) {
@@ -270,6 +271,13 @@ impl Tableau {
         self.place[self.row_variable[r]] = r;
         self.place[self.column_variable[s]] = self.order + s;
     }
+}
+
+/// A problem as its tableau reads it.
+pub(super) struct Parts {
+    pub(super) matrix: Vec<f64>,
+    pub(super) covering: Vec<f64>,
+    pub(super) q: Vec<f64>,
 }
 
 /// faer 0.24.4's own `from_row_major_slice_with_stride_mut` takes its stride for that of the columns.
