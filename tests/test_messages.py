@@ -1,5 +1,7 @@
 """What a new user is told who writes something wrong: what was found, what is allowed, what to do, and where."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -37,7 +39,9 @@ def told(tmp_path, text):
     file.write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as caught:
         discretise(load(file))
-    return str(with_line(caught.value, file))
+    found = str(with_line(caught.value, file))
+    assert re.search(r"(slab\.toml:\d+: )\1", found) is None
+    return found
 
 
 @pytest.mark.parametrize(
@@ -104,7 +108,7 @@ def test_a_slip_in_braces_is_told_what_to_write(tmp_path, written, says):
         ("factors = { load = 1 }\n[material]", "[material]", "It belongs in [[combination]]."),
         ("rectangle = [0, 0, 1, 1]\nresists", "resists", "It goes within area: area = { rectangle = ... }."),
         ("moment = 5\nat = [1, 1]", "pressure = 2e3", "load[1].moment: found 5; it must be [mx, my]"),
-        ('force = 1\nedge = "left"', "pressure = 2e3", "edge does not go with force, which goes with at."),
+        ('force = 1\nedge = "left"', "pressure = 2e3", "edge does not go with force, which goes with at or nodes."),
         (LOAD, LOAD + "[x]\n", "'load' is missing. The loads, at least one. Write it under [[load]]."),
     ],
 )

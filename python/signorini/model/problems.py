@@ -55,8 +55,7 @@ class Problem:
         """
         error = InputError(self.message, self.path)
         error.place += f' ("{self.label}")' if self.label else ""
-        error.place = f"{source}:{line}: {error.place}" if line else error.place
-        return error
+        return InputError(self.message, place=f"{source}:{line}: {error.place}") if line else error
 
 
 def explained(
