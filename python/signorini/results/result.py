@@ -23,6 +23,7 @@ from signorini.errors import InputError
 from signorini.formats.vtk import displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
 from signorini.model import Model
+from signorini.results.contact_field import Pressures
 from signorini.results.marks import pressure_layer, support_mark
 from signorini.results.notebook import supports_table
 from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
@@ -52,7 +53,8 @@ class Result(Remade):
     shear : (n, 2) array
         qx, qy.
     nodal_reaction : (n,) array
-        Upward force of every support on every node that it acts on.
+        Upward force of the supports at points, along lines and edges on every node that they act on. Areas have
+        pressures instead.
     method : str
         "lemke", "active_set" or "interior_point".
     unsettled : tuple of str
@@ -111,7 +113,9 @@ class Result(Remade):
             imbalance = found.plate.residual(found.springs.arrays, load.nodal, hi, lo)
             held_force = np.where(found.held.dofs, imbalance - spread, 0.0)
         pull = found.spring_forces(hi, lo)
-        nodal_reaction = held_force + spread + found.spring_rows.T @ pull
+        points, springs = found.off_areas
+        nodal_reaction = held_force + found.point_rows.T @ (points * answer.shared)
+        nodal_reaction += found.spring_rows.T @ (springs * pull)
         supports = tuple(
             support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
         )
@@ -235,14 +239,19 @@ class Result(Remade):
             "rotation": np.column_stack([self.rotation, np.zeros(len(self.rotation))]),
             "moment": self.moment,
             "shear": np.column_stack([self.shear, np.zeros(len(self.shear))]),
-            "reaction": self.nodal_reaction,
         }
-        areas = [support.area for support in self.supports if support.area is not None]
-        elastic = [area.nodal_pressure for area in areas if area.support.stiffness is not None]
-        rigid = [area.element_pressure for area in areas if area.support.stiffness is None]
-        if elastic:
-            data["contact_pressure"] = sum(elastic, np.zeros(self.mesh.node_count))
-        of_elements = {"rigid_contact_pressure": sum(rigid, np.zeros(len(self.mesh.elements)))} if rigid else None
+        of_elements = {}
+        if any(support.area is None for support in self.supports):
+            data["reaction"] = self.nodal_reaction
+        if areas := [support.area for support in self.supports if support.area is not None]:
+            pressures, forces = Pressures(areas), [area.reactions for area in areas]
+            if any(area.support.stiffness is not None for area in areas):
+                on = pressures.nodes
+                data["contact_pressure"] = np.zeros(self.mesh.node_count)
+                data["contact_pressure"][on] = pressures.at_nodes(self.deflection[on], forces)
+            if any(area.support.stiffness is None for area in areas):
+                of_elements["rigid_contact_pressure"] = np.zeros(len(self.mesh.elements))
+                of_elements["rigid_contact_pressure"][pressures.elements] = pressures.on_elements(forces)
         write_vtu(path, self.mesh.points, self.mesh.elements, data, of_elements)
 
     def _repr_html_(self) -> str:

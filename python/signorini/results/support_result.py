@@ -103,25 +103,34 @@ def support_result(
     points = SupportPoints.of(found, index)
     reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.shared)
     closed = points.closed(answer.closed)
+    centres, deflection = points.centres(found, answer.shared), (answer.hi + answer.lo)[::3]
     area = None
     if support.area is not None:
-        on_means = points.shares is not None or support.stiffness is None
-        stiff = on_means | _stiff(found, support, points)
-        deflection = (answer.hi + answer.lo)[::3]
-        area = AreaContact(
-            found.mesh, support, deflection, points.elements, points.weights, closed, reactions, on_means, stiff
-        )
+        area = area_contact(found, index, deflection, centres, closed, reactions)
     return SupportResult(
         support.name,
         describe(support),
         float(reactions.sum()),
-        points.centres(found, answer.shared),
+        centres,
         reactions,
         points.gaps(answer.gap),
         closed,
         points.weights,
         support.place,
         area,
+    )
+
+
+def area_contact(
+    found: Discretisation, index: int, deflection: Floats, positions: Floats, closed: Bools, reactions: Floats
+) -> AreaContact:
+    """Contact of an area, from the deflection (n,) and what its points (q,) do."""
+    support, points = found.model.support[index], SupportPoints.of(found, index)
+    on_means = points.shares is not None or support.stiffness is None
+    stiff = on_means | _stiff(found, support, points)
+    return AreaContact(
+        *(found.mesh, support, deflection, positions, points.elements, points.weights),
+        *(closed, reactions, on_means, stiff),
     )
 
 

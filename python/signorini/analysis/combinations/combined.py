@@ -19,9 +19,13 @@ from signorini.contact.certificate import FIGURES, TOLERANCE
 from signorini.contact.dependence import Dependence
 from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import doubtful
+from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Combination, Combinations
+from signorini.results.contact_field import AreaContact, Pressures
 from signorini.results.result import FIELDS, Result
+from signorini.results.support_points import SupportPoints
+from signorini.results.support_result import area_contact
 
 __all__ = ["Combined", "Envelope", "Extremes", "Layout", "SupportEnvelope", "combine"]
 
@@ -112,7 +116,7 @@ def combine(
     layout = Layout.of(found, [name for name in FIELDS if name in asked])
     run = _Run(problem, layout, single, several)
     combinations = found.model.effective_combinations
-    width = layout.point_count * 3 + len(FIELDS) * len(layout.probes) + len(run.cases) + 20
+    width = layout.point_count * 3 + 2 * len(run.pressures.nodes) + len(FIELDS) * len(layout.probes) + len(run.cases) + 20
     rows = int(np.clip(_MOST_NUMBERS // width, 16, _MOST_ROWS))
     for first in range(0, len(combinations), rows):
         begin(combinations[first].name)
@@ -135,15 +139,20 @@ class _Run:
         self.terms: Terms | None = None
         # Where nodes are held together their forces are shared alike in every combination.
         self._always = "reactions" if Dependence.of(found).held_together else ""
+        every = [index for index, support in enumerate(found.model.support) if support.area is not None]
+        self.areas = {index: _at_rest(found, index) for index in every}
+        self.pressures = Pressures(list(self.areas.values()))
         if problem.method == "lemke" and _worth_while(problem, len(found.model.effective_combinations)):
-            self.terms = terms_of(problem, self.cases, layout.fields)
+            self.terms = terms_of(problem, self.cases, layout.fields, self.pressures.nodes)
         nodes = found.mesh.node_count
+        names = list(layout.fields)
+        if names and len(self.areas) < len(found.model.support):
+            names.append("reaction")
+        on = {"contact_pressure": self.pressures.nodes, "rigid_contact_pressure": self.pressures.elements}
         self.envelope = Envelope(
-            {name: Extremes.none(nodes) for name in ((*layout.fields, "reaction") if layout.fields else ())},
-            tuple(
-                SupportEnvelope(Extremes.none(1), Extremes.none(p), Extremes.none(p), np.zeros(p, dtype=np.int64))
-                for p in (len(points.positions) for points in layout.supports)
-            ),
+            {name: Extremes.none(nodes) for name in names},
+            {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
+            tuple(map(self._none, range(len(found.model.support)))),
             Extremes.none(len(FIELDS) * len(layout.probes)),
         )
         self.solved = self.alone = self.not_unique = 0
@@ -151,9 +160,19 @@ class _Run:
         self.unbalanced: dict[str, str] = {}
         self._without_equilibrium = 0
 
+    def _none(self, index: int) -> SupportEnvelope:
+        """Nothing met yet by a support."""
+        p, area, places = len(self.layout.supports[index].positions), self.areas.get(index), np.zeros((0, 2))
+        if area is not None:
+            places = area.measured(area.deflection[area.on_nodes], area.reactions)[1]
+        lifted = np.zeros(p, dtype=np.int64)
+        pressure = Extremes.none(len(places))
+        return SupportEnvelope(Extremes.none(1), Extremes.none(p), Extremes.none(p), lifted, pressure, places)
+
     def solve(self, block: Block) -> None:
         """Fill a block, and widen the envelope by it."""
-        rows = self._sums(block, self.terms) if self.terms is not None else range(len(block.combinations))
+        on_areas = np.full((len(block.combinations), len(self.pressures.nodes)), np.nan)
+        rows = self._sums(block, self.terms, on_areas) if self.terms is not None else range(len(block.combinations))
         left = [block.combinations[row] for row in rows]
         together = self.problem.method == "active_set"
         for row, result in zip(
@@ -162,6 +181,7 @@ class _Run:
             block.put(row, self.layout, result)
             if block.solved[row]:
                 self._take_fields(result, block.numbers[row : row + 1])
+                on_areas[row] = result.deflection[self.pressures.nodes]
             else:
                 self._unbalanced(result.name, result.message)
         self.solved += int(block.solved.sum())
@@ -175,14 +195,32 @@ class _Run:
             support.points.take(reaction, who)
             support.gap.take(block.gap[block.solved, where], who)
             support.lifted[:] += (~block.closed[block.solved, where]).sum(axis=0)
+        if self.areas and block.solved.any():
+            self._take_pressures(block, on_areas[block.solved])
+
+    def _take_pressures(self, block: Block, deflection: Floats) -> None:
+        """Widen the envelope by the pressures of areas, whose nodes have deflections (solved, k)."""
+        who, slices = block.numbers[block.solved], self.layout.slices
+        forces = [block.reaction[block.solved, slices[index]] for index in self.areas]
+        for (index, area), force in zip(self.areas.items(), forces, strict=True):
+            own = np.searchsorted(self.pressures.nodes, np.flatnonzero(area.on_nodes))
+            at = deflection[:, own] if area.support.stiffness is not None else deflection[:, :0]
+            self.envelope.supports[index].pressure.take(area.measured(at, force)[0], who)
+        for name, (_, extremes) in self.envelope.pressures.items():
+            elastic = name == "contact_pressure"
+            pressures = self.pressures
+            extremes.take(pressures.at_nodes(deflection, forces) if elastic else pressures.on_elements(forces), who)
 
     def _alone(self, combination: Combination) -> Result:
         result = self.single(combination)
         self.alone += result.status == "solved"
         return result
 
-    def _sums(self, block: Block, terms: Terms) -> Sequence[int]:
-        """Solve what sums of responses are certain of; return the rows that are left."""
+    def _sums(self, block: Block, terms: Terms, on_areas: Floats) -> Sequence[int]:
+        """Solve what sums of responses are certain of; return the rows that are left.
+
+        Fill the deflections (k, n) on elastic areas.
+        """
         factors = _factors(block.combinations, terms.cases)
         verdict, pushes, reaction, gap, closed, pivots = _core.combine(self.problem.core, terms.shared, factors)
         rows = np.flatnonzero(verdict == 0)
@@ -194,6 +232,7 @@ class _Run:
         block.solved[rows] = True
         block.certificate[rows] = figures[certain]
         block.probes[rows] = _core.superpose(coefficients, terms.probes)
+        on_areas[rows] = _core.superpose(coefficients, terms.on_areas)
         self._put_supports(block, rows, _core.superpose(coefficients, terms.fixed), reaction[rows], gap, closed)
         who = block.numbers[rows]
         for name, vectors in terms.fields.items():
@@ -232,6 +271,13 @@ class _Run:
         self._without_equilibrium += 1
         if len(self.unbalanced) < _EXPLAINED:
             self.unbalanced[name] = message
+
+
+def _at_rest(found: Discretisation, index: int) -> AreaContact:
+    """Build an area that nothing presses yet: where it is, and its law."""
+    points = SupportPoints.of(found, index)
+    nothing = np.zeros(len(points.positions))
+    return area_contact(found, index, np.zeros(found.mesh.node_count), points.positions, nothing > 0, nothing)
 
 
 def _worth_while(problem: ContactProblem, count: int) -> bool:

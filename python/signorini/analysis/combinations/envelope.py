@@ -60,12 +60,18 @@ class SupportEnvelope:
         Of what is left of the travel of every point (p,); the largest is by the combination that lifts it most.
     lifted : (p,) array
         In how many combinations the point is open.
+    pressure : Extremes
+        Of an area, the pressures at its points and, if it is elastic, its nodes behind them; else none.
+    places : (q, 2) array
+        Where these are.
     """
 
     reaction: Extremes
     points: Extremes
     gap: Extremes
     lifted: Ints
+    pressure: Extremes
+    places: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +82,9 @@ class Envelope:
     ----------
     fields : dict of Extremes
         At every node (n,), by the field's name.
+    pressures : dict
+        "contact_pressure" at the nodes of elastic areas, "rigid_contact_pressure" on the elements of rigid ones: which
+        nodes or elements (k,), and the extremes there.
     supports : tuple of SupportEnvelope
         In the order of the model.
     probes : Extremes
@@ -83,6 +92,7 @@ class Envelope:
     """
 
     fields: dict[str, Extremes]
+    pressures: dict[str, tuple[Ints, Extremes]]
     supports: tuple[SupportEnvelope, ...]
     probes: Extremes
 
