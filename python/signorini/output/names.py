@@ -14,15 +14,17 @@ from signorini.results.result import Result
 
 JSON, CSV = "results.json", "reactions.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
-PRESSURE = "-pressure"
-"""Ends the name of the picture of the contact pressure."""
+PRESSURE, MOMENTS, SHEARS = "-pressure", "-moments", "-shears"
+"""End the names of pictures other than that of the deflection."""
+_ENDINGS = ("", MOMENTS, SHEARS, PRESSURE)
 _LONGEST_NAME = 80
 _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 
 def file_names(results: Results) -> list[str]:
     """Name every file of the results."""
-    endings = [".vtu", ".png", *([f"{PRESSURE}.png"] if has_areas(results) else [])]
+    pictures = [ending for ending in _ENDINGS if ending != PRESSURE or has_areas(results)]
+    endings = [".vtu", *(f"{ending}.png" for ending in pictures)]
     combined = results.combined
     together = [] if combined is None else [TABLE, *([ENVELOPE] if combined.envelope.fields else [])]
     return [JSON, CSV, *together, *(f"{slug}{ending}" for _, slug in slugs(results) for ending in endings)]
@@ -39,7 +41,7 @@ def expected_names(model: Model) -> Iterator[str]:
         fields = model.output.fields
         names = names if fields == "all" else () if isinstance(fields, str) else fields
     for slug in unique_slugs([*taken, *names]):
-        yield from (f"{slug}{ending}" for ending in (".vtu", ".png", f"{PRESSURE}.png"))
+        yield from (f"{slug}{ending}" for ending in (".vtu", *(f"{ending}.png" for ending in _ENDINGS)))
 
 
 def has_areas(results: Results) -> bool:
@@ -58,7 +60,7 @@ def slugs(results: Results) -> Iterator[tuple[Result, str]]:
 def unique_slugs(names: Iterable[str]) -> list[str]:
     """Turn names into file names without suffix: short, of small letters, digits, dots, dashes, each once.
 
-    None is another one with the ending of the picture of the pressure.
+    None is another one with the ending of a picture.
 
     Examples
     --------
@@ -73,9 +75,9 @@ def unique_slugs(names: Iterable[str]) -> list[str]:
         plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode().lower()
         base = re.sub(r"[^a-z0-9_.]+", "-", plain)[:_LONGEST_NAME].strip("-.") or "combination"
         slug, count = base, 1
-        while {slug, slug + PRESSURE} & taken or _RESERVED.fullmatch(slug):
+        while {slug + ending for ending in _ENDINGS} & taken or _RESERVED.fullmatch(slug):
             count += 1
             slug = f"{base}-{count}"
-        taken |= {slug, slug + PRESSURE}
+        taken |= {slug + ending for ending in _ENDINGS}
         found.append(slug)
     return found

@@ -116,7 +116,9 @@ def combine(
     layout = Layout.of(found, [name for name in FIELDS if name in asked])
     run = _Run(problem, layout, single, several)
     combinations = found.model.effective_combinations
-    width = layout.point_count * 3 + 2 * len(run.pressures.nodes) + len(FIELDS) * len(layout.probes) + len(run.cases) + 20
+    width = (
+        layout.point_count * 3 + 2 * len(run.pressures.nodes) + len(FIELDS) * len(layout.probes) + len(run.cases) + 20
+    )
     rows = int(np.clip(_MOST_NUMBERS // width, 16, _MOST_ROWS))
     for first in range(0, len(combinations), rows):
         begin(combinations[first].name)

@@ -118,9 +118,18 @@ class AreaContact(Remade):
 
         Pictures, tables and envelopes all show this one.
         """
-        values, places = self.measured(self.deflection[self.on_nodes], self.reactions)
+        values, places = self._measured
         at = int(np.argmax(np.nan_to_num(values, nan=-np.inf)))
         return max(float(values[at]), 0.0), places[at]
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Smallest and largest pressure, 0 included."""
+        return float(np.fmin.reduce(self._measured[0], initial=0.0)), self.largest[0]
+
+    @cached_property
+    def _measured(self) -> tuple[Floats, Floats]:
+        return self.measured(self.deflection[self.on_nodes], self.reactions)
 
     def measured(self, deflection: Floats, forces: Floats) -> tuple[Floats, Floats]:
         """Pressures (..., q + k) at the points that the area acts at and at its nodes, and these places (q + k, 2).

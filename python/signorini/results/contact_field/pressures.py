@@ -48,7 +48,10 @@ class Pressures:
         total = np.zeros((*forces[0].shape[:-1], len(self.elements)))
         for area in self._rigid:
             into = csr_array(
-                (np.ones(len(area.elements)), (np.searchsorted(self.elements, area.elements), range(len(area.elements)))),
+                (
+                    np.ones(len(area.elements)),
+                    (np.searchsorted(self.elements, area.elements), range(len(area.elements))),
+                ),
                 shape=(len(self.elements), len(area.elements)),
             )
             total += (into @ forces[self.areas.index(area)].T).T
