@@ -8,10 +8,13 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 import signorini
+from signorini.errors import InputError
 from signorini.output import write
 from signorini.output.envelope_json import envelope_json
+from signorini.plot import save
 
 
 def plate(divisions: int, support: list[dict], **keys: object) -> signorini.Model:
@@ -99,3 +102,21 @@ def test_pressures_of_a_table_are_those_of_its_combinations(divisions: int, law:
     assert of(envelope, f"{name}_min") == pytest.approx(values.min(axis=0), abs=1e-9 * scale)
     assert "reaction_max" in envelope.point_data
     assert envelope.point_data["reaction_max"].max() > 0
+
+
+def test_a_run_s_pictures_have_one_scale_and_python_draws_the_same(tmp_path: Path) -> None:
+    soil = {"area": "all", "resists": "down", "stiffness": 1e4}
+    states = [{"name": name, "factors": {"load": factor}} for name, factor in (("whole", 1.0), ("half", 0.5))]
+    results = signorini.solve(plate(4, [soil], load=[{"pressure": "10*x"}], combination=states))
+    write(results, tmp_path)
+    limits = (results["half"].deflection.min(), results["whole"].deflection.max())
+    axes = results["half"].plot(limits=limits)
+    save(axes.figure, tmp_path / "mine.png", tight=False)
+    theirs, mine = (imread(tmp_path / name)[..., :3] for name in ("half.png", "mine.png"))
+    assert theirs.shape == mine.shape and (np.abs(theirs - mine).max(axis=2) > 0.3).mean() < 1e-3
+
+
+def test_there_is_no_pressure_to_draw_without_an_area() -> None:
+    result = signorini.solve(plate(2, [{"edge": "left", "fix": "clamped"}]))["all"]
+    with pytest.raises(InputError, match="no support of this model is an area"):
+        result.plot("pressure")

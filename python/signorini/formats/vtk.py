@@ -47,7 +47,7 @@ class Vtu:
             raise InputError(f"The elements have the shape {cells.shape}; it must be (e, 8).", place="elements")
         self._nodes, self._cells = len(nodes), len(cells)
         places = _data_array("Points", np.column_stack([nodes, np.zeros(len(nodes))]))
-        parts = {
+        parts: dict[str, NDArray[np.generic]] = {
             "connectivity": cells.ravel(),
             "offsets": 8 * np.arange(1, len(cells) + 1),
             "types": np.full(len(cells), _QUADRATIC_QUAD, np.uint8),
@@ -168,7 +168,7 @@ def _data_array(name: str, data: NDArray[np.generic]) -> str:
     """Give an array as VTK's element of that name: blocks compressed, in base 64, after a header with their sizes."""
     if data.dtype.str[1:] not in _TYPES:
         data = data.astype(np.float64)
-    raw = memoryview(np.ascontiguousarray(data, data.dtype.newbyteorder("="))).cast("B")
+    raw = data.astype(data.dtype.newbyteorder("=")).tobytes()
     blocks = [zlib.compress(raw[start : start + _BLOCK], _FAST) for start in range(0, len(raw), _BLOCK)]
     last = len(raw) - _BLOCK * (len(blocks) - 1)
     header = np.array([len(blocks), _BLOCK, last, *map(len, blocks)], np.uint32)

@@ -209,11 +209,9 @@ def draw_load(mark: LoadMark, axes: Axes, colour: str) -> Entry:
     """Draw one load and return its entry in the legend."""
     positions = np.asarray(mark.positions, dtype=float)
     words = f"{mark.case}: {mark.name}"
-    down, up = (
-        {"marker": sign, "markersize": 11.0, "linestyle": "none", "color": colour, "markeredgewidth": 0.4}
-        | {"clip_on": False, "zorder": 6}
-        for sign in (r"$\otimes$", r"$\odot$")
-    )
+    ring: dict[str, Any] = {"markersize": 11.0, "linestyle": "none", "color": colour, "markeredgewidth": 0.4}
+    ring |= {"clip_on": False, "zorder": 6}
+    down, up = ring | {"marker": r"$\otimes$"}, ring | {"marker": r"$\odot$"}
     look: dict[str, Any]
     if mark.couple is not None:
         arm = np.array(mark.couple) / max(np.hypot(*mark.couple), 1e-300) * 0.16 / inches_per_unit(axes)
@@ -287,7 +285,7 @@ def _draw_line(
         for piece in _pieces(positions):
             axes.plot(*_hatched_outside(piece, middle).T, zorder=4, **look)
         return [Line2D([], [], **look)]
-    core = {"color": "white", "linewidth": 0.5 * width, "clip_on": False, "solid_capstyle": "butt"}
+    core: dict[str, Any] = {"color": "white", "linewidth": 0.5 * width, "clip_on": False, "solid_capstyle": "butt"}
     opened = []
     for piece, shut in _pieces_with(positions, closed):
         if mark.elastic:

@@ -70,7 +70,8 @@ class Plan:
 
 def triangulation(cut: Tessellation, nodes: NDArray[np.float64]) -> Triangulation:
     """Give matplotlib the triangles of a mesh, or of a part of it."""
-    made = Triangulation(*cut.interpolate(nodes).T, cut.triangles)
+    x, y = cut.interpolate(nodes).T
+    made = Triangulation(x, y, cut.triangles)
     # matplotlib would look at every triangle again for each picture.
     made.is_delaunay = False
     return made
