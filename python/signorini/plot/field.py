@@ -114,7 +114,7 @@ class Scale:
     def of(cls, low: float, high: float, cmap: str | Colormap, levels: int | Sequence[float] = BANDS) -> Self:
         """Choose bands, and colours: zero in the middle where both signs occur, else half of them, pale near zero."""
         low, high = _settled(low, high)
-        bounds = MaxNLocator(levels).tick_values(low, high) if isinstance(levels, int) else np.asarray(levels)
+        bounds = np.asarray(MaxNLocator(levels).tick_values(low, high) if isinstance(levels, int) else levels, float)
         colours = colormaps[cmap] if isinstance(cmap, str) else cmap
         if low < 0 < high:
             largest = max(-low, high)
@@ -168,7 +168,7 @@ def label_contours(
     step, taken = float(np.diff(bounds).min()), np.zeros((0, 2))
     per_unit = inches_per_unit(axes)
     for level, path in zip(chosen, lines.get_paths(), strict=True):
-        pieces = [np.asarray(piece) for piece in path.to_polygons(closed_only=False) if len(piece) > 1]
+        pieces = [piece for piece in map(np.asarray, path.to_polygons(closed_only=False)) if len(piece) > 1]
         longest = max(pieces, key=lambda piece: float(np.hypot(*np.diff(piece, axis=0).T).sum()), default=None)
         if longest is None:
             continue

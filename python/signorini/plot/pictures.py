@@ -325,7 +325,7 @@ class _Page:
     @property
     def _pitch(self) -> NDArray[np.float64]:
         """From one plan to the next, to the right and down."""
-        return self._box + np.array([_LEFT + self._beside, _BELOW + 0.1])
+        return np.asarray(self._box + np.array([_LEFT + self._beside, _BELOW + 0.1]))
 
     @property
     def _size(self) -> tuple[float, float]:

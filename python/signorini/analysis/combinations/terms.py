@@ -137,9 +137,9 @@ class _Measured:
         self._on_areas.append(nodal[self._nodes, 0])
         kept = [every[:, FIELDS.index(name)] for name in self._names]
         if self._names:
-            points, springs = found.off_areas
+            points, off = found.off_areas
             at_nodes = at_holds + found.contact_rows.T @ (points[: len(reaction)] * reaction)
-            kept.append((at_nodes + found.spring_rows.T @ (springs * pull))[::3])
+            kept.append((at_nodes + found.spring_rows.T @ (off * pull))[::3])
         self._fields.append(np.array(kept).reshape(len(kept), found.mesh.node_count))
         at_probes = np.einsum("qi,qif->qf", self._values, every[found.mesh.elements[found.probes.elements]])
         self._probes.append(at_probes.ravel())

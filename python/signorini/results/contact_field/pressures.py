@@ -84,4 +84,4 @@ class Pressures:
             within = np.any([(area.covered[at] > 0) & (area.depth(places) >= 0) for area in self._rigid], axis=0)
             part = within.reshape(len(several), -1).mean(axis=1) * mesh.element_area[self.elements[several]]
             most[several] = np.clip(part, least[several], most[several])
-        return most
+        return np.asarray(most)
