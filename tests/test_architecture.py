@@ -33,7 +33,7 @@ ALONE = {"shapes": {"errors", "_core"}, "plot": {"base", "errors", "shapes", "_c
 # Packages that only these modules may import.
 ONLY_IN = {
     "matplotlib": {"plot"},
-    "meshio": {"mesh", "formats"},
+    "meshio": {"mesh"},
     "pyarrow": {"formats"},
     "typer": {"cli"},
     "rich": {"cli"},

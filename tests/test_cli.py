@@ -88,7 +88,7 @@ def test_names_with_dollars_are_drawn_as_they_are(slab: Path) -> None:
 def test_solve_writes_beside_the_input_and_prints_a_table(slab: Path) -> None:
     done = run("solve", slab)
     assert (done.exit_code, done.stderr) == (0, "")
-    names = ["calm.png", "calm.vtu", "reactions.csv", "results.json"]
+    names = ["calm-moments.png", "calm-shears.png", "calm.png", "calm.vtu", "reactions.csv", "results.json"]
     assert sorted(path.name for path in slab.with_name("slab-results").iterdir()) == names
     lines = done.stdout.splitlines()
     assert lines[0] == "Slab [bold]on[/bold] pads"
@@ -140,7 +140,7 @@ def test_one_combination_without_equilibrium_is_named_and_the_others_are_written
         "No equilibrium.\nstorm: The plate lifts off its supports: the load's resultant is 48 kN"
     )
     assert sorted(path.name for path in slab.with_name("slab-results").iterdir()) == [
-        *("calm.png", "calm.vtu", "reactions.csv", "results.json")
+        *("calm-moments.png", "calm-shears.png", "calm.png", "calm.vtu", "reactions.csv", "results.json")
     ]
 
 

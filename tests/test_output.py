@@ -179,7 +179,9 @@ def test_pressure_is_in_the_vtu_file_of_elastic_areas_at_nodes_and_of_rigid_ones
 ) -> None:
     result = bedded["G"]
     written = write(bedded, tmp_path)
-    assert {path.name for path in written} == {"g.vtu", "g.png", "g-pressure.png", "reactions.csv", "results.json"}
+    assert {path.name for path in written} == {
+        *("g.vtu", "g.png", "g-moments.png", "g-shears.png", "g-pressure.png", "reactions.csv", "results.json")
+    }
     found = meshio.read(tmp_path / "g.vtu")
     assert np.allclose(found.point_data["contact_pressure"], np.maximum(1e4 * result.deflection, 0), rtol=1e-12)
     (rigid,) = found.cell_data["rigid_contact_pressure"]
@@ -187,7 +189,10 @@ def test_pressure_is_in_the_vtu_file_of_elastic_areas_at_nodes_and_of_rigid_ones
     assert (rigid * area).sum() == pytest.approx(result.reactions["grout"], rel=1e-12)
     assert (rigid[result.mesh.nodes.min(axis=(1, 2)) < 2 - 1e-9] == 0).all()
     axes = result.plot("pressure")
-    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == ["edge of contact"]
+    words = [entry.get_text() for entry in axes.get_legend().get_texts()]
+    assert words[0].startswith("soil: area, pushes up only, elastic, ") and words[-1] == "edge of contact"
+    named = [text.get_text() for text in axes.texts if text.get_text().startswith("max")]
+    assert named == [f"max {max(support.max_pressure for support in result.supports):.4g}"]
 
 
 def test_a_combination_without_equilibrium_has_a_reason_and_no_numbers(results: signorini.Results) -> None:
@@ -257,7 +262,8 @@ def test_names_are_text_in_notebooks_and_pictures(oddly_named: signorini.Results
 
 def test_write_leaves_whole_files_of_the_solved_combinations(results: signorini.Results, tmp_path: Path) -> None:
     written = write(results, tmp_path / "a" / "out")
-    names = ["g+q.png", "g+q.vtu", "g-q.png", "g-q.vtu", "reactions.csv", "results.json"]
+    names = [f"{slug}{end}" for slug in ("g+q", "g-q") for end in ("-moments.png", "-shears.png", ".png", ".vtu")]
+    names = sorted([*names, "reactions.csv", "results.json"])
     assert sorted(path.name for path in written) == names
     assert sorted(path.name for path in (tmp_path / "a" / "out").iterdir()) == names
     assert [path.name for path in (tmp_path / "a").iterdir()] == ["out"]
@@ -275,7 +281,8 @@ def test_a_second_run_replaces_the_first_and_nothing_else(results: signorini.Res
     fewer = signorini.solve(model(combination=[{"name": "only", "factors": {"G": 1}}]))
     write(fewer, tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == [
-        *("notes.txt", "only.png", "only.vtu", "other.vtu", "reactions.csv", "results.json")
+        *("notes.txt", "only-moments.png", "only-shears.png", "only.png", "only.vtu", "other.vtu"),
+        *("reactions.csv", "results.json"),
     ]
 
 

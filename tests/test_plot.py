@@ -5,24 +5,29 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.tri._tricontour import TriContourSet
 
 from signorini.errors import InputError
 from signorini.plot import (
     BalanceMark,
     LoadMark,
+    Panel,
+    Picture,
+    Plan,
     PressureLayer,
     SupportMark,
     check_picture,
     contour,
-    deflection_picture,
+    field_picture,
     line,
     pressure,
-    pressure_picture,
     save,
+    save_pictures,
     supports,
 )
+from signorini.plot.marks import legend_words
 from signorini.shapes.tessellation import tessellate
 
 # A square whose right edge bulges, and its neighbour on the left.
@@ -44,11 +49,12 @@ POINTS = np.array(
     ]
 )
 ELEMENTS = np.array([[0, 1, 2, 3, 6, 7, 8, 9], [3, 5, 4, 0, 12, 11, 10, 9]])
+PLAN = Plan.of(POINTS, ELEMENTS)
 PADS = SupportMark("pads", "down", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), np.array([True, False, True]))
 
 
 def colour_limits(values: np.ndarray) -> tuple[str, float, float]:
-    bands = contour(POINTS, ELEMENTS, values).collections[0]
+    bands = next(part for part in contour(POINTS, ELEMENTS, values).collections if isinstance(part, TriContourSet))
     return bands.cmap.name, round(bands.norm.vmin, 12), round(bands.norm.vmax, 12)
 
 
@@ -87,15 +93,29 @@ def test_a_large_mesh_is_cut_least() -> None:
     assert len(tessellate(many).triangles) == 8 * len(many)
 
 
-def test_colours_diverge_about_zero_only_where_both_signs_occur() -> None:
+def test_zero_is_the_middle_of_the_colours_of_both_signs_and_a_field_of_one_sign_has_its_half() -> None:
     rising = POINTS[:, 0] + 1
     assert colour_limits(rising - 1) == ("RdBu", -1.2, 1.2)
-    assert colour_limits(rising)[:2] == ("YlGnBu", 0)
-    assert colour_limits(-rising)[::2] == ("YlOrRd_r", 0)
+    assert colour_limits(rising) == ("RdBu", -2.2, 2.2)
+    assert colour_limits(-rising) == ("RdBu", -2.2, 2.2)
+    assert colour_limits(rising + 5) == ("RdBu", 2.8, 7.2)
 
 
 def test_rounding_below_zero_is_not_uplift() -> None:
-    assert colour_limits(POINTS[:, 0] + 1 - 1e-15)[:2] == ("YlGnBu", 0)
+    assert colour_limits(POINTS[:, 0] + 1 - 1e-15) == ("RdBu", -2.2, 2.2)
+
+
+def test_pictures_that_are_compared_have_one_scale() -> None:
+    for part in (1.0, 0.1):
+        figure = field_picture(PLAN, [Panel(part * POINTS[:, 0], "w [m]", limits=(-1.0, 1.2))])
+        assert figure.axes[1].get_ylim() == pytest.approx((-1.0, 1.2))
+        assert figure.axes[1].get_ylabel() == "w [m]"
+
+
+def test_contours_have_their_values_written_on_them() -> None:
+    written = {text.get_text() for text in contour(POINTS, ELEMENTS, POINTS[:, 0]).texts}
+    assert "0" in written and len(written) > 2
+    assert all(-1 <= float(text.replace("−", "-")) <= 1.2 for text in written)
 
 
 @pytest.mark.parametrize("constant", [0.0, 5.0, -1e-9])
@@ -135,10 +155,49 @@ def test_closed_points_are_filled_and_open_ones_hollow() -> None:
     assert opened.get_markerfacecolor() == "white"
 
 
-@pytest.mark.parametrize(("kind", "marker"), [("down", "^"), ("up", "v"), ("both", "s")])
-def test_the_mark_shows_which_way_a_support_acts(kind: str, marker: str) -> None:
-    axes = supports([SupportMark("s", kind, PADS.positions)], Figure().add_subplot())
-    assert axes.lines[0].get_marker() == marker
+def shape(axes: Axes, line: int = 0) -> list:
+    return axes.lines[line].get_marker().vertices.round(6).tolist()
+
+
+def drawn(*kinds: str, style: str = "points", **keys: object) -> list[Axes]:
+    marks = [SupportMark("s", kind, PADS.positions, style=style, **keys) for kind in kinds]
+    return [supports([mark], contour(POINTS, ELEMENTS, POINTS[:, 0])) for mark in marks]
+
+
+def test_every_kind_of_support_at_points_has_a_mark_of_its_own() -> None:
+    kinds = ("down", "up", "both", "clamped", "hinged", "symmetry")
+    marks = [shape(axes) for axes in drawn(*kinds)]
+    marks += [shape(*drawn("down", elastic=True)), shape(*drawn("down", gap=True))]
+    assert all(a != b for i, a in enumerate(marks) for b in marks[:i])
+
+
+def test_lines_tell_clamped_from_hinged_from_symmetry_and_elastic_from_rigid() -> None:
+    clamped, hinged, symmetry, rigid = drawn("clamped", "hinged", "symmetry", "down", style="line")
+    (elastic,) = drawn("down", style="line", elastic=True)
+    assert len(clamped.lines[0].get_path_effects()) == 2  # the hatch
+    assert symmetry.lines[1].get_linestyle() == "--" and hinged.lines[0].get_linestyle() == "-"
+    assert not isinstance(hinged.lines[1].get_marker(), str)
+    assert len(rigid.lines[0].get_xydata()) == 3 < 20 < len(elastic.lines[0].get_xydata())
+    off = elastic.lines[0].get_xydata()[:5, 1]
+    assert (np.sign(off[1:4]) == [-1, 1, -1]).all() or (np.sign(off[1:4]) == [1, -1, 1]).all()
+
+
+def test_of_a_line_that_lets_go_the_open_part_is_hollow() -> None:
+    edge = np.column_stack([np.linspace(-1, 1, 81), np.zeros(81)])
+    mark = SupportMark("wall", "down", edge, edge[:, 0] < 0.5, "line", counts=(30, 10))
+    axes = supports([mark], contour(POINTS, ELEMENTS, POINTS[:, 0]))
+    hollow = [part for part in axes.lines if part.get_color() == "white"]
+    assert [part.get_xdata()[[0, -1]].round(6).tolist() for part in hollow] == [[0.5, 1.0]]
+    assert mark.label == "wall: pushes up only, 30 closed, 10 open"
+
+
+@pytest.mark.parametrize("count", [1, 4, 100, 10_000])
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+def test_marks_are_readable_in_any_number_on_a_plate_of_any_size(count: int, size: float) -> None:
+    places = size * np.random.default_rng(1).random((count, 2))
+    axes = contour(size * POINTS, ELEMENTS, POINTS[:, 0])
+    supports([SupportMark("s", "down", places)], axes)
+    assert 3 <= axes.lines[0].get_markersize() <= 9
 
 
 def test_a_support_that_acts_nowhere_stands_in_the_legend() -> None:
@@ -148,13 +207,14 @@ def test_a_support_that_acts_nowhere_stands_in_the_legend() -> None:
 
 
 def test_the_legend_counts_closed_and_open_below_the_axes() -> None:
-    wall = SupportMark("wall", "fixed", np.array([[0, 0], [0, 1.0]]), style="line")
-    figure = deflection_picture(POINTS, ELEMENTS, POINTS[:, 0], [PADS, wall], title="ULS", length="m")
+    wall = SupportMark("wall", "clamped", np.array([[0, 0], [0, 1.0]]), style="line")
+    figure = field_picture(PLAN, [Panel(POINTS[:, 0])], [PADS, wall], title="ULS", length="m")
     axes = figure.axes[0]
     figure.draw_without_rendering()
     legend = axes.get_legend()
     words = [entry.get_text() for entry in legend.get_texts()]
-    assert words == ["pads: pushes up only, 2 closed, 1 open", "wall: fixed"]
+    assert words == ["pads: pushes up only, 2 closed, 1 open", "wall: clamped"]
+    assert words == legend_words([PADS, wall])
     assert legend.get_window_extent().y1 < axes.xaxis.label.get_window_extent().y0
     assert axes.get_xlabel() == "x [m]"
 
@@ -169,36 +229,94 @@ def test_a_support_that_acts_nowhere_is_in_the_legend() -> None:
 def test_the_hatch_of_a_fixed_edge_lies_outside(order: slice) -> None:
     axes = contour(POINTS, ELEMENTS, POINTS[:, 0])
     bottom = np.array([[-1, 0], [1, 0.0]])[order]
-    supports([SupportMark("wall", "fixed", bottom, style="line")], axes)
+    supports([SupportMark("wall", "clamped", bottom, style="line")], axes)
     np.testing.assert_array_equal(axes.lines[-1].get_xdata(), [-1, 1])
 
 
 def test_a_fixed_line_breaks_at_rows_of_nan() -> None:
     pieces = np.array([[0, 0], [0, 1], [np.nan, np.nan], [1, 0], [1, 1]])
-    axes = supports([SupportMark("walls", "fixed", pieces, style="line")], Figure().add_subplot())
+    axes = supports([SupportMark("walls", "clamped", pieces, style="line")], Figure().add_subplot())
     assert [len(piece.get_xdata()) for piece in axes.lines] == [2, 2]
 
 
 def test_the_extremes_of_the_deflection_are_named() -> None:
-    figure = deflection_picture(POINTS, ELEMENTS, POINTS[:, 0] * 1e-3)
-    assert {text.get_text() for text in figure.axes[0].texts} == {"max 0.0012", "min −0.001"}
+    ends = [("max", 1.2e-3, (1.2, 0.5)), ("min", -1e-3, (-1.0, 0.5))]
+    figure = field_picture(PLAN, [Panel(POINTS[:, 0] * 1e-3, extremes=ends)])
+    assert {"max 0.0012", "min −0.001"} < {text.get_text() for text in figure.axes[0].texts}
+
+
+def test_names_of_extremes_close_together_are_not_on_each_other() -> None:
+    ends = [("max", 1.0, (0.02, 0.5)), ("min", -1.0, (0.0, 0.5))]
+    figure = field_picture(PLAN, [Panel(POINTS[:, 0], extremes=ends)])
+    figure.draw_without_rendering()
+    low, high = (text.get_window_extent() for text in figure.axes[0].texts if text.get_text()[:3] in ("max", "min"))
+    assert not low.overlaps(high)
+
+
+def test_a_long_title_is_wrapped_to_the_page() -> None:
+    figure = field_picture(PLAN, [Panel(POINTS[:, 0])], title="A slab with a very long name " * 8)
+    figure.draw_without_rendering()
+    (title,) = figure.texts
+    extent = title.get_window_extent()
+    assert extent.x0 >= 0 and extent.x1 <= figure.bbox.x1 and title.get_text().count("\n") > 1
+    assert extent.y0 > figure.axes[0].get_window_extent().y1
+
+
+def test_several_fields_stand_side_by_side_each_with_its_scale() -> None:
+    panels = [Panel(scale * POINTS[:, 0], label) for scale, label in ((1, "mx"), (10, "my"), (100, "mxy"))]
+    figure = field_picture(PLAN, panels, [PADS])
+    assert [axes.get_ylabel() for axes in figure.axes[3:]] == ["mx", "my", "mxy"]
+    assert figure.axes[5].get_ylim()[1] > 100
+    left = [axes.get_position().x0 for axes in figure.axes[:3]]
+    assert left == sorted(left) and left[0] != left[2]
+
+
+def test_saved_together_pictures_are_those_drawn_alone_and_what_they_share_stays(tmp_path: Path) -> None:
+    values = [POINTS[:, 0], 0.5 * POINTS[:, 1]]
+    opened = SupportMark("pads", "down", PADS.positions, np.array([False, False, True]))
+    pictures = [
+        Picture(tmp_path / f"{i}.png", lambda v=v: [Panel(v, "w [m]", limits=(-1.0, 1.2))], marks, f"case {i}")
+        for i, (v, marks) in enumerate(zip(values, ([PADS], [opened]), strict=True))
+    ]
+    save_pictures(PLAN, [*pictures, pictures[0], pictures[1]], "m")
+    for picture in pictures:
+        alone = field_picture(PLAN, picture.panels(), picture.marks, title=picture.title, length="m")
+        save(alone, tmp_path / "alone.png", tight=False)
+        one, other = (imread(path)[..., :3] for path in (picture.path, tmp_path / "alone.png"))
+        assert one.shape == other.shape
+        # Lines that are drawn in another order differ by a shade.
+        assert (np.abs(one - other).max(axis=2) > 0.3).mean() < 1e-3
 
 
 def test_the_check_picture_shows_mesh_supports_and_loads() -> None:
     loads = [
-        LoadMark("Q", np.array([[0.5, 0.5]])),
-        LoadMark("wind", np.array([[0.2, 0.5]]), upward=True),
-        LoadMark("wall", np.array([[0, 0], [0, 1.0]]), "line"),
-        LoadMark("patch", np.array([[0, 0], [0.5, 0], [0.5, 0.5]]), "area"),
-        LoadMark("everywhere", np.empty((0, 2)), "area"),
+        LoadMark("Q", "force", np.array([[0.5, 0.5]])),
+        LoadMark("Q", "force, upward", np.array([[0.2, 0.5]]), upward=True),
+        LoadMark("wall", "line load", np.array([[0, 0], [0, 1.0]]), "line"),
+        LoadMark("G", "pressure", np.array([[0, 0], [0.5, 0], [0.5, 0.5]]), "area"),
+        LoadMark("G", "pressure everywhere", np.empty((0, 2)), "area"),
+        LoadMark("T", "moment", np.array([[0.0, 0.5]]), couple=(3.0, 0.0)),
     ]
-    figure = check_picture(POINTS, ELEMENTS, supports=[PADS], loads=loads)
-    axes = figure.axes[0]
+    axes = check_picture(PLAN, supports=[PADS], loads=loads).axes[0]
     names = [entry.get_text() for entry in axes.get_legend().get_texts()]
-    assert names == [PADS.label, "Q", "wind", "wall", "patch", "everywhere"]
-    edges = [entry for entry in axes.collections if isinstance(entry, LineCollection)]
-    assert sum(len(entry.get_segments()) for entry in edges) == 7
+    assert names[:3] == [PADS.label, "Q: force", "Q: force, upward"] and names[-1] == "T: moment"
+    assert {part.get_label() for part in axes.collections} >= {"_elements", "_outline"}
     assert len(axes.patches) == 1
+    colours = [handle.get_color() for handle in (axes.lines[-6], axes.lines[-5], axes.lines[-4])]
+    assert colours[0] == colours[1] != colours[2]
+    # A couple that turns down what is ahead of it along x: the force down is there.
+    up, down = axes.lines[-1], axes.lines[-2]
+    assert "otimes" in down.get_marker() and "odot" in up.get_marker()
+    assert up.get_xdata()[0] < 0 < down.get_xdata()[0] and down.get_ydata()[0] == 0.5
+
+
+def test_node_numbers_are_drawn_on_request() -> None:
+    assert not check_picture(PLAN).axes[0].texts
+    texts = check_picture(PLAN, numbers=True).axes[0].texts
+    assert [(text.get_text(), text.xy) for text in texts] == [(str(i), tuple(at)) for i, at in enumerate(POINTS)]
+    many = Plan.of(np.zeros((6000, 2)), ELEMENTS)
+    with pytest.raises(InputError, match="6000 nodes cannot be read"):
+        check_picture(many, numbers=True)
 
 
 def test_the_check_picture_shows_resultants_and_the_lines_the_plate_tips_about() -> None:
@@ -208,7 +326,7 @@ def test_the_check_picture_shows_resultants_and_the_lines_the_plate_tips_about()
         BalanceMark("storm", (1e6, 0.0), upward=True, unbalanced=True),
         BalanceMark("couple", None),
     ]
-    axes = check_picture(POINTS, ELEMENTS, balance=marks).axes[0]
+    axes = check_picture(PLAN, balance=marks).axes[0]
     assert [entry.get_text() for entry in axes.get_legend().get_texts()] == [
         "calm: resultant",
         "wind: resultant, not balanced",
@@ -222,9 +340,21 @@ def test_the_check_picture_shows_resultants_and_the_lines_the_plate_tips_about()
     assert [(name.get_text(), name.xy) for name in axes.texts] == [("calm", (0.5, 0.5)), ("wind", (1.8, 0.5))]
 
 
+def test_resultants_at_one_place_have_one_name() -> None:
+    marks = [BalanceMark(f"c{i}", (0.5, 0.5 + 1e-4 * i)) for i in range(5)] + [
+        BalanceMark("up", (0.5, 0.5), upward=True)
+    ]
+    axes = check_picture(PLAN, balance=marks).axes[0]
+    assert [name.get_text() for name in axes.texts] == ["c0 and 4 more", "up"]
+    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == [
+        "c0 and 4 more: resultant",
+        "up: upward resultant",
+    ]
+
+
 def test_of_many_resultants_only_some_that_are_not_balanced_have_names() -> None:
     marks = [BalanceMark(f"c{i}", (0.01 * i, 0.5), unbalanced=i % 10 == 0) for i in range(200)]
-    axes = check_picture(POINTS, ELEMENTS, balance=marks).axes[0]
+    axes = check_picture(PLAN, balance=marks).axes[0]
     assert [name.get_text() for name in axes.texts] == [f"c{10 * i}" for i in range(8)]
     assert [entry.get_text() for entry in axes.get_legend().get_texts()][8:] == [
         "resultants of 180 more combinations",
@@ -242,10 +372,14 @@ def test_sections_are_drawn_with_deflection_down_and_share_axes() -> None:
 
 
 def reach(axes: Axes, which: int) -> tuple[float, float]:
-    """From where to where in x the filled contours or triangles go; the first are the pale plate."""
-    paths = [path for path in axes.collections[which].get_paths() if len(path.vertices)]
+    """From where to where in x they go."""
+    paths = [path for path in pressures(axes)[which].get_paths() if len(path.vertices)]
     x = np.concatenate([path.vertices[:, 0] for path in paths])
     return round(float(x.min()), 12), round(float(x.max()), 12)
+
+
+def pressures(axes: Axes) -> list:
+    return [part for part in axes.collections if part.get_label() not in ("_elements", "_outline")]
 
 
 CUT = tessellate(ELEMENTS)
@@ -265,28 +399,24 @@ def test_pressure_is_drawn_as_far_as_the_support_exerts_it(bounds: tuple[float, 
 def test_pressures_of_elements_are_drawn_one_an_element_and_nothing_where_they_are_zero() -> None:
     axes = pressure(POINTS, ELEMENTS, [PressureLayer(CUT, np.array([3.0, 0.0]), (0, np.inf))])
     assert reach(axes, 1) == (0, 1.2)
-    assert axes.collections[1].get_clim() == (0, 3)
+    assert pressures(axes)[1].get_clim() == (-3, 3)
 
 
 @pytest.mark.filterwarnings("error")
 def test_pressure_ends_at_the_outline_of_the_area() -> None:
     outline = np.array([[0, 0.2], [0.5, 0.2], [0.5, 0.8], [0, 0.2]])
     axes = pressure(POINTS, ELEMENTS, [PressureLayer(CUT, ACROSS + 2, (0, np.inf), outline)])
-    for part in axes.collections[1:3]:
+    for part in pressures(axes)[1:3]:
         clip, _ = part.get_transformed_clip_path_and_affine()
         np.testing.assert_array_equal(clip.vertices, outline)
 
 
 @pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
 @pytest.mark.parametrize(("end", "within"), [(0.55, ACROSS[ACROSS < 0.55].max()), (0.0, 0.0)])
-def test_colours_and_the_largest_pressure_are_of_what_is_within_the_outline(
-    order: slice, end: float, within: float
-) -> None:
+def test_colours_are_of_what_is_within_the_outline(order: slice, end: float, within: float) -> None:
     outline = np.array([[-1, 0], [end, 0], [end, 1], [-1, 1], [-1, 0]])[order]
-    axes = pressure_picture(POINTS, ELEMENTS, [PressureLayer(CUT, ACROSS + 1, (0, np.inf), outline)]).axes[0]
-    within += 1
-    assert axes.collections[1].get_clim() == (0, within)
-    assert [text.get_text() for text in axes.texts] == [f"max {within:.4g}"]
+    axes = pressure(POINTS, ELEMENTS, [PressureLayer(CUT, ACROSS + 1, (0, np.inf), outline)])
+    assert pressures(axes)[1].get_clim() == (-within - 1, within + 1)
 
 
 @pytest.mark.filterwarnings("error")
@@ -295,24 +425,23 @@ def test_pressure_that_is_nowhere_or_everywhere_the_same_can_be_drawn(values: np
     down = PressureLayer(CUT, values, (0, np.inf))
     up = PressureLayer(CUT, -ACROSS, (-np.inf, 0))
     for layers in ([], [down], [down, up]):
-        pressure_picture(POINTS, ELEMENTS, layers).draw_without_rendering()
+        field_picture(PLAN, [Panel(layers)]).draw_without_rendering()
 
 
-def test_the_pressure_picture_has_the_edge_of_contact_instead_of_an_area_s_points() -> None:
-    edge = np.array([[0.25, 0], [0.25, 1.0]])
-    soil = SupportMark("soil", "down", POINTS, np.ones(len(POINTS), bool), "area", [edge])
+def test_an_area_is_its_outline_and_the_edge_of_contact() -> None:
+    edge, outline = np.array([[0.25, 0], [0.25, 1.0]]), np.array([[-1, 0], [1, 0], [1, 1], [-1, 1], [-1, 0.0]])
+    soil = SupportMark("soil", "down", outline, None, "area", [edge], counts=(80, 20))
     layers = [PressureLayer(CUT, ACROSS - 0.25, (0, np.inf))]
-    axes = pressure_picture(POINTS, ELEMENTS, layers, [soil, PADS], length="m").axes[0]
-    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == [PADS.label, "edge of contact"]
-    np.testing.assert_array_equal(axes.lines[-1].get_xydata(), edge)
-    assert [text.get_text() for text in axes.texts] == ["max 0.95"]
-    axes = deflection_picture(POINTS, ELEMENTS, POINTS[:, 0], [soil]).axes[0]
-    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == [soil.label, "edge of contact"]
-    np.testing.assert_array_equal(axes.lines[-1].get_xydata(), edge)
+    axes = field_picture(PLAN, [Panel(layers, extremes=[("max", 0.95, (1.2, 0.5))])], [soil, PADS], length="m").axes[0]
+    words = [entry.get_text() for entry in axes.get_legend().get_texts()]
+    assert words == ["soil: pushes up only, 80 closed, 20 open", PADS.label, "edge of contact"]
+    np.testing.assert_array_equal(axes.lines[-1].get_xydata()[1:], edge)
+    assert any(np.array_equal(part.get_xydata(), outline) for part in axes.lines)
+    assert "max 0.95" in {text.get_text() for text in axes.texts}
 
 
 def test_a_picture_is_saved_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    figure = deflection_picture(POINTS, ELEMENTS, POINTS[:, 0], [PADS])
+    figure = field_picture(PLAN, [Panel(POINTS[:, 0])], [PADS])
     target = tmp_path / "slab.png"
     save(figure, target)
     written = target.read_bytes()

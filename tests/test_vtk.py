@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from signorini.errors import InputError
-from signorini.formats.vtk import displacement_vector, write_vtu
+from signorini.formats.vtk import Vtu, displacement_vector, write_vtu
 
 # Two elements side by side, the right one with a curved edge.
 POINTS = np.array(
@@ -76,11 +76,11 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, mon
     target = tmp_path / "a.vtu"
     target.write_text("old")
 
-    def fail(self: meshio.Mesh, path: Path, **options: object) -> None:
+    def fail(self: Vtu, path: Path, *fields: object) -> None:
         path.write_text("half")
         raise OSError("disk full")
 
-    monkeypatch.setattr(meshio.Mesh, "write", fail)
+    monkeypatch.setattr(Vtu, "write", fail)
     with pytest.raises(OSError, match="disk full"):
         write_vtu(target, POINTS, ELEMENTS, {})
     assert [(entry.name, entry.read_text()) for entry in tmp_path.iterdir()] == [("a.vtu", "old")]

@@ -82,27 +82,34 @@ class Check:
         """Whether every combination can be balanced."""
         return not any(resultant.message for resultant in self.resultants)
 
-    def save_picture(self, path: str | os.PathLike[str]) -> None:
+    def save_picture(self, path: str | os.PathLike[str], numbers: bool = False) -> None:
         """Draw mesh, supports, loads, their resultants and the lines about which they tip the plate to a file.
+
+        Parameters
+        ----------
+        path : path-like
+            Its suffix gives the format.
+        numbers : bool
+            Whether to write the numbers of the nodes, from 0, the places in ``discretisation.mesh.points``.
 
         Raises
         ------
         InputError
-            If the file cannot be written, or its suffix names no format of pictures.
+            If the file cannot be written, its suffix names no format of pictures, or the nodes are too many.
         """
         # Only this method needs matplotlib.
-        from signorini.plot import BalanceMark, check_picture, save
+        from signorini.plot import BalanceMark, Plan, check_picture, save
 
         require_picture(path)
         found = self.discretisation
         figure = check_picture(
-            found.mesh.points,
-            found.mesh.elements,
+            Plan.of(found.mesh.points, found.mesh.elements),
             supports=support_marks(found),
             loads=load_marks(found),
             balance=[BalanceMark(r.name, r.at, r.force < 0, bool(r.message), r.axis) for r in self.resultants],
             title=found.model.title,
             length=found.model.units.length,
+            numbers=numbers,
         )
         try:
             save(figure, path)

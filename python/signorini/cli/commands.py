@@ -129,6 +129,7 @@ def check(
             "-o", "--output", metavar="PICTURE", help="The picture, .png .svg .pdf. [default: FILE-check.png]"
         ),
     ] = None,
+    nodes: Annotated[bool, typer.Option("--nodes", help="Write the numbers of the nodes, from 0.")] = False,
 ) -> None:
     """Validate, mesh, draw, and see whether the supports can balance every combination; solve nothing."""
     with _messages(file):
@@ -141,7 +142,7 @@ def check(
         if output is None:
             require_free(picture)
         found = checked(model)
-        found.save_picture(picture)
+        found.save_picture(picture, nodes)
         tables.print_check(streams.stdout(), found)
         streams.stdout().print(f"Drawn in {visible(picture)}")
         unbalanced = {resultant.name: resultant.message for resultant in found.resultants if resultant.message}

@@ -25,7 +25,7 @@ from signorini.discretise.parts import Parts, parts_of
 from signorini.discretise.placed import placed
 from signorini.discretise.places import located
 from signorini.discretise.redundancy import Repeated, that_can_act
-from signorini.discretise.rows import Floats, Rows
+from signorini.discretise.rows import Bools, Floats, Rows
 from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
 from signorini.discretise.thickness import Thickness, thickness_of
 from signorini.errors import InputError, Problems
@@ -82,6 +82,12 @@ class Discretisation(Remade):
         These follow from the others where no dof is held; at held dofs each has its own.
         """
         return self.points.rows.matrix(self.mesh.elements, self.dof_count)
+
+    @cached_property
+    def off_areas(self) -> tuple[Bools, Bools]:
+        """Which contact points (m + r,), repeated ones behind, and which springs (s,), are of no area."""
+        off = np.array([support.area is None for support in self.model.support], np.bool_)
+        return off[self.points.support], off[self.springs.support]
 
     @cached_property
     def spring_rows(self) -> csr_array:

@@ -13,7 +13,7 @@ from signorini.analysis.solve import Results
 from signorini.discretise.rows import Floats
 from signorini.formats.vtk import write_vtu
 from signorini.results.columns import Layout
-from signorini.results.envelope import Extremes
+from signorini.results.envelope import NONE, Extremes
 from signorini.results.result import FIELDS
 from signorini.results.warnings import model_warnings, too_far
 
@@ -59,6 +59,16 @@ def envelope_json(results: Results) -> dict[str, Any]:
             **_side(combined, "min", extremes, low),
             "min_at": found.mesh.points[low].tolist(),
         }
+    for name, (places, extremes) in envelope.pressures.items():
+        elastic = name == "contact_pressure"
+        at = found.mesh.points[places] if elastic else found.mesh.points[found.mesh.elements[places]].mean(axis=1)
+        high, low = int(extremes.largest.argmax()), int(extremes.smallest.argmin())
+        fields[name] = {
+            **_side(combined, "max", extremes, high),
+            "max_at": at[high].tolist(),
+            **_side(combined, "min", extremes, low),
+            "min_at": at[low].tolist(),
+        }
     return {
         "file": ENVELOPE if envelope.fields else None,
         "fields": fields,
@@ -68,14 +78,22 @@ def envelope_json(results: Results) -> dict[str, Any]:
 
 
 def write_envelope(results: Results, path: str | os.PathLike[str]) -> None:
-    """Write a .vtu file: of every field its extremes at the nodes, and the numbers of the rows that they come from."""
-    data: dict[str, Floats] = {}
-    for name, extremes in results.envelope.fields.items():
-        data[f"{name}_max"], data[f"{name}_min"] = extremes.largest, extremes.smallest
-        data[f"{name}_max_row"] = extremes.largest_by.astype(np.float64)
-        data[f"{name}_min_row"] = extremes.smallest_by.astype(np.float64)
-    mesh = results.discretisation.mesh
-    write_vtu(path, mesh.points, mesh.elements, data)
+    """Write a .vtu file: of every field its extremes, and the numbers of the rows that they come from."""
+    mesh, envelope = results.discretisation.mesh, results.envelope
+    at_nodes: dict[str, Floats] = {}
+    of_elements: dict[str, Floats] = {}
+    nodes = np.arange(mesh.node_count)
+    for name, (places, extremes) in ({n: (nodes, e) for n, e in envelope.fields.items()} | envelope.pressures).items():
+        rigid = name == "rigid_contact_pressure"
+        for side, value, by in (
+            ("max", extremes.largest, extremes.largest_by),
+            ("min", extremes.smallest, extremes.smallest_by),
+        ):
+            for ending, values, elsewhere in (("", value, 0.0), ("_row", by, NONE)):
+                data = np.full(len(mesh.elements) if rigid else len(nodes), float(elsewhere))
+                data[places] = values
+                (of_elements if rigid else at_nodes)[f"{name}_{side}{ending}"] = data
+    write_vtu(path, mesh.points, mesh.elements, at_nodes, of_elements)
 
 
 def _side(combined: Combined, side: str, extremes: Extremes, at: int) -> dict[str, Any]:
@@ -112,13 +130,17 @@ def _support(combined: Combined, index: int) -> dict[str, Any]:
             }
             for p in range(len(points.positions))
         ]
-    elif len(points.positions) and not len(points.nodes):
-        pressure = support.points.largest / points.weights
-        at = int(pressure.argmax())
-        name = combined.name(int(support.points.largest_by[at]))
-        out["largest"] = {"per": "area" if asked.area is not None else "length", "max": float(pressure[at])} | {
-            "max_by": name,
-            "max_at": points.positions[at].tolist(),
+    elif asked.area is not None or (len(points.positions) and not len(points.nodes)):
+        area = asked.area is not None
+        per = support.pressure.largest if area else support.points.largest / points.weights
+        by = support.pressure.largest_by if area else support.points.largest_by
+        places = support.places if area else points.positions
+        at = int(per.argmax())
+        out["largest"] = {
+            "per": "area" if area else "length",
+            "max": float(per[at]),
+            "max_by": combined.name(int(by[at])),
+            "max_at": places[at].tolist(),
         }
     return out
 

@@ -14,8 +14,9 @@ from signorini.results.result import Result
 
 JSON, CSV = "results.json", "reactions.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
-PRESSURE = "-pressure"
-"""Ends the name of the picture of the contact pressure."""
+PRESSURE, MOMENTS, SHEARS = "-pressure", "-moments", "-shears"
+"""End the names of pictures other than that of the deflection."""
+_ENDINGS = ("", MOMENTS, SHEARS, PRESSURE)
 _LONGEST_NAME = 80
 _MINUS = re.compile(r"(?<![a-z0-9_.)\]-])-(?!-)|(?<!-)-(?![a-z0-9_.(\[-])")
 """A dash that a name has as a sign; one between words or numbers is a hyphen, several are a rule."""
@@ -24,7 +25,8 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 def files(results: Results) -> list[dict[str, str | None]]:
     """Name every file of the results: the combination that it is of, None if of all, its kind and its name."""
-    endings = {"vtu": ".vtu", "picture": ".png"} | ({"pressure": f"{PRESSURE}.png"} if has_areas(results) else {})
+    endings = {"vtu": ".vtu", "picture": ".png", "moments": f"{MOMENTS}.png", "shears": f"{SHEARS}.png"}
+    endings |= {"pressure": f"{PRESSURE}.png"} if has_areas(results) else {}
     together = {"results": JSON, "reactions": CSV}
     if results.model.tabulated:
         together |= {"table": TABLE} | ({"envelope": ENVELOPE} if results.envelope.fields else {})
@@ -44,7 +46,7 @@ def expected_names(model: Model) -> Iterator[str]:
         fields = model.output.fields
         names = names if fields == "all" else () if isinstance(fields, str) else fields
     for slug in unique_slugs([*taken, *names]):
-        yield from (f"{slug}{ending}" for ending in (".vtu", ".png", f"{PRESSURE}.png"))
+        yield from (f"{slug}{ending}" for ending in (".vtu", *(f"{ending}.png" for ending in _ENDINGS)))
 
 
 def has_areas(results: Results) -> bool:
@@ -63,8 +65,8 @@ def slugs(results: Results) -> Iterator[tuple[Result, str]]:
 def unique_slugs(names: Iterable[str]) -> list[str]:
     """Turn names into file names without suffix: short, of small letters, digits, dots, dashes and signs, each once.
 
-    A plus stays, and a dash that joins no two words or numbers is a minus. None is another one with the ending of the
-    picture of the pressure.
+    A plus stays, and a dash that joins no two words or numbers is a minus. None is another one with the ending of a
+    picture.
 
     Examples
     --------
@@ -83,9 +85,9 @@ def unique_slugs(names: Iterable[str]) -> list[str]:
         short = re.sub(r"-*\+-*", "+", re.sub(r"[^a-z0-9_.+]+", "-", signed))[:_LONGEST_NAME]
         base = short.strip("-.") or "combination"
         slug, count = base, 1
-        while {slug, slug + PRESSURE} & taken or _RESERVED.fullmatch(slug):
+        while {slug + ending for ending in _ENDINGS} & taken or _RESERVED.fullmatch(slug):
             count += 1
             slug = f"{base}-{count}"
-        taken |= {slug, slug + PRESSURE}
+        taken |= {slug + ending for ending in _ENDINGS}
         found.append(slug)
     return found

@@ -9,11 +9,12 @@ from pathlib import Path
 
 from signorini.analysis.solve import Results
 from signorini.base.files import replacing_together
+from signorini.formats.vtk import Vtu
 from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import ENVELOPE, TABLE, write_envelope
-from signorini.output.names import CSV, JSON, PRESSURE, has_areas, slugs
+from signorini.output.names import CSV, JSON, slugs
+from signorini.output.pictures import write_pictures
 from signorini.output.tables import reactions_csv, results_json
-from signorini.results.result import pressure_layers, support_marks
 
 
 def write(
@@ -47,31 +48,18 @@ def write(
     InputError
         If the directory cannot be made or written to, or has a file of somebody else's with the name of one of ours.
     """
-    # Only this function needs matplotlib.
-    from signorini.plot import deflection_picture, pressure_picture, save
-
     target = Path(directory)
-    units = results.discretisation.model.units
-    of_length = f" [{units.length}]" if units.length else ""
-    of_pressure = f" [{units.force}/{units.length}²]" if units.force and units.length else ""
     found = results_json(results)
     names = [JSON, CSV]
     try:
         with replacing_together(target, partial(former_results, target), seal=JSON) as beside:
-            for result, slug in slugs(results):
-                result.to_vtk(beside / f"{slug}.vtu")
-                plate = (result.mesh.points, result.mesh.elements)
-                marks = support_marks(result)
-                title = ", ".join(part for part in (result.model.title, result.name) if part)
-                label = f"deflection{of_length}, positive down"
-                figure = deflection_picture(
-                    *plate, result.deflection, marks, title=title, label=label, length=units.length
-                )
-                save(figure, beside / f"{slug}.png")
-                if has_areas(results):
-                    layers, label = pressure_layers(result), f"contact pressure{of_pressure}, positive up"
-                    figure = pressure_picture(*plate, layers, marks, title=title, label=label, length=units.length)
-                    save(figure, beside / f"{slug}{PRESSURE}.png")
+            named = list(slugs(results))
+            mesh = results.discretisation.mesh
+            if named:
+                vtu = Vtu(mesh.points, mesh.elements)
+                for result, slug in named:
+                    vtu.write(beside / f"{slug}.vtu", *result.vtk_fields())
+            write_pictures(results, named, beside)
             if results.model.tabulated and results.envelope.fields:
                 write_envelope(results, beside / ENVELOPE)
             if table is not None:

@@ -9,8 +9,18 @@ from matplotlib.figure import Figure
 from signorini.plot.balance import BalanceMark
 from signorini.plot.field import contour, line
 from signorini.plot.load_path import load_path_picture
-from signorini.plot.marks import LoadMark, SupportMark, supports
-from signorini.plot.pictures import DRAWN_BY, check_picture, deflection_picture, pressure_picture, save
+from signorini.plot.marks import LoadMark, SupportMark, draw_legend, supports
+from signorini.plot.pictures import (
+    DRAWN_BY,
+    Panel,
+    Picture,
+    check_picture,
+    draw_panel,
+    field_picture,
+    save,
+    save_pictures,
+)
+from signorini.plot.plan import Plan
 from signorini.plot.pressure import PressureLayer, pressure
 
 __all__ = [
@@ -19,15 +29,20 @@ __all__ = [
     "BalanceMark",
     "Figure",
     "LoadMark",
+    "Panel",
+    "Picture",
+    "Plan",
     "PressureLayer",
     "SupportMark",
     "check_picture",
     "contour",
-    "deflection_picture",
+    "draw_legend",
+    "draw_panel",
+    "field_picture",
     "line",
     "load_path_picture",
     "pressure",
-    "pressure_picture",
     "save",
+    "save_pictures",
     "supports",
 ]

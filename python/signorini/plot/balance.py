@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,9 @@ _FARTHEST = 1.0
 
 _MOST_NAMED = 8
 """Combinations that have names in the picture; of more these are some that cannot be balanced, if there are any."""
+
+_NEAR = 0.02
+"""Part of the picture's size within which resultants are at one place."""
 
 Point = tuple[float, float]
 
@@ -52,7 +55,7 @@ def draw_balances(marks: Iterable[BalanceMark], axes: Axes) -> list[Entry]:
     """Draw what becomes of every combination, of many only a few by name."""
     marks = list(marks)
     named = marks if len(marks) <= _MOST_NAMED else [mark for mark in marks if mark.unbalanced][:_MOST_NAMED]
-    entries = [entry for mark in named for entry in draw_balance(mark, axes)]
+    entries = [entry for mark in _together(named, axes) for entry in draw_balance(mark, axes)]
     for colour, unbalanced in ((_GOOD, False), (_BAD, True)):
         others = [mark for mark in marks if mark.unbalanced == unbalanced and mark not in named]
         if others:
@@ -64,6 +67,25 @@ def draw_balances(marks: Iterable[BalanceMark], axes: Axes) -> list[Entry]:
             words = f"resultants of {len(others)}{more} combinations{ending}"
             entries.append((words, (Line2D([], [], **look),)))
     return entries
+
+
+def _together(marks: list[BalanceMark], axes: Axes) -> list[BalanceMark]:
+    """Join marks at one place, whose names would lie on each other, into one with all their names."""
+    near = _NEAR * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
+    groups: list[list[BalanceMark]] = []
+    for mark in marks:
+        for group in groups:
+            one = group[0]
+            alike = (mark.upward, mark.unbalanced, mark.axis) == (one.upward, one.unbalanced, one.axis)
+            if alike and mark.at is not None and one.at is not None and np.hypot(*np.subtract(mark.at, one.at)) < near:
+                group.append(mark)
+                break
+        else:
+            groups.append([mark])
+    return [
+        replace(group[0], name=group[0].name if len(group) == 1 else f"{group[0].name} and {len(group) - 1} more")
+        for group in groups
+    ]
 
 
 def draw_balance(mark: BalanceMark, axes: Axes) -> list[Entry]:

@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Colormap, Normalize
+from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, Normalize, to_rgba
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.errors import InputError
-from signorini.plot.plan import INK, checked_mesh, draw_outlines, literal, plan_axes
-from signorini.shapes.tessellation import tessellate
+from signorini.plot.plan import INK, Plan, draw_outlines, inches_per_unit, literal, plan_axes, set_window
 
 _NOISE = 1e-9
+BANDS = 14
+PAPER = {"facecolor": "white", "alpha": 0.65, "linewidth": 0, "pad": 0.6}
+"""Behind what is written on colours."""
+_MOST_LABELS = 7
+"""Contours, about, that have their value written on them."""
+_SHORTEST, _APART = 0.7, 0.45
+"""Inches: a contour that has its value, and two values from each other."""
 
 
 def contour(
@@ -29,8 +37,9 @@ def contour(
     ax: Axes | None = None,
     label: str = "",
     title: str = "",
-    levels: int | Sequence[float] = 14,
-    cmap: str | Colormap | None = None,
+    levels: int | Sequence[float] = BANDS,
+    cmap: str | Colormap = "RdBu",
+    limits: tuple[float, float] | None = None,
 ) -> Axes:
     """Draw filled contours of a nodal field, following the elements' curved edges and shape functions.
 
@@ -50,8 +59,11 @@ def contour(
         Above the axes.
     levels : int or increasing sequence of float
         About how many bands, or their limits.
-    cmap : str or Colormap, optional
-        By default blue is positive, red is negative, and zero is pale.
+    cmap : str or Colormap
+        Its middle is zero: by default blue is positive, red is negative, and zero is pale. A field of one sign has its
+        half alone.
+    limits : (low, high), optional
+        Range of the colours and levels, of several pictures that are to be compared; by default that of the field.
 
     Returns
     -------
@@ -70,31 +82,123 @@ def contour(
     >>> axes.get_aspect()
     1.0
     """
-    nodes, cells = checked_mesh(points, elements)
+    plan = Plan.of(points, elements)
+    axes = plan_axes(plan, title) if ax is None else ax
+    if ax is not None and title:
+        axes.set_title(literal(title), wrap=True)
+    field = checked_field(plan, values)
+    scale = Scale.of(*(limits or (float(field.min()), float(field.max()))), cmap, levels)
+    set_window(axes, plan)
+    draw_field(axes, plan, field, scale)
+    add_colour_bar(axes, scale, label)
+    return axes
+
+
+@dataclass(frozen=True, eq=False)
+class Scale:
+    """Bands of colours.
+
+    Attributes
+    ----------
+    bounds : ndarray, shape (k + 1,)
+    colours : Colormap
+    norm : Normalize
+        From values to colours, not banded.
+    """
+
+    bounds: NDArray[np.float64]
+    colours: Colormap
+    norm: Normalize
+
+    @classmethod
+    def of(cls, low: float, high: float, cmap: str | Colormap, levels: int | Sequence[float] = BANDS) -> Self:
+        """Choose bands, and colours: zero in the middle where both signs occur, else half of them, pale near zero."""
+        low, high = _settled(low, high)
+        bounds = np.asarray(MaxNLocator(levels).tick_values(low, high) if isinstance(levels, int) else levels, float)
+        colours = colormaps[cmap] if isinstance(cmap, str) else cmap
+        if low < 0 < high:
+            largest = max(-low, high)
+            return cls(bounds, colours, Normalize(-largest, largest))
+        norm = Normalize(2 * low - high, high) if high > 0 else Normalize(low, 2 * high - low)
+        return cls(bounds, colours, norm)
+
+    @property
+    def bar(self) -> ScalarMappable:
+        """What a colour bar shows: the bands."""
+        shown = self.colours(self.norm(0.5 * (self.bounds[1:] + self.bounds[:-1])))
+        return ScalarMappable(BoundaryNorm(self.bounds, len(shown)), ListedColormap(shown))
+
+
+def checked_field(plan: Plan, values: ArrayLike) -> NDArray[np.float64]:
+    """Check that there is a number at every node."""
     field = np.asarray(values, dtype=float)
-    if field.shape != (len(nodes),):
-        raise InputError(f"The field has the shape {field.shape}; for these nodes it must be ({len(nodes)},).")
+    if field.shape != (len(plan.nodes),):
+        raise InputError(f"The field has the shape {field.shape}; for these nodes it must be ({len(plan.nodes)},).")
     if not np.isfinite(field).all():
         raise InputError(f"{np.count_nonzero(~np.isfinite(field))} of {len(field)} values of the field are not finite.")
-    axes = plan_axes(nodes, title) if ax is None else ax
-    if ax is not None and title:
-        axes.set_title(literal(title))
-    cut = tessellate(cells)
-    x, y = cut.interpolate(nodes).T
-    fine = cut.interpolate(field)
+    return field
 
-    low, high = _range(fine)
-    limits = MaxNLocator(levels).tick_values(low, high) if isinstance(levels, int) else np.asarray(levels)
-    colours, norm = colour_scale(low, high, cmap)
-    triangulation = Triangulation(x, y, cut.triangles)
-    fine = np.clip(fine, low, high)
-    bands = axes.tricontourf(triangulation, fine, levels=limits, cmap=colours, norm=norm)
-    axes.tricontour(triangulation, fine, levels=limits, colors=INK, linewidths=0.35, alpha=0.45, linestyles="solid")
-    if low < 0 < high:
-        axes.tricontour(triangulation, fine, levels=[0.0], colors=INK, linewidths=1.1, linestyles="solid")
-    draw_outlines(axes, np.column_stack([x, y]), cut, inner=0.16)
-    add_colour_bar(axes, bands, label)
-    return axes
+
+def draw_field(axes: Axes, plan: Plan, field: NDArray[np.float64], scale: Scale) -> None:
+    """Draw filled contours, some of them with their values, and the plate's outline."""
+    # Shape functions go a little beyond the nodes' values, and so beyond the scale.
+    fine = np.clip(plan.cut.interpolate(field), scale.bounds[0], scale.bounds[-1])
+    if not np.any(scale.bounds == 0):
+        # Rounding on the other side of zero is no other sign.
+        fine[np.abs(fine) < _NOISE * np.abs(fine).max(initial=0.0)] = 0.0
+    draw_outlines(axes, plan, inner=0.16)
+    bands = axes.tricontourf(plan.triangles, fine, levels=scale.bounds, cmap=scale.colours, norm=scale.norm)
+    bands.set(edgecolor=to_rgba(INK, 0.3), linewidth=0.3)
+    label_contours(axes, plan.triangles, fine, scale.bounds)
+
+
+def label_contours(
+    axes: Axes, triangles: Triangulation, values: NDArray[np.float64], bounds: NDArray[np.float64]
+) -> None:
+    """Draw some of the contours stronger, each with its value; zero strongest."""
+    every = -(-len(bounds) // _MOST_LABELS)
+    zero = int(np.abs(bounds).argmin())
+    chosen = [float(level) for i, level in enumerate(bounds) if (i - zero) % every == 0]
+    chosen = [level for level in chosen if values.min() < level < values.max()]
+    if not chosen:
+        return
+    nothing = 1e-12 * float(np.abs(bounds).max())
+    widths = [0.9 if abs(level) <= nothing else 0.6 for level in chosen]
+    lines = axes.tricontour(triangles, values, levels=chosen, colors=INK, linewidths=widths, linestyles="solid")
+    step, taken = float(np.diff(bounds).min()), np.zeros((0, 2))
+    per_unit = inches_per_unit(axes)
+    for level, path in zip(chosen, lines.get_paths(), strict=True):
+        pieces = [piece for piece in map(np.asarray, path.to_polygons(closed_only=False)) if len(piece) > 1]
+        longest = max(pieces, key=lambda piece: float(np.hypot(*np.diff(piece, axis=0).T).sum()), default=None)
+        if longest is None:
+            continue
+        along = np.append(0.0, np.hypot(*np.diff(longest, axis=0).T).cumsum()) * per_unit
+        for part in (0.5, 0.25, 0.75) if along[-1] > _SHORTEST else ():
+            at = np.array([np.interp(part * along[-1], along, side) for side in longest.T])
+            if (np.hypot(*(taken - at).T) * per_unit > _APART).all():
+                reach = [np.clip(part * along[-1] + way, 0, along[-1]) for way in (-0.12, 0.12)]
+                dx, dy = (np.diff(np.interp(reach, along, side))[0] for side in longest.T)
+                turn = (np.degrees(np.arctan2(dy, dx)) + 90) % 180 - 90
+                taken = np.vstack([taken, at])
+                look: dict[str, Any] = {"ha": "center", "va": "center", "rotation": turn, "rotation_mode": "anchor"}
+                axes.text(at[0], at[1], in_words(level, step), fontsize=7, color=INK, zorder=3, bbox=PAPER, **look)
+                break
+
+
+def in_words(level: float, step: float) -> str:
+    """Write a level as short as its distance to the next one allows.
+
+    Examples
+    --------
+    >>> in_words(0.0015, 0.0005), in_words(-20.0, 10.0), in_words(2.5e6, 5e5), in_words(-1e-19, 1.0)
+    ('0.0015', '−20', '2.5e6', '0')
+    """
+    if abs(level) < 1e-9 * step:
+        return "0"
+    # One digit more than the step's first: steps of 2.5 have two.
+    digits = max(0, int(np.floor(np.log10(abs(level) / step) + 1e-9))) + 2
+    text = f"{level:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
+    return text.replace("-", "−")
 
 
 def line(
@@ -144,21 +248,22 @@ def line(
     return axes
 
 
-def add_colour_bar(axes: Axes, colours: ScalarMappable, label: str) -> None:
-    """Put the scale of the colours beside the axes."""
+def add_colour_bar(axes: Axes, scale: Scale, label: str, beside: Axes | None = None) -> None:
+    """Put the scale of the colours beside the axes, or into axes of its own."""
     figure = axes.get_figure(root=True)
     if figure is not None:
-        bar = figure.colorbar(colours, ax=axes, shrink=0.92, aspect=28, pad=0.025)
+        room: dict[str, Any] = {"cax": beside} if beside is not None else {"shrink": 0.92, "aspect": 28, "pad": 0.025}
+        bar = figure.colorbar(scale.bar, ax=axes, spacing="proportional", **room)
         bar.set_label(literal(label), fontsize=9)
         bar.outline.set_visible(False)
-        bar.formatter.set_powerlimits((-3, 4))  # type: ignore[attr-defined]
+        bar.formatter = ScalarFormatter()
+        bar.formatter.set_powerlimits((-3, 4))
         bar.ax.tick_params(length=2.5, labelsize=8.5)
         bar.update_ticks()
 
 
-def _range(values: NDArray[np.float64]) -> tuple[float, float]:
-    """Take the range of a field, without what is only rounding on the other side of zero, and never empty."""
-    low, high = float(values.min()), float(values.max())
+def _settled(low: float, high: float) -> tuple[float, float]:
+    """Take a range without what is only rounding on the other side of zero, and never empty."""
     largest = max(abs(low), abs(high))
     if abs(low) < _NOISE * largest:
         low = 0.0
@@ -168,12 +273,3 @@ def _range(values: NDArray[np.float64]) -> tuple[float, float]:
         half = 0.01 * largest or 1.0
         return low - half, high + half
     return low, high
-
-
-def colour_scale(low: float, high: float, cmap: str | Colormap | None) -> tuple[Colormap, Normalize]:
-    """Choose colours: diverging about zero where both signs occur, else from pale at the end nearer to zero."""
-    largest = max(abs(low), abs(high))
-    both = low < 0 < high
-    name = "RdBu" if both else "YlGnBu" if high > 0 else "YlOrRd_r"
-    colours = colormaps[name] if cmap is None else colormaps[cmap] if isinstance(cmap, str) else cmap
-    return colours, Normalize(-largest, largest) if both else Normalize(low, high)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -13,21 +14,52 @@ from matplotlib.colors import to_rgba
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.path import Path
 from matplotlib.patheffects import Normal, TickedStroke, withStroke
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from signorini.plot.plan import INK, literal
+from signorini.plot.plan import INK, inches_per_unit, literal
 
-_LOAD = "#b3261e"
+_LOADS = ("#b3261e", "#7a3e9d", "#b8860b", "#1b6e53", "#c2185b", "#4d5b9e")
+"""Colours of load cases, one after the other."""
 _EDGE = "#d95f02"
-_MARKERS = {"down": "^", "up": "v", "both": "s", "fixed": "s"}
-_ACTIONS = {"down": "pushes up only", "up": "holds down only", "both": "holds both ways", "fixed": "fixed"}
-_SIZES = {"points": (8.5, 4.0), "line": (4.5, 2.5), "area": (3.5, 0.7)}
-_UNCROWDED = {"points": 100, "line": 60, "area": 200}
+_ACTIONS = {
+    "down": "pushes up only",
+    "up": "holds down only",
+    "both": "holds both ways",
+    "clamped": "clamped",
+    "hinged": "hinged",
+    "symmetry": "symmetry",
+}
+_LARGEST, _SMALLEST = 8.5, 3.2
+"""Points (1/72 inch) that a mark is wide."""
+_FITS = 0.8
+"""Part of the distance to its neighbour that a mark may take."""
+_SPACED = 0.55
+"""Inches between the marks along a line."""
+_WAVE, _SWING = 5.0, 1.7
+"""Points of a spring's zigzag: half its length, and half its width."""
+_FLIPPED = np.array([1.0, -1.0])
+_TRIANGLE = np.array([[0.0, 0.5], [-0.5, -0.42], [0.5, -0.42], [0.0, 0.5]])
+_GLYPHS = {
+    "down": Path(_TRIANGLE),
+    "up": Path(_TRIANGLE * _FLIPPED),
+    "both": Path([[0, 0.55], [0.55, 0], [0, -0.55], [-0.55, 0], [0, 0.55]]),
+    "clamped": Path(np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * 0.42),
+    "hinged": Path.circle(radius=0.45),
+    "symmetry": Path([[-0.5, 0], [0.5, 0], [-0.5, 0]]),
+}
+_SPRING = np.array([[0.0, -0.45], [0.4, -0.6], [-0.4, -0.78], [0.4, -0.96], [-0.3, -1.1]])
+_BAR = np.array([[-0.5, 0.85], [0.5, 0.85]])
+"""Below and above the triangle: a spring that carries it, and the plate that has not come down to it yet."""
+_DETAILED = 5.0
+"""Points from which on a mark is large enough for its spring and its bar."""
+_WAVY = Path(np.column_stack([np.linspace(-1, 1, 9), [0, 0.22, -0.22, 0.22, -0.22, 0.22, -0.22, 0.22, 0]]))
 
 Entry = tuple[str, tuple[Artist, ...]]
 """A line of the legend: its words and its samples."""
+Kind = Literal["down", "up", "both", "clamped", "hinged", "symmetry"]
 
 
 @dataclass(frozen=True)
@@ -38,34 +70,45 @@ class SupportMark:
     ----------
     name : str
         Its name in the legend.
-    kind : {"down", "up", "both", "fixed"}
-        Which way it resists: a triangle up pushes the plate up, a triangle down holds it down, a square does both;
-        ``fixed`` along a line is drawn as a hatched edge.
+    kind : {"down", "up", "both", "clamped", "hinged", "symmetry"}
+        Which way it resists: a triangle up pushes the plate up, a triangle down holds it down, a diamond does both.
+        Along a line ``clamped`` has a hatch, ``hinged`` circles, and ``symmetry`` is dash-dotted.
     positions : ndarray, shape (k, 2)
-        Contact points, or the vertices of a fixed line; a row of NaN starts a new piece.
+        Points, or the vertices of a line or outline; a row of NaN starts a new piece.
     closed : ndarray of bool, shape (k,), or None
-        Which points are in contact (filled) and which are open (hollow). None: not known or always held.
+        What is in contact (filled) and what is open (hollow). None: not known or always held.
     style : {"points", "line", "area"}
-        How large the marks are.
     boundary : sequence of ndarray, shape (k, 2)
         The edge of contact of an area, as polylines.
+    elastic : bool
+        Drawn with a spring, or as a zigzag line.
+    gap : bool
+        Whether it has free travel: there is a bar before its mark.
+    words : str
+        What it is, in the legend; by default what the kind means.
+    counts : (int, int) or None
+        How many points are closed and open, in the legend; by default those of ``closed``.
     """
 
     name: str
-    kind: Literal["down", "up", "both", "fixed"]
+    kind: Kind
     positions: NDArray[np.float64]
     closed: NDArray[np.bool_] | None = None
     style: Literal["points", "line", "area"] = "points"
     boundary: Sequence[NDArray[np.float64]] = ()
+    elastic: bool = False
+    gap: bool = False
+    words: str = ""
+    counts: tuple[int, int] | None = None
 
     @property
     def label(self) -> str:
         """What the legend says: the name, the kind, and how many points are closed and open."""
-        if self.closed is None:
-            return f"{self.name}: {_ACTIONS[self.kind]}"
-        real = ~np.isnan(self.positions[:, 0])
-        closed = int(np.count_nonzero(self.closed & real))
-        return f"{self.name}: {_ACTIONS[self.kind]}, {closed} closed, {int(real.sum()) - closed} open"
+        words = f"{self.name}: {self.words or _ACTIONS[self.kind]}"
+        counts = self.counts
+        if counts is None and self.closed is not None:
+            counts = int(self.closed.sum()), int((~self.closed).sum())
+        return words if counts is None else f"{words}, {counts[0]} closed, {counts[1]} open"
 
 
 @dataclass(frozen=True)
@@ -74,8 +117,10 @@ class LoadMark:
 
     Attributes
     ----------
+    case : str
+        Its load case: those of one case have one colour.
     name : str
-        Its name in the legend.
+        What it is, in the legend.
     positions : ndarray, shape (k, 2)
         Points of application, vertices of the loaded line, or the outline of the loaded area; a row of NaN starts a
         new piece. None at all, shape (0, 2), for a load on the whole plate, which the legend only names.
@@ -83,23 +128,25 @@ class LoadMark:
         Which of the three.
     upward : bool
         A point load away from the reader is a crossed circle; one towards him, upward, is a dotted circle.
+    couple : (mx, my) or None
+        Of a moment, which is drawn as the pair of forces that it is: crossed circle down, dotted circle up.
     """
 
+    case: str
     name: str
     positions: NDArray[np.float64]
     style: Literal["points", "line", "area"] = "points"
     upward: bool = False
+    couple: tuple[float, float] | None = None
 
 
-def supports(marks: Iterable[SupportMark], ax: Axes, *, areas: bool = True) -> Axes:
-    """Draw supports, closed contact points filled and open ones hollow, and edges of contact; the legend is below.
+def supports(marks: Iterable[SupportMark], ax: Axes) -> Axes:
+    """Draw supports, closed contact filled and open contact hollow, and edges of contact; the legend is below.
 
     Parameters
     ----------
     marks : iterable of SupportMark
     ax : Axes
-    areas : bool
-        Whether to draw the points of areas too, or only their edges of contact.
 
     Returns
     -------
@@ -114,79 +161,217 @@ def supports(marks: Iterable[SupportMark], ax: Axes, *, areas: bool = True) -> A
     >>> [entry.get_text() for entry in axes.get_legend().get_texts()]
     ['pads: pushes up only, 1 closed, 1 open']
     """
-    draw_legend(ax, draw_supports(marks, ax, areas=areas))
+    draw_legend(ax, draw_supports(marks, ax))
     return ax
 
 
-def draw_supports(marks: Iterable[SupportMark], axes: Axes, *, areas: bool = True) -> list[Entry]:
+def draw_supports(marks: Iterable[SupportMark], axes: Axes) -> list[Entry]:
     """Draw supports and edges of contact and return their entries in the legend."""
     marks = list(marks)
-    entries = [draw_support(mark, axes) for mark in marks if areas or mark.style != "area"]
+    entries = [draw_support(mark, axes) for mark in marks]
     look: dict[str, Any] = {"color": _EDGE, "linewidth": 1.8, "solid_capstyle": "butt"}
     lines = [line for mark in marks for line in mark.boundary]
-    for line in lines:
-        axes.plot(*line.T, zorder=5.5, path_effects=[withStroke(linewidth=3.2, foreground="white")], **look)
+    if lines:
+        joined = np.concatenate([part for line in lines for part in (np.full((1, 2), np.nan), line)])
+        axes.plot(*joined.T, zorder=5.5, path_effects=[withStroke(linewidth=3.2, foreground="white")], **look)
     return entries + ([("edge of contact", (Line2D([], [], **look),))] if lines else [])
+
+
+def legend_words(marks: Sequence[SupportMark]) -> list[str]:
+    """What the legend of supports will say."""
+    return [mark.label for mark in marks] + (["edge of contact"] if any(len(mark.boundary) for mark in marks) else [])
 
 
 def draw_support(mark: SupportMark, axes: Axes) -> Entry:
     """Draw one support and return its entry in the legend."""
     positions = np.asarray(mark.positions, dtype=float)
-    if mark.kind == "fixed" and mark.style == "line":
-        hatch = [Normal(), TickedStroke(spacing=6, angle=-135, length=0.9)]
-        held: dict[str, Any] = {"color": INK, "linewidth": 2.2, "path_effects": hatch, "clip_on": False}
-        middle = np.array([sum(axes.get_xlim()), sum(axes.get_ylim())]) / 2
-        for piece in _pieces(positions):
-            axes.plot(*_hatched_outside(piece, middle).T, zorder=4, **held)
-        return mark.label, (Line2D([], [], **held),)
-
-    largest, smallest = _SIZES[mark.style]
-    size = max(smallest, largest * min(1.0, (_UNCROWDED[mark.style] / max(len(positions), 1)) ** 0.5))
-    look: dict[str, Any] = {"marker": _MARKERS[mark.kind], "linestyle": "none", "markersize": size, "clip_on": False}
-    full = look | {"markerfacecolor": INK, "markeredgecolor": "white", "markeredgewidth": 0.1 * size}
-    hollow = look | {"markerfacecolor": "white", "markeredgecolor": INK, "markeredgewidth": min(1.0, 0.2 * size)}
     closed = np.ones(len(positions), dtype=bool) if mark.closed is None else np.asarray(mark.closed, dtype=bool)
     samples: list[Artist] = []
-    for chosen, style in [(closed, full), (~closed, hollow)]:
+    per_unit = inches_per_unit(axes)
+    size = _LARGEST
+    if mark.style == "points":
+        size = _fitting(positions, per_unit)
+    else:
+        samples += _draw_line(mark, positions, closed, axes, per_unit)
+        positions, closed = _spaced(positions, closed, _SPACED / per_unit)
+        size *= 0.75
+        if mark.kind in ("clamped", "symmetry"):
+            return mark.label, tuple(samples)
+    for chosen, hollow in [(closed, mark.kind == "hinged" and mark.style != "points"), (~closed, True)]:
         if chosen.any():
-            axes.plot(*positions[chosen].T, zorder=5, **style)
-        if chosen.any() or (style is full and not len(positions)):
-            samples.append(Line2D([], [], **(style | {"markersize": max(size, 5.5), "markeredgewidth": 0.9})))
-    return mark.label, tuple(samples) or (Line2D([], [], linestyle="none"),)
+            axes.plot(*positions[chosen].T, zorder=5, **_glyph(mark, size, hollow))
+        if chosen.any() or (chosen is closed and not len(positions)):
+            samples.append(Line2D([], [], **_glyph(mark, max(size, 6.0), hollow)))
+    return mark.label, tuple(samples)
 
 
-def draw_load(mark: LoadMark, axes: Axes) -> Entry:
+def draw_load(mark: LoadMark, axes: Axes, colour: str) -> Entry:
     """Draw one load and return its entry in the legend."""
     positions = np.asarray(mark.positions, dtype=float)
+    words = f"{mark.case}: {mark.name}"
+    ring: dict[str, Any] = {"markersize": 11.0, "linestyle": "none", "color": colour, "markeredgewidth": 0.4}
+    ring |= {"clip_on": False, "zorder": 6}
+    down, up = ring | {"marker": r"$\otimes$"}, ring | {"marker": r"$\odot$"}
     look: dict[str, Any]
+    if mark.couple is not None:
+        arm = np.array(mark.couple) / max(np.hypot(*mark.couple), 1e-300) * 0.16 / inches_per_unit(axes)
+        for at in positions:
+            axes.plot(*np.array([at - arm, at + arm]).T, color=colour, linewidth=1.4, zorder=5.8, clip_on=False)
+        axes.plot(*(positions + arm).T, **down)
+        axes.plot(*(positions - arm).T, **up)
+        return words, (Line2D([], [], **up), Line2D([], [], color=colour, linewidth=1.4), Line2D([], [], **down))
     if mark.style == "points":
-        look = {"marker": r"$\odot$" if mark.upward else r"$\otimes$", "markersize": 11.0, "linestyle": "none"}
-        look |= {"color": _LOAD, "markeredgewidth": 0.4, "clip_on": False}
-        axes.plot(*positions.T, zorder=6, **look)
-        return mark.name, (Line2D([], [], **look),)
+        look = up if mark.upward else down
+        axes.plot(*positions.T, **look)
+        return words, (Line2D([], [], **look),)
     if mark.style == "line":
-        look = {"color": _LOAD, "linewidth": 2.4, "solid_capstyle": "butt"}
+        look = {"color": colour, "linewidth": 2.4, "solid_capstyle": "butt"}
         axes.plot(*positions.T, zorder=4.5, **look)
-        return mark.name, (Line2D([], [], **look),)
-    look = {"facecolor": to_rgba(_LOAD, 0.10), "edgecolor": _LOAD, "hatch": "....", "linewidth": 1.2}
+        return words, (Line2D([], [], **look),)
+    look = {
+        "facecolor": to_rgba(colour, 0.10),
+        "edgecolor": colour,
+        "hatch": "oo" if mark.upward else "....",
+        "linewidth": 1.2,
+    }
     for piece in _pieces(positions):
         axes.fill(*piece.T, zorder=3, **look)
-    return mark.name, (Patch(**look),)
+    return words, (Patch(**look),)
 
 
-def draw_legend(axes: Axes, entries: Sequence[Entry]) -> None:
-    """Put the legend below the axes and their labels."""
-    figure = axes.get_figure()
+def draw_loads(marks: Iterable[LoadMark], axes: Axes) -> list[Entry]:
+    """Draw loads, those of one case in one colour, and return their entries in the legend."""
+    marks = list(marks)
+    cases = list(dict.fromkeys(mark.case for mark in marks))
+    return [draw_load(mark, axes, _LOADS[cases.index(mark.case) % len(_LOADS)]) for mark in marks]
+
+
+def _glyph(mark: SupportMark, size: float, hollow: bool) -> dict[str, Any]:
+    """How a mark is drawn at a point: with a spring if it is elastic, with a bar if there is a gap before it."""
+    shape, turned = _GLYPHS[mark.kind], _FLIPPED if mark.kind == "up" else np.ones(2)
+    details = [_SPRING] if mark.elastic and mark.style == "points" else []
+    details += [_BAR] if mark.gap else []
+    parts = [shape, *(Path(np.concatenate([part, part[::-1]]) * turned) for part in details if size >= _DETAILED)]
+    joined = Path.make_compound_path(*parts)
+    edge = max(0.6, 0.12 * size)
+    return {
+        "marker": joined,
+        # A marker's largest coordinate is drawn half its size from its middle.
+        "markersize": 2 * size * float(np.abs(joined.vertices).max()),
+        "markerfacecolor": "white" if hollow else INK,
+        "markeredgecolor": INK,
+        "markeredgewidth": edge,
+        "linestyle": "none",
+        "clip_on": False,
+        "path_effects": [withStroke(linewidth=edge + 1.2, foreground="white")],
+    }
+
+
+def _draw_line(
+    mark: SupportMark, positions: NDArray[np.float64], closed: NDArray[np.bool_], axes: Axes, per_unit: float
+) -> list[Artist]:
+    """Draw a line support, or the outline of an area: a band, filled where closed, and a zigzag where it is elastic."""
+    width = 1.0 if mark.style == "area" else 2.2
+    look: dict[str, Any] = {"color": INK, "linewidth": width, "clip_on": False, "solid_capstyle": "butt"}
+    if mark.kind == "symmetry":
+        look |= {"linewidth": 1.4, "linestyle": (0, (7, 2.5, 1.2, 2.5))}
+        for piece in _pieces(positions):
+            axes.plot(*piece.T, color="white", linewidth=2.6, zorder=4, clip_on=False)
+            axes.plot(*piece.T, zorder=4.1, **look)
+        return [Line2D([], [], **look)]
+    if mark.kind == "clamped":
+        look["path_effects"] = [Normal(), TickedStroke(spacing=6, angle=-135, length=0.9)]
+        middle = np.array([sum(axes.get_xlim()), sum(axes.get_ylim())]) / 2
+        for piece in _pieces(positions):
+            axes.plot(*_hatched_outside(piece, middle).T, zorder=4, **look)
+        return [Line2D([], [], **look)]
+    core: dict[str, Any] = {"color": "white", "linewidth": 0.5 * width, "clip_on": False, "solid_capstyle": "butt"}
+    opened = []
+    for piece, shut in _pieces_with(positions, closed):
+        if mark.elastic:
+            look["linewidth"], core["linewidth"] = 0.55 * width + 0.35, 0.3 * width + 0.2
+            piece, shut = _zigzag(piece, shut, per_unit)
+        axes.plot(*piece.T, zorder=4, **look)
+        opened += [piece[start : end + 1] for start, end in _runs(~shut) if end > start]
+    for piece in opened:
+        axes.plot(*piece.T, zorder=4.1, **core)
+    if not mark.elastic:
+        return [Line2D([], [], **look)]
+    wave: dict[str, Any] = {"marker": _WAVY, "markersize": 20.0, "markeredgecolor": INK, "markerfacecolor": "none"}
+    return [Line2D([], [], linestyle="none", **wave)]
+
+
+def _fitting(positions: NDArray[np.float64], per_unit: float) -> float:
+    """Size of marks at points: as large as their distance allows, and never too small to read."""
+    if len(positions) < 2:
+        return _LARGEST
+    spread = np.ptp(positions, axis=0) * per_unit * 72
+    few = len(positions) <= _FEW
+    if few:
+        apart = np.hypot(*(positions[:, None] - positions).transpose(2, 0, 1)) * per_unit * 72
+        nearest = float(np.median(np.where(apart > 0, apart, np.inf).min(axis=1)))
+    else:
+        nearest = float(np.sqrt((spread[0] + 1) * (spread[1] + 1) / len(positions)))
+    return float(np.clip(_FITS * nearest, _SMALLEST, _LARGEST))
+
+
+_FEW = 600
+"""Points whose distances are all looked at."""
+
+
+def _spaced(
+    positions: NDArray[np.float64], closed: NDArray[np.bool_], apart: float
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Places along polylines, about so far apart, and whether it is closed there."""
+    places, states = [np.zeros((0, 2))], [np.zeros(0, bool)]
+    for piece, shut in _pieces_with(positions, closed):
+        if len(piece) < 2:
+            continue
+        along = np.append(0.0, np.hypot(*np.diff(piece, axis=0).T).cumsum())
+        count = max(1, round(along[-1] / apart))
+        at = (np.arange(count) + 0.5) / count * along[-1]
+        places.append(np.column_stack([np.interp(at, along, side) for side in piece.T]))
+        states.append(shut[np.clip(np.searchsorted(along, at), 0, len(shut) - 1)])
+    return np.concatenate(places), np.concatenate(states)
+
+
+def _zigzag(
+    piece: NDArray[np.float64], shut: NDArray[np.bool_], per_unit: float
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Swing to and fro about a polyline."""
+    along = np.append(0.0, np.hypot(*np.diff(piece, axis=0).T).cumsum())
+    count = max(4, round(along[-1] * per_unit * 72 / _WAVE))
+    at = np.linspace(0.0, along[-1], count + 1)
+    places = np.column_stack([np.interp(at, along, side) for side in piece.T])
+    tangent = np.gradient(places, axis=0)
+    tangent /= np.maximum(np.hypot(*tangent.T), 1e-300)[:, None]
+    swing = _SWING / 72 / per_unit * np.where(np.arange(count + 1) % 2, 1, -1)
+    swing[[0, -1]] = 0
+    places += swing[:, None] * np.column_stack([-tangent[:, 1], tangent[:, 0]])
+    return places, shut[np.clip(np.searchsorted(along, at), 0, len(shut) - 1)]
+
+
+def _runs(chosen: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last place of every run."""
+    steps = np.diff(np.concatenate([[False], chosen, [False]]).astype(int))
+    return list(zip(np.flatnonzero(steps > 0).tolist(), (np.flatnonzero(steps < 0) - 1).tolist(), strict=True))
+
+
+def draw_legend(axes: Axes, entries: Sequence[Entry], at: tuple[float, float] | None = None) -> None:
+    """Put the legend below the axes and their labels, or at a place of the figure in inches."""
+    figure = axes.get_figure(root=True)
     if not entries or figure is None:
         return
     below = axes.transAxes + ScaledTranslation(0, -0.45, figure.dpi_scale_trans)
     axes.legend(
         handles=[samples for _, samples in entries],
         labels=[literal(words) for words, _ in entries],
-        handler_map={tuple: HandlerTuple(ndivide=None, pad=0.5)},
+        handler_map={tuple: HandlerTuple(ndivide=None, pad=0.6)},
         loc="upper center",
-        bbox_to_anchor=(0.5, 0.0),
-        bbox_transform=below,
+        bbox_to_anchor=(0.5, 0.0) if at is None else at,
+        bbox_transform=below if at is None else figure.dpi_scale_trans,
+        borderaxespad=0.1,
+        handlelength=2.6,
         frameon=False,
         fontsize=8.5,
     )
@@ -194,9 +379,15 @@ def draw_legend(axes: Axes, entries: Sequence[Entry]) -> None:
 
 def _pieces(positions: NDArray[np.float64]) -> list[NDArray[np.float64]]:
     """Split a polyline at its rows of NaN."""
-    breaks = np.flatnonzero(np.isnan(positions[:, 0]))
-    parts = [part[~np.isnan(part[:, 0])] for part in np.split(positions, breaks)]
-    return [part for part in parts if len(part)]
+    return [piece for piece, _ in _pieces_with(positions, np.ones(len(positions), bool))]
+
+
+def _pieces_with(
+    positions: NDArray[np.float64], closed: NDArray[np.bool_]
+) -> list[tuple[NDArray[np.float64], NDArray[np.bool_]]]:
+    """Split a polyline and its states at its rows of NaN."""
+    ends = [-1, *np.flatnonzero(np.isnan(positions[:, 0])).tolist(), len(positions)]
+    return [(positions[a + 1 : b], closed[a + 1 : b]) for a, b in pairwise(ends) if b > a + 1]
 
 
 def _hatched_outside(piece: NDArray[np.float64], middle: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,29 +1,80 @@
-"""The plan of a plate: axes of its proportions, its elements' edges, its outline."""
+"""The plan of a plate: its mesh ready to be drawn, axes of its proportions, its outline."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
+from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
+from matplotlib.path import Path
 from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.errors import InputError
-from signorini.shapes.tessellation import Tessellation
+from signorini.shapes.tessellation import Tessellation, tessellate
 
 INK = "#1c2733"
 _SHEET = "#eef2f5"
+_FINE = 4000
+"""Elements from which on two flat triangles of each are as good as more: they are some dots wide."""
+_MARGIN = 0.04
+"""Room around the plate, in parts of its larger side."""
 
 
-def checked_mesh(points: ArrayLike, elements: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Check the shapes of a mesh."""
-    nodes, cells = np.asarray(points, dtype=float), np.asarray(elements, dtype=np.int64)
-    if nodes.shape[1:] != (2,) or cells.shape[1:] != (8,) or not len(cells):
-        raise InputError(
-            f"The nodes have the shape {nodes.shape} and the elements {cells.shape}; they must be (n, 2) and (e, 8)."
-        )
-    return nodes, cells
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A mesh and what all its pictures share: triangles, edges, outline."""
+
+    nodes: NDArray[np.float64]
+    cells: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, points: ArrayLike, elements: ArrayLike) -> Self:
+        """Check the shapes of a mesh."""
+        nodes, cells = np.asarray(points, dtype=float), np.asarray(elements, dtype=np.int64)
+        if nodes.shape[1:] != (2,) or cells.shape[1:] != (8,) or not len(cells):
+            raise InputError(
+                f"The nodes have the shape {nodes.shape} and the elements {cells.shape}; "
+                "they must be (n, 2) and (e, 8)."
+            )
+        return cls(nodes, cells)
+
+    @cached_property
+    def cut(self) -> Tessellation:
+        """Triangles of the whole plate."""
+        return tessellate(self.cells, 1 if len(self.cells) > _FINE else None)
+
+    @cached_property
+    def triangles(self) -> Triangulation:
+        """The same for matplotlib."""
+        return triangulation(self.cut, self.nodes)
+
+    @cached_property
+    def window(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Lower left and upper right corner of the plan."""
+        vertices = np.column_stack([self.triangles.x, self.triangles.y])
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        margin = _MARGIN * float((high - low).max())
+        return low - margin, high + margin
+
+    @cached_property
+    def edges(self) -> tuple[Path, Path]:
+        """Edges between elements, and the outline of the plate."""
+        vertices = np.column_stack([self.triangles.x, self.triangles.y])[self.cut.edges]
+        return tuple(_joined(vertices[chosen]) for chosen in (~self.cut.outer, self.cut.outer))  # type: ignore[return-value]
+
+
+def triangulation(cut: Tessellation, nodes: NDArray[np.float64]) -> Triangulation:
+    """Give matplotlib the triangles of a mesh, or of a part of it."""
+    x, y = cut.interpolate(nodes).T
+    made = Triangulation(x, y, cut.triangles)
+    # matplotlib would look at every triangle again for each picture.
+    made.is_delaunay = False
+    return made
 
 
 def literal(text: str) -> str:
@@ -31,31 +82,56 @@ def literal(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-def plan_axes(nodes: NDArray[np.float64], title: str) -> Axes:
+def plan_axes(plan: Plan, title: str) -> Axes:
     """Make a figure whose shape suits the plate's."""
-    width, height = np.maximum(np.ptp(nodes, axis=0), 1e-30)
+    width, height = plan.window[1] - plan.window[0]
     figure = Figure(figsize=(7.4, float(np.clip(5.6 * height / width, 1.8, 8.5)) + 1.3), layout="constrained")
     axes = figure.add_subplot()
-    axes.set_title(literal(title), fontsize=11, color=INK)
+    axes.set_title(literal(title), fontsize=11, color=INK, wrap=True)
     return axes
 
 
-def draw_sheet(axes: Axes, vertices: NDArray[np.float64], cut: Tessellation) -> None:
+def draw_sheet(axes: Axes, plan: Plan) -> None:
     """Fill the plate with a pale colour."""
-    sheet = Triangulation(vertices[:, 0], vertices[:, 1], cut.triangles)
-    axes.tricontourf(sheet, np.zeros(len(vertices)), levels=[-1, 1], colors=[_SHEET])
+    axes.tricontourf(plan.triangles, np.zeros(len(plan.triangles.x)), levels=[-1, 1], colors=[_SHEET])
 
 
-def draw_outlines(axes: Axes, vertices: NDArray[np.float64], cut: Tessellation, inner: float) -> None:
-    """Draw the elements' edges, fainter the more there are, and the plate's outline; set the plan's aspect."""
-    fade = inner * min(1.0, (900 / len(cut.elements)) ** 0.5)
-    lines = vertices[cut.edges]
-    axes.add_collection(LineCollection(list(lines[~cut.outer]), colors=INK, linewidths=0.5, alpha=fade))
-    axes.add_collection(LineCollection(list(lines[cut.outer]), colors=INK, linewidths=1.2, capstyle="round"))
+def draw_outlines(axes: Axes, plan: Plan, inner: float) -> None:
+    """Draw the elements' edges, fainter the more there are, and the plate's outline."""
+    between, outline = plan.edges
+    fade = inner * min(1.0, (900 / len(plan.cells)) ** 0.5)
+    if fade > _FAINTEST:
+        look: dict[str, Any] = {"facecolors": "none", "edgecolors": INK, "linewidths": 0.5, "alpha": fade}
+        axes.add_collection(PathCollection([between], zorder=1.8, label="_elements", **look), autolim=False)
+    look = {"facecolors": "none", "edgecolors": INK, "linewidths": 1.2, "capstyle": "round"}
+    axes.add_collection(PathCollection([outline], zorder=1.9, label="_outline", **look), autolim=False)
+
+
+def set_window(axes: Axes, plan: Plan) -> None:
+    """Set the plan's limits, both axes alike."""
     axes.set_aspect("equal")
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    margin = 0.04 * float((high - low).max())
-    axes.set_xlim(low[0] - margin, high[0] + margin)
-    axes.set_ylim(low[1] - margin, high[1] + margin)
+    (x0, y0), (x1, y1) = plan.window
+    axes.set_xlim(x0, x1)
+    axes.set_ylim(y0, y1)
     axes.spines[:].set_visible(False)
     axes.tick_params(length=0, labelsize=8.5)
+
+
+def inches_per_unit(axes: Axes) -> float:
+    """How large the unit of length of the plate is drawn."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None, "axes are made with their figure"
+    size = axes.get_position(original=True).size * figure.get_size_inches()
+    spans = np.abs([np.diff(axes.get_xlim())[0], np.diff(axes.get_ylim())[0]])
+    return float((size / spans).min())
+
+
+_FAINTEST = 0.07
+"""How faint edges of elements may be: fainter ones nobody sees, and they take their time."""
+
+
+def _joined(chains: NDArray[np.float64]) -> Path:
+    """Put polylines (k, n, 2) into one path."""
+    codes = np.full(chains.shape[:2], Path.LINETO, Path.code_type)
+    codes[:, 0] = Path.MOVETO
+    return Path(chains.reshape(-1, 2), codes.ravel())

@@ -7,17 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.collections import Collection
+from matplotlib.colors import Colormap, to_rgba
 from matplotlib.path import Path
-from matplotlib.ticker import MaxNLocator
-from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
-from signorini.plot.field import add_colour_bar, colour_scale
-from signorini.plot.plan import INK, checked_mesh, draw_outlines, draw_sheet, literal, plan_axes
-from signorini.shapes.tessellation import Tessellation, tessellate
+from signorini.plot.field import BANDS, Scale, add_colour_bar, label_contours
+from signorini.plot.plan import INK, Plan, draw_outlines, draw_sheet, literal, plan_axes, set_window, triangulation
+from signorini.shapes.tessellation import Tessellation
 
 _ON_OUTLINE = 1e-9
 """Part of the plate's size within which a point is on an area's outline."""
@@ -37,12 +35,15 @@ class PressureLayer:
         What the area can exert at least and at most. Nothing is drawn beyond.
     outline : ndarray, shape (k, 2), or None
         Of the area; None where the elements end with it.
+    largest : (float, (x, y)) or None
+        The largest pressure and its place, where they are known better than from the vertices.
     """
 
     cut: Tessellation
     values: NDArray[np.float64]
     bounds: tuple[float, float]
     outline: NDArray[np.float64] | None = None
+    largest: tuple[float, Sequence[float]] | None = None
 
     @property
     def an_element(self) -> bool:
@@ -60,11 +61,12 @@ class PressureLayer:
         within = path.contains_points(vertices, radius=slack) | path.contains_points(vertices, radius=-slack)
         return np.where(within, values, np.nan)
 
-    def largest(self, nodes: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
-        """Return the largest of the values at vertices, and where it is."""
-        values = np.nan_to_num(self.exerted(nodes), nan=-np.inf)
-        at = int(values.argmax())
-        return float(values[at]), self.cut.interpolate(nodes)[at]
+    def range(self, nodes: NDArray[np.float64]) -> tuple[float, float]:
+        """Return the smallest and the largest value, or 0 beyond them."""
+        values = self.exerted(nodes)
+        if self.largest is not None:
+            values = np.append(values, self.largest[0])
+        return float(np.fmin.reduce(values, initial=0.0)), float(np.fmax.reduce(values, initial=0.0))
 
 
 def pressure(
@@ -75,13 +77,15 @@ def pressure(
     ax: Axes | None = None,
     label: str = "pressure",
     title: str = "",
-    levels: int = 14,
+    levels: int = BANDS,
+    cmap: str | Colormap = "PuOr",
+    limits: tuple[float, float] | None = None,
 ) -> Axes:
     """Draw the contact pressure of areas, one over the other, on a plate that is pale where there is none.
 
     Parameters
     ----------
-    points, elements, ax, label, title, levels
+    points, elements, ax, label, title, levels, cmap, limits
         As for :func:`signorini.plot.contour`.
     layers : sequence of PressureLayer
 
@@ -92,50 +96,62 @@ def pressure(
     Examples
     --------
     >>> nodes = [[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [2, 0.5], [1, 1], [0, 0.5]]
+    >>> from signorini.shapes.tessellation import tessellate
     >>> cut = tessellate(np.arange(8)[None])
     >>> soil = PressureLayer(cut, cut.interpolate(np.array(nodes))[:, 0] - 1, bounds=(0, np.inf))
     >>> axes = pressure(nodes, [range(8)], [soil], label="pressure [kPa]")
     >>> axes.collections[1].get_clim()
-    (0.0, 1.0)
+    (-1.0, 1.0)
     """
-    nodes, cells = checked_mesh(points, elements)
-    axes = plan_axes(nodes, title) if ax is None else ax
+    plan = Plan.of(points, elements)
+    axes = plan_axes(plan, title) if ax is None else ax
     if ax is not None and title:
-        axes.set_title(literal(title))
-    whole = tessellate(cells)
-    vertices = whole.interpolate(nodes)
-    draw_sheet(axes, vertices, whole)
-    exerted = [layer.exerted(nodes) for layer in layers]
-    low = min((float(np.fmin.reduce(values, initial=0.0)) for values in exerted), default=0.0)
-    high = max((float(np.fmax.reduce(values, initial=0.0)) for values in exerted), default=0.0)
-    if low == high:
-        high = 1.0
-    limits = np.asarray(MaxNLocator(levels).tick_values(low, high))
-    colours, norm = colour_scale(low, high, None)
-    for layer in layers:
-        _draw(axes, nodes, layer, limits, {"cmap": colours, "norm": norm})
-    draw_outlines(axes, vertices, whole, inner=0.16)
-    add_colour_bar(axes, ScalarMappable(norm, colours), label)
+        axes.set_title(literal(title), wrap=True)
+    scale = pressure_scale(plan, layers, cmap, limits, levels)
+    set_window(axes, plan)
+    draw_pressure(axes, plan, layers, scale)
+    add_colour_bar(axes, scale, label)
     return axes
+
+
+def pressure_scale(
+    plan: Plan,
+    layers: Sequence[PressureLayer],
+    cmap: str | Colormap,
+    limits: tuple[float, float] | None,
+    levels: int = BANDS,
+) -> Scale:
+    """Choose colours for pressures, from 0 on."""
+    ranges = [limits] if limits is not None else [layer.range(plan.nodes) for layer in layers]
+    low, high = min((a for a, _ in ranges), default=0.0), max((b for _, b in ranges), default=0.0)
+    return Scale.of(low, high if high > low else 1.0, cmap, levels)
+
+
+def draw_pressure(axes: Axes, plan: Plan, layers: Sequence[PressureLayer], scale: Scale) -> None:
+    """Draw pressures on a pale plate, and the plate's outline."""
+    draw_sheet(axes, plan)
+    draw_outlines(axes, plan, inner=0.16)
+    for layer in layers:
+        _draw(axes, plan.nodes, layer, scale.bounds, {"cmap": scale.colours, "norm": scale.norm})
 
 
 def _draw(
     axes: Axes, nodes: NDArray[np.float64], layer: PressureLayer, limits: NDArray[np.float64], look: dict[str, Any]
 ) -> None:
-    x, y = layer.cut.interpolate(nodes).T
-    triangulation = Triangulation(x, y, layer.cut.triangles)
-    drawn: list[Collection] = []
+    triangles = triangulation(layer.cut, nodes)
+    drawn: list[Artist] = []
     if layer.an_element:
         values = np.repeat(layer.values, len(layer.cut.triangles) // len(layer.values))
-        triangulation.set_mask(values == 0)
-        drawn.append(axes.tripcolor(triangulation, facecolors=values, **look))
+        triangles.set_mask(values == 0)
+        drawn.append(axes.tripcolor(triangles, facecolors=values, **look))
     elif np.clip(layer.values, *layer.bounds).any():
         levels = limits[(limits >= layer.bounds[0]) & (limits <= layer.bounds[1])]
-        drawn.append(axes.tricontourf(triangulation, layer.values, levels=levels, **look))
-        between = levels[(levels > layer.values.min()) & (levels < layer.values.max())]
-        lines: dict[str, Any] = {"colors": INK, "linewidths": 0.35, "alpha": 0.45, "linestyles": "solid"}
-        if len(between):
-            drawn.append(axes.tricontour(triangulation, layer.values, levels=between, **lines))
+        drawn.append(axes.tricontourf(triangles, layer.values, levels=levels, **look))
+        drawn[-1].set(edgecolor=to_rgba(INK, 0.3), linewidth=0.3)
+        before = len(axes.collections), len(axes.texts)
+        label_contours(axes, triangles, np.clip(layer.values, levels[0], levels[-1]), levels)
+        drawn += axes.collections[before[0] :]
+        drawn += axes.texts[before[1] :]
     if layer.outline is not None:
         for part in drawn:
             part.set_clip_path(Path(layer.outline), axes.transData)

@@ -13,8 +13,10 @@ from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
+from signorini.results.contact_field import AreaContact, Pressures
 from signorini.results.result import FIELDS, Result
 from signorini.results.support_points import SupportPoints
+from signorini.results.support_result import area_contact
 
 _MOST_BEARINGS = 100
 """Points of one support beyond which its reaction is looked at as a whole."""
@@ -38,6 +40,7 @@ class Layout:
 
     model: Model
     supports: tuple[SupportPoints, ...]
+    at_rest: Mapping[int, AreaContact]
     fields: tuple[str, ...]
     probes: Floats
 
@@ -45,7 +48,9 @@ class Layout:
     def of(cls, found: Discretisation, fields: Sequence[str]) -> Layout:
         """Lay out the columns of a model; ``fields`` are those that envelopes are sought of."""
         points = tuple(SupportPoints.of(found, index) for index in range(len(found.model.support)))
-        return cls(found.model, points, tuple(fields), found.probe_positions)
+        areas = [index for index, support in enumerate(found.model.support) if support.area is not None]
+        at_rest = {index: _at_rest(found, index, points[index]) for index in areas}
+        return cls(found.model, points, at_rest, tuple(fields), found.probe_positions)
 
     @property
     def point_count(self) -> int:
@@ -53,9 +58,16 @@ class Layout:
         return sum(len(points.positions) for points in self.supports)
 
     @cached_property
-    def areas(self) -> tuple[int, ...]:
-        """Which supports are areas."""
-        return tuple(index for index, support in enumerate(self.model.support) if support.area is not None)
+    def pressures(self) -> Pressures:
+        """Pressures of all areas together."""
+        return Pressures(list(self.at_rest.values()))
+
+    @cached_property
+    def around_areas(self) -> Ints:
+        """Nodes (k,) of the elements that elastic areas are in; what these do follows from the deflections there."""
+        elastic = [area for area in self.at_rest.values() if area.support.stiffness is not None]
+        nodes = [area.mesh.elements[area.covered > 0].ravel() for area in elastic]
+        return np.unique(np.concatenate([np.zeros(0, np.int64), *nodes]))
 
     @cached_property
     def bearings(self) -> tuple[Bearing, ...]:
@@ -102,6 +114,8 @@ class Block:
         Of every point of every support.
     probes : (k, 8q) array
         Every field at every probe.
+    on_areas : (k, n) array
+        Deflections of the nodes around elastic areas.
     areas : (k, a, 2) array
         Of every area its largest pressure, and how much of it is in contact.
     peaks, places : (k, f, 2) arrays
@@ -118,6 +132,7 @@ class Block:
     gap: Floats
     closed: Bools
     probes: Floats
+    on_areas: Floats
     areas: Floats
     peaks: Floats
     places: Ints
@@ -141,7 +156,8 @@ class Block:
             nan(points),
             np.zeros((count, points), np.bool_),
             nan(len(FIELDS) * len(layout.probes)),
-            nan(len(layout.areas), 2),
+            nan(len(layout.around_areas)),
+            nan(len(layout.at_rest), 2),
             nan(fields, 2),
             np.zeros((count, fields, 2), np.int64),
         )
@@ -165,7 +181,8 @@ class Block:
             self.reaction[row, where] = support.reactions
             self.gap[row, where] = support.gaps
             self.closed[row, where] = support.closed
-        for at, index in enumerate(layout.areas):
+        self.on_areas[row] = result.deflection[layout.around_areas]
+        for at, index in enumerate(layout.at_rest):
             area = result.supports[index].area
             assert area is not None  # the support is one
             self.areas[row, at] = area.max_pressure, area.contact_area
@@ -175,6 +192,13 @@ class Block:
             field = result.fields[name]
             self.places[row, at] = field.argmax(), field.argmin()
             self.peaks[row, at] = field[self.places[row, at]]
+
+    def around(self, area: AreaContact, layout: Layout, rows: Ints) -> Floats:
+        """Deflections (r, k) of the nodes on an area, in some rows; none of a rigid one."""
+        if area.support.stiffness is None:
+            return np.zeros((len(rows), 0))
+        own = np.searchsorted(layout.around_areas, np.flatnonzero(area.on_nodes))
+        return self.on_areas[np.ix_(rows, own)]
 
     def columns(self, layout: Layout, nodes: Floats, keys: Named, loads: Named = ()) -> Iterator[tuple[str, Column]]:
         """Yield every column (k,) with its name.
@@ -214,6 +238,12 @@ class Block:
                 yield f"{what}_y:{name}", place[:, 1]
         for index, name in enumerate(FIGURES):
             yield f"certificate:{name}", self.certificate[:, index]
+
+
+def _at_rest(found: Discretisation, index: int, points: SupportPoints) -> AreaContact:
+    """Build an area that nothing presses yet: where it is, and its law."""
+    nothing = np.zeros(len(points.positions))
+    return area_contact(found, index, np.zeros(found.mesh.node_count), points.positions, nothing > 0, nothing)
 
 
 def together(blocks: Iterable[Named]) -> Mapping[str, Column]:

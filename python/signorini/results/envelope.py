@@ -8,6 +8,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.discretise.rows import Floats, Ints
+from signorini.mesh import Mesh
 from signorini.results.columns import Block, Layout
 from signorini.results.result import FIELDS, Result
 
@@ -89,6 +90,10 @@ class SupportEnvelope:
         Of what is left of the travel of every point (p,); the largest is by the result that lifts it most.
     lifted : (p,) array
         In how many results the point is open.
+    pressure : Extremes
+        Of an area, the pressures at its points and, if it is elastic, its nodes behind them; else none.
+    places : (q, 2) array
+        Where these are.
     pressed : Extremes or None
         Of an area, of its largest pressure and of the part of it in contact (2,).
     """
@@ -97,6 +102,8 @@ class SupportEnvelope:
     points: Extremes
     gap: Extremes
     lifted: Ints
+    pressure: Extremes
+    places: Floats
     pressed: Extremes | None
 
 
@@ -108,6 +115,9 @@ class Envelope:
     ----------
     fields : dict of Extremes
         At every node (n,), by the field's name.
+    pressures : dict
+        "contact_pressure" at the nodes of elastic areas, "rigid_contact_pressure" on the elements of rigid ones: which
+        nodes or elements (k,), and the extremes there.
     supports : tuple of SupportEnvelope
         In the order of the model.
     probes : Extremes
@@ -117,27 +127,22 @@ class Envelope:
     """
 
     fields: dict[str, Extremes]
+    pressures: dict[str, tuple[Ints, Extremes]]
     supports: tuple[SupportEnvelope, ...]
     probes: Extremes
     bearings: Concurrent
 
     @classmethod
-    def none(cls, layout: Layout, nodes: int) -> Envelope:
-        """Nothing met yet, on a mesh of so many nodes."""
-        names = (*layout.fields, "reaction") if layout.fields else ()
-        points = [len(one.positions) for one in layout.supports]
+    def none(cls, layout: Layout, mesh: Mesh) -> Envelope:
+        """Nothing met yet."""
+        names = list(layout.fields)
+        if names and len(layout.at_rest) < len(layout.supports):
+            names.append("reaction")
+        on = {"contact_pressure": layout.pressures.nodes, "rigid_contact_pressure": layout.pressures.elements}
         return cls(
-            {name: Extremes.none(nodes) for name in names},
-            tuple(
-                SupportEnvelope(
-                    Extremes.none(1),
-                    Extremes.none(count),
-                    Extremes.none(count),
-                    np.zeros(count, dtype=np.int64),
-                    Extremes.none(2) if index in layout.areas else None,
-                )
-                for index, count in enumerate(points)
-            ),
+            {name: Extremes.none(mesh.node_count) for name in names},
+            {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
+            tuple(_nothing_of(layout, index) for index in range(len(layout.supports))),
             Extremes.none(len(FIELDS) * len(layout.probes)),
             Concurrent.none(len(layout.bearings)),
         )
@@ -158,9 +163,25 @@ class Envelope:
             support.points.take(reaction, who)
             support.gap.take(block.gap[block.solved, where], who)
             support.lifted[:] += (~block.closed[block.solved, where]).sum(axis=0)
-        for at, index in enumerate(layout.areas):
-            if (pressed := self.supports[index].pressed) is not None:
-                pressed.take(block.areas[block.solved, at], who)
+        if layout.at_rest and len(who):
+            self._take_areas(block, layout, who)
+
+    def _take_areas(self, block: Block, layout: Layout, who: Ints) -> None:
+        """Meet the pressures of areas."""
+        rows, slices = np.flatnonzero(block.solved), layout.slices
+        forces = [block.reaction[rows, slices[index]] for index in layout.at_rest]
+        for at, ((index, area), force) in enumerate(zip(layout.at_rest.items(), forces, strict=True)):
+            support = self.supports[index]
+            support.pressure.take(area.measured(block.around(area, layout, rows), force)[0], who)
+            if support.pressed is not None:
+                support.pressed.take(block.areas[rows, at], who)
+        pressures = layout.pressures
+        for name, (nodes, extremes) in self.pressures.items():
+            if name == "rigid_contact_pressure":
+                extremes.take(pressures.on_elements(forces), who)
+                continue
+            deflection = block.on_areas[np.ix_(rows, np.searchsorted(layout.around_areas, nodes))]
+            extremes.take(pressures.at_nodes(deflection, forces), who)
 
     def governing(self) -> dict[str, tuple[float, int, float, int]]:
         """Largest value, by which result, smallest value, and by which; of fields and of supports' reactions.
@@ -191,3 +212,19 @@ class Envelope:
         """Numbers of the results with an extreme of some field or support's reaction, in that order, some at most."""
         found = self.governing().values()
         return [*dict.fromkeys(by for _, high, _, low in found for by in (high, low) if by != NONE)][:_GOVERNING]
+
+
+def _nothing_of(layout: Layout, index: int) -> SupportEnvelope:
+    """Nothing met yet by a support."""
+    count, area, places = len(layout.supports[index].positions), layout.at_rest.get(index), np.zeros((0, 2))
+    if area is not None:
+        places = area.measured(area.deflection[area.on_nodes], area.reactions)[1]
+    return SupportEnvelope(
+        Extremes.none(1),
+        Extremes.none(count),
+        Extremes.none(count),
+        np.zeros(count, dtype=np.int64),
+        Extremes.none(len(places)),
+        places,
+        None if area is None else Extremes.none(2),
+    )

@@ -163,7 +163,7 @@ class LoadPath(States[float]):
     def _tabulated(self) -> tuple[Mapping[str, Column], Envelope]:
         found, count = self.discretisation, len(self.stops)
         layout = Layout.of(found, [name for name in FIELDS if name in found.model.output.envelope])
-        block, envelope = Block.empty(layout, 0, count), Envelope.none(layout, found.mesh.node_count)
+        block, envelope = Block.empty(layout, 0, count), Envelope.none(layout, found.mesh)
         for row, stop in enumerate(self.stops):
             # Of the two stops of a jump the first is what holds before it, the second what holds after.
             after = 0 < row < count - 1 and self.segments[row - 1].jumps

@@ -6,20 +6,23 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.model import Area, Circle, Load, Support
 from signorini.results.contact_field import AreaContact
+from signorini.results.contact_field.lines import Segments, chained
+from signorini.results.support_words import describe
 from signorini.shapes.tessellation import tessellate
 
 if TYPE_CHECKING:
     from signorini.plot import LoadMark, PressureLayer, SupportMark
 
-Style = Literal["points", "line", "area"]
-
 _AROUND = 180
+_ALONG = 200
+"""Pieces of the longest part of a line, each as open or closed as the nearest contact point."""
 _BREAK = np.full((1, 2), np.nan)
 
 
@@ -33,10 +36,38 @@ def support_mark(
     """Draw a support that acts at positions (k, 2), of which some are closed; None: not known yet."""
     from signorini.plot import SupportMark
 
-    style: Style = "points" if support.place == "at" else "area" if support.place == "area" else "line"
+    style: Literal["points", "line", "area"] = "points"
+    counts = None if closed is None or support.fix is not None else (int(closed.sum()), int((~closed).sum()))
+    places, states = positions, closed
+    if support.place == "area":
+        style, states = "area", None
+        places = _outline(support.area) if isinstance(support.area, Area) else _around(mesh)
+    elif support.place != "at":
+        style, places = "line", _divided(path(mesh, support))
+        states = None
+        if closed is not None and len(positions):
+            nearest = KDTree(positions).query(np.nan_to_num(places))[1]
+            states = closed[nearest]
+    return SupportMark(
+        support.name,
+        _kind(support),
+        places,
+        states,
+        style,
+        boundary,
+        support.stiffness is not None,
+        not (support.gap.is_constant and support.gap.value == 0),
+        describe(support),
+        counts,
+    )
+
+
+def _kind(support: Support) -> Literal["down", "up", "both", "clamped", "hinged", "symmetry"]:
     if support.fix is None:
-        return SupportMark(support.name, support.resists or "both", positions, closed, style, boundary)
-    return SupportMark(support.name, "fixed", positions if style == "points" else path(mesh, support), None, style)
+        return support.resists or "both"
+    if "w" not in support.fixed:
+        return "symmetry"
+    return "clamped" if "slope" in support.fixed else "hinged"
 
 
 def pressure_layer(area: AreaContact) -> PressureLayer:
@@ -47,7 +78,8 @@ def pressure_layer(area: AreaContact) -> PressureLayer:
     cut = tessellate(area.mesh.elements[on])
     outline = _outline(area.support.area) if isinstance(area.support.area, Area) else None
     values = area.element_pressure[on] if area.stiff[on].all() else area.pressing(cut)
-    return PressureLayer(cut, values, area.bounds, outline)
+    value, at = area.largest
+    return PressureLayer(cut, values, area.bounds, outline, (value, at.tolist()))
 
 
 def support_marks(found: Discretisation) -> list[SupportMark]:
@@ -68,21 +100,34 @@ def load_marks(found: Discretisation) -> list[LoadMark]:
 
     marks = []
     for load in found.model.load:
-        name = f"{load.case}: {load.kind.replace('_', ' ')}"
+        value = next((given for given in (load.pressure, load.force, load.line_load) if given is not None), 0.0)
+        constant = value if isinstance(value, float) else value.value if value.is_constant else 0.0
+        upward = constant < 0
+        name = load.kind.replace("_", " ") + (", upward" if upward else "")
         if load.at is not None:
-            upward = load.force is not None and load.force < 0
-            marks.append(LoadMark(name, np.array(load.at), "points", upward))
+            marks.append(LoadMark(load.case, name, np.array(load.at), "points", upward, load.moment))
         elif load.kind == "line_load":
-            marks.append(LoadMark(name, path(found.mesh, load), "line"))
+            marks.append(LoadMark(load.case, name, path(found.mesh, load), "line", upward))
         elif isinstance(load.area, Area):
-            marks.append(LoadMark(name, _outline(load.area), "area"))
+            marks.append(LoadMark(load.case, name, _outline(load.area), "area", upward))
         else:
-            marks.append(LoadMark(f"{name} everywhere", np.zeros((0, 2)), "area"))
+            marks.append(LoadMark(load.case, f"{name} everywhere", np.zeros((0, 2)), "area", upward))
     for moving in found.model.moving:
-        marks.append(LoadMark(f"{moving.case}: the way it moves", np.array(moving.line), "line"))
-        halfway = [at for at, _, _ in moving.wheels(0.5 * moving.length)]
-        marks.append(LoadMark(f"{moving.case}: its wheels halfway", np.array(halfway), "points"))
+        marks.append(LoadMark(moving.case, "the way it moves", np.array(moving.line), "line"))
+        wheels = moving.wheels(0.5 * moving.length)
+        if moving.patch is None:
+            marks.append(LoadMark(moving.case, "its wheels halfway", np.array([at for at, _, _ in wheels])))
+        else:
+            prints = [part for at, along, _ in wheels for part in (_BREAK, _print(at, along, moving.patch))]
+            marks.append(LoadMark(moving.case, "its wheels' prints halfway", np.concatenate(prints), "area"))
     return marks
+
+
+def _print(at: tuple[float, float], along: tuple[float, float], patch: tuple[float, float]) -> Floats:
+    """Outline (5, 2) of a wheel's print."""
+    corners = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * patch
+    (tx, ty) = along
+    return np.asarray(at + corners @ np.array([[tx, ty], [-ty, tx]]))
 
 
 def path(mesh: Mesh, item: Support | Load) -> Floats:
@@ -93,6 +138,28 @@ def path(mesh: Mesh, item: Support | Load) -> Floats:
         points = _round(item.circle)
         return np.where(mesh.locate(points).inside[:, None], points, np.nan)
     return np.concatenate([_chained(mesh, name) for name in item.edge or ()])
+
+
+def _divided(line: Floats) -> Floats:
+    """Put vertices on a polyline (k, 2) until none of its pieces is long."""
+    steps = np.hypot(*np.diff(line, axis=0).T)
+    longest = float(np.nansum(steps)) / _ALONG
+    if not longest > 0:
+        return line
+    parts = [line[:1]]
+    for a, b, step in zip(line[:-1], line[1:], steps, strict=True):
+        count = 1 if np.isnan(step) else max(1, round(step / longest))
+        parts.append(b[None] if count == 1 else a + np.arange(1, count + 1)[:, None] / count * (b - a))
+    return np.concatenate(parts)
+
+
+def _around(mesh: Mesh) -> Floats:
+    """Outline (k, 2) of the plate; a row of NaN between pieces."""
+    sides = mesh.sides.reshape(-1, 3)
+    _, first, uses = np.unique(sides[:, 1], return_index=True, return_counts=True)
+    outer = sides[first[uses == 1]]
+    pairs = np.concatenate([outer[:, :2], outer[:, 1:]])
+    return np.concatenate([part for line in chained(Segments(mesh.points, pairs)) for part in (_BREAK, line)])
 
 
 def _chained(mesh: Mesh, name: str) -> Floats:

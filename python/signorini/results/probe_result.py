@@ -10,6 +10,7 @@ import numpy as np
 from signorini import _core
 from signorini.discretise.rows import Floats
 from signorini.mesh import Location, Mesh
+from signorini.results.contact_field import without_shared_borders
 from signorini.results.support_result import SupportResult
 
 
@@ -53,10 +54,11 @@ def probe_results(
 
 
 def total_pressure(supports: Sequence[SupportResult], where: Location) -> Floats:
-    """Sum (q,) of the pressures of area supports; NaN where none is."""
-    total = np.full(len(where.elements), np.nan)
-    for support in supports:
-        if support.area is not None:
-            found = support.area.pressure(where.elements, where.xi)
-            total = np.where(np.isnan(found), total, np.nan_to_num(total) + found)
-    return total
+    """Sum (q,) of the pressures of area supports, where they only touch that of one; NaN where none is."""
+    areas = [support.area for support in supports if support.area is not None]
+    if not areas:
+        return np.full(len(where.elements), np.nan)
+    found = np.array([area.pressure(where.elements, where.xi) for area in areas])
+    positions = areas[0].mesh.map(where.elements, where.xi)
+    on = without_shared_borders(areas, positions, ~np.isnan(found))
+    return np.where(on.any(axis=0), np.where(on, found, 0.0).sum(axis=0), np.nan)

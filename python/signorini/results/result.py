@@ -23,17 +23,19 @@ from signorini.errors import InputError, point
 from signorini.formats.vtk import displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
 from signorini.model import Model
-from signorini.results.marks import pressure_layer, support_mark
+from signorini.results.contact_field import Pressures
 from signorini.results.notebook import supports_table
+from signorini.results.panels import panel, support_marks
 from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
 from signorini.results.support_result import SupportResult, support_result
 from signorini.results.warnings import model_warnings, result_warnings
 
 if TYPE_CHECKING:
-    from signorini.plot import Axes, PressureLayer, SupportMark
+    from signorini.plot import Axes
 
 Points: TypeAlias = Floats | Sequence[tuple[float, float]] | tuple[float, float]
 Status = Literal["solved", "no_equilibrium"]
+
 
 FIELDS = ("deflection", "rotation_x", "rotation_y", "mx", "my", "mxy", "qx", "qy")
 
@@ -53,7 +55,8 @@ class Result(Remade):
     shear : (n, 2) array
         qx, qy.
     nodal_reaction : (n,) array
-        Upward force of every support on every node that it acts on.
+        Upward force of the supports at points, along lines and edges on every node that they act on. Areas have
+        pressures instead.
     method : str
         "lemke", "active_set" or "interior_point"; "given" where `signorini.recover` was given the reactions.
     unsettled : tuple of str
@@ -115,7 +118,9 @@ class Result(Remade):
             imbalance = found.plate.residual(found.springs.arrays, load.nodal, hi, lo)
             held_force = np.where(found.held.dofs, imbalance - spread, 0.0)
         pull = found.spring_forces(hi, lo)
-        nodal_reaction = held_force + spread + found.spring_rows.T @ pull
+        points, springs = found.off_areas
+        nodal_reaction = held_force + found.point_rows.T @ (points * answer.shared)
+        nodal_reaction += found.spring_rows.T @ (springs * pull)
         supports = tuple(
             support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
         )
@@ -146,6 +151,11 @@ class Result(Remade):
     def counted(self) -> str:
         """What ``iterations`` counts."""
         return {"lemke": "pivots", "active_set": "Newton steps"}.get(self.method, "interior point steps")
+
+    @property
+    def heading(self) -> str:
+        """Title of its pictures: the model's, and the name."""
+        return ", ".join(part for part in (self.model.title, self.name) if part)
 
     @property
     def reactions(self) -> Mapping[str, float]:
@@ -204,51 +214,69 @@ class Result(Remade):
             raise InputError(f"The point {at} is not on the plate. Move it onto the plate.")
         return positions, where
 
-    def plot(self, field: str = "deflection", ax: Axes | None = None) -> Axes:
-        """Draw a field as contours with the supports, open or closed, on matplotlib axes.
+    def plot(
+        self, field: str = "deflection", ax: Axes | None = None, limits: tuple[float, float] | None = None
+    ) -> Axes:
+        """Draw a field as contours with the supports, open or closed, as the pictures of the command show it.
 
         Parameters
         ----------
         field : str
             One of `fields`, or "pressure": the contact pressure of area supports.
         ax : Axes, optional
-            By default the axes of a new figure.
+            Of matplotlib; by default those of a new figure.
+        limits : (low, high), optional
+            Range of the colours, of results that are to be compared; by default that of the field.
 
         Raises
         ------
         InputError
-            If there is no field of that name.
+            If there is no field of that name, or no area whose pressure could be drawn.
         """
-        from signorini.plot import contour, pressure, supports
+        from signorini.plot import Plan, draw_legend, draw_panel, field_picture
 
         known(field, [*self.fields, "pressure"], "field", "field", "This result")
         if ax is not None and not hasattr(ax, "tricontourf"):
             raise InputError(f"found {ax!r}; it must be axes of matplotlib, or None for new ones.", place="ax")
-        title = ", ".join(part for part in (self.model.title, self.name) if part)
-        plate = (self.mesh.points, self.mesh.elements)
-        if field == "pressure":
-            ax = pressure(*plate, pressure_layers(self), ax=ax, label=field, title=title)
-            return supports(support_marks(self), ax, areas=False)
-        ax = contour(*plate, self.fields[field], ax=ax, label=field, title=title)
-        return supports(support_marks(self), ax)
+        if self.status != "solved":
+            raise InputError(f"There is nothing to draw: {self.message}", place="field")
+        if field == "pressure" and not any(support.area is not None for support in self.model.support):
+            raise InputError('There is no "pressure": no support of this model is an area.', place="field")
+        plan, units = Plan.of(self.mesh.points, self.mesh.elements), self.model.units
+        marks = support_marks(self.mesh, self.model.support, self.supports)
+        drawn = panel(field, self.mesh, self.fields, self.supports, units, limits)
+        if ax is None:
+            return field_picture(plan, [drawn], marks, title=self.heading, length=units.length).axes[0]
+        draw_legend(ax, draw_panel(ax, plan, drawn, marks))
+        ax.set_title(self.heading, parse_math=False, wrap=True)
+        return ax
 
     def to_vtk(self, path: str | os.PathLike[str]) -> None:
         """Write a .vtu file with every field; the displacement vector points down where the plate goes down."""
+        write_vtu(path, self.mesh.points, self.mesh.elements, *self.vtk_fields())
+
+    def vtk_fields(self) -> tuple[dict[str, Floats], dict[str, Floats]]:
+        """Fields of its .vtu file by name: at the nodes, and of the elements."""
         data = {
             "deflection": self.deflection,
             "displacement": displacement_vector(self.deflection),
             "rotation": np.column_stack([self.rotation, np.zeros(len(self.rotation))]),
             "moment": self.moment,
             "shear": np.column_stack([self.shear, np.zeros(len(self.shear))]),
-            "reaction": self.nodal_reaction,
         }
-        areas = [support.area for support in self.supports if support.area is not None]
-        elastic = [area.nodal_pressure for area in areas if area.support.stiffness is not None]
-        rigid = [area.element_pressure for area in areas if area.support.stiffness is None]
-        if elastic:
-            data["contact_pressure"] = sum(elastic, np.zeros(self.mesh.node_count))
-        of_elements = {"rigid_contact_pressure": sum(rigid, np.zeros(len(self.mesh.elements)))} if rigid else None
-        write_vtu(path, self.mesh.points, self.mesh.elements, data, of_elements)
+        of_elements = {}
+        if any(support.area is None for support in self.supports):
+            data["reaction"] = self.nodal_reaction
+        if areas := [support.area for support in self.supports if support.area is not None]:
+            pressures, forces = Pressures(areas), [area.reactions for area in areas]
+            if any(area.support.stiffness is not None for area in areas):
+                on = pressures.nodes
+                data["contact_pressure"] = np.zeros(self.mesh.node_count)
+                data["contact_pressure"][on] = pressures.at_nodes(self.deflection[on], forces)
+            if any(area.support.stiffness is None for area in areas):
+                of_elements["rigid_contact_pressure"] = np.zeros(len(self.mesh.elements))
+                of_elements["rigid_contact_pressure"][pressures.elements] = pressures.on_elements(forces)
+        return data, of_elements
 
     def _repr_html_(self) -> str:
         """Show the supports' table in a notebook."""
@@ -293,18 +321,3 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
         0.0,
         model_warnings(found),
     )
-
-
-def support_marks(result: Result) -> list[SupportMark]:
-    """Marks of the supports for pictures."""
-    pairs = zip(result.model.support, result.supports, strict=True)
-    return [
-        support_mark(result.mesh, support, found.positions, found.closed, found.contact_boundary)
-        for support, found in pairs
-    ]
-
-
-def pressure_layers(result: Result) -> list[PressureLayer]:
-    """Contact pressures of the area supports for pictures."""
-    areas = (support.area for support in result.supports)
-    return [pressure_layer(area) for area in areas if area is not None and len(area.elements)]

@@ -103,13 +103,15 @@ def support_result(
     points = SupportPoints.of(found, index)
     reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.shared)
     closed = points.closed(answer.closed)
-    deflection = (answer.hi + answer.lo)[::3]
-    area = None if support.area is None else area_contact(found, index, deflection, reactions, closed)
+    centres, deflection = points.centres(found, answer.shared), (answer.hi + answer.lo)[::3]
+    area = None
+    if support.area is not None:
+        area = area_contact(found, index, deflection, centres, closed, reactions)
     return SupportResult(
         support.name,
         describe(support),
         float(reactions.sum()),
-        points.centres(found, answer.shared),
+        centres,
         reactions,
         points.gaps(answer.gap),
         closed,
@@ -120,14 +122,15 @@ def support_result(
 
 
 def area_contact(
-    found: Discretisation, index: int, deflection: Floats, reactions: Floats, closed: Bools
+    found: Discretisation, index: int, deflection: Floats, positions: Floats, closed: Bools, reactions: Floats
 ) -> AreaContact:
-    """Give the contact of an area from the deflection (n,), and the reactions and states (k,) of its points."""
+    """Contact of an area, from the deflection (n,) and what its points (q,) do."""
     support, points = found.model.support[index], SupportPoints.of(found, index)
     on_means = points.shares is not None or support.stiffness is None
     stiff = on_means | _stiff(found, support, points)
     return AreaContact(
-        found.mesh, support, deflection, points.elements, points.weights, closed, reactions, on_means, stiff
+        *(found.mesh, support, deflection, positions, points.elements, points.weights),
+        *(closed, reactions, on_means, stiff),
     )
 
 

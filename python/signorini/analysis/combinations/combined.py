@@ -5,7 +5,6 @@ Memory does not grow with the number of combinations.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -104,7 +103,7 @@ def combine(
     layout = Layout.of(found, [name for name in FIELDS if name in asked])
     run = _Run(problem, layout, single, several)
     combinations = found.model.effective_combinations
-    width = layout.point_count * 3 + len(FIELDS) * len(layout.probes) + len(run.cases) + 20
+    width = layout.point_count * 3 + len(FIELDS) * len(layout.probes) + len(run.cases) + len(layout.around_areas) + 20
     rows = int(np.clip(_MOST_NUMBERS // width, 16, _MOST_ROWS))
     for first in range(0, len(combinations), rows):
         begin(combinations[first].name)
@@ -129,13 +128,10 @@ class _Run:
         self.terms: Terms | None = None
         # Where nodes are held together their forces are shared alike in every combination.
         self._always = "reactions" if Dependence.of(found).held_together else ""
-        if (
-            several is not None
-            and problem.method == "lemke"
-            and _worth_while(problem, len(found.model.effective_combinations))
-        ):
-            self.terms = terms_of(problem, self.cases, layout.fields)
-        self.envelope = Envelope.none(layout, found.mesh.node_count)
+        count = len(found.model.effective_combinations)
+        if several is not None and problem.method == "lemke" and _worth_while(problem, count):
+            self.terms = terms_of(problem, self.cases, layout.fields, layout.around_areas)
+        self.envelope = Envelope.none(layout, found.mesh)
         self.solved = self.alone = self.not_unique = 0
         self.worst = np.zeros(len(FIGURES))
         self.unbalanced: dict[str, str] = {}
@@ -176,15 +172,17 @@ class _Run:
         block.solved[rows] = True
         block.certificate[rows] = figures[certain]
         block.probes[rows] = _core.superpose(coefficients, terms.probes)
+        block.on_areas[rows] = _core.superpose(coefficients, terms.on_areas)
         self._put_supports(block, rows, _core.superpose(coefficients, terms.fixed), reaction[rows], gap, closed)
         who = block.numbers[rows]
         for name, vectors in terms.fields.items():
+            if name not in self.envelope.fields:
+                continue
             peaks, places = self.envelope.fields[name].take_sums(coefficients, vectors, who)
             if name in self.layout.fields:
                 at = self.layout.fields.index(name)
                 block.peaks[rows, at], block.places[rows, at] = peaks, places
-        if terms.deflection is not None and len(rows):
-            self._put_areas(block, rows, coefficients, terms.deflection)
+        self._put_areas(block, rows)
         block.iterations[:] = pivots
         for row in rows:
             block.method[row] = "lemke"
@@ -207,16 +205,19 @@ class _Run:
             block.gap[rows, where] = points.gaps(gap[rows])
             block.closed[rows, where] = points.closed(closed[rows])
 
-    def _put_areas(self, block: Block, rows: Ints, coefficients: Floats, deflections: Floats) -> None:
-        """Pressures and extents of areas in rows that are sums of deflections (b, n)."""
+    def _put_areas(self, block: Block, rows: Ints) -> None:
+        """Largest pressures and areas in contact of rows of which the deflections around areas are known."""
         found, layout = self.problem.discretisation, self.layout
-        for some in np.array_split(np.arange(len(rows)), math.ceil(len(rows) * deflections.shape[1] / _MOST_NUMBERS)):
-            every = _core.superpose(np.ascontiguousarray(coefficients[some]), deflections)
-            for row, deflection in zip(rows[some], every, strict=True):
-                for at, index in enumerate(layout.areas):
-                    where = layout.slices[index]
-                    area = area_contact(found, index, deflection, block.reaction[row, where], block.closed[row, where])
-                    block.areas[row, at] = area.max_pressure, area.contact_area
+        deflection = np.zeros(found.mesh.node_count)
+        for at, (index, at_rest) in enumerate(layout.at_rest.items()):
+            where = layout.slices[index]
+            pressures, _ = at_rest.measured(block.around(at_rest, layout, rows), block.reaction[rows, where])
+            block.areas[rows, at, 0] = pressures.max(axis=1, initial=0.0)
+            for row in rows:
+                deflection[layout.around_areas] = block.on_areas[row]
+                closed = block.closed[row, where]
+                area = area_contact(found, index, deflection, at_rest.positions, closed, block.reaction[row, where])
+                block.areas[row, at, 1] = area.contact_area
 
     def _unbalanced(self, name: str, message: str) -> None:
         self._without_equilibrium += 1

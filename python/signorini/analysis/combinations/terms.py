@@ -15,7 +15,7 @@ from signorini import _core
 from signorini.analysis.combinations.certificate_bounds import Proof, Sizes, Watch
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import CaseLoad
-from signorini.discretise.rows import Floats
+from signorini.discretise.rows import Floats, Ints
 from signorini.results.result import FIELDS
 from signorini.results.support_points import SupportPoints
 
@@ -35,12 +35,12 @@ class Terms:
         The contact problem condensed for all of them.
     fields : dict of (b, n) arrays
         Those that envelopes are sought of, "reaction" among them.
+    on_areas : (b, k) array
+        Deflection of the nodes around elastic areas.
     probes : (b, 8q) array
         Every field at every probe.
     fixed : (b, f) array
         Upward force of held nodes and springs, support by support.
-    deflection : (b, n) array or None
-        Where the plate rests on areas.
     proof : Proof
         What certificates are made of.
     """
@@ -48,13 +48,13 @@ class Terms:
     cases: tuple[str, ...]
     shared: _core.CombinedCases
     fields: dict[str, Floats]
+    on_areas: Floats
     probes: Floats
     fixed: Floats
-    deflection: Floats | None
     proof: Proof
 
 
-def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[str]) -> Terms:
+def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[str], nodes: Ints) -> Terms:
     """Solve for every term.
 
     Parameters
@@ -65,10 +65,12 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
         Load cases that occur in some combination.
     enveloped : sequence of str
         Fields that envelopes are sought of.
+    nodes : (k,) array
+        Around elastic areas.
     """
     found, core = problem.discretisation, problem.core
     names = [name for name in FIELDS if name in enveloped]
-    measured = _Measured(problem, names, Watch.of(found, cases))
+    measured = _Measured(problem, names, Watch.of(found, cases), nodes)
     rest = _core.rest_response(core, found.held.values)
     measured.add([rest], None, at_rest=True)
     responses: list[_core.Response] = []
@@ -89,7 +91,7 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
 class _Measured:
     """Collects what is read from each term, so that its displacements can go."""
 
-    def __init__(self, problem: ContactProblem, names: list[str], watch: Watch) -> None:
+    def __init__(self, problem: ContactProblem, names: list[str], watch: Watch, nodes: Ints) -> None:
         self._names, self._watch = names, watch
         found = self._found = problem.discretisation
         self._springs = found.springs.arrays
@@ -99,11 +101,10 @@ class _Measured:
         xi = found.probes.xi
         self._values: Floats = _core.serendipity(xi)[0] if len(xi) else np.zeros((0, 8))
         self._fields: list[Floats] = []
+        self._nodes = nodes
+        self._on_areas: list[Floats] = []
         self._probes: list[Floats] = []
         self._fixed: list[Floats] = []
-        self._deflections: list[Floats] | None = (
-            [] if any(support.area is not None for support in found.model.support) else None
-        )
         self._sizes: list[Sizes] = []
 
     def add(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> None:
@@ -133,11 +134,12 @@ class _Measured:
         at_holds = np.where(found.held.dofs, imbalance, 0.0)
         pull = found.spring_forces(hi, lo, springs[3])
         on_plate = at_holds + spread + found.spring_rows.T @ pull
+        self._on_areas.append(nodal[self._nodes, 0])
         kept = [every[:, FIELDS.index(name)] for name in self._names]
         if self._names:
-            kept.append(on_plate[::3])
-        if self._deflections is not None:
-            self._deflections.append(every[:, 0])
+            points, off = found.off_areas
+            at_nodes = at_holds + found.contact_rows.T @ (points[: len(reaction)] * reaction)
+            kept.append((at_nodes + found.spring_rows.T @ (off * pull))[::3])
         self._fields.append(np.array(kept).reshape(len(kept), found.mesh.node_count))
         at_probes = np.einsum("qi,qif->qf", self._values, every[found.mesh.elements[found.probes.elements]])
         self._probes.append(at_probes.ravel())
@@ -150,8 +152,7 @@ class _Measured:
         names = [*self._names, "reaction"] if self._names else []
         fields = {name: np.array([field[i] for field in self._fields]) for i, name in enumerate(names)}
         proof = Proof.of(self._found, self._sizes)
-        deflection = None if self._deflections is None else _table(self._deflections)
-        return Terms(cases, shared, fields, _table(self._probes), _table(self._fixed), deflection, proof)
+        return Terms(cases, shared, fields, _table(self._on_areas), _table(self._probes), _table(self._fixed), proof)
 
 
 def _table(rows: Iterable[Floats]) -> Floats:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from signorini import _core
 from signorini.base.remade import Remade
@@ -42,9 +43,10 @@ class AreaContact(Remade):
     support : Support
         On an area.
     deflection : (n,) array
+    positions : (q, 2) array
+        Of the points that the area acts at, of one on means one an element.
     elements, weights, closed, reactions : (q,) arrays
-        Points that the area acts at, of one on means one an element: element, area it stands for, whether closed,
-        upward force.
+        Of these points: element, area it stands for, whether closed, upward force.
     on_means : bool
         Whether it acts on the means of elements: it is rigid, or as good as that.
     stiff : (ne,) array
@@ -55,6 +57,7 @@ class AreaContact(Remade):
     mesh: Mesh
     support: Support
     deflection: Floats
+    positions: Floats
     elements: Ints
     weights: Floats
     closed: Bools
@@ -79,31 +82,69 @@ class AreaContact(Remade):
         return np.asarray(force / np.where(self.covered > 0, self.covered, 1.0))
 
     @cached_property
-    def nodal_pressure(self) -> Floats:
-        """Pressure (n,) of an area at the nodes, positive up; 0 at those out of it.
-
-        At nodes of stiff elements the mean of the elements around.
-        """
+    def on_nodes(self) -> Bools:
+        """Whether nodes (n,) are on the area."""
         on = np.zeros(self.mesh.node_count, np.bool_)
         on[self.mesh.elements[self._whole].ravel()] = True
         near = np.unique(self.mesh.elements[(self.covered > 0) & ~self._whole])
         on[near] |= self.depth(self.mesh.points[near]) >= 0
-        result = np.zeros(len(on))
+        return on
+
+    def nodal(self, nodes: Ints, deflection: Floats, forces: Floats) -> Floats:
+        """Pressure (..., k) of an elastic area at nodes (k,), positive up; 0 at those out of it.
+
+        From deflections (..., k) there, and forces (..., q) of the area's points: at nodes of stiff elements it is the
+        mean of the elements around.
+        """
+        result = np.zeros(deflection.shape)
+        on = self.on_nodes[nodes]
         if not self.on_means:
-            result[on] = np.clip(pressing(self.support, self.deflection[on], self.mesh.points[on]), *self.bounds)
+            law = pressing(self.support, deflection[..., on], self.mesh.points[nodes[on]])
+            result[..., on] = np.clip(law, *self.bounds)
         if self.stiff.any():
-            at_stiff = on & np.isin(np.arange(len(on)), self.mesh.elements[self.stiff & (self.covered > 0)])
-            around = np.flatnonzero(self.covered > 0)
-            nodes, area = self.mesh.elements[around].ravel(), np.repeat(self.covered[around], 8)
-            force = np.bincount(nodes, area * np.repeat(self.element_pressure[around], 8), len(on))
-            result[at_stiff] = force[at_stiff] / np.bincount(nodes, area, len(on))[at_stiff]
+            elements = np.flatnonzero(self.covered > 0)
+            around = np.zeros((len(self.covered), 8))
+            around[elements] = 1.0
+            count, e = len(self.on_nodes), np.repeat(np.arange(len(self.covered)), 8)
+            at_elements = csr_array((around.ravel(), (self.mesh.elements.ravel(), e)), shape=(count, len(self.covered)))
+            stiff = on & np.isin(nodes, self.mesh.elements[self.stiff & (self.covered > 0)])
+            of_nodes = at_elements[nodes[stiff]]
+            result[..., stiff] = (of_nodes[:, self.elements] @ forces.T).T / (of_nodes @ self.covered)
         return result
 
     @cached_property
+    def largest(self) -> tuple[float, Floats]:
+        """Largest pressure, at the nodes and at the points that the area acts at, and where; 0 if it only holds down.
+
+        Pictures, tables and envelopes all show this one.
+        """
+        values, places = self._measured
+        at = int(np.argmax(np.nan_to_num(values, nan=-np.inf)))
+        return max(float(values[at]), 0.0), places[at]
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Smallest and largest pressure, 0 included."""
+        return float(np.fmin.reduce(self._measured[0], initial=0.0)), self.largest[0]
+
+    @cached_property
+    def _measured(self) -> tuple[Floats, Floats]:
+        return self.measured(self.deflection[self.on_nodes], self.reactions)
+
+    def measured(self, deflection: Floats, forces: Floats) -> tuple[Floats, Floats]:
+        """Pressures (..., q + k) at the points that the area acts at and at its nodes, and these places (q + k, 2).
+
+        From deflections (..., k) of its nodes and forces (..., q) of its points. Of a rigid area the nodes have none.
+        """
+        own, nodes = forces / self.weights, np.flatnonzero(self.on_nodes)
+        if self.support.stiffness is not None:
+            own = np.concatenate([own, self.nodal(nodes, deflection, forces)], axis=-1)
+        return own, np.concatenate([self.positions, self.mesh.points[nodes]])[: own.shape[-1]]
+
+    @property
     def max_pressure(self) -> float:
-        """Largest pressure, at the nodes and at the points that the area acts at; 0 where it holds down only."""
-        largest = float((self.reactions / self.weights).max(initial=0.0))
-        return float(np.fmax.reduce(self.nodal_pressure, initial=largest))
+        """Largest pressure; 0 where the area holds down only."""
+        return self.largest[0]
 
     def pressure(self, elements: Ints, xi: Floats) -> Floats:
         """Pressure (q,) at reference points (q, 2) of elements (q,), positive up; NaN where the support is not."""

@@ -1,0 +1,90 @@
+"""Fields and supports of a result as pictures show them: quantities with their units, colours, ranges and extremes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from signorini.discretise.rows import Floats
+from signorini.mesh import Mesh
+from signorini.model import Support
+from signorini.model.whole import Units
+from signorini.results.marks import pressure_layer, support_mark
+from signorini.results.support_result import SupportResult
+
+if TYPE_CHECKING:
+    from signorini.plot import Panel, SupportMark
+
+PRESSURE = "pressure"
+_WORDS = {
+    "deflection": "deflection{length}, positive down",
+    "rotation_x": "rotation θx",
+    "rotation_y": "rotation θy",
+    "mx": "moment mx{moment}",
+    "my": "moment my{moment}",
+    "mxy": "moment mxy{moment}",
+    "qx": "shear qx{shear}",
+    "qy": "shear qy{shear}",
+    PRESSURE: "contact pressure{pressure}, positive up",
+}
+_COLOURS = {"d": "RdBu", "r": "PiYG", "m": "BrBG", "q": "PRGn", "p": "PuOr"}
+"""Maps whose middle is zero, by the first letter of the quantity."""
+
+
+def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[SupportResult]) -> list[SupportMark]:
+    """Marks of the supports, open or closed."""
+    pairs = zip(asked, supports, strict=True)
+    return [support_mark(mesh, one, found.positions, found.closed, found.contact_boundary) for one, found in pairs]
+
+
+def field_range(field: str, fields: Mapping[str, Floats], supports: Sequence[SupportResult]) -> tuple[float, float]:
+    """Smallest and largest value of a field; of the pressure with 0."""
+    if field != PRESSURE:
+        return float(fields[field].min()), float(fields[field].max())
+    ranges = [support.area.range for support in supports if support.area is not None]
+    return min(low for low, _ in ranges), max(high for _, high in ranges)
+
+
+def panel(
+    field: str,
+    mesh: Mesh,
+    fields: Mapping[str, Floats],
+    supports: Sequence[SupportResult],
+    units: Units,
+    limits: tuple[float, float] | None,
+) -> Panel:
+    """Draw a field, or the pressure, in the colours of its quantity, its extremes with their values."""
+    from signorini.plot import Panel
+
+    label, colours = quantity(field, units), _COLOURS[field[0]]
+    limits = limits or field_range(field, fields, supports)
+    if field == PRESSURE:
+        areas = [support.area for support in supports if support.area is not None]
+        value, at = max((area.largest for area in areas), key=lambda found: found[0])
+        extremes = [("max", value, at.tolist())] if value > 0 else []
+        return Panel([pressure_layer(area) for area in areas], label, colours, limits, extremes)
+    values = fields[field]
+    ends = {"max": int(np.argmax(values)), "min": int(np.argmin(values))}
+    named = [(name, float(values[node]), mesh.points[node].tolist()) for name, node in ends.items()]
+    return Panel(values, label, colours, limits, named)
+
+
+def quantity(field: str, units: Units) -> str:
+    """Say what a field is, with its unit.
+
+    Examples
+    --------
+    >>> units = Units(length="m", force="kN")
+    >>> quantity("mx", units), quantity("qx", units), quantity("mx", Units())
+    ('moment mx [kN m/m]', 'shear qx [kN/m]', 'moment mx')
+    """
+    length, force = units.length, units.force
+    both = bool(length and force)
+    return _WORDS[field].format(
+        length=f" [{length}]" if length else "",
+        moment=f" [{force} {length}/{length}]" if both else "",
+        shear=f" [{force}/{length}]" if both else "",
+        pressure=f" [{force}/{length}²]" if both else "",
+    )
