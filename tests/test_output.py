@@ -332,15 +332,15 @@ def test_results_and_a_load_path_in_one_directory_leave_each_other_alone(
         write(named_path, tmp_path)
 
 
-@pytest.mark.parametrize("moment", ["to_vtk", "rename"])
+@pytest.mark.parametrize("moment", ["vtk_fields", "rename"])
 def test_a_failure_on_the_way_leaves_everything_as_it_was(
     results: signorini.Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str
 ) -> None:
     write(results, tmp_path / "out")
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
 
-    if moment == "to_vtk":
-        monkeypatch.setattr(signorini.Result, "to_vtk", _full_disk)
+    if moment == "vtk_fields":
+        monkeypatch.setattr(signorini.Result, "vtk_fields", _full_disk)
     else:
         rename, count = Path.rename, iter(range(100))
         monkeypatch.setattr(Path, "rename", lambda path, to: _full_disk() if next(count) == 8 else rename(path, to))
@@ -382,7 +382,7 @@ def test_results_of_schema_1_are_replaced_too(results: signorini.Results, tmp_pa
 def test_a_failure_on_the_way_leaves_no_directory(
     results: signorini.Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(signorini.Result, "to_vtk", _full_disk)
+    monkeypatch.setattr(signorini.Result, "vtk_fields", _full_disk)
     with pytest.raises(InputError):
         write(results, tmp_path / "a" / "b" / "out")
     assert list(tmp_path.iterdir()) == []
