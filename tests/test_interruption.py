@@ -90,7 +90,7 @@ module.{name} = paused
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 @pytest.mark.parametrize(
     ("module", "name"),
-    [("contact.strategy", "certified"), ("output.write", "reactions_csv"), ("base.files", "_exchange")],
+    [("contact.strategy", "certified"), ("output.writing", "reactions_csv"), ("base.files", "_exchange")],
 )
 def test_a_signal_leaves_the_old_results(slab: Path, number: int, code: int, module: str, name: str) -> None:
     slab.write_text(SLAB.format(title="second", along=4))

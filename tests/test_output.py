@@ -340,7 +340,7 @@ def test_a_failure_on_the_way_leaves_everything_as_it_was(
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
 
     if moment == "vtk_fields":
-        monkeypatch.setattr(signorini.Result, "vtk_fields", _full_disk)
+        monkeypatch.setattr("signorini.output.writing.vtk_fields", _full_disk)
     else:
         rename, count = Path.rename, iter(range(100))
         monkeypatch.setattr(Path, "rename", lambda path, to: _full_disk() if next(count) == 8 else rename(path, to))
@@ -364,8 +364,12 @@ def test_signs_are_told_apart_in_file_names_and_results_json_says_which_is_which
         (None, "reactions", "reactions.csv"),
         ("W+ lead", "vtu", "w+lead.vtu"),
         ("W+ lead", "picture", "w+lead.png"),
+        ("W+ lead", "moments", "w+lead-moments.png"),
+        ("W+ lead", "shears", "w+lead-shears.png"),
         ("W- lead", "vtu", "w-minus-lead.vtu"),
         ("W- lead", "picture", "w-minus-lead.png"),
+        ("W- lead", "moments", "w-minus-lead-moments.png"),
+        ("W- lead", "shears", "w-minus-lead-shears.png"),
     ]
 
 
@@ -382,7 +386,7 @@ def test_results_of_schema_1_are_replaced_too(results: signorini.Results, tmp_pa
 def test_a_failure_on_the_way_leaves_no_directory(
     results: signorini.Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(signorini.Result, "vtk_fields", _full_disk)
+    monkeypatch.setattr("signorini.output.writing.vtk_fields", _full_disk)
     with pytest.raises(InputError):
         write(results, tmp_path / "a" / "b" / "out")
     assert list(tmp_path.iterdir()) == []

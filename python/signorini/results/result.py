@@ -253,30 +253,7 @@ class Result(Remade):
 
     def to_vtk(self, path: str | os.PathLike[str]) -> None:
         """Write a .vtu file with every field; the displacement vector points down where the plate goes down."""
-        write_vtu(path, self.mesh.points, self.mesh.elements, *self.vtk_fields())
-
-    def vtk_fields(self) -> tuple[dict[str, Floats], dict[str, Floats]]:
-        """Fields of its .vtu file by name: at the nodes, and of the elements."""
-        data = {
-            "deflection": self.deflection,
-            "displacement": displacement_vector(self.deflection),
-            "rotation": np.column_stack([self.rotation, np.zeros(len(self.rotation))]),
-            "moment": self.moment,
-            "shear": np.column_stack([self.shear, np.zeros(len(self.shear))]),
-        }
-        of_elements = {}
-        if any(support.area is None for support in self.supports):
-            data["reaction"] = self.nodal_reaction
-        if areas := [support.area for support in self.supports if support.area is not None]:
-            pressures, forces = Pressures(areas), [area.reactions for area in areas]
-            if any(area.support.stiffness is not None for area in areas):
-                on = pressures.nodes
-                data["contact_pressure"] = np.zeros(self.mesh.node_count)
-                data["contact_pressure"][on] = pressures.at_nodes(self.deflection[on], forces)
-            if any(area.support.stiffness is None for area in areas):
-                of_elements["rigid_contact_pressure"] = np.zeros(len(self.mesh.elements))
-                of_elements["rigid_contact_pressure"][pressures.elements] = pressures.on_elements(forces)
-        return data, of_elements
+        write_vtu(path, self.mesh.points, self.mesh.elements, *vtk_fields(self))
 
     def _repr_html_(self) -> str:
         """Show the supports' table in a notebook."""
@@ -293,6 +270,30 @@ class Result(Remade):
             verdict += f"<br>{html.escape(sentence)}"
         table = supports_table(self.model.support, self.supports, units.force)
         return f"{title}{table}<p>{verdict}</p>"
+
+
+def vtk_fields(result: Result) -> tuple[dict[str, Floats], dict[str, Floats]]:
+    """Fields of a .vtu file by name: at the nodes, and of the elements."""
+    data = {
+        "deflection": result.deflection,
+        "displacement": displacement_vector(result.deflection),
+        "rotation": np.column_stack([result.rotation, np.zeros(len(result.rotation))]),
+        "moment": result.moment,
+        "shear": np.column_stack([result.shear, np.zeros(len(result.shear))]),
+    }
+    of_elements = {}
+    if any(support.area is None for support in result.supports):
+        data["reaction"] = result.nodal_reaction
+    if areas := [support.area for support in result.supports if support.area is not None]:
+        pressures, forces = Pressures(areas), [area.reactions for area in areas]
+        if any(area.support.stiffness is not None for area in areas):
+            on = pressures.nodes
+            data["contact_pressure"] = np.zeros(result.mesh.node_count)
+            data["contact_pressure"][on] = pressures.at_nodes(result.deflection[on], forces)
+        if any(area.support.stiffness is None for area in areas):
+            of_elements["rigid_contact_pressure"] = np.zeros(len(result.mesh.elements))
+            of_elements["rigid_contact_pressure"][pressures.elements] = pressures.on_elements(forces)
+    return data, of_elements
 
 
 def unsolved_result(found: Discretisation, name: str, message: str) -> Result:

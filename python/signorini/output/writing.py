@@ -15,6 +15,7 @@ from signorini.output.envelope_json import ENVELOPE, TABLE, write_envelope
 from signorini.output.names import CSV, JSON, slugs
 from signorini.output.pictures import write_pictures
 from signorini.output.tables import reactions_csv, results_json
+from signorini.results.result import vtk_fields
 
 
 def write(
@@ -58,7 +59,7 @@ def write(
             if named:
                 vtu = Vtu(mesh.points, mesh.elements)
                 for result, slug in named:
-                    vtu.write(beside / f"{slug}.vtu", *result.vtk_fields())
+                    vtu.write(beside / f"{slug}.vtu", *vtk_fields(result))
             write_pictures(results, named, beside)
             if results.model.tabulated and results.envelope.fields:
                 write_envelope(results, beside / ENVELOPE)
