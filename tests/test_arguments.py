@@ -82,7 +82,10 @@ def slab() -> SimpleNamespace:
         ),
         (lambda s: solve(3), f"model: found 3; {MODEL}"),
         (lambda s: solve(None), f"model: found None; {MODEL}"),
-        (lambda s: contact_problem({}), f"model: found {{}}; {MODEL}"),
+        (
+            lambda s: contact_problem({}),
+            "model: found {}; it must be a Model. Make one of the mapping first: signorini.validate(mapping).",
+        ),
         (lambda s: signorini.load(3), "path: found 3; it must be the path of an input file"),
         (lambda s: signorini.load(None), "path: found None; it must be the path of an input file"),
         (lambda s: signorini.validate(None), "found nothing; it must be a table"),

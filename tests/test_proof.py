@@ -34,7 +34,7 @@ def sums(request):
     """A problem, its terms and their displacements, and the sums that solve its combinations."""
     problem = contact_problem(slab(gap=request.param))
     found = problem.discretisation
-    terms = terms_of(problem, tuple(found.cases), ())
+    terms = terms_of(problem, tuple(found.cases), (), np.zeros(0, dtype=np.int64))
     verdict, pushes, reaction, *_ = _core.combine(problem.core, terms.shared, FACTORS)
     assert not verdict.any()
     responses = [

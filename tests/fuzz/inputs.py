@@ -44,7 +44,7 @@ _SELDOM = 50
 _TOLD = 5000
 """Inputs after which it is told how far it has come."""
 
-_PICTURES = ("deflection_picture", "pressure_picture", "check_picture", "load_path_picture")
+_PICTURES = ("check_picture", "load_path_picture")
 _LEAVES = {"solve": ("slab-results", (0, 3)), "check": ("slab-check.png", (0, 3)), "path": ("slab-path", (0, 4))}
 """What each command may leave beside the input, with which exit codes."""
 _CASES = ["load", "G", "Q", "all", "C0"]
@@ -68,11 +68,12 @@ def ended(
     """Run a command on an input file: its exit code, standard error, and everything wrong with how it ended."""
     file, before = directory / NAME, {path.name for path in directory.iterdir()}
     file.write_bytes(content)
-    drawn = {name: getattr(signorini.plot, name) for name in (*_PICTURES, "save")}
+    drawn = {name: getattr(signorini.plot, name) for name in (*_PICTURES, "save", "save_pictures")}
     if not pictures:
         for name in _PICTURES:
             setattr(signorini.plot, name, lambda *given, **more: None)
         signorini.plot.save = lambda figure, path: Path(path).write_bytes(b"")
+        signorini.plot.save_pictures = lambda plan, pictures, length: [one.path.write_bytes(b"") for one in pictures]
     try:
         code, errors, exception = _run([command, str(file), *more])
     finally:

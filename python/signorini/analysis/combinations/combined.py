@@ -208,12 +208,12 @@ class _Run:
     def _put_areas(self, block: Block, rows: Ints) -> None:
         """Largest pressures and areas in contact of rows of which the deflections around areas are known."""
         found, layout = self.problem.discretisation, self.layout
-        deflection = np.zeros(found.mesh.node_count)
         for at, (index, at_rest) in enumerate(layout.at_rest.items()):
             where = layout.slices[index]
             pressures, _ = at_rest.measured(block.around(at_rest, layout, rows), block.reaction[rows, where])
             block.areas[rows, at, 0] = pressures.max(axis=1, initial=0.0)
             for row in rows:
+                deflection = np.zeros(found.mesh.node_count)
                 deflection[layout.around_areas] = block.on_areas[row]
                 closed = block.closed[row, where]
                 area = area_contact(found, index, deflection, at_rest.positions, closed, block.reaction[row, where])
