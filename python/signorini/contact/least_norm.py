@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from signorini.base.linear_program import minimise
 from signorini.discretise.rows import Floats
 
 _ACTIVE = 1e-10
@@ -32,20 +33,16 @@ def span_of_cone(sides: Floats) -> Floats:
     [[0.0], [1.0]]
     """
     from scipy.linalg import null_space
-    from scipy.optimize import linprog
 
     count, size = sides.shape
     if not count:
         return np.eye(size)
     # A cone holds the sum of its directions and their multiples: every side that one of them leaves, one leaves at all.
-    leave = linprog(
-        np.append(np.zeros(size), -np.ones(count)),
-        A_ub=np.column_stack([sides, np.eye(count)]),
-        b_ub=np.zeros(count),
-        bounds=[*[(None, None)] * size, *[(0, 1)] * count],
-        method="highs",
-    )
-    never = np.ones(count, np.bool_) if leave.x is None else leave.x[size:] < 0.5
+    free, stays = np.full(size, np.inf), np.zeros(count)
+    bounds = np.append(-free, stays), np.append(free, stays + 1.0)
+    cost = np.append(np.zeros(size), -np.ones(count))
+    leave = minimise(cost, np.column_stack([sides, np.eye(count)]), (-np.inf, 0.0), bounds)
+    never = np.ones(count, np.bool_) if leave is None else leave[size:] < 0.5
     return np.asarray(null_space(sides[never], rcond=_ACTIVE) if never.any() else np.eye(size))
 
 

@@ -113,12 +113,12 @@ def _outlines(found: Discretisation, motions: Floats) -> Bearing:
 
 
 def _bearing(found: Discretisation, motions: Floats, positions: Floats, directions: Floats, supports: Ints) -> Bearing:
-    from scipy.spatial import ConvexHull, QhullError
-
     deciding = []
     for direction in (1.0, -1.0):
         those = np.flatnonzero(directions == direction)
         if len(those) > _MANY:
+            from scipy.spatial import ConvexHull, QhullError
+
             # On one line there is no hull, and every point stays.
             with contextlib.suppress(QhullError):
                 those = those[np.sort(ConvexHull(positions[those]).vertices)]
@@ -163,10 +163,10 @@ def restraining_points(freedom: RigidFreedom, stiffness: Floats) -> Ints:
 
     ``stiffness`` (m,) is that of each point's support, or as much of it as counts.
     """
-    from scipy.linalg import qr
-
     if not freedom.count:
         return np.zeros(0, dtype=np.int64)
+    from scipy.linalg import qr
+
     # Each pick is the longest column that is left, and lengths, being convex, are greatest at corners of the hull.
     columns = freedom.moves.T * np.sqrt(stiffness / stiffness.max())
     _, _, order = qr(columns, mode="economic", pivoting=True)

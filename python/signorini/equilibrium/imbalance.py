@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from signorini.base.linear_program import minimise
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats, Ints
 from signorini.equilibrium.balance import RANK, Bearing, RigidFreedom, allowed_motions, load_size, work_of
@@ -149,22 +150,13 @@ def _tipping(found: Discretisation, freedom: RigidFreedom, nodal: Floats, motion
 
 def _unresisted(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, nodal: Floats) -> Floats | None:
     """The motion (d,) of at most unit size that a bearing allows on which the load does most work, if there is one."""
-    from scipy.optimize import linprog
-
     total = load_size(found, nodal)
     if not freedom.count or total == 0:
         return None
     work, one_sided = work_of(found, freedom, nodal), bearing.moves
-    best = linprog(
-        -work / total,
-        A_ub=one_sided,
-        b_ub=np.zeros(len(one_sided)),
-        bounds=(-1, 1),
-        method="highs",
-        # By default 1e-7 of the load may be overlooked, which a certificate sees.
-        options={"primal_feasibility_tolerance": WORK, "dual_feasibility_tolerance": WORK},
-    )
-    return None if best.x is None or work @ best.x <= WORK * total else np.asarray(best.x)
+    # By default 1e-7 of the load may be overlooked, which a certificate sees.
+    best = minimise(-work / total, one_sided, (-np.inf, 0.0), (-1.0, 1.0), tolerance=WORK)
+    return None if best is None or work @ best <= WORK * total else best
 
 
 def _require_reach(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> None:
@@ -212,8 +204,6 @@ def _holding(
 
 def _least_holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, at: Floats, way: str) -> float | None:
     """Least extra load at a point with which reactions balance the load, by a linear program in them."""
-    from scipy.optimize import linprog
-
     size = found.mesh.size
     # The conditions of equilibrium over the free motions, forces in units of the load and lengths of the plate.
     scale = np.array([1.0, size, size])
@@ -225,9 +215,9 @@ def _least_holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, 
     cost = np.zeros(1 + len(one_sided))
     cost[0] = 1.0
     balance = np.column_stack([-extra, one_sided.T])
-    least = linprog(cost, A_eq=balance, b_eq=resultant / total, bounds=(0, None), method="highs")
-    if least.x is None or least.x[0] > _COARSE:
-        return None if least.x is None else total * float(least.x[0])
+    least = minimise(cost, balance, (resultant / total, resultant / total), (0.0, np.inf))
+    if least is None or least[0] > _COARSE:
+        return None if least is None else total * float(least[0])
     # So little is within what the program lets pass: it is told by the motions that the load would win.
     rays = allowed_motions(freedom.outline)
     needed, helped = rays @ resultant / total, -(rays @ extra)

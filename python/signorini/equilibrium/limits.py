@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from signorini.base.linear_program import minimise
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import Bearing, RigidFreedom, load_size, work_of
@@ -75,8 +76,6 @@ def nearest_limit(found: Discretisation, freedom: RigidFreedom, combination: Com
 
 def on_the_brink(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> bool:
     """Whether a load that can be balanced no longer could be if it moved, however little, some way."""
-    from scipy.optimize import linprog
-
     total = load_size(found, nodal)
     if not freedom.count or total == 0:
         return False
@@ -85,16 +84,11 @@ def on_the_brink(found: Discretisation, freedom: RigidFreedom, nodal: Floats) ->
     cost = np.append(-1.0, np.zeros(len(one_sided)))
     spare = np.column_stack([np.ones(len(one_sided)), -np.eye(len(one_sided))])
     balance = np.column_stack([np.zeros(freedom.count), one_sided.T])
-    most = linprog(
-        cost,
-        A_ub=spare,
-        b_ub=np.zeros(len(one_sided)),
-        A_eq=balance,
-        b_eq=work_of(found, freedom, nodal) / total,
-        bounds=[(0, 1), *[(0, None)] * len(one_sided)],
-        method="highs",
-    )
-    return most.x is not None and bool(most.x[0] <= _BRINK)
+    wanted = work_of(found, freedom, nodal) / total
+    none, beyond = np.zeros(len(one_sided)), np.full(len(one_sided), np.inf)
+    bound = np.concatenate([-beyond, wanted]), np.concatenate([none, wanted])
+    most = minimise(cost, np.vstack([spare, balance]), bound, (0.0, np.append(1.0, beyond)))
+    return most is not None and bool(most[0] <= _BRINK)
 
 
 def floats(found: Discretisation, freedom: RigidFreedom, *loads: Floats) -> bool:
@@ -122,7 +116,6 @@ def supports_contradict(found: Discretisation) -> bool:
     >>> [supports_contradict(discretise(Model(**plate, support=support))) for support in stops]
     [False, True]
     """
-    from scipy.optimize import linprog
     from scipy.sparse import csr_array, hstack, vstack
 
     contacts, held = found.contacts, found.held
@@ -138,10 +131,10 @@ def supports_contradict(found: Discretisation) -> bool:
     distance = np.append(distance, -distance[contacts.two_sided[rigid]])
     overlap = csr_array(-np.ones((len(distance), 1)))
     cost = np.append(np.zeros(rows.shape[1]), 1.0)
-    bounds = [*[(None, None)] * rows.shape[1], (0, None)]
+    lower = np.append(np.full(rows.shape[1], -np.inf), 0.0)
     facing: Any = hstack([rows, overlap])
-    least = linprog(cost, A_ub=facing, b_ub=distance / size, bounds=bounds, method="highs")
-    return least.x is not None and bool(least.x[-1] > _OVERLAP)
+    least = minimise(cost, facing, (-np.inf, distance / size), (lower, np.inf))
+    return least is not None and bool(least[-1] > _OVERLAP)
 
 
 def largest_factor(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats) -> float:
@@ -162,16 +155,14 @@ def largest_factor(found: Discretisation, freedom: RigidFreedom, bearing: Bearin
 
 def _limits(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats) -> list[float]:
     """Least and largest factor of a case beside the rest of the load for which reactions balance both."""
-    from scipy.optimize import linprog
-
     total = load_size(found, rest) + load_size(found, case)
     one_sided = bearing.moves
     balance = np.column_stack([-work_of(found, freedom, case) / total, one_sided.T])
     wanted = work_of(found, freedom, rest) / total
-    bounds = [(0, _MOST), *[(0, None)] * len(one_sided)]
+    bounds = 0.0, np.append(_MOST, np.full(len(one_sided), np.inf))
     found_limits = []
     for sign in (1.0, -1.0):
         cost = np.append(sign, np.zeros(len(one_sided)))
-        end = linprog(cost, A_eq=balance, b_eq=wanted, bounds=bounds, method="highs")
-        found_limits += [] if end.x is None else [float(end.x[0])]
+        end = minimise(cost, balance, (wanted, wanted), bounds)
+        found_limits += [] if end is None else [float(end[0])]
     return found_limits

@@ -7,8 +7,8 @@ import sys
 import zlib
 from base64 import b64encode
 from collections.abc import Mapping
+from html import escape
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -175,4 +175,4 @@ def _data_array(name: str, data: NDArray[np.generic]) -> str:
     components = f' NumberOfComponents="{data.shape[1]}"' if data.ndim == 2 else ""
     text = (b64encode(header.tobytes()) + b64encode(b"".join(blocks))).decode()
     kind = _TYPES[data.dtype.str[1:]]
-    return f'<DataArray type="{kind}" Name={quoteattr(name)}{components} format="binary">{text}</DataArray>'
+    return f'<DataArray type="{kind}" Name="{escape(name)}"{components} format="binary">{text}</DataArray>'

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
@@ -46,6 +45,8 @@ def support_mark(
         style, places = "line", _divided(path(mesh, support))
         states = None
         if closed is not None and len(positions):
+            from scipy.spatial import KDTree
+
             nearest = KDTree(positions).query(np.nan_to_num(places))[1]
             states = closed[nearest]
     return SupportMark(
