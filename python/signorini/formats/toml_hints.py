@@ -21,7 +21,7 @@ _SLIPS: tuple[tuple[str, Callable[[re.Match[str]], str]], ...] = (
     ),
     (
         rf"=\s*([+-]?\d+),(\d+(?:[eE][+-]?\d+)?){_ENDS}",
-        lambda found: f"The decimal sign is a point: {found[1]}.{found[2]}.",
+        lambda found: f"The decimal sign is a point: {found[1]}.{found[2]}.{_thousands(found[1], found[2])}",
     ),
     (r",\s*\}", lambda found: "No comma stands before the closing brace."),
     (
@@ -53,6 +53,12 @@ _SLIPS: tuple[tuple[str, Callable[[re.Match[str]], str]], ...] = (
     (r"^[^=\[]+$", lambda found: "A line is [a header], key = value, or # a comment."),
     (r"^[^\x00-\x7f]", lambda found: "Keys are written in plain letters, such as nu."),
 )
+
+
+def _thousands(before: str, behind: str) -> str:
+    """Three digits behind a comma may as well be thousands."""
+    whole = re.fullmatch(r"\d{3}", behind)
+    return f" If {before},{behind} is meant in thousands, write {before}{behind}." if whole else ""
 
 
 def hint(says: str, line: str, lists: Collection[str]) -> str:

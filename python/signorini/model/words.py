@@ -25,6 +25,8 @@ def describe(value: object) -> str:
             return "an integer of more than 20 digits"
         case datetime.date() | datetime.time():
             return f"the date or time {value}"
+        case list() | tuple() if value and all(isinstance(one, str) for one in value):
+            return reprlib.repr(list(value)).replace("'", '"')
         case _:
             return reprlib.repr(value)
 
