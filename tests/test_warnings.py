@@ -111,6 +111,18 @@ def test_a_resultant_of_zero() -> None:
     sentence = "The load's resultant is zero: its forces cancel each other. Is each of the sign that is meant?"
     assert warned(load=couple, support=fixed) == (sentence,)
     assert warned(load=[{"pressure": 0}], support=fixed) == ("No load acts.",)
+    for moved in ({"settlement": 0.001}, {"rotation": [0.001, 0]}):
+        assert warned(load=[{"pressure": 0}], support=[fixed[0] | moved]) == ()
+
+
+def test_points_that_can_do_nothing() -> None:
+    walls = {"edge": ["left", "right"], "fix": "simple"}
+    props = {"name": "props", "at": [[0, 1], [2, 1], [2, 3]], "resists": "down", "gap": 1e-5}
+    (sentence,) = warned(support=[walls, props])
+    assert sentence == (
+        "props: 1 of its 3 points are where other supports hold the plate, and can do nothing there. Results number the "
+        "other points without them."
+    )
 
 
 def test_of_a_table_they_are_said_once() -> None:

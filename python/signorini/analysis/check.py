@@ -75,7 +75,9 @@ class Check:
         """What of the model, and of the loads' resultants, is seldom meant, in sentences."""
         found = self.discretisation
         of_loads = () if found.model.tabulated else map(found.load, found.model.effective_combinations)
-        return tuple(dict.fromkeys((*model_warnings(found), *(s for load in of_loads for s in no_resultant(load)))))
+        return tuple(
+            dict.fromkeys((*model_warnings(found), *(s for load in of_loads for s in no_resultant(found, load))))
+        )
 
     @property
     def balanced(self) -> bool:

@@ -238,8 +238,7 @@ class Result(Remade):
         known(field, [*self.fields, "pressure"], "field", "field", "This result")
         if ax is not None and not hasattr(ax, "tricontourf"):
             raise InputError(f"found {ax!r}; it must be axes of matplotlib, or None for new ones.", place="ax")
-        if self.status != "solved":
-            raise InputError(f"There is nothing to draw: {self.message}", place="field")
+        self._require_fields()
         if field == "pressure" and not any(support.area is not None for support in self.model.support):
             raise InputError('There is no "pressure": no support of this model is an area.', place="field")
         plan, units = Plan.of(self.mesh.points, self.mesh.elements), self.model.units
@@ -251,8 +250,21 @@ class Result(Remade):
         ax.set_title(self.heading, parse_math=False, wrap=True)
         return ax
 
+    def _require_fields(self) -> None:
+        if self.status != "solved":
+            raise InputError(f"There are no fields: {self.message}", place="field")
+
     def to_vtk(self, path: str | os.PathLike[str]) -> None:
-        """Write a .vtu file with every field; the displacement vector points down where the plate goes down."""
+        """Write a .vtu file with every field; the displacement vector points down where the plate goes down.
+
+        Raises
+        ------
+        InputError
+            If there is no equilibrium, and so no field.
+        OSError
+            If the file cannot be written.
+        """
+        self._require_fields()
         write_vtu(path, self.mesh.points, self.mesh.elements, *vtk_fields(self))
 
     def _repr_html_(self) -> str:

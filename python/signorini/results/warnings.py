@@ -47,7 +47,8 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
     ('E = 3e+10 kN/m² is 3e+13 Pa, and what plates are made of has 1e+08 to 1e+12: was another unit meant?',)
     """
     if found not in _KNOWN:
-        _KNOWN[found] = (*_unit_of_modulus(found), *_one_element(found), *_one_place(found), *_overlaps(found))
+        of_supports = *_one_place(found), *_overlaps(found), *_never_act(found)
+        _KNOWN[found] = (*_unit_of_modulus(found), *_one_element(found), *of_supports)
     return _KNOWN[found]
 
 
@@ -55,19 +56,20 @@ def result_warnings(
     found: Discretisation, load: CaseLoad, deflection: Floats, not_unique: Sequence[NotUnique]
 ) -> tuple[str, ...]:
     """Say what of one combination is seldom meant, behind what is of the model."""
-    warned = [*model_warnings(found), *no_resultant(load), *too_far(found, deflection)]
+    warned = [*model_warnings(found), *no_resultant(found, load), *too_far(found, deflection)]
     return (*warned, *(f"{str(one)[0].upper()}{str(one)[1:]}." for one in not_unique))
 
 
-def no_resultant(load: CaseLoad) -> Iterator[str]:
-    """Whether forces act that sum to zero, or nothing acts at all."""
+def no_resultant(found: Discretisation, load: CaseLoad) -> Iterator[str]:
+    """Whether forces act that sum to zero, or nothing acts at all, and no support moves either."""
     if load.curvature.any():
         return
+    moved = found.held.values.any() or found.springs.base.any() or found.points.settlement.any()
     forces = load.nodal[::3]
     total = float(np.abs(forces).sum())
     if total and abs(forces.sum()) <= _NO_FORCE * total:
         yield "The load's resultant is zero: its forces cancel each other. Is each of the sign that is meant?"
-    elif not load.nodal.any():
+    elif not load.nodal.any() and not moved:
         yield "No load acts."
 
 
@@ -96,6 +98,19 @@ def _unit_of_modulus(found: Discretisation) -> Iterator[str]:
             f"E = {modulus:.4g} {units.force}/{units.length}² is {pascals:.4g} Pa, and what plates are made of has "
             f"{_SOFTEST:.0e} to {_STIFFEST:.0e}: was another unit meant?"
         )
+
+
+def _never_act(found: Discretisation) -> Iterator[str]:
+    """Points of a support at points that others hold at every dof: they can neither press nor let go."""
+    for index, support in enumerate(found.model.support):
+        count = len(support.at or ())
+        listed = len(SupportPoints.of(found, index).positions)
+        if listed < count and (support.fix is None or "w" in support.fixed):
+            which = f"{count - listed} of its {count} points are" if count > 1 else "its point is"
+            yield (
+                f"{support.name}: {which} where other supports hold the plate, and can do nothing there. Results number "
+                "the other points without them."
+            )
 
 
 def _one_element(found: Discretisation) -> Iterator[str]:
