@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from models import rectangular
 
 import signorini
 from signorini.errors import InputError
@@ -22,8 +23,6 @@ def model(**changes: object) -> signorini.Model:
         "title": "Table, with a comma",
         "units": {"length": "m", "force": "kN"},
         "material": {"E": 30e6, "nu": 0.2},
-        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-        "mesh": {"divisions": [4, 4]},
         "support": [
             {"name": "legs", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"},
             {"name": "prop", "at": [2, 2.1], "resists": "down", "gap": 1e-3, "stiffness": 1e4},
@@ -40,7 +39,7 @@ def model(**changes: object) -> signorini.Model:
         ],
         "probe": [{"at": [[2, 2], [0.2, 0.2]]}],
     }
-    return signorini.validate(data | changes)
+    return rectangular(**data | changes)
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from models import rectangular
 
 import signorini
 from signorini.analysis.check import check
@@ -18,12 +19,10 @@ def model(**changes: object) -> signorini.Model:
     data = {
         "units": {"length": "m", "force": "kN"},
         "material": {"E": 30e6, "nu": 0.2},
-        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-        "mesh": {"divisions": [4, 4]},
         "support": [PADS],
         "load": [{"case": "G", "pressure": 5}],
     }
-    return signorini.validate(data | changes)
+    return rectangular(**data | changes)
 
 
 def warned(**changes: object) -> tuple[str, ...]:
