@@ -297,7 +297,14 @@ def test_a_forged_list_of_former_files_removes_nothing_else(
     (tmp_path / "out" / "results.json").write_text(json.dumps(forged))
     with pytest.raises(InputError, match=r"results.json is there already, and no earlier run says that it wrote it"):
         write(results, tmp_path / "out")
-    forged["files"] = ["results.json", "reactions.csv", "../precious.vtu", str(tmp_path / "precious.vtu")]
+    assert (tmp_path / "precious.vtu").read_text() == "mine"
+
+
+def test_a_list_of_former_files_elsewhere_removes_none_of_them(results: signorini.Results, tmp_path: Path) -> None:
+    (tmp_path / "precious.vtu").write_text("mine")
+    (tmp_path / "out").mkdir()
+    files = ["results.json", "reactions.csv", "../precious.vtu", str(tmp_path / "precious.vtu")]
+    forged = {key: None for key in results_json(results)} | {"files": files}
     (tmp_path / "out" / "results.json").write_text(json.dumps(forged))
     write(results, tmp_path / "out")
     assert (tmp_path / "precious.vtu").read_text() == "mine"
@@ -318,11 +325,10 @@ def test_a_file_of_somebody_elses_with_a_name_of_ours_is_refused_beforehand(
 def test_results_and_a_load_path_in_one_directory_leave_each_other_alone(
     results: signorini.Results, tmp_path: Path
 ) -> None:
-    write(results, tmp_path)
     followed = signorini.path(model(), start="G", add="Q", until=0.5)
     for _ in range(2):
-        write_path(followed, tmp_path)
         write(results, tmp_path)
+        write_path(followed, tmp_path)
     assert {"path.json", "path.csv", "path.png", *(entry["file"] for entry in results_json(results)["files"])} == {
         p.name for p in tmp_path.iterdir()
     }
