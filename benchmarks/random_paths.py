@@ -14,20 +14,16 @@ The models are those of tests/fuzz/random_models.py, with loads of two cases. Of
 Half of the models go to extremes: a load without a resultant, factors up to 1e8, supports that only a load far beyond
 any sense reaches, or a plate that rests on a rigid area under its weight. Such a path may be given up, but not wrong.
 
-    python benchmarks/random_paths.py [--count 10000] [--first 0] [--processes 2]
+    python benchmarks/random_paths.py [--count 10000] [--first 0] [--seconds 600] [--processes 2]
     python benchmarks/random_paths.py --show SEED
     python benchmarks/random_paths.py --check        a few, to see that the script works
 """
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import json
-import multiprocessing
-import os
 import sys
-import time
 from collections import Counter
 from pathlib import Path
 from random import Random
@@ -36,6 +32,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
 sys.path.insert(0, str(Path(__file__).parent))
+import campaign
 import random_models
 from random_plates import reactions_exist
 
@@ -293,39 +290,10 @@ def solved_on(found, t, closed):
     return answer if answer.status == "solved" else None
 
 
-def _one(seed):
-    try:
-        outcomes, wrong = judged(seed)
-        return seed, outcomes, [f"{drawn(seed)[0]['solver']['method']}: {message}" for message in wrong]
-    except Exception as error:  # What a random path raises is what is looked for.
-        return seed, Counter({"fault": 1}), [f"{type(error).__name__}: {error}"]
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=10_000)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--processes", type=int, default=os.cpu_count())
-    parser.add_argument("--show", type=int)
-    parser.add_argument("--check", action="store_true")
-    given = parser.parse_args()
-    if given.show is not None:
-        tables, *question = drawn(given.show)
-        print(json.dumps(tables, indent=1), *question)
-        print(*judged(given.show), sep="\n")
-        return
-    seeds = range(given.first, given.first + (60 if given.check else given.count))
-    begun, outcomes, failures = time.perf_counter(), Counter(), 0
-    with multiprocessing.Pool(given.processes) as pool:
-        for seed, found, wrong in pool.imap_unordered(_one, seeds, chunksize=10):
-            outcomes += found
-            failures += bool(wrong)
-            for message in wrong:
-                print(f"seed {seed}: {message}", flush=True)
-    spent = time.perf_counter() - begun
-    print(f"{len(seeds)} paths in {spent:.0f} s: {dict(outcomes)}, {failures} with failures")
-    sys.exit(0 if failures == 0 else 1)
+def show(seed):
+    tables, *question = drawn(seed)
+    print(json.dumps(tables, indent=1), *question)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(campaign.main(__doc__, judged, show, count=10_000, check=60))

@@ -8,20 +8,15 @@ contradict each other are confirmed by a second program over the plate's deflect
 Every fourth is one of tests/fuzz/extreme_models.py, which bring judges of their own: closed forms, statics, finer
 meshes. Of those a refusal is an answer; none may be wrong.
 
-    python benchmarks/random_plates.py [--count 100000] [--first 0] [--processes 2]
+    python benchmarks/random_plates.py [--count 100000] [--first 0] [--seconds 600] [--processes 2]
     python benchmarks/random_plates.py --show SEED
     python benchmarks/random_plates.py --check        a few, to see that the script works
 """
 
 from __future__ import annotations
 
-import argparse
 import json
-import multiprocessing
-import os
-import signal
 import sys
-import time
 from collections import Counter
 from pathlib import Path
 from random import Random
@@ -31,6 +26,7 @@ from scipy.optimize import linprog
 from scipy.sparse import bmat, csr_array
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
+import campaign
 import extreme_models
 import random_models
 
@@ -43,8 +39,6 @@ _LOST = 1e-6
 """Part of loads and reactions that reported reactions may miss: a certificate allows 1e-4 of what rounding moves."""
 _EXTREME = 4
 """One of so many plates is an extreme one."""
-_PATIENCE = 120
-"""Seconds after which a plate of a few hundred dofs counts as never answered, on a machine with other work."""
 
 
 def balance(found, nodal):
@@ -222,46 +216,9 @@ def model_of(seed):
     return random_models.model(Random(seed))
 
 
-def _never(signum, frame):
-    raise TimeoutError(f"no answer after {_PATIENCE} s")
-
-
-def _one(seed):
-    signal.signal(signal.SIGALRM, _never)
-    signal.alarm(_PATIENCE)
-    try:
-        return seed, *judged(seed)
-    except Exception as error:  # What a random model raises is what is looked for.
-        return seed, Counter({"fault": 1}), [f"{type(error).__name__}: {error}"]
-    finally:
-        signal.alarm(0)
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=100_000)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--processes", type=int, default=os.cpu_count())
-    parser.add_argument("--show", type=int)
-    parser.add_argument("--check", action="store_true")
-    given = parser.parse_args()
-    if given.show is not None:
-        print(json.dumps(model_of(given.show), indent=1))
-        print(*judged(given.show), sep="\n")
-        return
-    seeds = range(given.first, given.first + (100 if given.check else given.count))
-    begun, outcomes, failures = time.perf_counter(), Counter(), 0
-    with multiprocessing.Pool(given.processes) as pool:
-        for seed, found, wrong in pool.imap_unordered(_one, seeds, chunksize=20):
-            outcomes += found
-            failures += bool(wrong)
-            for message in wrong:
-                print(f"seed {seed}: {message}", flush=True)
-    spent = time.perf_counter() - begun
-    print(f"{len(seeds)} plates in {spent:.0f} s: {dict(outcomes)}, {failures} with failures")
-    unconfirmed = failures - outcomes["not certified"]
-    sys.exit(0 if (unconfirmed if given.check else failures) == 0 else 1)
+def show(seed):
+    print(json.dumps(model_of(seed), indent=1))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(campaign.main(__doc__, judged, show))

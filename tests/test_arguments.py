@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from models import rectangular
 
 import signorini
 from signorini import InputError, Model, contact_problem, path, solve
@@ -18,10 +19,8 @@ MODEL = "it must be a Model. Make one with signorini.Model(...) or signorini.loa
 
 @pytest.fixture(scope="module")
 def slab() -> SimpleNamespace:
-    model = Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-        mesh={"divisions": [2, 2]},
+    model = rectangular(
+        divisions=[2, 2],
         support=[{"area": "all", "resists": "down", "stiffness": 1e7}, {"at": [1, 1], "resists": "down"}],
         load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": 1e3, "at": [1, 1]}],
     )

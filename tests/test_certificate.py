@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from models import rectangular
 
 import signorini
 from signorini import InputError, Model, solve
@@ -34,10 +35,11 @@ class Answer:
 
 def model(supports, loads=PUSH, scale=1.0, **more) -> Model:
     """A plate of 4 by 4 metres, in units of length that are so many to the metre; kN."""
-    return Model(
+    return rectangular(
         material={"E": 30e6 / scale**2, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4 * scale, 4 * scale], "thickness": 0.2 * scale},
-        mesh={"divisions": [6, 6]},
+        size=[4 * scale, 4 * scale],
+        thickness=0.2 * scale,
+        divisions=[6, 6],
         support=supports,
         load=loads,
         **more,
@@ -277,14 +279,7 @@ WAVE = {"case": "wave", "pressure": "1e19*cos(pi*x/2)*cos(pi*y/2)"}
 
 
 def plate_of(support, loads, **more):
-    return signorini.Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-        mesh={"divisions": [8, 8]},
-        support=support,
-        load=loads,
-        **more,
-    )
+    return rectangular(divisions=[8, 8], support=support, load=loads, **more)
 
 
 @pytest.mark.parametrize("hiding", [BIG, WAVE], ids=["a curvature", "a pressure that balances itself"])

@@ -372,8 +372,13 @@ def test_what_nobody_reads_changes_no_exit_code(slab: Path, combination: str, co
     with os.fdopen(write, "w") as nobody:
         done = subprocess.run(command, stdout=nobody, stderr=subprocess.PIPE, text=True)
     assert done.returncode == code and "Errno" not in done.stderr and "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+def test_a_schema_that_goes_nowhere_is_an_error() -> None:
     with open("/dev/full", "w") as full:
-        schema = subprocess.run([*command[:3], "schema"], stdout=full, stderr=subprocess.PIPE, text=True)
+        command = [sys.executable, "-m", "signorini", "schema"]
+        schema = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
     assert schema.returncode == 1
     assert schema.stderr == "Error: standard output takes no more of the schema: No space left on device.\n"
 

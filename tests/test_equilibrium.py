@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from models import rectangular
 
-from signorini import Model
 from signorini.analysis.check import check
 from signorini.base.linear_program import minimise
 from signorini.discretise import discretise
@@ -14,15 +14,12 @@ from signorini.equilibrium.words import explain
 
 PLATE = {
     "units": {"force": "kN", "length": "m"},
-    "material": {"E": 30e9, "nu": 0.2},
-    "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    "mesh": {"divisions": [4, 4]},
     "support": [{"name": "pads", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
 }
 
 
 def asked(*loads):
-    found = discretise(Model(**PLATE, load=list(loads)))
+    found = discretise(rectangular(**PLATE, load=list(loads)))
     return found, rigid_freedom(found)
 
 
@@ -67,6 +64,6 @@ def test_check_looks_for_the_motion_once(monkeypatch):
         return minimise(cost, rows, row_bounds, bounds, **options)
 
     monkeypatch.setattr("signorini.equilibrium.imbalance.minimise", counted)
-    (resultant,) = check(Model(**PLATE, load=[{"force": 1, "at": [4, 2]}])).resultants
+    (resultant,) = check(rectangular(**PLATE, load=[{"force": 1, "at": [4, 2]}])).resultants
     np.testing.assert_allclose(resultant.axis, [[3, 0], [3, 4]], atol=1e-9)
     assert resultant.message and sum(solved) == 1

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from models import rectangular
 
 import signorini
 from signorini import Model, NotCertifiedError
@@ -10,10 +11,10 @@ from signorini.contact.problem import ContactProblem, contact_problem
 
 
 def slab(method: str = "auto", divisions: int = 8) -> Model:
-    return Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [10, 6], "thickness": 0.25},
-        mesh={"divisions": [divisions, 5]},
+    return rectangular(
+        size=[10, 6],
+        thickness=0.25,
+        divisions=[divisions, 5],
         support=[
             {"name": "soil", "area": "all", "resists": "down", "stiffness": 2e6, "gap": "1e-4 * x"},
             {"name": "pads", "at": [[2, 2], [8, 2], [5.13, 4.77]], "resists": "down", "gap": 5e-4},
@@ -93,10 +94,10 @@ def test_a_method_asked_for_by_name_is_the_first_and_the_result_says_if_another_
 
 @pytest.mark.parametrize("part", [1e-6, 1e-9, 1e-11])
 def test_with_care_an_ordinary_slab_has_its_ordinary_answer(part: float) -> None:
-    model = Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-        mesh={"divisions": [10, 10]},
+    model = rectangular(
+        size=[10, 10],
+        thickness=0.3,
+        divisions=[10, 10],
         support=[
             {"edge": ["left", "right", "top", "bottom"], "resists": "down"},
             {"line": [[5, 0.1], [5, 9.9]], "resists": "down", "gap": 1e-4},

@@ -31,12 +31,19 @@ load = [{{ pressure = 5 }}]
 """
 
 
-@pytest.fixture
-def slab(tmp_path: Path) -> Path:
-    path = tmp_path / "slab.toml"
+@pytest.fixture(scope="module")
+def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A slab and its results."""
+    path = tmp_path_factory.mktemp("first") / "slab.toml"
     path.write_text(SLAB.format(title="first", along=4))
     assert CliRunner().invoke(app, ["solve", str(path)]).exit_code == 0
     return path
+
+
+@pytest.fixture
+def slab(first: Path, tmp_path: Path) -> Path:
+    shutil.copytree(first.parent, tmp_path, dirs_exist_ok=True)
+    return tmp_path / first.name
 
 
 def started(path: Path, before: str = "") -> subprocess.Popen[str]:

@@ -202,7 +202,7 @@ def _places(node, path=()):
         yield from _places(part, (*path, key))
 
 
-@settings(max_examples=400, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
 @given(st.data())
 def test_mutated_models_are_models_or_input_errors(data):
     model = copy.deepcopy(slab())

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from models import rectangular
 
 import signorini
 from signorini.errors import InputError
@@ -22,8 +23,6 @@ def model(**changes: object) -> signorini.Model:
         "title": "Table, with a comma",
         "units": {"length": "m", "force": "kN"},
         "material": {"E": 30e6, "nu": 0.2},
-        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-        "mesh": {"divisions": [4, 4]},
         "support": [
             {"name": "legs", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"},
             {"name": "prop", "at": [2, 2.1], "resists": "down", "gap": 1e-3, "stiffness": 1e4},
@@ -40,7 +39,7 @@ def model(**changes: object) -> signorini.Model:
         ],
         "probe": [{"at": [[2, 2], [0.2, 0.2]]}],
     }
-    return signorini.validate(data | changes)
+    return rectangular(**data | changes)
 
 
 @pytest.fixture(scope="module")
@@ -298,7 +297,14 @@ def test_a_forged_list_of_former_files_removes_nothing_else(
     (tmp_path / "out" / "results.json").write_text(json.dumps(forged))
     with pytest.raises(InputError, match=r"results.json is there already, and no earlier run says that it wrote it"):
         write(results, tmp_path / "out")
-    forged["files"] = ["results.json", "reactions.csv", "../precious.vtu", str(tmp_path / "precious.vtu")]
+    assert (tmp_path / "precious.vtu").read_text() == "mine"
+
+
+def test_a_list_of_former_files_elsewhere_removes_none_of_them(results: signorini.Results, tmp_path: Path) -> None:
+    (tmp_path / "precious.vtu").write_text("mine")
+    (tmp_path / "out").mkdir()
+    files = ["results.json", "reactions.csv", "../precious.vtu", str(tmp_path / "precious.vtu")]
+    forged = {key: None for key in results_json(results)} | {"files": files}
     (tmp_path / "out" / "results.json").write_text(json.dumps(forged))
     write(results, tmp_path / "out")
     assert (tmp_path / "precious.vtu").read_text() == "mine"
@@ -319,11 +325,10 @@ def test_a_file_of_somebody_elses_with_a_name_of_ours_is_refused_beforehand(
 def test_results_and_a_load_path_in_one_directory_leave_each_other_alone(
     results: signorini.Results, tmp_path: Path
 ) -> None:
-    write(results, tmp_path)
     followed = signorini.path(model(), start="G", add="Q", until=0.5)
     for _ in range(2):
-        write_path(followed, tmp_path)
         write(results, tmp_path)
+        write_path(followed, tmp_path)
     assert {"path.json", "path.csv", "path.png", *(entry["file"] for entry in results_json(results)["files"])} == {
         p.name for p in tmp_path.iterdir()
     }

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from models import rectangular
 from typer.testing import CliRunner
 
 import signorini
@@ -127,10 +128,9 @@ def test_what_cannot_be_followed_is_named(slab: Path, arguments: list[str], code
 
 
 def test_a_path_without_events_has_one_segment() -> None:
-    model = Model(
+    model = rectangular(
         material={"E": 30e6, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-        mesh={"divisions": [2, 2]},
+        divisions=[2, 2],
         support=[{"edge": "left", "fix": "clamped"}],
         load=[{"pressure": 1.0}],
     )
@@ -142,10 +142,9 @@ def test_a_path_without_events_has_one_segment() -> None:
 
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_points_that_meet_the_soil_at_once_are_no_events_one_by_one(method) -> None:
-    model = Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.1},
-        mesh={"divisions": [2, 2]},
+    model = rectangular(
+        thickness=0.1,
+        divisions=[2, 2],
         support=[{"area": "all", "resists": "down", "stiffness": 1e6, "gap": 1e-3}],
         load=[{"pressure": 1e3}],
         solver={"method": method},
@@ -157,10 +156,8 @@ def test_points_that_meet_the_soil_at_once_are_no_events_one_by_one(method) -> N
 
 
 def on_a_rigid_bed(curvature=(1e-3, 1e-3, 0.0), **more) -> Model:
-    return Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.1},
-        mesh={"divisions": [4, 4]},
+    return rectangular(
+        thickness=0.1,
         support=[{"area": "all", "resists": "down"}],
         load=[{"case": "G", "pressure": 2e3}, {"case": "Q", "curvature": list(curvature)}],
         **more,
@@ -234,10 +231,9 @@ def test_the_example_in_the_documentation_is_what_the_command_prints(tmp_path: P
 
 
 def test_what_nothing_presses_on_its_supports_is_refused() -> None:
-    model = Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.1},
-        mesh={"divisions": [2, 2]},
+    model = rectangular(
+        thickness=0.1,
+        divisions=[2, 2],
         support=[{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
         load=[{"case": "sun", "curvature": [1e-3, 0, 0]}],
     )
@@ -273,10 +269,10 @@ load = [{ case = "G", force = 1, at = [0, 0.5] }, { case = "Q", force = 1, at = 
 
 def test_a_path_says_where_more_answers_than_one_are_right() -> None:
     """Two of four bearings stay under a force on the diagonal, and the plate may turn about the line through them."""
-    model = Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-        mesh={"divisions": [8, 8]},
+    model = rectangular(
+        size=[10, 10],
+        thickness=0.3,
+        divisions=[8, 8],
         support=[{"name": "bearings", "at": [[1, 1], [9, 1], [9, 9], [1, 9]], "resists": "down"}],
         load=[{"case": "G", "pressure": 2e3}, {"case": "Q", "force": 1e4, "at": [0.2, 0.2]}],
     )
@@ -313,10 +309,7 @@ def test_a_path_from_no_load_does_not_depend_on_how_large_the_load_is(stiffness)
     """At t = 0 the plate lies on a soft stop that bears nothing yet; events may be at t = 1e-12."""
     events = []
     for pressure in (1e6, 1e3, 1.0, 1e-3):
-        model = Model(
-            material={"E": 30e9, "nu": 0.2},
-            plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-            mesh={"divisions": [4, 4]},
+        model = rectangular(
             support=[
                 {"edge": "left", "stiffness": 1e6},
                 {"edge": "right", "resists": "down", "settlement": 1e-6},

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from models import rectangular
 
 import signorini
 from signorini import _core
@@ -21,8 +22,8 @@ def model(**changes: object) -> signorini.Model:
     data = {
         "title": "Slab",
         "material": {"E": 30e6, "nu": 0.2, "unit_weight": 25},
-        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": "0.2 + 0.01*x"},
-        "mesh": {"divisions": [6, 6]},
+        "thickness": "0.2 + 0.01*x",
+        "divisions": [6, 6],
         "support": [
             {"name": "feet", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"},
             {"name": "soil", "area": {"circle": {"center": [2, 2], "radius": 1}}, "resists": "down", "stiffness": 1e4},
@@ -30,7 +31,7 @@ def model(**changes: object) -> signorini.Model:
         "load": [{"case": "G", "self_weight": True}, {"case": "Q", "force": 20, "at": [4, 2]}],
         "probe": [{"at": [2.2, 2.1]}],
     }
-    return signorini.validate(data | changes)
+    return rectangular(**data | changes)
 
 
 TABLE = model(

@@ -2,15 +2,13 @@
 
 import numpy as np
 import pytest
+from models import rectangular
 
-from signorini import Model, solve
+from signorini import solve
 from signorini.discretise import discretise
 from signorini.mesh import Mesh
 
 PLATE = {
-    "material": {"E": 30e9, "nu": 0.2},
-    "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    "mesh": {"divisions": [4, 4]},
     "load": [{"pressure": 5e3}],
 }
 
@@ -20,7 +18,7 @@ def test_points_keep_the_order_of_the_input(how):
     # Nodes and points between them, two of them as near to each other as supports may be.
     at = [[3.3, 3.1], [1, 1], [0.4, 3.3], [3, 1], [0.4 + 1e-7, 3.3]]
     other = {"at": [2.1, 2.2], "stiffness": 1e6}
-    (result,) = solve(Model(**PLATE, support=[other, {"at": at, **how}])).values()
+    (result,) = solve(rectangular(**PLATE, support=[other, {"at": at, **how}])).values()
     np.testing.assert_allclose(result.supports[1].positions, at, rtol=0, atol=1e-12)
 
 
@@ -32,7 +30,7 @@ def test_every_spring_and_contact_point_is_one_supports():
         {"area": {"circle": {"center": [2, 2], "radius": 0.7}}, "resists": "down", "stiffness": 1e7},
         {"at": [[2.2, 0.3]], "stiffness": 1e6},
     ]
-    found = discretise(Model(**PLATE, support=supports))
+    found = discretise(rectangular(**PLATE, support=supports))
     for index, parts in enumerate(found.parts):
         assert (found.points.support[parts.rows] == index).all() and (
             found.springs.support[parts.springs] == index
@@ -50,5 +48,5 @@ def test_a_line_is_looked_for_once(monkeypatch, how):
     along = Mesh.edges_along
     monkeypatch.setattr(Mesh, "edges_along", lambda mesh, curve: asked.append(curve) or along(mesh, curve))
     line = {"line": [[2, 0], [2, 4]]}
-    discretise(Model(**PLATE, support=[line | how, {"edge": "left", "fix": "simple"}]))
+    discretise(rectangular(**PLATE, support=[line | how, {"edge": "left", "fix": "simple"}]))
     assert len(asked) == 1

@@ -8,6 +8,7 @@ import threading
 
 import numpy as np
 import pytest
+from models import rectangular
 
 import signorini
 
@@ -20,12 +21,11 @@ if sys.platform == "win32":
 def model(load: float = 5.0, **changes: object) -> signorini.Model:
     data = {
         "material": {"E": 30e6, "nu": 0.2},
-        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-        "mesh": {"divisions": [6, 6]},
+        "divisions": [6, 6],
         "support": [{"name": "feet", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
         "load": [{"case": "G", "pressure": load}, {"case": "Q", "force": 10, "at": [4, 2]}],
     }
-    return signorini.validate(data | changes)
+    return rectangular(**data | changes)
 
 
 def on_soil(load: float) -> signorini.Model:

@@ -15,6 +15,7 @@ from threading import Thread
 
 import numpy as np
 import pytest
+from models import rectangular
 
 import signorini
 from signorini import Progress, _core
@@ -103,10 +104,10 @@ def on_a_terminal(command: list[str]) -> tuple[str, str]:
 def test_methods_without_newton_steps_are_told_of_and_stopped_too(method: str) -> None:
     # Of 365 rigid points half open, a pivot each.
     line = [{"line": [[0.5, y], [9.5, y]], "resists": "down"} for y in (1.0, 3.0, 5.0, 7.0, 9.0)]
-    model = signorini.Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.1},
-        mesh={"divisions": [40, 10]},
+    model = rectangular(
+        size=[10, 10],
+        thickness=0.1,
+        divisions=[40, 10],
         support=line,
         load=[{"pressure": "1e4*sin(3*x)*cos(y) + 2e3"}],
         solver={"method": method},
@@ -186,10 +187,9 @@ def test_a_signal_ends_lemkes_pivots() -> None:
 
 def props(method: str) -> signorini.Model:
     """A plate on many props, which close and open one by one as the load grows."""
-    return signorini.Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [8, 8], "thickness": 0.2},
-        mesh={"divisions": [16, 16]},
+    return rectangular(
+        size=[8, 8],
+        divisions=[16, 16],
         support=[{"line": [[0.5, y], [7.5, y]], "resists": "down"} for y in (1.0, 4.0, 7.0)],
         load=[{"case": "G", "pressure": 2e3}, {"case": "Q", "force": 1e5, "at": [1.3, 1.2]}],
         solver={"method": method},

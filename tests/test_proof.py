@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from models import rectangular
 
-from signorini import Model, _core, contact_problem
+from signorini import _core, contact_problem
 from signorini.analysis.combinations.terms import terms_of
 from signorini.contact.certificate import FIGURES, TOLERANCE, certify
 
@@ -11,10 +12,10 @@ FACTORS = np.array([[1.0, 1.5, 0.0], [1.35, 0.0, 1.0], [1.0, 1.0, 1.0]])
 
 
 def slab(**far):
-    return Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [8, 4], "thickness": 0.3},
-        mesh={"divisions": [8, 4]},
+    return rectangular(
+        size=[8, 4],
+        thickness=0.3,
+        divisions=[8, 4],
         support=[
             {"name": "wall", "edge": "left", "fix": "simple"},
             {"at": [[4, 0], [4, 4], [8, 0], [8, 4]], "resists": "down"},

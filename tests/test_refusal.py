@@ -4,6 +4,7 @@ import re
 from importlib import import_module
 
 import pytest
+from models import rectangular
 
 import signorini
 from signorini import Model
@@ -15,10 +16,10 @@ from signorini.errors import InputError, NotCertifiedError
 
 def on_soft_edges(stiffness: float) -> Model:
     """A thin plate on two elastic edges, of that stiffness in all."""
-    return Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.002},
-        mesh={"divisions": [5, 7]},
+    return rectangular(
+        size=[10, 10],
+        thickness=0.002,
+        divisions=[5, 7],
         support=[
             {"name": "soft", "edge": ["left", "bottom"], "stiffness": stiffness / 20},
             {"edge": "right", "fix": "symmetry"},
@@ -38,10 +39,11 @@ def test_the_stiffness_advised_for_a_support_that_is_too_soft_is_enough(stiffnes
 
 def on_a_soft_bed(part: float) -> Model:
     """A plate held on its left and on a bed, of that part of the plate's stiffness in all; curvature and weight."""
-    return Model(
+    return rectangular(
         material={"E": 30e9, "nu": 0.2, "unit_weight": 25e3},
-        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-        mesh={"divisions": [5, 5]},
+        size=[10, 10],
+        thickness=0.3,
+        divisions=[5, 5],
         support=[
             {"edge": "left", "fix": "simple"},
             {"name": "bed", "area": "all", "resists": "down", "stiffness": part * 30e9 * 0.3**3 / 12 / 10**4},

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
+from models import rectangular
 
 import signorini
 from signorini import InputError, Model, NotCertifiedError, _core, contact_problem, lemke, recover, solve, with_rows
@@ -17,13 +18,12 @@ BED = {"area": "all", "resists": "down", "stiffness": 1e6}
 
 def model(*support: dict, **changes: object) -> Model:
     data = {
-        "material": {"E": 30e9, "nu": 0.2},
-        "plate": {"shape": "rectangle", "size": [4, 3], "thickness": 0.2},
-        "mesh": {"divisions": [8, 6]},
+        "size": [4, 3],
+        "divisions": [8, 6],
         "support": support,
         "load": [{"pressure": 5e3}, {"force": 50e3, "at": [0.7, 0.9]}],
     }
-    return Model(**data | changes)
+    return rectangular(**data | changes)
 
 
 @pytest.fixture

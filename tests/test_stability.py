@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from models import rectangular
 
 from signorini import Model, solve
 from signorini.analysis.check import check as checked
@@ -11,10 +12,8 @@ SQUARE = [[1, 1], [3, 1], [3, 3], [1, 3]]
 
 
 def model(loads, factors=None, supports=None) -> Model:
-    return Model(
+    return rectangular(
         material={"E": 30e6, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-        mesh={"divisions": [4, 4]},
         support=supports or [{"name": "pads", "at": SQUARE, "resists": "down"}],
         load=loads,
         combination=[{"name": "ULS", "factors": factors}] if factors else [],
@@ -103,10 +102,10 @@ def test_the_axis_is_the_line_of_the_supports_it_turns_on() -> None:
 )
 @pytest.mark.parametrize("unit", [1e-5, 1.0, 1e3])
 def test_the_line_is_written_without_rounding_in_any_unit(pads, load, line, unit) -> None:
-    scaled = Model(
+    scaled = rectangular(
         material={"E": 30e6, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4 * unit, 4 * unit], "thickness": 0.2 * unit},
-        mesh={"divisions": [4, 4]},
+        size=[4 * unit, 4 * unit],
+        thickness=0.2 * unit,
         support=[{"at": (unit * np.array(pads)).tolist(), "resists": "down"}],
         load=[{"force": 1.0, "at": (unit * np.array(load)).tolist()}],
     )

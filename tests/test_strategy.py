@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from models import rectangular
 
 import signorini
 from signorini import InputError, Model, _core
@@ -23,10 +24,9 @@ EVERY_METHOD = ("lemke", "active_set", "interior_point")
 
 
 def plate(*supports: dict[str, object], method: str = "auto", **more: object) -> Model:
-    return Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4, 3], "thickness": 0.2},
-        mesh={"divisions": [8, 6]},
+    return rectangular(
+        size=[4, 3],
+        divisions=[8, 6],
         support=list(supports),
         load=[{"pressure": 5e3}, {"force": 4e5, "at": [3.8, 0.2]}],
         solver={"method": method},

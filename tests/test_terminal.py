@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from models import rectangular
 from rich.console import Console
 from typer.testing import CliRunner
 
@@ -29,8 +30,6 @@ def model(count: int, **changes: object) -> signorini.Model:
         "title": "Slab on pads, with a title that is longer than a narrow terminal shows on a line",
         "units": {"length": "m", "force": "kN"},
         "material": {"E": 30e6, "nu": 0.2},
-        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-        "mesh": {"divisions": [4, 4]},
         "support": [
             {"name": "pads", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"},
             {"name": "prop in the middle", "at": [2, 2], "resists": "down", "gap": 1e-3, "stiffness": 1e4},
@@ -42,7 +41,7 @@ def model(count: int, **changes: object) -> signorini.Model:
         ],
         "probe": [{"at": [[2, 2], [1 / 3, 1 / 3], [3.5, 2.25]]}],
     }
-    return signorini.validate(data | changes)
+    return rectangular(**data | changes)
 
 
 def shown(printed: object, found: object, width: int) -> str:

@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from models import rectangular
 
 import signorini
 from signorini.analysis.check import check
@@ -18,12 +19,10 @@ def model(**changes: object) -> signorini.Model:
     data = {
         "units": {"length": "m", "force": "kN"},
         "material": {"E": 30e6, "nu": 0.2},
-        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-        "mesh": {"divisions": [4, 4]},
         "support": [PADS],
         "load": [{"case": "G", "pressure": 5}],
     }
-    return signorini.validate(data | changes)
+    return rectangular(**data | changes)
 
 
 def warned(**changes: object) -> tuple[str, ...]:
@@ -120,8 +119,8 @@ def test_points_that_can_do_nothing() -> None:
     props = {"name": "props", "at": [[0, 1], [2, 1], [2, 3]], "resists": "down", "gap": 1e-5}
     (sentence,) = warned(support=[walls, props])
     assert sentence == (
-        "props: 1 of its 3 points are where other supports hold the plate, and can do nothing there. Results number the "
-        "other points without them."
+        "props: 1 of its 3 points are where other supports hold the plate, and can do nothing there. Results number "
+        "the other points without them."
     )
 
 

@@ -1,20 +1,22 @@
 """Calls across the border to Rust with arguments that are wrong: lengths, NaN, indices, strides, the same array twice,
 objects that another problem has made.
 
-    python tests/fuzz/border.py [--count 100000] [--first 0]
+    python tests/fuzz/border.py [--count 100000] [--first 0] [--seconds 600] [--processes 2]
 
 Whatever comes, a call answers or raises an ordinary exception; a panic is a failure.
 """
 
 from __future__ import annotations
 
-import argparse
+import functools
 import sys
 import warnings
+from collections import Counter
 from collections.abc import Callable
 from random import Random
 from typing import Any
 
+import campaign
 import numpy as np
 
 from signorini import Model, _core
@@ -194,19 +196,14 @@ def fault(seed: int, entries: list[tuple[Callable[..., Any], list[Any]]], others
     return ""
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=100_000)
-    parser.add_argument("--first", type=int, default=0)
-    given = parser.parse_args()
-    entries, others, failures = calls(*example()), strangers(), 0
-    for seed in range(given.first, given.first + given.count):
-        if found := fault(seed, entries, others):
-            failures += 1
-            print(f"seed {seed}: {found}", flush=True)
-    print(f"{given.count} calls from seed {given.first}, {failures} failures")
-    sys.exit(min(failures, 1))
+_entries = functools.cache(lambda: (calls(*example()), strangers()))
+
+
+def one(seed: int) -> tuple[Counter[str], list[str]]:
+    """Make one call: that it was made, and its fault."""
+    found = fault(seed, *_entries())
+    return Counter({"calls": 1}), [found] if found else []
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(campaign.main(__doc__, one, lambda seed: None))

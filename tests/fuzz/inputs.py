@@ -1,6 +1,6 @@
 """Fuzz the command line with input files: each ends with an exit code and one message, and leaves whole files or none.
 
-    python tests/fuzz/inputs.py [--count 100000] [--first 0] [--processes 2]
+    python tests/fuzz/inputs.py [--count 100000] [--first 0] [--seconds 600] [--processes 2]
     python tests/fuzz/inputs.py --show SEED     the input file of a seed, and what it ends with
 
 Outcomes and failures are printed with their seeds; the exit code is 0 where there is no failure.
@@ -8,24 +8,18 @@ Outcomes and failures are printed with their seeds; the exit code is 0 where the
 
 from __future__ import annotations
 
-import argparse
 import io
 import json
-import multiprocessing
-import os
 import re
-import signal
 import sys
 import tempfile
-import time
 import warnings
 from collections import Counter
-from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from random import Random
-from types import FrameType
 
+import campaign
 import mutations
 import typer.main
 
@@ -35,14 +29,8 @@ from signorini.cli import app
 
 COMMANDS = typer.main.get_command(app)
 NAME = "slab.toml"
-TOO_LONG = 60
-"""Seconds after which an input hangs; the largest of these models takes under one."""
-
 _SELDOM = 50
 """One input in so many draws its pictures; they take most of the time and do not depend on what was found."""
-
-_TOLD = 5000
-"""Inputs after which it is told how far it has come."""
 
 _PICTURES = ("check_picture", "load_path_picture")
 _LEAVES = {"solve": ("slab-results", (0, 3)), "check": ("slab-check.png", (0, 3)), "path": ("slab-path", (0, 4))}
@@ -53,13 +41,6 @@ _CASES = ["load", "G", "Q", "all", "C0"]
 _PLACE = re.compile(rf"Error: (\S*{re.escape(NAME)}(:\d+)?: |--\w+: |({'|'.join(signorini.Model.model_fields)})\b)")
 
 _IN_MESH = re.compile(r"Error: \S*plate\.(msh|inp|vtu|vtk|ply): ")
-
-Draw = Callable[[int], tuple[str, str, list[str]]]
-"""From a seed to an outcome, a message and faults."""
-
-
-class Hang(BaseException):
-    """An input took too long."""
 
 
 def ended(
@@ -102,7 +83,7 @@ def _run(arguments: list[str]) -> tuple[int, str, BaseException | None]:
             COMMANDS.main(arguments, prog_name="signorini")
         except SystemExit as end:
             code = end.code if isinstance(end.code, int) else int(end.code is not None)
-        except Hang:
+        except campaign.Hang:
             raise
         except BaseException as error:  # Whatever reaches the user is a fault.
             exception = error
@@ -146,8 +127,8 @@ def _faults_of_results(directory: Path, code: int) -> list[str]:
     return wrong
 
 
-def one(seed: int) -> tuple[str, str, list[str]]:
-    """Draw and run one input: its outcome, its message, its faults."""
+def one(seed: int) -> tuple[Counter[str], list[str]]:
+    """Draw and run one input: its outcome and its faults."""
     rng = Random(seed)
     content = mutations.text(rng)
     command = rng.choice(["solve", "solve", "solve", "solve", "check", "path"])
@@ -156,86 +137,15 @@ def one(seed: int) -> tuple[str, str, list[str]]:
     more = ("--add", rng.choice(_CASES), *rng.choice([(), ("--from", rng.choice(_CASES)), ("--until", "2")]))
     with tempfile.TemporaryDirectory() as directory:
         drawn = rng.randrange(_SELDOM) == 0
-        code, errors, wrong = ended(content, command, Path(directory), drawn, more if command == "path" else ())
-    return f"exit {code}", errors, wrong
+        code, _, wrong = ended(content, command, Path(directory), drawn, more if command == "path" else ())
+    return Counter({f"exit {code}": 1}), wrong
 
 
-def _late(number: int, frame: FrameType | None) -> None:
-    raise Hang(f"longer than {TOO_LONG} s")
-
-
-def _work(draw: Draw, seeds: multiprocessing.SimpleQueue, found: multiprocessing.SimpleQueue) -> None:
-    signal.signal(signal.SIGALRM, _late)
-    while (seed := seeds.get()) is not None:
-        found.put((seed, "begun", 0.0, []))
-        begun = time.perf_counter()
-        signal.alarm(TOO_LONG)
-        try:
-            outcome, _, wrong = draw(seed)
-        except BaseException as error:  # What ends a run is what the fuzzer looks for.
-            outcome, wrong = "fault", [f"{type(error).__name__}: {error}"]
-        signal.alarm(0)
-        found.put((seed, outcome, time.perf_counter() - begun, wrong))
-
-
-def fuzz(first: int, count: int, processes: int, draw: Draw = one) -> int:
-    """Run so many seeds; print failures as they come and a summary; return the number of failures."""
-    seeds, found = multiprocessing.SimpleQueue(), multiprocessing.SimpleQueue()
-    workers = [multiprocessing.Process(target=_work, args=(draw, seeds, found), daemon=True) for _ in range(processes)]
-    for worker in workers:
-        worker.start()
-    for seed in range(first, first + min(count, processes)):
-        seeds.put(seed)
-    following, open_, outcomes, failures = first + processes, set(), Counter(), 0
-    slowest, certified_not = (0.0, -1), []
-    while outcomes.total() < count:
-        while found.empty():
-            time.sleep(0.002)
-            if not all(worker.is_alive() for worker in workers):
-                print(f"a process died at one of the seeds {sorted(open_)}", flush=True)
-                return failures + 1
-        seed, outcome, seconds, wrong = found.get()
-        if outcome == "begun":
-            open_.add(seed)
-            continue
-        open_.discard(seed)
-        if following < first + count:
-            seeds.put(following)
-            following += 1
-        outcomes[outcome] += 1
-        slowest = max(slowest, (seconds, seed))
-        if outcome == "exit 4":
-            certified_not.append(seed)
-        if wrong:
-            failures += 1
-            print(f"seed {seed}: {'; '.join(wrong)}", flush=True)
-        if outcomes.total() % _TOLD == 0 and outcomes.total() < count:
-            print(f"{outcomes.total()} inputs: {dict(sorted(outcomes.items()))}, {failures} failures", flush=True)
-    for _ in workers:
-        seeds.put(None)
-    print(f"{count} inputs from seed {first}: {dict(sorted(outcomes.items()))}, {failures} failures")
-    print(f"not certified: {certified_not}; slowest: seed {slowest[1]}, {slowest[0]:.1f} s")
-    return failures
-
-
-def arguments(says: str | None) -> argparse.Namespace:
-    """What the command line of a fuzzer says."""
-    parser = argparse.ArgumentParser(description=says, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=100_000)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--processes", type=int, default=os.cpu_count())
-    parser.add_argument("--show", type=int)
-    return parser.parse_args()
-
-
-def main() -> None:
-    given = arguments(__doc__)
-    if given.show is not None:
-        sys.stdout.buffer.write(mutations.text(Random(given.show)))
-        print(*one(given.show), sep="\n")
-        return
-    sys.exit(min(fuzz(given.first, given.count, given.processes), 1))
+def show(seed: int) -> None:
+    """Print the input file of a seed."""
+    sys.stdout.buffer.write(mutations.text(Random(seed)))
+    sys.stdout.flush()
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(campaign.main(__doc__, one, show))

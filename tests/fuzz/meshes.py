@@ -1,6 +1,6 @@
 """Fuzz the command line with mesh files: small plates in every format, a few bytes, numbers or lines of them wrong.
 
-python tests/fuzz/meshes.py [--count 100000] [--first 0] [--processes 2]
+python tests/fuzz/meshes.py [--count 100000] [--first 0] [--seconds 600] [--processes 2]
 python tests/fuzz/meshes.py --show SEED     the mesh file of a seed, and what it ends with
 """
 
@@ -12,9 +12,11 @@ import io
 import re
 import sys
 import tempfile
+from collections import Counter
 from pathlib import Path
 from random import Random
 
+import campaign
 import inputs
 import meshio
 import numpy as np
@@ -84,25 +86,22 @@ def _bytes(rng: Random, content: bytes) -> bytes:
     return content[:at] + put + content[at + drop :]
 
 
-def one(seed: int) -> tuple[str, str, list[str]]:
-    """Draw and solve one plate: its outcome, its message, its faults."""
+def one(seed: int) -> tuple[Counter[str], list[str]]:
+    """Draw and solve one plate: its outcome and its faults."""
     rng = Random(seed)
     name, content = file(rng)
     with tempfile.TemporaryDirectory() as directory:
         Path(directory, name).write_bytes(content)
         model = MODEL.format(file=name, edge=rng.choice(["wall", "boundary"]))
-        code, errors, wrong = inputs.ended(model.encode(), "solve", Path(directory), pictures=False)
-    return f"exit {code}", errors, wrong
+        code, _, wrong = inputs.ended(model.encode(), "solve", Path(directory), pictures=False)
+    return Counter({f"exit {code}": 1}), wrong
 
 
-def main() -> None:
-    given = inputs.arguments(__doc__)
-    if given.show is not None:
-        sys.stdout.buffer.write(file(Random(given.show))[1])
-        print(*one(given.show), sep="\n")
-        return
-    sys.exit(min(inputs.fuzz(given.first, given.count, given.processes, one), 1))
+def show(seed: int) -> None:
+    """Print the mesh file of a seed."""
+    sys.stdout.buffer.write(file(Random(seed))[1])
+    sys.stdout.flush()
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(campaign.main(__doc__, one, show))

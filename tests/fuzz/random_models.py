@@ -57,6 +57,8 @@ def model(rng: Random) -> Tables:
     # Drawn last, so that a seed's other choices are what they were without it.
     if rng.random() < 0.2:
         _step(rng, tables)
+    if rng.random() < 0.5:
+        _turn(rng, tables["support"], size)
     return tables
 
 
@@ -72,6 +74,15 @@ def _step(rng: Random, tables: Tables) -> None:
     )
     item, key = rng.choice(items)
     item[key] = f"({item[key]})*where({where}, {rng.choice([0.1, 0.5, 2.0, 5.0])}, 1)"
+
+
+def _turn(rng: Random, supports: list[Tables], size: float) -> None:
+    """Prescribe the slopes of supports that hold them: a wall that tips, a rim that bends; seldom not all the same."""
+    slopes = [[1e-4, -2e-4], [1e-3, 0.0], [f"1e-4*x/{size}", f"1e-4*y/{size}"]]
+    turned = rng.choice(slopes)
+    for support in supports:
+        if support.get("fix", "simple") != "simple" and rng.random() < 0.8:
+            support["rotation"] = turned if rng.random() < 0.9 else rng.choice(slopes)
 
 
 def _plate(rng: Random) -> tuple[Tables, Tables]:

@@ -100,6 +100,8 @@ def supports(draw, plate, kinds=("at", "at", "edge", "line", "circle", "area"), 
         support = {**place, "fix": draw(st.sampled_from(fixes))}
         if support["fix"] != "symmetry" and draw(st.booleans()):
             support["settlement"] = draw(st.sampled_from([0.01, -0.02, "0.01*x"]))
+        if support["fix"] != "simple" and draw(st.booleans()):
+            support["rotation"] = draw(st.sampled_from([[0.01, 0.0], [0.005, -0.01], ["0.01*x", "0.01*y"]]))
         return support
     support = {**place, "resists": draw(st.sampled_from(["down", "down", "up", "both"] if both else ["down", "up"]))}
     for key, values in (

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from models import rectangular
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import spsolve
 
@@ -16,10 +17,10 @@ CHECKERBOARD = [{"pressure": "1e5*sin(3.14159265358979*x)*sin(3.14159265358979*y
 
 def slab(thickness=0.3, stiffness=None, load=(), divisions=10, **bed) -> Model:
     bed |= {"area": "all", "resists": "down"} | ({"stiffness": stiffness} if stiffness else {})
-    return Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [10, 10], "thickness": thickness},
-        mesh={"divisions": [divisions, divisions]},
+    return rectangular(
+        size=[10, 10],
+        thickness=thickness,
+        divisions=[divisions, divisions],
         support=[bed],
         load=list(load),
         solver={"method": "active_set"},
@@ -108,10 +109,10 @@ def test_a_set_that_stalls_is_solved_to_the_last_digits() -> None:
     """Points a hair apart that hold both ways leave Newton's steps 1e-8 of the load."""
     circle = {"center": [1.2, 0.8], "radius": 0.45}
     both = {"at": [[4.0, 0.17527323774190315], [3.5, 0.25188007620575553]], "resists": "both"}
-    plate = Model(
+    plate = rectangular(
         material={"E": 1000.0, "nu": 0.3},
-        plate={"shape": "rectangle", "size": [4.0, 4.0], "thickness": 0.4},
-        mesh={"divisions": [1, 3]},
+        thickness=0.4,
+        divisions=[1, 3],
         support=[{"circle": circle, "resists": "up", "gap": "0.01*x", "settlement": "0.01*y"}, both],
         load=[{"curvature": [0.01, -0.02, 0.01]}, {"force": -3.0, "at": [1.1767772987065075, 1.5]}],
         solver={"method": "active_set"},

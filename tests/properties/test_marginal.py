@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from models import rectangular
 
 from signorini import InputError, Model, NoEquilibriumError, NotCertifiedError, solve
 from signorini.contact.problem import contact_problem
@@ -274,10 +275,10 @@ def test_a_load_on_the_edge_of_a_bed_does_not_turn_the_plate_on_soft_springs(sof
     found = []
     for unit in (1.0, 12.0, 100.0):
         bed = {"area": {"rectangle": [0, 0, 5 * unit, 10 * unit]}, "resists": "down"}
-        slab = Model(
-            material={"E": 3e10, "nu": 0.2},
-            plate={"shape": "rectangle", "size": [10 * unit, 10 * unit], "thickness": 0.0736 * unit},
-            mesh={"divisions": [2, 12]},
+        slab = rectangular(
+            size=[10 * unit, 10 * unit],
+            thickness=0.0736 * unit,
+            divisions=[2, 12],
             support=[bed, {"area": "all", "resists": "up", "stiffness": soft / unit}],
             load=[{"pressure": 0.1}],
         )

@@ -5,6 +5,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from models import rectangular
 from scipy.optimize import LinearConstraint, minimize
 
 import signorini
@@ -69,14 +70,7 @@ CASES[PRESSED] = REACTIONS[PRESSED], [{"pressure": 5e5, "area": {"rectangle": [0
 
 def model_of(support, load, **more):
     named = [{"name": f"{number}", **one} for number, one in enumerate(support)]
-    return signorini.Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4, 3], "thickness": 0.2},
-        mesh={"divisions": [8, 6]},
-        support=named,
-        load=load,
-        **more,
-    )
+    return rectangular(size=[4, 3], divisions=[8, 6], support=named, load=load, **more)
 
 
 def turned_round(support):
@@ -333,10 +327,10 @@ def test_results_say_what_is_not_unique():
 def test_a_plate_on_four_legs_far_below_its_ceiling_rests_on_all_of_them(method):
     # Of four legs one carries nothing but rounding, and the ceiling is half a million deflections away.
     legs = {"name": "legs", "at": [[1, 1], [9, 1], [9, 9], [1, 9]], "resists": "down"}
-    model = signorini.Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-        mesh={"divisions": [2, 5]},
+    model = rectangular(
+        size=[10, 10],
+        thickness=0.3,
+        divisions=[2, 5],
         support=[legs, {"name": "ceiling", "at": [[5, 5], [1, 5]], "resists": "up", "gap": 0.5}],
         load=[{"force": 1e3, "at": [2, 5]}, {"force": -2e3, "at": [5, 5]}, {"force": 1e3, "at": [8, 5]}],
         solver={"method": method},
@@ -373,10 +367,10 @@ def crossing_lines(count, divisions):
     """Rigid one-sided lines from side to side of a plate, each with many others across it."""
     ends = np.random.default_rng(0).uniform(0.3, 9.7, (count, 2)).round(3).tolist()
     lines = [[[0, a], [10, b]] if n % 2 else [[a, 0], [b, 10]] for n, (a, b) in enumerate(ends)]
-    return signorini.Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-        mesh={"divisions": [divisions, divisions]},
+    return rectangular(
+        size=[10, 10],
+        thickness=0.3,
+        divisions=[divisions, divisions],
         support=[{"line": line, "resists": "down"} for line in lines],
         load=WEIGHT,
     )

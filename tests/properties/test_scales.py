@@ -3,6 +3,7 @@
 import meshio
 import numpy as np
 import pytest
+from models import rectangular
 
 from signorini import Model, solve
 from signorini.mesh.meshers import annulus
@@ -12,10 +13,10 @@ CORNER = [0.1, 0.1]
 
 
 def plate(thickness, supports, loads, young=1000.0, method="auto"):
-    model = Model(
+    model = rectangular(
         material={"E": young, "nu": 0.3},
-        plate={"shape": "rectangle", "size": [4.0, 4.0], "thickness": thickness},
-        mesh={"divisions": [8, 8]},
+        thickness=thickness,
+        divisions=[8, 8],
         support=supports,
         load=loads,
         solver={"method": method},

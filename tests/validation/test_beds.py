@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+from models import rectangular
 
 import signorini
 from signorini import Model, contact_problem
@@ -213,10 +214,11 @@ def test_springs_of_any_stiffness_are_certified_and_end_rigid(where: dict, resis
 def test_a_stiffness_that_steps_at_a_mesh_line_steps_there_for_points_on_it(where: list[dict], less: str) -> None:
     """Statics of a rigid plate on two stiffnesses along x: forces k·w and k·w·x balance 10 kN at 2.75."""
     resists = {"resists": "down", "stiffness": f"1e5*where(x {less} 3, 1, 0.01)"}
-    model = Model(
+    model = rectangular(
         material={"E": 30e14, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [5, 4], "thickness": 1},
-        mesh={"divisions": [5, 4]},
+        size=[5, 4],
+        thickness=1,
+        divisions=[5, 4],
         support=[{**place, **resists} for place in where],
         load=[{"force": 1e4, "at": [2.75, 2]}],
     )
@@ -232,10 +234,11 @@ def test_a_rigid_area_an_element_wide_holds_the_plate_against_turning() -> None:
     """As a pair that pushes and pulls does. At the edge of such a support a Mindlin strip turns by Mλ/D, λ² = D/S."""
     deflections = []
     for resists, n in ((["both"], 1), (["down", "up"], 1), (["both"], 4)):
-        model = Model(
+        model = rectangular(
             material={"E": 30e9, "nu": 0.0},
-            plate={"shape": "rectangle", "size": [4, 3], "thickness": 0.3},
-            mesh={"divisions": [4 * n, 3 * n]},
+            size=[4, 3],
+            thickness=0.3,
+            divisions=[4 * n, 3 * n],
             support=[{"area": {"rectangle": [0, 0, 1, 3]}, "resists": way} for way in resists],
             load=[{"pressure": 1e3}],
         )

@@ -3,6 +3,7 @@
 import meshio
 import numpy as np
 import pytest
+from models import rectangular
 
 import signorini
 from signorini.mesh.meshers import rectangle
@@ -136,10 +137,10 @@ def test_razzaque_skew_plate(tmp_path, element):
 @pytest.mark.parametrize("divisions", [5, 8, 17])
 def test_a_rigid_circle_has_no_beginning(divisions: int) -> None:
     """A square plate on a circle is its own mirror image, wherever elements lie on the circle's rightmost point."""
-    model = signorini.Model(
-        material={"E": 3e10, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.1},
-        mesh={"divisions": [divisions, divisions]},
+    model = rectangular(
+        size=[10, 10],
+        thickness=0.1,
+        divisions=[divisions, divisions],
         support=[{"circle": {"center": [5, 5], "radius": 2.5358}, "resists": "both"}],
         load=[{"pressure": 1e4}],
         probe=[{"at": at} for at in ([1, 5], [9, 5], [5, 1], [5, 9])],

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from models import rectangular
 
 import signorini
 from signorini import contact_problem
@@ -41,10 +42,10 @@ ALONE = {
 
 
 def problem_of(support, thickness=0.2):
-    model = signorini.Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4, 3], "thickness": thickness},
-        mesh={"divisions": [8, 6]},
+    model = rectangular(
+        size=[4, 3],
+        thickness=thickness,
+        divisions=[8, 6],
         support=support,
         load=[{"pressure": 5e3}, {"force": 50e3, "at": [0.7, 0.9]}],
     )

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from models import rectangular
 from scipy.special import bei, beip, ber, berp, kei, keip, ker, kerp
 
 import signorini
@@ -17,10 +18,11 @@ def test_a_heavy_strip_on_soil_lifts_off_at_its_closed_form_load() -> None:
     length = (young * height**3 / 12 / bed) ** 0.25
     beta = 1 / (np.sqrt(2) * length)
     half = 5 * np.pi / beta
-    model = signorini.Model(
+    model = rectangular(
         material={"E": young, "nu": 0.0},
-        plate={"shape": "rectangle", "size": [half, half / 80], "thickness": height},
-        mesh={"divisions": [80, 1]},
+        size=[half, half / 80],
+        thickness=height,
+        divisions=[80, 1],
         support=[
             {"edge": "left", "fix": "symmetry"},
             {"edge": ["bottom", "top"], "fix": "symmetry"},
@@ -87,10 +89,11 @@ def test_the_prop_under_a_clamped_plate_is_met_at_the_closed_form_load() -> None
     """A thin clamped square under q sinks by 0.00126534 q a⁴/D in its middle (h/a = 0.001; docs/validation.md)."""
     side, height, young, gap = 4.0, 0.004, 30e9, 1e-3
     rigidity = young * height**3 / 12 / (1 - 0.09)
-    model = signorini.Model(
+    model = rectangular(
         material={"E": young, "nu": 0.3},
-        plate={"shape": "rectangle", "size": [side / 2, side / 2], "thickness": height},
-        mesh={"divisions": [16, 16]},
+        size=[side / 2, side / 2],
+        thickness=height,
+        divisions=[16, 16],
         support=[
             {"edge": ["bottom", "left"], "fix": "clamped"},
             {"edge": ["right", "top"], "fix": "symmetry"},
@@ -133,10 +136,11 @@ def test_the_gap_under_a_clamped_plate_closes_at_half_the_load(element) -> None:
 def test_a_rigid_footing_opens_at_a_sixth_and_tips_at_half_its_width() -> None:
     """N/A = M x / I at the edge, and the moment N B/2 at the end: the bed reaches as far as the footing."""
     width, divisions, force = 4.0, 4, 1e3
-    model = signorini.Model(
+    model = rectangular(
         material={"E": 1e13, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [width, width], "thickness": 1.0},
-        mesh={"divisions": [divisions, divisions]},
+        size=[width, width],
+        thickness=1.0,
+        divisions=[divisions, divisions],
         support=[{"name": "soil", "area": "all", "resists": "down", "stiffness": 1e5}],
         load=[{"case": "N", "pressure": force / width**2}, {"case": "M", "moment": [1.0, 0.0], "at": [2, 2]}],
     )
@@ -146,10 +150,8 @@ def test_a_rigid_footing_opens_at_a_sixth_and_tips_at_half_its_width() -> None:
 
 
 def test_a_table_on_four_legs_loses_two_at_once_as_it_tips() -> None:
-    model = signorini.Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.1},
-        mesh={"divisions": [4, 4]},
+    model = rectangular(
+        thickness=0.1,
         support=[{"name": "legs", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
         load=[{"case": "G", "pressure": 1e3}, {"case": "Q", "force": 1e3, "at": [4, 2]}],
     )
@@ -162,10 +164,9 @@ def test_a_table_on_four_legs_loses_two_at_once_as_it_tips() -> None:
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_a_see_saw_tilts_to_its_other_stop_under_one_load(method) -> None:
     """Weights on both sides of a hinge balance at t = 1; the plate then turns by itself until the gap is closed."""
-    model = signorini.Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [4, 1], "thickness": 0.2},
-        mesh={"divisions": [8, 2]},
+    model = rectangular(
+        size=[4, 1],
+        divisions=[8, 2],
         support=[
             {"name": "hinge", "line": [[2, 0], [2, 1]], "resists": "both"},
             {"name": "left", "at": [0, 0.5], "resists": "down"},

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from models import rectangular
 
 import signorini
 from signorini import Model
@@ -37,10 +38,11 @@ def test_shear_of_a_thin_ribbon_is_not_lost_either() -> None:
     """A stiff prop in the middle carries five eighths of the load, whatever the thickness."""
     reactions = []
     for thickness in (1.0, 1e-2):
-        model = Model(
+        model = rectangular(
             material={"E": 1e9, "nu": 0.0},
-            plate={"shape": "rectangle", "size": [1000, 2], "thickness": thickness},
-            mesh={"divisions": [8, 2]},
+            size=[1000, 2],
+            thickness=thickness,
+            divisions=[8, 2],
             support=[
                 {"name": "ends", "edge": ["left", "right"], "fix": "simple"},
                 {"name": "prop", "line": [[500, 0], [500, 2]], "resists": "down"},

@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from models import rectangular
 from tensionless import THICK_SQUARE, THIN_SQUARE
 
 import signorini
@@ -39,10 +40,11 @@ def rigid_on_springs(stiffness, positions, force, moment):
 
 
 def near_rigid(support, young, divisions):
-    model = signorini.Model(
+    model = rectangular(
         material={"E": young, "nu": 0.3},
-        plate={"shape": "rectangle", "size": [1, 2], "thickness": 0.3},
-        mesh={"divisions": divisions},
+        size=[1, 2],
+        thickness=0.3,
+        divisions=divisions,
         support=support,
         load=[{"pressure": "5*(y-2)**2"}],
         probe=[{"at": [[0.5, 0], [0.5, 2]]}],
@@ -110,10 +112,10 @@ def test_square_on_rigid_one_sided_edges(case, contact):
 
 def slab_b(n, gap=0.0):
     at = [[x, y] for y in (0.5, 3.5, 6.5, 9.5) for x in (0.5, 3.5, 6.5, 9.5)]
-    model = signorini.Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-        mesh={"divisions": [n, n]},
+    model = rectangular(
+        size=[10, 10],
+        thickness=0.3,
+        divisions=[n, n],
         support=[{"name": "points", "at": at, "resists": "down", "gap": gap}],
         load=[{"pressure": 2e3}, {"pressure": 500e3, "area": {"rectangle": [0.5, 0.5, 1.5, 1.5]}}],
     )
@@ -155,10 +157,11 @@ class TestSlabB:
 
 def thin(support, thickness):
     """The whole unit square on 160 × 160 elements: centre deflection times D, its result."""
-    model = signorini.Model(
+    model = rectangular(
         material={"E": 1.0, "nu": 0.3},
-        plate={"shape": "rectangle", "size": [1, 1], "thickness": thickness},
-        mesh={"divisions": [160, 160]},
+        size=[1, 1],
+        thickness=thickness,
+        divisions=[160, 160],
         support=[{"name": "edges", "edge": ["left", "right", "bottom", "top"], **support}],
         load=[{"pressure": 1.0}],
         probe=[{"at": [0.5, 0.5]}],

@@ -108,8 +108,8 @@ def _never_act(found: Discretisation) -> Iterator[str]:
         if listed < count and (support.fix is None or "w" in support.fixed):
             which = f"{count - listed} of its {count} points are" if count > 1 else "its point is"
             yield (
-                f"{support.name}: {which} where other supports hold the plate, and can do nothing there. Results number "
-                "the other points without them."
+                f"{support.name}: {which} where other supports hold the plate, and can do nothing there. Results "
+                "number the other points without them."
             )
 
 
