@@ -52,7 +52,9 @@ def started(path: Path, before: str = "") -> subprocess.Popen[str]:
     code = "\n".join([*lines, "import signorini_command", "signorini_command.main()"])
     handled = lambda: signal.signal(signal.SIGINT, signal.default_int_handler)  # noqa: E731
     pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
-    return subprocess.Popen([sys.executable, "-c", code], text=True, preexec_fn=handled, **pipes)
+    as_users_have_it = {name: value for name, value in os.environ.items() if name not in signorini_command.POOLS}
+    command = [sys.executable, "-c", code]
+    return subprocess.Popen(command, text=True, preexec_fn=handled, env=as_users_have_it, **pipes)
 
 
 def whole(directory: Path) -> str:

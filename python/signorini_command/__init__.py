@@ -11,12 +11,12 @@ import sys
 from types import FrameType
 
 _INTERRUPTED = 130
-_POOLS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS", "OMP_NUM_THREADS")
+POOLS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS", "OMP_NUM_THREADS")
 
 
 def main() -> None:
     """Run the command line; Ctrl-C ends it with a word also while its modules are read."""
-    for pool in _POOLS:
+    for pool in POOLS:
         # Large products are left to Rust, whose threads --threads bounds; NumPy and SciPy would start one a core more.
         os.environ.setdefault(pool, "1")
     handled = signal.getsignal(signal.SIGINT) is signal.default_int_handler

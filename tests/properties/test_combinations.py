@@ -58,7 +58,7 @@ def test_a_batch_is_its_combinations_one_by_one(data, drawing, dense):
     try:
         combined = combine(problem, single, several, lambda _: None, sink)
         singles = [single(combination) for combination in combined.combinations]
-    except NotCertifiedError:
+    except (InputError, NotCertifiedError):  # A load may be so near an outline that only a finer mesh holds it.
         assume(False)
     assert [s == "solved" for s in rows["status"]] == [r.status == "solved" for r in singles]
     for row, result in enumerate(singles):

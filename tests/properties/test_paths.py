@@ -58,7 +58,7 @@ def condition(twin, closed):
 
 
 @pytest.mark.parametrize("method", ["auto", "active_set"])
-@settings(suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.filter_too_much])
 @given(data=st.data())
 def test_inside_a_segment_the_path_is_the_direct_solution(drawing, dense, method, data):
     found = traced(data, drawing, method)
@@ -102,7 +102,7 @@ def slowness(found, segment, points):
         return ((b - a) / np.where(segment.closed, reacting, away)[points]).max()
 
 
-@settings(max_examples=120, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=50, suppress_health_check=[HealthCheck.filter_too_much])
 @given(data=st.data())
 def test_events_are_where_bisection_of_direct_solutions_finds_them(drawing, dense, data):
     found = traced(data, drawing, "auto", kinds=("at", "at", "edge"))

@@ -39,6 +39,10 @@ def test_answers_satisfy_the_conditions_or_no_reactions_exist(data, drawing, den
         # Past the check, Lemke's ray says the same.
         assert problem.solve(load).status == "no_equilibrium"
         return
+    except InputError as error:
+        # Balanced on the supports' outlines, which the mesh's points do not reach.
+        assert not exists and "not at the contact points of this mesh" in str(error)
+        return
     assert exists and result.certificate.passed
     answer = problem.solve(load)
     u = (answer.hi + answer.lo)[twin.free]
