@@ -50,3 +50,17 @@ def test_a_line_is_looked_for_once(monkeypatch, how):
     line = {"line": [[2, 0], [2, 4]]}
     discretise(rectangular(**PLATE, support=[line | how, {"edge": "left", "fix": "simple"}]))
     assert len(asked) == 1
+
+
+@pytest.mark.parametrize("apart", [0.0, 1e-11, 1e-10, 1e-9, 5e-9, 2e-8])
+def test_points_all_but_at_one_place_are_at_one_place(apart):
+    """A spring beside a closed rigid bearing carries nothing, and made them two at some of these distances."""
+    bearings = {"name": "a", "at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}
+    beside = {"name": "c", "at": [1 + apart, 1], "resists": "both"}
+    spring = {"name": "d", "at": [3, 1], "resists": "both", "stiffness": 1e12}
+    for more in ([], [spring]):
+        support = [bearings, beside, *more]
+        model = rectangular(mesh={"divisions": [6, 6]}, support=support, load=[{"pressure": 1e4}])
+        result = solve(model)["all"]
+        assert list(result.reactions.values())[:2] == pytest.approx([140000, 20000], rel=1e-9)
+        assert result.supports[1].positions[0, 0] == 1 + apart and result.not_unique
