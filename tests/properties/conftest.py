@@ -192,8 +192,10 @@ class Dense:
         """Equilibrium, penetration, tension and complementarity, each relative to its own size."""
         gap = self.distance - self.G @ u + self.compliance * reaction
         one = ~self.two_sided
-        force = max(self.whole, np.abs(reaction).max(initial=0), 1e-300)
         length = self.length(u)
+        # Lengths are rounded to 1e-16 and forces judged to 1e-8: where loads cancel to the last bit, no force is less.
+        least = 1e-8 * np.diag(self.K).max(initial=0) * length
+        force = max(self.whole, np.abs(reaction).max(initial=0), least, 1e-300)
         penetration = max(-gap[one].min(initial=0), np.abs(gap[~one]).max(initial=0))
         # What K·u cancels is what its rounding is relative to.
         magnitude = (np.abs(self.K) @ np.abs(u)).max(initial=0)
