@@ -17,7 +17,7 @@ from signorini.contact.refusal import refusal
 from signorini.contact.selection import chosen
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Bools, Floats
-from signorini.errors import InputError, NotCertifiedError
+from signorini.errors import InputError, NotCertifiedError, point
 from signorini.results.result import Result
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def _first(on: Callable[[Bools], _T], sets: Sequence[Bools]) -> _T:
 
 def _row(problem: ContactProblem | RowProblem, row: int) -> str:
     points = problem.problem.positions if isinstance(problem, RowProblem) else problem.positions
-    return f"row {row} at [{points[row][0]:g}, {points[row][1]:g}]" if row < len(points) else f"row {row}"
+    return f"row {row} at {point(points[row])}" if row < len(points) else f"row {row}"
 
 
 def _require_same(

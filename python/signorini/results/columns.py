@@ -74,8 +74,8 @@ class Layout:
         """Points of supports at points, of which there are not too many, and all other supports."""
         found = []
         for index, (support, points) in enumerate(zip(self.model.support, self.supports, strict=True)):
-            places = points.positions.tolist()
-            if support.place == "at" and 0 < len(places) <= _MOST_BEARINGS:
+            if support.place == "at" and 0 < len(points.positions) <= _MOST_BEARINGS:
+                places = points.positions.tolist()
                 found += [Bearing(index, number, (x, y)) for number, (x, y) in enumerate(places, start=1)]
             else:
                 found.append(Bearing(index, None, None))
