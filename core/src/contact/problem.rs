@@ -3,10 +3,9 @@
 use super::condense::Condensed;
 use super::points::ActivePoints;
 use super::scale::Scale;
-use crate::assembly::{HELD, Numbering, assemble};
+use crate::assembly::{Assembly, HELD, Numbering};
 use crate::cholesky::{Analysis, Factor, FactorError};
 use crate::contact::tolerances;
-use crate::dense::OutOfMemory;
 use crate::element::Kind;
 use crate::plate::Plate;
 use crate::residual::{Rows, Springs};
@@ -40,7 +39,6 @@ pub struct PointOrder {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seconds {
     pub order: f64,
-    pub assemble: f64,
     pub factor: f64,
     pub condense: f64,
 }
@@ -75,7 +73,7 @@ pub struct ContactProblem {
 }
 
 impl ContactProblem {
-    /// Orders with the condensed dofs last, assembles, factors, and condenses.
+    /// Orders with the condensed dofs last, factors, and condenses.
     ///
     /// With `by_active_set` the one-sided points are the active set's instead of an LCP's: the factor carries them all.
     pub fn new(
@@ -186,12 +184,6 @@ impl ContactProblem {
     }
 }
 
-impl From<OutOfMemory> for FactorError {
-    fn from(_: OutOfMemory) -> Self {
-        Self::OutOfMemory
-    }
-}
-
 /// What a factor is made of.
 struct Parts<'a> {
     plate: &'a Plate,
@@ -235,12 +227,7 @@ impl Parts<'_> {
         let bedding = self.active.stiffness_by_element(plate, &carried);
         let mut springs = with_regularization(self.springs, constraints);
         self.active.add_footprint_springs(&carried, &mut springs);
-        let mut matrix = assemble(plate, &springs, &bedding, numbering);
-        drop(bedding);
-        matrix.stiffen_diagonal(firmer);
-        seconds.assemble += clock.elapsed().as_secs_f64();
-
-        let clock = Instant::now();
+        let matrix = Assembly::new(plate, &springs, &bedding, numbering).firmer(firmer);
         let known = match analysis.take() {
             Some(known) => known,
             None => Analysis::new(&matrix)?,
@@ -248,12 +235,11 @@ impl Parts<'_> {
         let factor = analysis.insert(known).factorize(&matrix)?;
         // Elements of q8r bend in some shapes without resistance, and not all supports hold them.
         if carried.contains(&0.0) || plate.kind == Kind::Q8r {
-            let (column, part) = factor.weakest_pivot(&matrix);
+            let (column, part) = factor.weakest_pivot();
             if part < tolerances::LOOSE_PIVOT {
                 return Err(FactorError::NotPositiveDefinite { column });
             }
         }
-        drop(matrix);
         seconds.factor += clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
@@ -269,7 +255,7 @@ impl Parts<'_> {
             .collect();
         let moves = |motion: &Vec<f64>| (0..rows.len()).map(|row| rows.dot(plate, row, motion)).collect();
         let condensed = Condensed::new(
-            factor.trailing_block(numbering.trailing),
+            factor.trailing_block(numbering.trailing)?,
             entries,
             constraints.regularization.clone(),
             constraints.compliance.clone(),

@@ -221,7 +221,7 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
     part = problem.seconds
     seconds = {
         "mesh": found.seconds["mesh"],
-        "assemble": found.seconds["assemble"] + part["assemble"],
+        "assemble": found.seconds["assemble"],
         "order": part["order"],
         "factor": part["factor"],
         "contact": part["condense"] + contact,
