@@ -191,7 +191,7 @@ CORE_LAYERS = (
     ("cholesky",),
     ("contact/tolerances", "contact/scale", "contact/condense", "contact/points", "contact/rigid"),
     ("contact/problem",),
-    ("contact/solution", "contact/start"),
+    ("contact/solution",),
     ("contact/kkt", "contact/lcp", "contact/responses"),
     ("contact/active_set", "contact/proximal"),
     ("contact/solve",),
