@@ -192,7 +192,7 @@ CORE_LAYERS = (
     ("ordering", "assembly", "residual", "stress"),
     ("contact/tolerances", "contact/scale", "contact/condense", "contact/points", "contact/rigid"),
     ("contact/problem",),
-    ("contact/solution", "contact/start"),
+    ("contact/solution",),
     ("contact/kkt", "contact/lcp", "contact/responses"),
     ("contact/active_set", "contact/proximal"),
     ("contact/solve",),

@@ -79,7 +79,6 @@ fn at_points(response: &Response) -> contact::Response {
         reaction: r.reaction.clone(),
         moved: r.moved.clone(),
         work: r.work.clone(),
-        work_size: r.work_size.clone(),
     }
 }
 

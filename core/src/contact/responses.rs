@@ -4,7 +4,7 @@
 //! equilibrium by itself: Ku + Gᵀ·reaction = f. Where the rows pick single dofs, x is the points' displacement and the
 //! cases act with all points held; else x is the force δ·Gu − reaction, and the cases act on K̃.
 
-use super::condense::Form;
+use super::condense::{Form, Work};
 use super::problem::{ContactProblem, with_regularization};
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
@@ -12,16 +12,14 @@ use crate::residual::{Displacement, Springs, residual};
 use rayon::prelude::*;
 
 /// One term of the sum, refined with the double-double residual.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Response {
     pub displacement: Displacement,
     /// Force of every contact point, against its row.
     pub reaction: Vec<f64>,
     /// Displacement Gu of every contact point.
     pub moved: Vec<f64>,
-    /// Work of the load in each free rigid motion, and the sum of the magnitudes it is made of.
-    pub work: Vec<f64>,
-    pub work_size: Vec<f64>,
+    pub work: Work,
 }
 
 /// What acts.
@@ -207,12 +205,11 @@ impl ContactProblem {
             let carried = &self.base.condensed.regularization;
             reaction = (0..rows.len()).map(|i| carried[i] * moved[i] - push(i)).collect();
         }
-        let motions = self.constraints.free_motions.len();
-        let (work, work_size) = match draft.action {
-            Action::Load(load) => self.works(load),
-            _ => (vec![0.0; motions], vec![0.0; motions]),
+        let work = match draft.action {
+            Action::Load(load) => self.work(load),
+            _ => self.work(&[]),
         };
-        Response { displacement: draft.displacement, reaction, moved, work, work_size }
+        Response { displacement: draft.displacement, reaction, moved, work }
     }
 
     /// The largest force of a draft.

@@ -1,7 +1,6 @@
 //! The factor by which an active set finds its directions: the one it was given, or that of its own set.
 
 use super::direction::Direction;
-use super::residual::Residual;
 use crate::cholesky::FactorError;
 use crate::contact::condense::ContactState;
 use crate::contact::points::Penalty;
@@ -116,18 +115,10 @@ impl<'a> ActiveFactor<'a> {
     /// it has for that.
     pub(crate) fn response(&self, imbalance: &[f64], remaining: &[f64]) -> Result<Direction, FactorError> {
         let problem = self.problem;
-        let motions = problem.constraints.free_motions.len();
-        let still = Residual {
-            imbalance: imbalance.to_vec(),
-            remaining: remaining.to_vec(),
-            worst: 0.0,
-            work: vec![0.0; motions],
-            work_size: vec![0.0; motions],
-        };
         let with = self.factored();
-        let reduced = problem.reduced(with, &still, with.condensed.better_form())?;
+        let reduced = problem.reduced(with, imbalance, remaining, with.condensed.better_form())?;
         let (nodal, reaction) = problem.respond(with, &self.state, reduced)?;
-        let mut force = still.imbalance;
+        let mut force = imbalance.to_vec();
         let back: Vec<f64> = reaction.iter().map(|r| -r).collect();
         problem.spread(&back, &mut force);
         problem.release_held(&mut force);

@@ -5,8 +5,7 @@ use super::load::PathLoad;
 use crate::cholesky::FactorError;
 use crate::contact::kkt::OnSet;
 use crate::contact::problem::ContactProblem;
-use crate::contact::solution::{ContactSolution, Outcome, Progress};
-use crate::contact::start::Start;
+use crate::contact::solution::{ContactSolution, Outcome, Progress, Start};
 use crate::contact::tolerances;
 
 /// Who follows the path of one load.
@@ -42,21 +41,12 @@ impl<'a> Follower<'a> {
         let PathLoad { held_value, proximal, .. } = *self.load;
         let (problem, load) = (self.problem, self.load.at(t));
         let own = self.how.own.take();
-        let start = near.map(|near| Start {
-            displacement: &near.displacement.hi,
-            reaction: &near.reaction,
-            closed: &near.closed,
-            factored: own.as_ref(),
-            balanced: None,
-        });
+        let start = near.map(|near| Start { solution: near, factored: own.as_ref(), reference: None });
         let mut watch = |now| self.goes_on(now);
-        let found = match &start {
-            _ if proximal => {
-                let part = tolerances::proximal::COMPLIANCE;
-                problem.solve_by_proximal_steps(&load, held_value, part, None, &mut watch)
-            }
-            Some(start) => problem.solve_from(&load, held_value, start, &mut watch),
-            None => problem.solve(&load, held_value, None, &mut watch),
+        let found = if proximal {
+            problem.solve_by_proximal_steps(&load, held_value, tolerances::proximal::COMPLIANCE, None, &mut watch)
+        } else {
+            problem.solve_from(&load, held_value, None, start.as_ref(), &mut watch)
         };
         self.how.own = own;
         found
