@@ -2,7 +2,7 @@
 //!
 //! Into a directory it also writes the meshes, as SVG.
 
-use signorini_mesher::{Loop, Mesh, NONE, Point, Refinement, Wishes, mesh};
+use signorini_mesher::{Loop, Mesh, Point, Refinement, Wishes, mesh};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::time::Instant;
@@ -120,12 +120,11 @@ fn svg(mesh: &Mesh) -> String {
     let at = |n: usize| (10.0 + zoom * (mesh.points[n][0] - low[0]), 10.0 + zoom * (high[1] - mesh.points[n][1]));
     let mut text = String::from("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"1020\" height=\"1020\">\n");
     for element in &mesh.elements {
-        let n = if element[7] == NONE { 3 } else { 4 };
-        let fill = if n == 3 { "#f90" } else { "#eee" };
+        let fill = if element[2] == element[3] { "#f90" } else { "#eee" };
         let (x, y) = at(element[0]);
         let _ = write!(text, "<path fill=\"{fill}\" stroke=\"#333\" stroke-width=\"0.6\" d=\"M{x:.2} {y:.2}");
-        for i in 0..n {
-            let (p, m, q) = (at(element[i]), at(element[n + i]), at(element[(i + 1) % n]));
+        for i in 0..4 {
+            let (p, m, q) = (at(element[i]), at(element[4 + i]), at(element[(i + 1) % 4]));
             let control = (2.0 * m.0 - 0.5 * (p.0 + q.0), 2.0 * m.1 - 0.5 * (p.1 + q.1));
             let _ = write!(text, " Q{:.2} {:.2} {:.2} {:.2}", control.0, control.1, q.0, q.1);
         }

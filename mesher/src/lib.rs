@@ -22,7 +22,6 @@ mod triangles;
 pub use geometry::Point;
 pub use outline::{Fault, Loop};
 pub use sizes::Refinement;
-pub use triangles::NONE;
 
 use outline::{Outline, directions, turned};
 use planar::Planar;
@@ -49,7 +48,7 @@ pub struct Wishes {
 pub struct Mesh {
     pub points: Vec<Point>,
     /// Corners counter-clockwise, then the nodes in the middle of the sides, the first between the first two corners.
-    /// A triangle has six nodes and twice `NONE`.
+    /// A triangle repeats its third corner: [a, b, c, c, ab, bc, c, ca].
     pub elements: Vec<[usize; 8]>,
     /// Corner, middle and corner of each side on the outline, the plate on its left, in order around each loop.
     pub sides: Vec<[usize; 3]>,
@@ -91,13 +90,10 @@ const ATTEMPTS: usize = 8;
 /// ```
 pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
     let size = wishes.size;
-    let given = Outline::new(loops, size)?;
-    let elements = outline::area(&given.sides) / (size * size);
-    if !(elements <= MOST) {
-        let message =
-            format!("An element size of {} makes more than {MOST:e} elements. Make it larger.", outline::number(size));
-        return Err(Fault { message, side: None });
+    if !(size > 0.0 && wishes.refinements.iter().all(|r| r.size > 0.0)) {
+        return Err(Fault { message: "An element size must be positive.".to_string(), side: None });
     }
+    let given = Outline::new(loops, size)?;
     let (angle, slant) = directions(&given.sides);
     let frame = Frame { forth: [angle.cos(), -angle.sin()], back: [angle.cos(), angle.sin()] };
     let outline = given.mapped(|p| turned(p, frame.forth), -angle);
@@ -110,6 +106,14 @@ pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
         .collect();
     for attempt in 1.. {
         let sizes = Sizes::new(&outline, size, &refinements);
+        if sizes.count(&outline, MOST) > MOST {
+            let message = format!(
+                "Elements of size {}, and smaller ones where they are asked for or needed, would be more than {MOST:e}. \
+                 Give larger sizes.",
+                outline::number(size)
+            );
+            return Err(Fault { message, side: None });
+        }
         let task =
             Task { given: &given, outline: &outline, sizes: &sizes, lines: &lines, points: &points, frame: &frame };
         let bad = match task.made(Style::Square) {

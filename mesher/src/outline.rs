@@ -306,8 +306,3 @@ pub fn turned(p: Point, [cos, sin]: [f64; 2]) -> Point {
     let [x, y] = p;
     [cos * x - sin * y, sin * x + cos * y]
 }
-
-/// Area within the sides.
-pub fn area(sides: &[Side]) -> f64 {
-    sides.iter().map(|side| 0.5 * side.curve.moment()).sum()
-}

@@ -69,7 +69,8 @@ impl Quadratic {
         let mut nodes: Vec<[usize; 8]> = corners
             .iter()
             .map(|own| {
-                let mut all = [NONE; 8];
+                // Of a triangle the third corner is repeated, and is also the middle of the side from it to itself.
+                let mut all = [own[2]; 8];
                 all[..count(own)].copy_from_slice(&own[..count(own)]);
                 all
             })
@@ -80,7 +81,8 @@ impl Quadratic {
                 middles.push((ends, points.len(), e));
                 points.push(between(points[ends[0]], points[ends[1]], 0.5));
             }
-            nodes[e][count(&corners[e]) + i] = middles[middles.len() - 1].1;
+            let place = if i == 2 && corners[e][3] == NONE { 7 } else { 4 + i };
+            nodes[e][place] = middles[middles.len() - 1].1;
         }
 
         let (mut sides, mut side_of, mut curved) = (Vec::new(), Vec::new(), Vec::new());
@@ -127,7 +129,8 @@ impl Quadratic {
     fn least_share(&self, e: usize) -> f64 {
         let n = count(&self.corners[e]);
         let at = |i: usize| self.points[self.elements[e][i]];
-        let bulge = |i: usize| sub(at(n + i), between(at(i), at((i + 1) % n), 0.5));
+        let middle = |i: usize| at(if n == 3 && i == 2 { 7 } else { 4 + i });
+        let bulge = |i: usize| sub(middle(i), between(at(i), at((i + 1) % n), 0.5));
         let mut least = f64::INFINITY;
         let mut station = |u: [Point; 2], v: [Point; 2]| least = least.min(cross(v[0], v[1]) / cross(u[0], u[1]));
         for i in 0..=4 {

@@ -2,7 +2,7 @@
 
 use crate::geometry::{Point, between, cross, distance, sub};
 use crate::outline::Outline;
-use crate::tree::{Segment, Tree};
+use crate::tree::{Box2, Segment, Tree};
 use std::f64::consts::TAU;
 
 /// Elements of at most `size` along a straight piece, or at a point where both ends are one.
@@ -45,6 +45,28 @@ impl Sizes {
 
     pub fn at(&self, p: Point) -> f64 {
         self.finer.least(p, GROWTH, self.largest, |_| true).map_or(self.largest, |(size, ..)| size)
+    }
+
+    /// About how many elements the sizes make, counted up to `most`.
+    pub fn count(&self, outline: &Outline, most: f64) -> f64 {
+        let Box2 { low, high } = outline.bounds;
+        let mut sum = 0.0;
+        let mut open = vec![(low, high)];
+        while let Some((low, high)) = open.pop().filter(|_| sum <= most) {
+            let middle = between(low, high, 0.5);
+            let size = self.at(middle);
+            let wide = sub(high, low);
+            let cells = wide[0] / size * (wide[1] / size);
+            // Within a box of eight elements sizes are much the same; of one size throughout any box will do.
+            if wide[0].max(wide[1]) <= 8.0 * size || (!self.is_graded() && cells < 1e-4 * most) {
+                sum += if outline.contains(middle) { cells } else { 0.0 };
+            } else if wide[0] > wide[1] {
+                open.extend([(low, [middle[0], high[1]]), ([middle[0], low[1]], high)]);
+            } else {
+                open.extend([(low, [high[0], middle[1]]), ([low[0], middle[1]], high)]);
+            }
+        }
+        sum
     }
 
     /// Whether any place wants elements smaller than the largest.

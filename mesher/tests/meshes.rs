@@ -1,6 +1,6 @@
 //! Meshes of typical plates, and outlines that are none.
 
-use signorini_mesher::{Fault, Loop, Mesh, NONE, Point, Refinement, Wishes, mesh};
+use signorini_mesher::{Fault, Loop, Mesh, Point, Refinement, Wishes, mesh};
 use std::f64::consts::TAU;
 
 fn polygon(corners: &[Point]) -> Loop {
@@ -46,8 +46,7 @@ fn turned(loops: &[Loop], degrees: f64) -> Vec<Loop> {
 /// Corners of elements that are on the straight line through two points.
 fn nodes_on(mesh: &Mesh, a: Point, b: Point) -> usize {
     let length = f64::hypot(b[0] - a[0], b[1] - a[1]);
-    let mut nodes: Vec<usize> =
-        mesh.elements.iter().flat_map(|e| e[..if e[7] == NONE { 3 } else { 4 }].to_vec()).collect();
+    let mut nodes: Vec<usize> = mesh.elements.iter().flat_map(|e| e[..4].to_vec()).collect();
     nodes.sort_unstable();
     nodes.dedup();
     let on = |p: Point| {
@@ -162,9 +161,8 @@ fn elements_are_smaller_where_that_is_asked_for_and_grow_slowly() {
     let finest = Refinement { from: [3.0, 2.0], to: [3.0, 2.0], size: 0.05 };
     let mesh = made(&plate, &Wishes { refinements: vec![finest], ..of(0.5) });
     for element in &mesh.elements {
-        let n = if element[7] == NONE { 3 } else { 4 };
-        for i in 0..n {
-            let [p, q] = [element[i], element[(i + 1) % n]].map(|node| mesh.points[node]);
+        for i in (0..4).filter(|&i| element[i] != element[(i + 1) % 4]) {
+            let [p, q] = [element[i], element[(i + 1) % 4]].map(|node| mesh.points[node]);
             let away = f64::hypot(0.5 * (p[0] + q[0]) - 3.0, 0.5 * (p[1] + q[1]) - 2.0);
             let length = f64::hypot(p[0] - q[0], p[1] - q[1]);
             assert!(length < 2.2 * (0.05 + 0.25 * away).min(0.5), "{length} at {away}");
@@ -231,12 +229,15 @@ fn bad_outlines_are_refused_with_side_place_and_remedy() {
             "hole 1 and hole 2 cross or touch at",
         ),
         (vec![flat], (0, 0), "edge 1 is no arc: [0, 0], [2, 0] and [4, 0] are on one line"),
-        (vec![bulging], (0, 2), "edge 1 and edge 3 cross or touch at [2, 4]"),
+        (vec![bulging], (0, 3), "edge 1 and edge 4 cross or touch at [0, 3]"),
     ] {
         let fault = refused(&loops);
         assert!(fault.message.contains(words), "{words:?} is not in {:?}", fault.message);
         assert_eq!(fault.side, Some(side), "{}", fault.message);
     }
-    let fault = mesh(&[plate], &of(1e-4)).map(|mesh| mesh.elements.len()).unwrap_err();
-    assert!(fault.message.starts_with("An element size of 0.0001 makes more than"), "{fault}");
+    let line = Refinement { from: [1.0, 1.0], to: [3.0, 3.0], size: 1e-7 };
+    for wishes in [of(1e-4), Wishes { refinements: vec![line], ..of(0.5) }] {
+        let fault = mesh(std::slice::from_ref(&plate), &wishes).map(|mesh| mesh.elements.len()).unwrap_err();
+        assert!(fault.message.contains("would be more than 1e7"), "{fault}");
+    }
 }

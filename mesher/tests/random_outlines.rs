@@ -2,7 +2,7 @@
 //!
 //! `OUTLINES=10000 cargo test --release --test random_outlines -- --nocapture` tries more of them.
 
-use signorini_mesher::{Loop, Mesh, NONE, Point, Refinement, Wishes, mesh};
+use signorini_mesher::{Loop, Mesh, Point, Refinement, Wishes, mesh};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
@@ -145,9 +145,8 @@ fn flaws(mesh: &Mesh, loops: &[Loop]) -> Vec<String> {
     let mut sides: HashMap<usize, Vec<[usize; 2]>> = HashMap::new();
     let mut covered = 0.0;
     for element in &mesh.elements {
-        let n = if element[7] == NONE { 3 } else { 4 };
-        for i in 0..n {
-            let (a, m, b) = (element[i], element[n + i], element[(i + 1) % n]);
+        for i in (0..4).filter(|&i| element[i] != element[(i + 1) % 4]) {
+            let (a, m, b) = (element[i], element[4 + i], element[(i + 1) % 4]);
             sides.entry(m).or_default().push([a, b]);
             let [p, q, r] = [a, m, b].map(|node| mesh.points[node]);
             // Simpson's rule is exact on a parabola.
