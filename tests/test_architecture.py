@@ -318,6 +318,7 @@ def rust(crate: str) -> dict[str, str]:
     [
         ("core", r"\b(pyo3|numpy|PyResult)\b", "the core knows no Python"),
         ("core", r"\be?print(ln)?!|std::fs|File::open", "the core does not print and opens no files"),
+        ("mesher", r"\b(pyo3|numpy|signorini_core)\b|\be?print(ln)?!|std::fs", "the mesher knows outlines alone"),
         ("bindings", r"\b(faer|clarabel)\b", "the bindings convert and compute nothing"),
     ],
 )

@@ -25,6 +25,7 @@ __all__ = [
     "envelop",
     "lemke",
     "load_responses",
+    "mesh_outline",
     "point_responses",
     "response_stresses",
     "rest_response",
@@ -46,6 +47,9 @@ def lemke(
     max_pivots: int | None = None,
     start: _Bools | None = None,
 ) -> LcpSolution: ...
+def mesh_outline(
+    loops: list[tuple[_Floats, _Floats, list[str]]], size: float, refinements: _Floats, lines: _Floats, points: _Floats
+) -> tuple[_Floats, _Ints, _Ints, _Ints, float, float]: ...
 def rest_response(problem: ContactProblem, held_value: _Floats) -> Response: ...
 def load_responses(problem: ContactProblem, loads: _Floats) -> list[Response]: ...
 def point_responses(problem: ContactProblem, first: int, end: int) -> list[Response]: ...
