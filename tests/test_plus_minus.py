@@ -248,7 +248,7 @@ def test_a_divided_mesh_keeps_its_shape_and_its_edges() -> None:
 
 def test_changes_that_do_not_shrink_widen_a_half_width() -> None:
     values = np.array([[1.0, 1.0], [1.1, 1.1], [1.5, 1.2]])
-    widths, _ = half_widths(values, [1, 2, 4], 0, np.zeros(2), np.ones(2), np.ones(2, bool))
+    widths, _ = half_widths(values, [1, 2, 4], 0, 0.9, np.zeros(2), np.ones(2), np.ones(2, bool))
     assert 0.1 < widths[0] < 0.5 * widths[1]
 
 

@@ -204,7 +204,7 @@ class Result(Remade):
         ... )
         >>> result = solve(model)["all"]
         >>> print(f"{1e6 * result.deflection.max():.1f} ± {1e6 * result.plus_minus['deflection']['max']:.1f}")
-        34.7 ± 0.2
+        61.9 ± 0.3
         """
         return self.estimate.plus_minus
 

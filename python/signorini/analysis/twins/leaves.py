@@ -10,7 +10,7 @@ import numpy as np
 
 from signorini.discretise.rows import Floats
 from signorini.errors import point
-from signorini.model import Load, MeshPlate, Support
+from signorini.model import Load, MeshPlate, Model, Support
 from signorini.results.result import Result
 
 Path = tuple[str | int, ...]
@@ -84,6 +84,12 @@ def kind_of(path: Path) -> str:
     """The field that a number is of."""
     names = [part for part in path if isinstance(part, str)]
     return "deflection" if names[-1] in ("max", "min", "gap") else names[-1]
+
+
+def acts_at_points(model: Model) -> bool:
+    """Whether a force, a couple or a support acts at a point."""
+    items: tuple[Load | Support, ...] = (*model.load, *model.support)
+    return any(item.at is not None for item in items) or any(moving.patch is None for moving in model.moving)
 
 
 def may_grow(path: Path, result: Result, reach: float) -> bool:

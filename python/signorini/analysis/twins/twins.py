@@ -11,8 +11,18 @@ from typing import Any
 import numpy as np
 
 from signorini.analysis.single import solve_one
-from signorini.analysis.twins.half_width import half_widths
-from signorini.analysis.twins.leaves import Path, beside, kind_of, largest_of, leaves, may_grow, named, with_numbers
+from signorini.analysis.twins.half_width import FASTEST, FASTEST_OF_POINTS, half_widths
+from signorini.analysis.twins.leaves import (
+    Path,
+    acts_at_points,
+    beside,
+    kind_of,
+    largest_of,
+    leaves,
+    may_grow,
+    named,
+    with_numbers,
+)
 from signorini.analysis.twins.meshes import Twin, side, twins_of
 from signorini.analysis.twins.places import boundary_widths, places_of_extremes
 from signorini.base.arguments import watching
@@ -102,6 +112,7 @@ def _estimate(result: Result, others: list[Result]) -> Estimate:
         values,
         sizes,
         own,
+        FASTEST_OF_POINTS if acts_at_points(result.model) else FASTEST,
         beside(paths, np.abs(values[0] - values[1])),
         np.array([kinds[kind_of(path)] for path in paths]),
         np.array([not may_grow(path, result, reach) for path in paths], np.bool_),
