@@ -263,3 +263,32 @@ def test_the_terminal_prints_half_widths_and_what_they_are_of(
     shown = capsys.readouterr().out
     assert "±" in shown
     assert "of the equations; of the mesh: ± by 256, 64 and 16 elements" in shown
+
+
+def test_rows_of_a_table_and_its_envelope_have_half_widths(tmp_path: Path) -> None:
+    import pyarrow.parquet as pq
+
+    loads = [{"case": "G", "pressure": 5e3}, {"case": "Q", "force": 1e4, "at": [3.5, 2.0]}]
+    rows = {f"c{i}": [1.0, i / 4] for i in range(14)}
+    table = {"name": "all", "generate": "table", "columns": ["G", "Q"], "rows": rows}
+    model = slab(load=loads, combination=[table])
+    results = solve(model, table=tmp_path / "t.parquet")
+    before = pq.read_table(tmp_path / "t.parquet").to_pydict()
+    results.compare(tmp_path / "t.parquet")
+    found = pq.read_table(tmp_path / "t.parquet").to_pydict()
+    assert [path.name for path in tmp_path.iterdir()] == ["t.parquet"]
+    assert {name: found[name] for name in before} == before
+    single = results["c7"].plus_minus
+    assert single is not None
+    for name, width in (
+        ("reaction:wall", single["supports"][2]["reaction"]),
+        ("contact_area:soil", single["supports"][1]["contact_area"]),
+        ("probe[1]:deflection", single["probes"][0]["deflection"]),
+        ("max:deflection", single["deflection"]["max"]),
+    ):
+        assert found[f"{name}:plus_minus"][7] == pytest.approx(width, rel=0.01, abs=1e-8)
+    assert "closed:wall:plus_minus" not in found
+    envelope = results_json(results)["envelope"]
+    widths = envelope["plus_minus"]
+    assert widths["supports"][2]["reaction"]["max"] == pytest.approx(max(found["reaction:wall:plus_minus"]), rel=0.5)
+    assert all(same_shape(envelope[key], widths[key]) for key in ("fields", "supports", "probes"))

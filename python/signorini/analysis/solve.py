@@ -7,18 +7,23 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path as FilePath
 
 from signorini.analysis.batch import mean_load, solve_several
 from signorini.analysis.combinations import Combined, Sink, combine
 from signorini.analysis.single import solve_one, timed
 from signorini.analysis.twins import Twins
+from signorini.analysis.twins.columns import column_widths
+from signorini.analysis.twins.compared import Meshes
 from signorini.base.arguments import known, watching
 from signorini.base.on_demand import OnDemand
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.discretise import discretise
+from signorini.discretise.rows import Floats
 from signorini.equilibrium.limits import nearest_limit
 from signorini.errors import InputError, NoEquilibriumError, UnknownNameError
+from signorini.mesh import Mesh
 from signorini.model import Combination, Model
 from signorini.results.columns import Column, together
 from signorini.results.envelope import Envelope
@@ -142,10 +147,50 @@ class Results(States[str], Mapping[str, Result]):
         found, freedom = self.discretisation, self.problem.freedom
         return OnDemand(self._numbers, lambda name: nearest_limit(found, freedom, self._combination(name)))
 
-    def compare(self) -> None:
-        """Solve the twins of all results that are there, where the model asks for half-widths (``mesh.error``)."""
+    def compare(self, table: str | os.PathLike[str] | None = None) -> None:
+        """Solve the plate on other meshes for all results that are there, if the model asks for it (``mesh.error``).
+
+        The table, as `signorini.solve` has written it, gains the half-widths of its columns.
+        """
         for result in self.full.values():
             _ = result.asked_estimate
+        if self.model.estimated and self.model.tabulated:
+            self.__dict__["others"] = self._on_other_meshes(table)
+
+    @cached_property
+    def others(self) -> tuple[tuple[Combined, Mesh], ...]:
+        """What is known of all combinations together on other meshes, and these; none where none are asked for."""
+        return self._on_other_meshes(None) if self.model.estimated else ()
+
+    def _on_other_meshes(self, table: str | os.PathLike[str] | None) -> tuple[tuple[Combined, Mesh], ...]:
+        files: list[FilePath] = []
+
+        def solved(problem: ContactProblem, watcher: Watcher) -> tuple[Combined, Mesh]:
+            file = None if table is None else FilePath(f"{table}-{len(problem.mesh.elements)}")
+            found = _solve_table(problem, watcher, file), problem.mesh
+            files.extend([] if file is None else [file])
+            return found
+
+        try:
+            found, _ = self.twins.others(solved)
+            if table is not None and found:
+                self._widen(FilePath(table), files, [mesh for _, mesh in found])
+        finally:
+            for file in files:
+                file.unlink()
+        return tuple(found)
+
+    def _widen(self, table: FilePath, files: Sequence[FilePath], others: Sequence[Mesh]) -> None:
+        # Only this function needs pyarrow.
+        from signorini.formats.parquet import widen
+
+        meshes = Meshes.of(self.discretisation.mesh, others)
+        order = [[self.discretisation.mesh, *others].index(mesh) for mesh in meshes.every]
+
+        def more(blocks: Sequence[Mapping[str, Floats]]) -> Mapping[str, Floats]:
+            return dict(column_widths([blocks[place] for place in order], meshes, self.model))
+
+        widen(table, files, more)
 
     @property
     def unbalanced(self) -> Mapping[str, str]:

@@ -21,8 +21,9 @@ _OF_VECTOR, _OF_POINTS = 0.5, 0.1
 """Part of the largest change in a vector, and among the points of a support."""
 _BENT = 0.01
 _GIVEN = {"at"}
-_COUNTS = {"closed", "open"}
-_UNLIMITED = {"deflection", "rotation", "moment", "shear", "pressure"}
+_COUNTS = {"closed", "open", "lifted", "lifted_in"}
+_LOCAL = {"mx", "my", "mxy", "qx", "qy", "rotation_x", "rotation_y"}
+_UNLIMITED = {"deflection", "rotation", "moment", "shear", "pressure"} | _LOCAL
 
 
 def leaves(figures: Mapping[str, Any]) -> dict[Path, float]:
@@ -68,7 +69,10 @@ def beside(paths: Sequence[Path], changes: Floats) -> Floats:
 
     Components of a vector turn into each other; points of one support share what acts on it.
     """
-    groups = [path[:-1] if isinstance(path[-1], int) else (*path[:3], path[-1]) for path in paths]
+    groups = [
+        path[:-1] if isinstance(path[-1], int) else (*path[:3], *path[4:]) if "points" in path else path
+        for path in paths
+    ]
     most: dict[Path, float] = {}
     for group, change in zip(groups, np.nan_to_num(changes).tolist(), strict=True):
         most[group] = max(most.get(group, 0.0), change)
@@ -92,22 +96,23 @@ def acts_at_points(model: Model) -> bool:
     return any(item.at is not None for item in items) or any(moving.patch is None for moving in model.moving)
 
 
-def may_grow(path: Path, result: Result, reach: float) -> bool:
+def may_grow(path: Path, figures: Mapping[str, Any], model: Model, reach: float) -> bool:
     """Whether a number may grow for ever as the mesh is refined.
 
     At probes it may within reach of what acts at a point, and of the ends of a line, or where nobody knows the corners
-    of a mesh that was read; the largest pressure of a rigid area may at its edge.
+    of a mesh that was read; the largest pressure of a rigid area may at its edge; envelopes have all of these.
     """
-    model = result.model
-    if path[-1] == "max_pressure":
+    if "max_pressure" in path:
         return model.support[int(path[1])].stiffness is None
+    if path[0] == "fields":
+        return acts_at_points(model) and path[1] in _LOCAL
     if path[0] != "probes" or not _UNLIMITED & set(path):
         return False
     if isinstance(model.plate, MeshPlate) or any(moving.patch is None for moving in model.moving):
         return True
     items: tuple[Load | Support, ...] = (*model.load, *model.support)
     places = [place for item in items for place in item.at or item.line or ()]
-    return any(math.dist(result.probes[int(path[1])].at, place) <= reach for place in places)
+    return any(math.dist(figures["probes"][int(path[1])]["at"], place) <= reach for place in places)
 
 
 def largest_of(result: Result) -> dict[str, float]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from signorini.analysis.twins.compared import rounded
 from signorini.analysis.twins.leaves import Path
 from signorini.analysis.twins.meshes import side
 from signorini.discretise.rows import Floats
@@ -21,7 +22,7 @@ def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
             ways = _ways(vertices, segments)
             for vertex, way in enumerate(np.abs(ways).tolist()):
                 for axis in (0, 1):
-                    found[("supports", index, "contact_boundary", line, vertex, axis)] = float(f"{way[axis]:.3g}")
+                    found[("supports", index, "contact_boundary", line, vertex, axis)] = rounded(way[axis])
     return found
 
 
@@ -35,7 +36,7 @@ def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> 
         near = np.zeros((0, 2)) if width is None else result.mesh.points[value >= value.max() - 2.0 * width]
         far = np.abs(near - result.mesh.points[value.argmax()]).max(axis=0, initial=0.0) + spacing
         for axis in (0, 1):
-            found[("deflection", f"{name}_at", axis)] = None if width is None else float(f"{far[axis]:.3g}")
+            found[("deflection", f"{name}_at", axis)] = None if width is None else rounded(far[axis])
     return found
 
 

@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from types import MappingProxyType
-from typing import Any
-
-import numpy as np
+from typing import TypeVar
 
 from signorini.analysis.single import solve_one
-from signorini.analysis.twins.half_width import FASTEST, FASTEST_OF_POINTS, half_widths
-from signorini.analysis.twins.leaves import (
-    Path,
-    acts_at_points,
-    beside,
-    kind_of,
-    largest_of,
-    leaves,
-    may_grow,
-    named,
-    with_numbers,
-)
-from signorini.analysis.twins.meshes import Twin, side, twins_of
+from signorini.analysis.twins.compared import Meshes, compared
+from signorini.analysis.twins.leaves import kind_of, largest_of, named, with_numbers
+from signorini.analysis.twins.meshes import Twin, twins_of
 from signorini.analysis.twins.places import boundary_widths, places_of_extremes
 from signorini.base.arguments import watching
 from signorini.base.progress import Progress, Watcher
@@ -36,6 +24,8 @@ from signorini.model import Combination, Model
 from signorini.results.estimate import NONE, Estimate
 from signorini.results.figures import figures
 from signorini.results.result import Result
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -66,21 +56,34 @@ class Twins(Remade):
         """Compare a result of a combination with those on other meshes."""
         if result.status != "solved":
             return NONE
+
+        def solved(problem: ContactProblem, watch: Watcher) -> Result:
+            watch(Progress(combination.name))
+            found = solve_one(problem, combination, watch)
+            if found.status != "solved":
+                raise SignoriniError(found.message)
+            return found
+
+        found, warning = self.others(solved)
+        return _estimate(result, found) if found else Estimate(None, (), (warning,))
+
+    def others(self, solved: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
+        """Solve something on one or two other meshes, and say why where there is none."""
         whys: list[str] = []
         for pair in twins_of(self.model, self.mesh):
-            found: list[Result] = []
+            found: list[_T] = []
             for twin in pair:
                 try:
-                    found.append(self._solved(twin, combination))
+                    found.append(self._on(twin, solved))
                 except (SignoriniError, MemoryError) as error:
                     whys.append(f"on a mesh of {twin.words}: {error or 'not enough memory.'}")
                     break
             if found:
-                return _estimate(result, found)
+                return found, ""
         why = " ".join(whys) or "a finer mesh would take too long."
-        return Estimate(None, (), (f"No half-width (±) says how far the mesh is from the plate; {why}",))
+        return [], f"No half-width (±) says how far the mesh is from the plate; {why}"
 
-    def _solved(self, twin: Twin, combination: Combination) -> Result:
+    def _on(self, twin: Twin, solved: Callable[[ContactProblem, Watcher], _T]) -> _T:
         def watch(now: Progress) -> None:
             self.watcher(replace(now, twin=twin.words))
 
@@ -89,46 +92,22 @@ class Twins(Remade):
             discretised = discretise(twin.model, twin.mesh)
             watch(Progress(stage="factor"))
             self._problems[twin.words] = contact_problem(discretised)
-        watch(Progress(combination.name))
-        result = solve_one(self._problems[twin.words], combination, watch)
-        if result.status != "solved":
-            raise SignoriniError(result.message)
-        return result
+        return solved(self._problems[twin.words], watch)
 
 
 def _estimate(result: Result, others: list[Result]) -> Estimate:
     """Compare a result with those on one or two other meshes."""
-    every = sorted([result, *others], key=lambda one: -len(one.mesh.elements))
-    sizes = [side(one.mesh) for one in every]
+    meshes = Meshes.of(result.mesh, [one.mesh for one in others])
+    every = [next(one for one in (result, *others) if one.mesh is mesh) for mesh in meshes.every]
     trees = [figures(one) for one in every]
-    found = [leaves(tree) for tree in trees]
-    own = every.index(result)
-    paths = list(found[own])
-    values = np.array([[of.get(path, np.nan) for path in paths] for of in found]).reshape(len(every), -1)
-    kinds = largest_of(result)
-    # Over two elements of the coarsest mesh the fields beside a point are as steep as at it.
-    reach = 2.0 * sizes[-1]
-    widths, growing = half_widths(
-        values,
-        sizes,
-        own,
-        FASTEST_OF_POINTS if acts_at_points(result.model) else FASTEST,
-        beside(paths, np.abs(values[0] - values[1])),
-        np.array([kinds[kind_of(path)] for path in paths]),
-        np.array([not may_grow(path, result, reach) for path in paths], np.bool_),
-    )
-    numbers: dict[Path, float | None] = {
-        path: None if np.isnan(width) else float(f"{width:.3g}") for path, width in zip(paths, widths, strict=True)
-    }
-    nearest = every[1] if own == 0 else every[0]
-    numbers |= boundary_widths(result, nearest)
+    largest = largest_of(result)
+    numbers, growing = compared(trees, meshes, result.model, lambda path, value: largest[kind_of(path)])
+    numbers |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
     numbers |= places_of_extremes(result, numbers)
     warnings = []
-    if growing.any():
-        what = named([path for path, grows in zip(paths, growing, strict=True) if grows], trees[own])
+    if growing:
         warnings.append(
-            f"As the mesh is refined these grow and show no limit: {what}. What acts at a point or ends in a corner "
-            "is infinite there; spread it over the area it has, or read the number beside it."
+            f"As the mesh is refined these grow and show no limit: {named(growing, trees[meshes.own])}. What acts at a "
+            "point or ends in a corner is infinite there; spread it over the area it has, or read the number beside it."
         )
-    plus_minus: Mapping[str, Any] = with_numbers(trees[own], numbers)
-    return Estimate(plus_minus, tuple(len(one.mesh.elements) for one in every), tuple(warnings))
+    return Estimate(with_numbers(trees[meshes.own], numbers), meshes.elements, tuple(warnings))
