@@ -107,6 +107,7 @@ def solve(
                 table = room / TABLE if model.tabulated else None
                 with interrupts.at_once(room):
                     results = signorini.solve(model, progress=show, table=table)
+                    results.compare(table)
                 show("writing the results")
                 write(results, directory, table)
         except SignoriniError:
