@@ -48,7 +48,7 @@ impl Follower<'_> {
         }
         let mut trail = Trail::new(first, visit);
         if self.load.end <= 0.0 {
-            return Ok(trail.stuck(0.0, PathEnd::Reached));
+            return Ok(trail.end(0.0, None, PathEnd::Reached));
         }
         if self.problem.active.is_empty() && !self.load.proximal {
             self.pivot_along(&mut trail)

@@ -1,5 +1,6 @@
 //! A stretch of the path: the plate on one contact set, linear in t.
 
+use crate::contact::scale::largest;
 use crate::contact::solution::{ContactSolution, differing};
 use crate::contact::tolerances;
 
@@ -70,10 +71,6 @@ impl Line {
         let first = near.max_by(|&a, &b| self.fall(a).total_cmp(&self.fall(b)))?;
         Some(self.at[1] + self.value(1, first) / self.fall(first) * (self.at[1] - self.at[0]))
     }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
 /// The largest deflection or gap.
