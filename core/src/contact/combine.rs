@@ -20,20 +20,12 @@ use rayon::prelude::*;
 /// Combinations between two looks at whoever watches.
 const TOGETHER: usize = 256;
 
-/// How a combination ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    Solved,
-    /// Lemke's ray: no reactions balance the load, or the gaps contradict each other.
-    NoEquilibrium,
-    /// To be solved by itself: a sign is within rounding, or the pivot limit was reached.
-    Doubtful,
-}
-
 /// One combination at the contact points.
 #[derive(Clone, Debug)]
 pub struct Combined {
-    pub verdict: Verdict,
+    /// Without equilibrium also where the gaps contradict each other; unsolved are those to be solved by themselves, whose
+    /// signs are within rounding or whose pivots came to their limit.
+    pub outcome: Outcome,
     /// Factors x of the points' responses.
     pub factor: Vec<f64>,
     pub reaction: Vec<f64>,
@@ -127,19 +119,19 @@ impl ContactProblem {
         let count = sum.moved.len();
         let mut pivots = 0;
         let mut basis = Vec::new();
-        let ended = |verdict, pivots| {
+        let ended = |outcome, pivots| {
             let nan = vec![f64::NAN; count];
             let (factor, reaction, gap) = (nan.clone(), nan.clone(), nan);
-            Ok(Combined { verdict, factor, reaction, gap, closed: vec![false; count], pivots })
+            Ok(Combined { outcome, factor, reaction, gap, closed: vec![false; count], pivots })
         };
         if !q.is_empty() {
-            let Some(family) = &shared.family else { return ended(Verdict::Doubtful, 0) };
-            let Some(found) = in_memory(family.solve(&q))? else { return ended(Verdict::Doubtful, 0) };
+            let Some(family) = &shared.family else { return ended(Outcome::Unsolved, 0) };
+            let Some(found) = in_memory(family.solve(&q))? else { return ended(Outcome::Unsolved, 0) };
             pivots = found.pivots;
             match found.status {
                 LcpStatus::Solved => basis = found.basis,
-                LcpStatus::Ray => return ended(Verdict::NoEquilibrium, pivots),
-                LcpStatus::PivotLimit | LcpStatus::Interrupted => return ended(Verdict::Doubtful, pivots),
+                LcpStatus::Ray => return ended(Outcome::NoEquilibrium, pivots),
+                LcpStatus::PivotLimit | LcpStatus::Interrupted => return ended(Outcome::Unsolved, pivots),
             }
         }
         let closed = self.base.condensed.closed_points(&shared.lcp, &basis);
@@ -150,10 +142,10 @@ impl ContactProblem {
         match shared.on_set.solve(&closed, &shared.distance, &sum.moved, &sum.reaction)? {
             Some((factor, reaction, gap)) => {
                 let settled = self.certain(&reaction, &gap, travel);
-                let verdict = if settled { Verdict::Solved } else { Verdict::Doubtful };
-                Ok(Combined { verdict, factor, reaction, gap, closed, pivots })
+                let outcome = if settled { Outcome::Solved } else { Outcome::Unsolved };
+                Ok(Combined { outcome, factor, reaction, gap, closed, pivots })
             }
-            None => ended(Verdict::Doubtful, pivots),
+            None => ended(Outcome::Unsolved, pivots),
         }
     }
 

@@ -25,7 +25,7 @@ pub mod solution;
 pub mod solve;
 mod tolerances;
 
-pub use combine::{Combined, CombinedCases, Verdict};
+pub use combine::{Combined, CombinedCases};
 pub use condense::{Condensed, Form};
 pub use path::{PathEnd, PathLoad, Stop};
 pub use problem::{Constraints, ContactProblem};

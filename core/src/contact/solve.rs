@@ -3,6 +3,7 @@
 use super::condense::{Form, PosedLcp, Work};
 use super::kkt::{Interface, Reduced};
 use super::problem::ContactProblem;
+use super::scale::largest;
 use super::solution::{ContactSolution, Outcome, Progress, Start};
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
@@ -46,7 +47,7 @@ impl ContactProblem {
         let mut step = self.residual(load, &solution);
         let work = self.work(load);
         let mut reduced = self.reduced(with, &step.imbalance, &step.remaining, form)?;
-        let travel = reduced.interface.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let travel = largest(&reduced.interface.displacement);
         for _ in 0..STATES {
             let closed = match self.contact_set(&reduced, &work, &mut solution, form, first.take(), watch)? {
                 Ok(closed) => closed,
@@ -111,7 +112,6 @@ impl ContactProblem {
     /// Whether no reaction pulls and no gap is negative, points in the problem's order; lengths up to `nil` are none.
     pub(super) fn signs_hold(&self, load: &[f64], nil: f64, solution: &ContactSolution) -> bool {
         let c = &self.constraints;
-        let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         // Without a load, reactions are what the plate's stiffness makes of gaps.
         let load = match self.scale.largest(load) {
             0.0 => largest(&c.regularization) * largest(&c.distance),

@@ -21,7 +21,7 @@ use crate::cholesky::FactorError;
 use crate::contact::tolerances;
 use crate::plate::Plate;
 use descent::{Afloat, Descent};
-use newton::Newton;
+use newton::{Newton, Next};
 
 impl ContactProblem {
     /// The limit that the active set begins with: springs that bend the plate over many elements find the set in few
@@ -49,7 +49,7 @@ impl ContactProblem {
         let Some(mut newton) = self.newton(load, held_value, start, false)? else {
             return Ok(self.at_rest(held_value).failed(Outcome::Unsolved));
         };
-        let outcome = newton.run(watch)?;
+        let Next::End(outcome) = newton.go_on(None, watch)? else { unreachable!("the factor is not shared") };
         let fell_short = newton.fell_short;
         let found = newton.ended(outcome);
         if !fell_short {

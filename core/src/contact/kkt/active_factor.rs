@@ -1,11 +1,35 @@
 //! The factor by which an active set finds its directions: the one it was given, or that of its own set.
 
-use super::direction::Direction;
 use crate::cholesky::FactorError;
 use crate::contact::condense::ContactState;
 use crate::contact::points::Penalty;
 use crate::contact::problem::{ContactProblem, Factored};
 use crate::residual::twice_the_energy;
+
+/// A displacement, the force that the factored matrix has for it, and what it adds to two-sided points' reactions.
+#[derive(Default)]
+pub(crate) struct Direction {
+    pub nodal: Vec<f64>,
+    pub force: Vec<f64>,
+    pub reaction: Vec<f64>,
+    /// Whether the closed points let the plate move along it freely: then it has no length of its own.
+    pub free: bool,
+}
+
+impl Direction {
+    pub(crate) fn zeros(size: usize, reactions: usize) -> Self {
+        Self { nodal: vec![0.0; size], force: vec![0.0; size], reaction: vec![0.0; reactions], free: false }
+    }
+
+    /// self ← beta·self + alpha·other
+    pub(super) fn combine(&mut self, beta: f64, alpha: f64, other: &Self) {
+        for (mine, others) in
+            [(&mut self.nodal, &other.nodal), (&mut self.force, &other.force), (&mut self.reaction, &other.reaction)]
+        {
+            mine.iter_mut().zip(others).for_each(|(a, b)| *a = beta * *a + alpha * b);
+        }
+    }
+}
 
 /// A factor of K with the springs of some points, and the springs that closed points have.
 pub(crate) struct ActiveFactor<'a> {

@@ -2,9 +2,9 @@
 //!
 //! Inside the methods points stand in the problem's order, the condensed ones before those of the active set.
 
-use super::direction::dot;
 use crate::contact::condense::Work;
 use crate::contact::problem::ContactProblem;
+use crate::contact::scale::dot;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 use crate::residual::{Displacement, internal_magnitudes, residual};

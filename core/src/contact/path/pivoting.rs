@@ -57,10 +57,10 @@ impl Follower<'_> {
                     true => (load.end, PathEnd::Reached),
                     false => (t, PathEnd::Unbounded),
                 };
-                return Ok(trail.end(last, &line.at(last), end));
+                return Ok(trail.end(last, Some(&line.at(last)), end));
             }
             if t >= load.end {
-                return Ok(trail.end(load.end, &line.at(load.end), PathEnd::Reached));
+                return Ok(trail.end(load.end, Some(&line.at(load.end)), PathEnd::Reached));
             }
             trail.arrive(&line, t);
         }
