@@ -67,7 +67,17 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         "combinations": [
             {
                 **dict.fromkeys(
-                    ["name", "status", "message", "method", "unsettled", "iterations", "not_unique", "warnings"]
+                    [
+                        "name",
+                        "status",
+                        "message",
+                        "method",
+                        "unsettled",
+                        "iterations",
+                        "not_unique",
+                        "warnings",
+                        "singular",
+                    ]
                 ),
                 "limit": dict.fromkeys(["case", "factor"]),
                 "certificate": dict.fromkeys(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from typing import Any
 
@@ -16,6 +16,7 @@ from signorini.output.names import files
 from signorini.results.probe_result import ProbeResult
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
+from signorini.singularities.named import Singularity
 
 SCHEMA = 2
 _COLUMNS = (
@@ -106,11 +107,28 @@ def _combination(result: Result, limit: tuple[str, float] | None) -> dict[str, A
         "iterations": result.iterations,
         "not_unique": [asdict(one) | {"supports": list(one.supports)} for one in result.not_unique],
         "warnings": list(result.warnings),
+        "singular": singular_json(result.singular),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         "deflection": _extremes(result) if solved else None,
         "supports": [_support(support) for support in result.supports],
         "probes": [_probe(probe) for probe in result.probes],
     }
+
+
+def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
+    """Give the key "singular" of a combination."""
+    return [
+        {
+            "where": [list(at) for at in one.where],
+            "line": one.line,
+            "within": one.within,
+            "what": one.what,
+            "numbers": list(one.numbers),
+            "source": one.source,
+            "advice": one.advice,
+        }
+        for one in named
+    ]
 
 
 def _extremes(result: Result) -> dict[str, Any]:
