@@ -19,7 +19,7 @@ LAYERS = (
     {"plot"},
     {"mesh", "model"},
     {"discretise", "formats"},
-    {"equilibrium"},
+    {"equilibrium", "singularities"},
     {"contact"},
     {"results"},
     {"analysis"},

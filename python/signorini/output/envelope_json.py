@@ -66,7 +66,7 @@ def _envelope(combined: Combined, mesh: Mesh) -> dict[str, Any]:
     envelope, layout = combined.envelope, combined.layout
     fields = {}
     for name, extremes in envelope.fields.items():
-        high, low = int(extremes.largest.argmax()), int(extremes.smallest.argmin())
+        high, low = envelope.peaks(name)
         fields[name] = {
             **_side(combined, "max", extremes, high),
             "max_at": mesh.points[high].tolist(),
