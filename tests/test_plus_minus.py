@@ -17,7 +17,7 @@ from signorini.analysis.twins.meshes import twins_of
 from signorini.errors import InputError
 from signorini.mesh.meshers import disc
 from signorini.mesh.refined import refined
-from signorini.output import reactions_csv, results_json
+from signorini.output import path_json, reactions_csv, results_json
 from signorini.results.figures import figures
 
 POINTS = [[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0]]
@@ -292,3 +292,29 @@ def test_rows_of_a_table_and_its_envelope_have_half_widths(tmp_path: Path) -> No
     widths = envelope["plus_minus"]
     assert widths["supports"][2]["reaction"]["max"] == pytest.approx(max(found["reaction:wall:plus_minus"]), rel=0.5)
     assert all(same_shape(envelope[key], widths[key]) for key in ("fields", "supports", "probes"))
+
+
+def test_every_event_of_a_path_and_its_end_have_half_widths() -> None:
+    def propped(along: int) -> Model:
+        return rectangular(
+            divisions=(along, along),
+            support=[
+                {"edge": EDGES, "fix": "clamped"},
+                {"name": "prop", "at": [2, 2], "resists": "down", "gap": 1e-4},
+                {"name": "bolt", "at": [1, 2], "resists": "up", "gap": 1e-5},
+            ],
+            load=[{"case": "Q", "pressure": 10e3}],
+        )
+
+    found = signorini.path(propped(8), None, "Q", until=20.0)
+    written = path_json(found)
+    fine = path_json(signorini.path(propped(24), None, "Q", until=20.0))
+    widths = [event["t"] for event in written["plus_minus"]["events"]]
+    changes = [abs(one["t"] - other["t"]) for one, other in zip(written["events"], fine["events"], strict=True)]
+    assert len(widths) > 0
+    assert all(0 < change <= width < 0.5 for change, width in zip(changes, widths, strict=True))
+    assert written["plus_minus"]["end"] == 0.0
+    at = found.at(10.0)
+    assert at.plus_minus is not None
+    assert 0 < at.plus_minus["supports"][1]["reaction"] < 0.1 * at.reactions["prop"]
+    assert pickle.loads(pickle.dumps(found)).estimate == found.estimate

@@ -172,7 +172,7 @@ class Results(States[str], Mapping[str, Result]):
             return found
 
         try:
-            found, _ = self.twins.others(solved)
+            found, _ = self.twins.others(solved, several=True)
             if table is not None and found:
                 self._widen(FilePath(table), files, [mesh for _, mesh in found])
         finally:

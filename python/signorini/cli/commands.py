@@ -186,6 +186,8 @@ def path(
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
         with room_for_path(directory) as room, transient_line() as show, interrupts.at_once(room):
             found = signorini.path(model, start, add, until, progress=show)
+            if model.estimated:
+                _ = found.estimate
         write_path(found, directory)
         print_path(streams.stdout(), found)
         streams.stdout().print(f"Written to {visible(directory)}{os.sep}")

@@ -30,6 +30,38 @@ class Estimate:
 NONE = Estimate(None, (), ())
 
 
+@dataclass(frozen=True)
+class PathEstimate:
+    """What other meshes say of a load path.
+
+    Parameters
+    ----------
+    end : float or None
+        Half-width of the t at which it ends.
+    stops : tuple of tuple of float or None
+        Of every stop the half-widths of its t, as each point that opens or closes there shows it.
+    elements, warnings
+        As those of an `Estimate`.
+    """
+
+    end: float | None
+    stops: tuple[tuple[float | None, ...], ...]
+    elements: tuple[int, ...]
+    warnings: tuple[str, ...]
+
+
+class PathEstimator(Protocol):
+    """Follows a path on other meshes."""
+
+    def estimate(self, path: Any) -> PathEstimate:
+        """Compare a `LoadPath` with those of the other meshes."""
+        ...
+
+    def estimate_at(self, t: float, result: Any) -> Estimate:
+        """Compare its `Result` at some t."""
+        ...
+
+
 class Estimator(Protocol):
     """Solves a combination on other meshes."""
 

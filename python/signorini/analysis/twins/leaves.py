@@ -11,6 +11,7 @@ import numpy as np
 from signorini.discretise.rows import Floats
 from signorini.errors import point
 from signorini.model import Load, MeshPlate, Model, Support
+from signorini.model.footprint import footprints
 from signorini.results.result import Result
 
 Path = tuple[str | int, ...]
@@ -91,9 +92,17 @@ def kind_of(path: Path) -> str:
 
 
 def acts_at_points(model: Model) -> bool:
-    """Whether a force, a couple or a support acts at a point."""
+    """Whether a force, a couple or a support acts at a point, not on a footprint."""
     items: tuple[Load | Support, ...] = (*model.load, *model.support)
-    return any(item.at is not None for item in items) or any(moving.patch is None for moving in model.moving)
+    return any(_points(item) for item in items) or _rolls_on_points(model)
+
+
+def _points(item: Load | Support) -> Sequence[tuple[float, float]]:
+    return () if item.at is None or footprints(item) else item.at
+
+
+def _rolls_on_points(model: Model) -> bool:
+    return any(moving.patch is None for moving in model.moving)
 
 
 def may_grow(path: Path, figures: Mapping[str, Any], model: Model, reach: float) -> bool:
@@ -108,10 +117,10 @@ def may_grow(path: Path, figures: Mapping[str, Any], model: Model, reach: float)
         return acts_at_points(model) and path[1] in _LOCAL
     if path[0] != "probes" or not _UNLIMITED & set(path):
         return False
-    if isinstance(model.plate, MeshPlate) or any(moving.patch is None for moving in model.moving):
+    if isinstance(model.plate, MeshPlate) or _rolls_on_points(model):
         return True
     items: tuple[Load | Support, ...] = (*model.load, *model.support)
-    places = [place for item in items for place in item.at or item.line or ()]
+    places = [place for item in items for place in _points(item) or item.line or ()]
     return any(math.dist(figures["probes"][int(path[1])]["at"], place) <= reach for place in places)
 
 

@@ -16,6 +16,9 @@ _LEAST_ALONG, _LEAST = 16, 1000
 """Elements along a side, and in all, from which on a mesh of four times the size still shows the plate: it has a
 sixteenth of them."""
 
+_LEAST_ALONG_OF_SEVERAL, _LEAST_OF_SEVERAL = 8, 100
+"""The same where the cost is that of many loads."""
+
 _CHEAP = 5_000
 """Elements of a finer mesh that is affordable: it takes a second or two."""
 
@@ -37,14 +40,18 @@ class Twin:
     words: str
 
 
-def twins_of(model: Model, mesh: Mesh) -> Iterator[tuple[Twin, ...]]:
-    """Yield pairs of meshes to compare with, the nearest one first in each; the best pair first."""
+def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[Twin, ...]]:
+    """Yield pairs of meshes to compare with, the nearest one first in each; the best pair first.
+
+    Where several loads are to be solved, coarser ones are preferred on smaller plates too.
+    """
     count = len(mesh.elements)
     if isinstance(model.plate, MeshPlate):
         yield tuple(_twin(model, mesh, factor) for factor in (0.5, 0.25) if factor == 0.5 or 16 * count <= _CHEAP)
         return
     along = min(model.plate.divisions(model.mesh))
-    coarse = along < _LEAST_ALONG or count < _LEAST
+    least_along, least = (_LEAST_ALONG_OF_SEVERAL, _LEAST_OF_SEVERAL) if several else (_LEAST_ALONG, _LEAST)
+    coarse = along < least_along or count < least
     if coarse and 16 * count <= _CHEAP:
         yield _twin(model, mesh, 0.5), _twin(model, mesh, 0.25)
     if coarse and 4 * count <= _CHEAP:

@@ -65,12 +65,12 @@ class Twins(Remade):
             return found
 
         found, warning = self.others(solved)
-        return _estimate(result, found) if found else Estimate(None, (), (warning,))
+        return compare(result, found) if found else Estimate(None, (), (warning,))
 
-    def others(self, solved: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
-        """Solve something on one or two other meshes, and say why where there is none."""
+    def others(self, solved: Callable[[ContactProblem, Watcher], _T], several: bool = False) -> tuple[list[_T], str]:
+        """Solve something on one or two other meshes, and say why where there is none; of several loads on coarser."""
         whys: list[str] = []
-        for pair in twins_of(self.model, self.mesh):
+        for pair in twins_of(self.model, self.mesh, several):
             found: list[_T] = []
             for twin in pair:
                 try:
@@ -95,7 +95,7 @@ class Twins(Remade):
         return solved(self._problems[twin.words], watch)
 
 
-def _estimate(result: Result, others: list[Result]) -> Estimate:
+def compare(result: Result, others: list[Result]) -> Estimate:
     """Compare a result with those on one or two other meshes."""
     meshes = Meshes.of(result.mesh, [one.mesh for one in others])
     every = [next(one for one in (result, *others) if one.mesh is mesh) for mesh in meshes.every]
