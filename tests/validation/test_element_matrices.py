@@ -1,13 +1,15 @@
 """Element matrices against a second derivation, dense and slow, straight from the energy.
 
 ½∫κᵀ D_b κ + ½∫ S |∇w − θ|² on shape functions fitted to monomials; the tying conditions of MITC9 as Bathe, Brezzi &
-Fortin (1989), Int. J. Num. Meth. Eng. 28, 1787–1801, write them, solved as linear equations.
+Fortin (1989), Int. J. Num. Meth. Eng. 28, 1787–1801, write them, but with means over the quadrilateral, solved as
+linear equations.
 """
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.linalg import block_diag
 
 from signorini import _core
 
@@ -58,17 +60,26 @@ def covariant(element, nodes, at):
 
 
 def tied(nodes, at):
-    """Covariant shear of MITC9 at a point: the polynomial with the five tied values, rows (2, 26)."""
+    """Covariant shear of MITC9 at a point, rows (2, 26).
+
+    The polynomials with the eight tied values on the sides and the two means of the physical shear over the
+    quadrilateral of the corners.
+    """
     g = 1 / np.sqrt(3)
-    rows = []
+    none = np.zeros(5)
+    conditions, values = [], []
     for a in (0, 1):
-        ties = [(s, t) if a == 0 else (t, s) for t in (-1, 1) for s in (-g, g)]
-        conditions = [monomials(SHEAR[a], tie) for tie in ties]
-        values = [covariant("mitc9", nodes, tie)[a] for tie in ties]
-        conditions.append(sum(weight * monomials(SHEAR[a], p) for p, weight in points(3)))
-        values.append(sum(weight * covariant("mitc9", nodes, p)[a] for p, weight in points(3)))
-        rows.append(monomials(SHEAR[a], at) @ np.linalg.solve(conditions, values))
-    return np.array(rows)
+        for tie in [(s, t) if a == 0 else (t, s) for t in (-1, 1) for s in (-g, g)]:
+            conditions.append(np.roll(np.append(monomials(SHEAR[a], tie), none), 5 * a))
+            values.append(covariant("mitc9", nodes, tie)[a])
+    means, physical = np.zeros((2, 10)), np.zeros((2, 26))
+    for p, weight in points(3):
+        jacobian = shape([(0, 0), (1, 0), (0, 1), (1, 1)], p)[1] @ nodes[:4]
+        to_physical = weight * np.linalg.det(jacobian) * np.linalg.inv(jacobian)
+        means += to_physical @ block_diag(monomials(SHEAR[0], p), monomials(SHEAR[1], p))
+        physical += to_physical @ covariant("mitc9", nodes, p)
+    coefficients = np.linalg.solve([*conditions, *means], [*values, *physical])
+    return block_diag(monomials(SHEAR[0], at), monomials(SHEAR[1], at)) @ coefficients
 
 
 def strains(element, nodes, at):

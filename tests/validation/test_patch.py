@@ -57,6 +57,21 @@ PARALLELOGRAMS = Patch(
 )
 
 
+def scattered(n, part, seed=1):
+    """n × n cells whose inner corners are moved at random by up to a part of their size."""
+    random, step = np.random.default_rng(seed), np.array([0.24, 0.12]) / n
+    corners = [
+        step * (np.array([i, j]) + random.uniform(-part, part, 2) * (0 < i < n and 0 < j < n))
+        for j in range(n + 1)
+        for i in range(n + 1)
+    ]
+    first = [j * (n + 1) + i for j in range(n) for i in range(n)]
+    return Patch(corners, [(k, k + 1, k + n + 2, k + n + 1) for k in first])
+
+
+SCATTERED = scattered(4, 0.2)
+
+
 def rigidities(thickness):
     return E * thickness**3 / 12 / (1 - NU**2), KAPPA * E * thickness / 2 / (1 + NU)
 
@@ -125,7 +140,7 @@ def solve(prescribed, patch, element, thickness, state):
     )
 
 
-def after_splits(prescribed, element, thickness, state, splits=3):
+def after_splits(prescribed, element, thickness, state, splits):
     """Errors on the distorted patch and on its subdivisions."""
     patches = [DISTORTED]
     for _ in range(splits):
@@ -133,16 +148,17 @@ def after_splits(prescribed, element, thickness, state, splits=3):
     return np.array([solve(prescribed, patch, element, thickness, state) for patch in patches])
 
 
-@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize("state", STATES | SHEARS)
 @pytest.mark.parametrize("thickness", [0.03, 0.01])
-def test_mitc9_holds_constant_moment_on_the_distorted_patch(prescribed, state, thickness):
-    assert solve(prescribed, DISTORTED, "mitc9", thickness, STATES[state]).max() < 1e-10
+@pytest.mark.parametrize("patch", [DISTORTED, SCATTERED], ids=["five", "scattered"])
+def test_mitc9_holds_moment_and_shear_on_distorted_patches(prescribed, patch, state, thickness):
+    assert solve(prescribed, patch, "mitc9", thickness, (STATES | SHEARS)[state]).max() < 1e-10
 
 
-@pytest.mark.parametrize("state", STATES)
-def test_mitc9_holds_constant_moment_at_the_thickness_of_macneal_and_harder(prescribed, state):
+@pytest.mark.parametrize("state", STATES | SHEARS)
+def test_mitc9_holds_moment_at_the_thickness_of_macneal_and_harder(prescribed, state):
     # The shear is left out: at a/h = 240 the rounding of the prescribed dofs is itself one of 1e-10.
-    assert solve(prescribed, DISTORTED, "mitc9", 0.001, STATES[state])[:3].max() < 1e-10
+    assert solve(prescribed, DISTORTED, "mitc9", 0.001, (STATES | SHEARS)[state])[:3].max() < 1e-10
 
 
 @pytest.mark.parametrize("state", STATES | SHEARS)
@@ -158,17 +174,8 @@ def test_curved_sides_cost_mitc9_an_error_of_second_order_in_the_bulge(prescribe
     """On a parabolic side a quadratic w is quartic in the side's parameter, and the ties are exact up to cubics."""
     patches = [Patch(OUTER + INNER, FIVE, bulge) for bulge in (0.05, 0.025, 0.0125)]
     errors = np.array([solve(prescribed, patch, "mitc9", thickness, STATES[state]) for patch in patches])
-    assert (errors[0, :3] < [1e-3, 2e-3, 4e-3]).all()
+    assert (errors[0, :3] < [1e-3, 2e-3, 3e-3]).all()
     assert (errors[:-1, :3] / errors[1:, :3] > 3.4).all()
-
-
-@pytest.mark.parametrize("state", SHEARS)
-@pytest.mark.parametrize("thickness", [0.03, 0.001])
-def test_mitc9_tends_to_linear_moment_and_constant_shear_on_general_quadrilaterals(prescribed, thickness, state):
-    """Exact on parallelograms alone: elsewhere the ties keep the shear of the state, but not its virtual work."""
-    errors = after_splits(prescribed, "mitc9", thickness, SHEARS[state])
-    assert (errors[-1, :3] < [1e-6, 1e-4, 1e-3]).all()
-    assert (errors[-2, :3] / errors[-1, :3] > [12, 6, 3.5]).all()
 
 
 @pytest.mark.parametrize("state", STATES | SHEARS)
