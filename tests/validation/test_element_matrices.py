@@ -156,6 +156,32 @@ def test_a_free_element_has_three_zero_energy_modes_and_q8r_one_more(element, mo
     assert values[modes] > 1e-8 * values[-1]
 
 
+def free_triangle(nodes, thickness):
+    """Matrix (18, 18) of a triangle of nodes (6, 2), corners and midsides."""
+    plate = _core.Plate(nodes, np.array([[0, 1, 2, 2, 3, 4, 2, 5]]), thickness, E, NU, KAPPA, "mitc9")
+    matrix = np.zeros((24, 24))
+    matrix[np.tril_indices(24)] = plate.element_stiffness()[0]
+    own = np.delete(np.arange(24), [9, 10, 11, 18, 19, 20])
+    assert not np.delete(matrix, own, axis=0).any()
+    matrix = matrix[np.ix_(own, own)]
+    return matrix + np.tril(matrix, -1).T
+
+
+@settings(max_examples=50, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_a_free_triangle_has_three_zero_energy_modes_and_the_next_does_not_know_its_thickness(seed):
+    corners = np.array([[0, 0], [1, 0], [0.5, 0.9]])
+    nodes = np.vstack([corners, 0.5 * (corners + np.roll(corners, -1, axis=0))])
+    nodes += np.random.default_rng(seed).uniform(-0.08, 0.08, (6, 2))
+    nodes /= np.ptp(nodes, axis=0).max()
+    least = []
+    for thickness in (0.1, 0.01, 0.001):
+        values = np.linalg.eigvalsh(free_triangle(nodes, thickness))
+        assert np.abs(values[:3]).max() < 1e-13 * values[-1]
+        least.append(values[3] / thickness**3)
+    assert least[0] > 0.004 * E and max(least) < 3 * min(least)
+
+
 @pytest.mark.parametrize("element", ELEMENTS)
 @settings(max_examples=25, deadline=None)
 @given(nodes=shapes(), log_thickness=st.floats(-4, 0), motion=st.tuples(*[st.floats(-1, 1)] * 3))

@@ -1,11 +1,13 @@
-//! The map from the reference square to an element of eight nodes.
+//! The map from the reference square, or triangle, to an element of eight nodes.
 
-use super::shape::{Shape, serendipity};
+use super::shape::{Shape, serendipity, triangular};
 
 /// Coordinates, relative to the first node, of the eight nodes of one element.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry {
     pub at: [[f64; 2]; 8],
+    /// Whether it is a triangle, which repeats its third corner (`mitc7`).
+    pub triangle: bool,
 }
 
 /// The map at one reference point.
@@ -25,7 +27,7 @@ impl Geometry {
     }
 
     pub fn jacobian(&self, xi: f64, eta: f64) -> Jacobian {
-        self.jacobian_of(serendipity(xi, eta))
+        self.jacobian_of(if self.triangle { triangular(xi, eta) } else { serendipity(xi, eta) })
     }
 
     /// The map where the shape functions are known already.

@@ -16,7 +16,7 @@ use super::matrices::{ALL_DOFS, Centre, DOFS, PACKED, Stiffness, StrainMatrix, p
 use super::section::{Material, Section, Sections};
 
 pub(super) const TIES: usize = 5;
-const GAUSS: f64 = 0.577_350_269_189_625_8;
+pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
 pub(super) const CENTRE: usize = DOFS;
 
 /// Where component `a` (0: γξ, 1: γη) is tied on the edges: along its own direction at ±1/√3, across at ±1.
@@ -42,12 +42,12 @@ fn interpolation(along: f64, across: f64) -> [f64; TIES] {
 }
 
 /// Both families of shape functions at one reference point, and its weight.
-struct Station {
-    xi: f64,
-    eta: f64,
-    weight: f64,
-    shape: Shape<8>,
-    rotation: Shape<9>,
+pub(super) struct Station {
+    pub(super) xi: f64,
+    pub(super) eta: f64,
+    pub(super) weight: f64,
+    pub(super) shape: Shape<8>,
+    pub(super) rotation: Shape<9>,
 }
 
 impl Station {
@@ -73,7 +73,12 @@ static TYING_POINTS: LazyLock<[[Station; 4]; 2]> = LazyLock::new(|| {
 });
 
 /// Adds the part of ∇w − θ along a direction in reference coordinates, at one point.
-fn add_shear_along(row: &mut [f64; ALL_DOFS], geometry: &Geometry, [along_xi, along_eta]: [f64; 2], at: &Station) {
+pub(super) fn add_shear_along(
+    row: &mut [f64; ALL_DOFS],
+    geometry: &Geometry,
+    [along_xi, along_eta]: [f64; 2],
+    at: &Station,
+) {
     let slopes = at.shape.gradient.map(|[xi, eta]| along_xi * xi + along_eta * eta);
     let mut tangent = [0.0; 2];
     for i in 0..8 {
@@ -143,22 +148,26 @@ pub fn strain_matrices<const N: usize>(geometry: &Geometry, at: [(f64, f64); N])
 
 fn strain_matrix(geometry: &Geometry, rows: &[[[f64; ALL_DOFS]; TIES]; 2], xi: f64, eta: f64) -> StrainMatrix {
     let jacobian = geometry.jacobian(xi, eta);
-    let rotation = lagrange(xi, eta);
-    let mut strain = [[0.0; ALL_DOFS]; 5];
-    for i in 0..9 {
-        let [x, y] = jacobian.physical(rotation.gradient[i]);
-        let first = if i < 8 { 3 * i + 1 } else { CENTRE };
-        strain[0][first] = x;
-        strain[1][first + 1] = y;
-        strain[2][first] = y;
-        strain[2][first + 1] = x;
-    }
+    let mut strain = bending_rows(lagrange(xi, eta).gradient.map(|gradient| jacobian.physical(gradient)));
     let weights = [interpolation(xi, eta), interpolation(eta, xi)];
     for dof in 0..ALL_DOFS {
         let covariant = [0, 1].map(|a| (0..TIES).map(|t| weights[a][t] * rows[a][t][dof]).sum::<f64>());
         let [x, y] = jacobian.physical(covariant);
         strain[3][dof] = x;
         strain[4][dof] = y;
+    }
+    strain
+}
+
+/// Rows of κ from the gradients of the nine rotation functions; those of the shear are zero.
+pub(super) fn bending_rows(gradient: [[f64; 2]; 9]) -> StrainMatrix {
+    let mut strain = [[0.0; ALL_DOFS]; 5];
+    for (i, [x, y]) in gradient.into_iter().enumerate() {
+        let first = if i < 8 { 3 * i + 1 } else { CENTRE };
+        strain[0][first] = x;
+        strain[1][first + 1] = y;
+        strain[2][first] = y;
+        strain[2][first + 1] = x;
     }
     strain
 }
@@ -180,6 +189,7 @@ pub(super) struct Apart {
 }
 
 impl Apart {
+    /// Of a quadrilateral.
     pub(super) fn of(geometry: &Geometry, material: &Material, sections: Sections) -> Self {
         let mut form = [[0.0; 2 * TIES]; 2 * TIES];
         let points = std::array::from_fn(|k| {
