@@ -1,7 +1,6 @@
 //! The kinds of element, and where each asks for its section.
 
-use super::mitc7;
-use super::quadrature::{GAUSS_2, GAUSS_3, square};
+use super::quadrature::{GAUSS_2, GAUSS_3, radon, square};
 use std::sync::LazyLock;
 
 /// A kind of element.
@@ -34,7 +33,7 @@ impl Kind {
         const THIRD: f64 = 1.0 / 3.0;
         static MITC7: LazyLock<Vec<(f64, f64, f64)>> = LazyLock::new(|| {
             let samples = [(NEAR, NEAR), (FAR, NEAR), (NEAR, FAR), (THIRD, THIRD)];
-            let rule = mitc7::rule().map(|(r, s, weight)| (r, s, 0.5 * weight));
+            let rule = radon().map(|(r, s, weight)| (r, s, 0.5 * weight));
             rule.into_iter().chain(samples.map(|(r, s)| (r, s, 0.0))).collect()
         });
         if triangle && self == Self::Mitc9 { &MITC7 } else { self.points() }

@@ -11,6 +11,7 @@
 use super::geometry::Geometry;
 use super::matrices::{ALL_DOFS, Stiffness, StrainMatrix};
 use super::mitc9::{Apart, GAUSS, Point, Station, TIES, add_shear, add_shear_along, bending_rows, condense};
+use super::quadrature::radon;
 use super::section::{Material, Sections};
 use super::shape::{bubbled, triangular};
 use std::sync::LazyLock;
@@ -18,31 +19,11 @@ use std::sync::LazyLock;
 /// Numbers of the shear of a triangle; places for those of a quadrilateral are left over.
 const NUMBERS: usize = 8;
 
-/// Points and weights, of the area, exact to the fifth degree (Radon 1948); two more, without weight, fill the places of
-/// a quadrilateral's.
-pub(super) fn rule() -> [(f64, f64, f64); 9] {
-    let root = 15.0_f64.sqrt();
-    let (near, far) = ((6.0 - root) / 21.0, (6.0 + root) / 21.0);
-    let (light, heavy) = ((155.0 - root) / 1200.0, (155.0 + root) / 1200.0);
-    let third = 1.0 / 3.0;
-    [
-        (third, third, 0.225),
-        (near, near, light),
-        (1.0 - 2.0 * near, near, light),
-        (near, 1.0 - 2.0 * near, light),
-        (far, far, heavy),
-        (1.0 - 2.0 * far, far, heavy),
-        (far, 1.0 - 2.0 * far, heavy),
-        (third, third, 0.0),
-        (third, third, 0.0),
-    ]
-}
-
 fn station(r: f64, s: f64, weight: f64) -> Station {
     Station { xi: r, eta: s, weight, shape: triangular(r, s), rotation: bubbled(r, s) }
 }
 
-static POINTS: LazyLock<[Station; 9]> = LazyLock::new(|| rule().map(|(r, s, weight)| station(r, s, weight)));
+static POINTS: LazyLock<[Station; 9]> = LazyLock::new(|| radon().map(|(r, s, weight)| station(r, s, weight)));
 
 /// Where the shear is tied, and along what.
 static TYING_POINTS: LazyLock<[(Station, [f64; 2]); 6]> = LazyLock::new(|| {
@@ -139,7 +120,7 @@ pub fn strain_matrices<const N: usize>(geometry: &Geometry, at: [(f64, f64); N])
 ///
 /// Where elements are larger than the plate is thick the shear of triangles is right in the mean only.
 pub fn mean_shear(geometry: &Geometry) -> [[f64; ALL_DOFS]; 2] {
-    let points = rule();
+    let points = radon();
     let mut mean = [[0.0; ALL_DOFS]; 2];
     let mut area = 0.0;
     for ((r, s, weight), strain) in points.into_iter().zip(strain_matrices(geometry, points.map(|(r, s, _)| (r, s)))) {
