@@ -32,6 +32,7 @@ LAYERS = (
 ALONE = {"shapes": {"errors", "_core"}, "plot": {"base", "errors", "shapes", "_core"}}
 # Packages that only these modules may import.
 ONLY_IN = {
+    "ezdxf": {"formats"},
     "highspy": {"base"},
     "matplotlib": {"plot"},
     "meshio": {"mesh"},

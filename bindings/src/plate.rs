@@ -1,4 +1,4 @@
-use crate::arrays::{SpringArrays, flags, indices, invalid, matrix, rows_of, sized, springs};
+use crate::arrays::{SpringArrays, flags, further_rows, indices, invalid, matrix, rows_of, sized, springs};
 use crate::threads::released;
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
@@ -178,24 +178,27 @@ impl Plate {
         Ok(PyArray1::from_vec(py, out))
     }
 
-    /// distance − row·u (m,) for rows (m, 24) over the dofs of elements (m,), in extended precision.
+    /// distance − row·u (m,) for rows (m + q, 24) over the dofs of elements (m + q,), in extended precision; the last q are
+    /// what the rows `further` (q,) have in further elements.
     fn openings<'py>(
         &self,
         py: Python<'py>,
         elements: PyReadonlyArray1<'_, i64>,
         rows: PyReadonlyArray2<'_, f64>,
+        further: PyReadonlyArray1<'_, i64>,
         distance: PyReadonlyArray1<'_, f64>,
         hi: PyReadonlyArray1<'_, f64>,
         lo: PyReadonlyArray1<'_, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let elements = indices("elements", &elements, self.inner.elements().len())?;
-        let distance = sized("distance", &distance, elements.len())?;
+        let further = further_rows(&further, elements.len())?;
+        let distance = sized("distance", &distance, elements.len() - further.len())?;
         if rows.shape() != [elements.len(), DOFS] {
             return Err(invalid(format!("rows must be ({}, {DOFS})", elements.len())));
         }
         let rows = rows.as_slice()?;
         let displacement = displacement(&hi, &lo, self.inner.dof_count())?;
-        let out = released(py, || openings(&self.inner, &elements, rows, &distance, &displacement))?;
+        let out = released(py, || openings(&self.inner, &elements, rows, &further, &distance, &displacement))?;
         Ok(PyArray1::from_vec(py, out))
     }
 

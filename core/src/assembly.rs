@@ -5,6 +5,7 @@ use crate::ordering::nested_dissection;
 use crate::plate::Plate;
 use crate::residual::Springs;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Marks a dof that is held and has no column.
 pub const HELD: usize = usize::MAX;
@@ -113,6 +114,7 @@ struct NodeColumns<'a> {
     plate: &'a Plate,
     springs: &'a Springs,
     attached: &'a [Vec<usize>],
+    linked: &'a Linked,
     bedding: &'a [[f64; 36]],
     incidence: &'a Incidence,
     /// Whether thin elements are left out.
@@ -128,6 +130,7 @@ impl<'a> NodeColumns<'a> {
         plate: &'a Plate,
         springs: &'a Springs,
         attached: &'a [Vec<usize>],
+        linked: &'a Linked,
         bedding: &'a [[f64; 36]],
         incidence: &'a Incidence,
         thick_only: bool,
@@ -137,6 +140,7 @@ impl<'a> NodeColumns<'a> {
             plate,
             springs,
             attached,
+            linked,
             bedding,
             incidence,
             thick_only,
@@ -154,12 +158,12 @@ impl<'a> NodeColumns<'a> {
         }
         self.neighbours.clear();
         self.node = node;
-        for &(e, _) in self.incidence.of(node) {
-            for &n in &self.plate.elements()[e] {
-                if self.slot[n] == usize::MAX {
-                    self.slot[n] = self.neighbours.len();
-                    self.neighbours.push(n);
-                }
+        let of_elements = self.incidence.of(node).iter().flat_map(|&(e, _)| self.plate.elements()[e]);
+        let of_links = self.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n));
+        for n in of_elements.chain(of_links) {
+            if self.slot[n] == usize::MAX {
+                self.slot[n] = self.neighbours.len();
+                self.neighbours.push(n);
             }
         }
     }
@@ -189,6 +193,17 @@ impl<'a> NodeColumns<'a> {
         if self.plate.has_frames() {
             for (block, &n) in self.block.iter_mut().zip(&self.neighbours) {
                 into_frames(block, self.plate.frame(n), self.plate.frame(node));
+            }
+        }
+        for (at, link) in self.linked.of(node) {
+            let own = link.row[at].1;
+            for (n, row) in &link.row {
+                let block = &mut self.block[self.slot[*n]];
+                for a in 0..3 {
+                    for b in 0..3 {
+                        block[a][b] += link.stiffness * row[a] * own[b];
+                    }
+                }
             }
         }
         if self.attached.is_empty() {
@@ -248,8 +263,9 @@ fn assemble_some(
     const CHUNK: usize = 4096;
     let incidence = Incidence::new(plate);
     let attached = attached_springs(plate, springs);
+    let linked = Linked::new(plate, springs);
     let columns = numbering.len();
-    let start = || NodeColumns::new(plate, springs, &attached, bedding, &incidence, thick_only);
+    let start = || NodeColumns::new(plate, springs, &attached, &linked, bedding, &incidence, thick_only);
     let below = |node: usize, column: usize| {
         (0..3).filter(move |&a| {
             let row = numbering.column[3 * node + a];
@@ -310,14 +326,52 @@ fn assemble_some(
     LowerTriangle { column_start, row, value }
 }
 
-/// Springs by element; empty where there are none.
+/// A spring over several elements: its row by nodes.
+struct Link {
+    row: Vec<(usize, [f64; 3])>,
+    stiffness: f64,
+}
+
+/// Springs over several elements, and where nodes have them.
+#[derive(Default)]
+struct Linked {
+    links: Vec<Link>,
+    /// (link, place in its row) pairs of every node.
+    at: BTreeMap<usize, Vec<(usize, usize)>>,
+}
+
+impl Linked {
+    fn new(plate: &Plate, springs: &Springs) -> Self {
+        let mut linked = Self::default();
+        for &spring in springs.rows.further.keys() {
+            let mut row: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
+            for (dof, c) in springs.rows.entries(plate, spring) {
+                row.entry(dof / 3).or_default()[dof % 3] += c;
+            }
+            for (place, &node) in row.keys().enumerate() {
+                linked.at.entry(node).or_default().push((linked.links.len(), place));
+            }
+            linked.links.push(Link { row: row.into_iter().collect(), stiffness: springs.stiffness[spring] });
+        }
+        linked
+    }
+
+    /// The springs of a node, and its place in the row of each.
+    fn of(&self, node: usize) -> impl Iterator<Item = (usize, &Link)> {
+        self.at.get(&node).into_iter().flatten().map(|&(link, place)| (place, &self.links[link]))
+    }
+}
+
+/// Springs over single elements, by element; empty where there are none.
 fn attached_springs(plate: &Plate, springs: &Springs) -> Vec<Vec<usize>> {
     if springs.rows.is_empty() {
         return Vec::new();
     }
     let mut attached = vec![Vec::new(); plate.elements().len()];
     for (spring, &e) in springs.rows.element.iter().enumerate() {
-        attached[e].push(spring);
+        if !springs.rows.further.contains_key(&spring) {
+            attached[e].push(spring);
+        }
     }
     attached
 }

@@ -7,6 +7,7 @@ use crate::double_double::DoubleDouble;
 use crate::element::thin::{self, Mixed, Strains};
 use crate::element::{self, ALL_DOFS, Centre, DOFS, Geometry, Kind, Material, PACKED, Sections, Thickness};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// What is wrong with the arrays of a plate.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +63,8 @@ pub struct Plate {
     frames: Option<Vec<[f64; 2]>>,
     pub material: Material,
     pub kind: Kind,
+    /// Which of the matrices below each element has: those alike, up to their place, share one.
+    matrix: Vec<u32>,
     stiffness: Vec<f64>,
     centres: Vec<Centre>,
     thin: Vec<bool>,
@@ -117,16 +120,18 @@ impl Plate {
             frames,
             material,
             kind,
+            matrix: Vec::new(),
             stiffness: Vec::new(),
             centres: Vec::new(),
             thin: Vec::new(),
         };
-        if let Some(element) = (0..plate.elements.len()).into_par_iter().find_first(|&e| plate.is_inverted(e)) {
+        let first = plate.share_matrices();
+        if let Some(&element) = first.par_iter().find_first(|&&e| plate.geometry(e).is_inverted()) {
             return Err(PlateError::Inverted { element });
         }
-        let mut stiffness = vec![0.0; PACKED * plate.elements.len()];
+        let mut stiffness = vec![0.0; PACKED * first.len()];
         let size = plate.size();
-        let computed = stiffness.par_chunks_mut(PACKED).enumerate().map(|(e, out)| {
+        let computed = stiffness.par_chunks_mut(PACKED).zip(first).map(|(out, e)| {
             let (geometry, sections) = (plate.geometry(e), plate.sections(e));
             let thinnest = plate.thickness.least_of(kind, e);
             let found = element::stiffness(kind, &geometry, &plate.material, sections);
@@ -141,11 +146,27 @@ impl Plate {
         Ok(plate)
     }
 
-    fn is_inverted(&self, e: usize) -> bool {
-        let geometry = self.geometry(e);
-        let points = Kind::Mitc9.points_of(geometry.triangle)[..9].iter();
-        let worst = points.map(|&(x, y, _)| geometry.jacobian(x, y).determinant).fold(f64::INFINITY, f64::min);
-        worst <= 0.0 || worst.is_nan()
+    /// Says which matrix each element has, and returns the first element with each of them.
+    ///
+    /// Elements are alike if they are so to the last bit: what one has does not depend on what others there are.
+    fn share_matrices(&mut self) -> Vec<usize> {
+        let mut first = Vec::new();
+        let mut known = HashMap::new();
+        let numbers = (0..self.elements.len()).map(|e| {
+            let mut new = || {
+                first.push(e);
+                first.len() as u32 - 1
+            };
+            let Geometry { at, triangle } = self.geometry(e);
+            let at = (triangle, at.map(|point| point.map(f64::to_bits)));
+            match self.sections(e) {
+                Sections::Constant(_) => *known.entry((at, &[][..])).or_insert_with(new),
+                Sections::Varying(h) => *known.entry((at, bytemuck::cast_slice::<f64, u64>(h))).or_insert_with(new),
+                Sections::Layered(_) => new(),
+            }
+        });
+        self.matrix = numbers.collect();
+        first
     }
 
     pub fn node_count(&self) -> usize {
@@ -167,12 +188,13 @@ impl Plate {
     /// Packed lower triangle of one element, in x and y (frames not applied); of a thin one a matrix to precondition with,
     /// which has its own shear only where that leaves digits to bending.
     pub fn element_stiffness(&self, e: usize) -> &[f64] {
-        &self.stiffness[PACKED * e..PACKED * (e + 1)]
+        let matrix = self.matrix[e] as usize;
+        &self.stiffness[PACKED * matrix..PACKED * (matrix + 1)]
     }
 
     /// Whether an element's forces are to be formed from its strains, since those of its matrix would be rounding.
     pub fn is_thin(&self, e: usize) -> bool {
-        self.thin[e]
+        self.thin[self.matrix[e] as usize]
     }
 
     pub fn has_thin(&self) -> bool {
@@ -181,7 +203,7 @@ impl Plate {
 
     /// Strains of a thin element from displacements without its rigid motion.
     pub fn strains(&self, e: usize, stripped: &[DoubleDouble; DOFS]) -> Strains<'_> {
-        Strains::of(&self.geometry(e), &self.material, self.sections(e), &self.centres[e], stripped)
+        Strains::of(&self.geometry(e), &self.material, self.sections(e), self.centre(e), stripped)
     }
 
     /// Bending and shear of a thin element apart, in the nodes' frames.
@@ -203,7 +225,7 @@ impl Plate {
 
     /// What brings an element's centre rotations back.
     pub fn centre(&self, e: usize) -> &Centre {
-        &self.centres[e]
+        &self.centres[self.matrix[e] as usize]
     }
 
     pub fn geometry(&self, e: usize) -> Geometry {
@@ -304,7 +326,7 @@ impl Plate {
             if values[8] != 0.0 {
                 centre[field - 1] = values[8];
                 for j in 0..DOFS {
-                    row[j] -= values[8] * self.centres[e].coupling[field - 1][j];
+                    row[j] -= values[8] * self.centre(e).coupling[field - 1][j];
                 }
             }
         }
@@ -329,7 +351,7 @@ impl Plate {
     }
 
     fn add_condensed(&self, e: usize, all: &[f64; ALL_DOFS], load: &mut [f64]) {
-        let coupling = &self.centres[e].coupling;
+        let coupling = &self.centre(e).coupling;
         let mut nodal = [0.0; DOFS];
         for j in 0..DOFS {
             nodal[j] = all[j] - coupling[0][j] * all[DOFS] - coupling[1][j] * all[DOFS + 1];

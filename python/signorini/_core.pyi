@@ -7,8 +7,8 @@ import numpy.typing as npt
 _Floats = npt.NDArray[np.float64]
 _Ints = npt.NDArray[np.int64]
 _Bools = npt.NDArray[np.bool_]
-_Springs = tuple[_Ints, _Floats, _Floats, _Floats]
-_Constraints = tuple[_Ints, _Floats, _Floats, _Floats, _Bools, _Floats]
+_Springs = tuple[_Ints, _Floats, _Ints, _Floats, _Floats]
+_Constraints = tuple[_Ints, _Floats, _Ints, _Floats, _Floats, _Bools, _Floats]
 _Form = Literal["dual", "stiffness"] | None
 
 __all__ = [
@@ -115,7 +115,9 @@ class Plate:
     def interpolation_rows(self, elements: _Ints, xi: _Floats, field: int) -> tuple[_Floats, _Floats]: ...
     def curvature_load(self, curvature: tuple[float, float, float]) -> tuple[_Floats, _Floats]: ...
     def residual(self, spring_arrays: _Springs, load: _Floats, hi: _Floats, lo: _Floats) -> _Floats: ...
-    def openings(self, elements: _Ints, rows: _Floats, distance: _Floats, hi: _Floats, lo: _Floats) -> _Floats: ...
+    def openings(
+        self, elements: _Ints, rows: _Floats, further: _Ints, distance: _Floats, hi: _Floats, lo: _Floats
+    ) -> _Floats: ...
     def moved(
         self, hi: _Floats, lo: _Floats, center: tuple[float, float], motion: tuple[float, float, float]
     ) -> tuple[_Floats, _Floats]: ...

@@ -7,7 +7,7 @@ use crate::assembly::{HELD, Numbering, assemble};
 use crate::cholesky::{Analysis, Factor, FactorError};
 use crate::contact::tolerances;
 use crate::dense::OutOfMemory;
-use crate::element::{DOFS, Kind};
+use crate::element::Kind;
 use crate::plate::Plate;
 use crate::residual::{Rows, Springs};
 use std::sync::Arc;
@@ -134,28 +134,22 @@ impl ContactProblem {
     pub fn all_constraints(&self) -> Constraints {
         let (rest, active) = (&self.constraints, &self.active);
         let m = self.order.condensed.len() + self.order.active.len();
-        let mut all = Constraints {
-            rows: Rows { element: vec![0; m], coefficient: vec![[0.0; DOFS]; m] },
-            distance: vec![0.0; m],
-            compliance: vec![0.0; m],
-            two_sided: vec![false; m],
-            regularization: vec![0.0; m],
-            free_motions: rest.free_motions.clone(),
-        };
-        for (at, &i) in self.order.condensed.iter().enumerate() {
-            all.rows.element[i] = rest.rows.element[at];
-            all.rows.coefficient[i] = rest.rows.coefficient[at];
-            all.distance[i] = rest.distance[at];
-            all.compliance[i] = rest.compliance[at];
-            all.two_sided[i] = rest.two_sided[at];
-        }
-        for (at, &i) in self.order.active.iter().enumerate() {
-            all.rows.element[i] = active.element[at];
-            for (node, &value) in active.value[at].iter().enumerate() {
-                all.rows.coefficient[i][3 * node] = value;
+        let mut from = vec![(false, 0); m];
+        self.order.condensed.iter().enumerate().for_each(|(at, &i)| from[i] = (false, at));
+        self.order.active.iter().enumerate().for_each(|(at, &i)| from[i] = (true, at));
+        let mut all = Constraints { free_motions: rest.free_motions.clone(), ..Constraints::default() };
+        for (is_active, at) in from {
+            if is_active {
+                active.push_row(at, &mut all.rows);
+                all.distance.push(active.distance[at]);
+                all.compliance.push(active.compliance[at]);
+            } else {
+                all.rows.push_from(&rest.rows, at);
+                all.distance.push(rest.distance[at]);
+                all.compliance.push(rest.compliance[at]);
             }
-            all.distance[i] = active.distance[at];
-            all.compliance[i] = active.compliance[at];
+            all.two_sided.push(!is_active && rest.two_sided[at]);
+            all.regularization.push(0.0);
         }
         all
     }
@@ -239,7 +233,9 @@ impl Parts<'_> {
         let (plate, constraints) = (self.plate, self.constraints);
         let clock = Instant::now();
         let bedding = self.active.stiffness_by_element(plate, &carried);
-        let mut matrix = assemble(plate, &with_regularization(self.springs, constraints), &bedding, numbering);
+        let mut springs = with_regularization(self.springs, constraints);
+        self.active.add_footprint_springs(&carried, &mut springs);
+        let mut matrix = assemble(plate, &springs, &bedding, numbering);
         drop(bedding);
         matrix.stiffen_diagonal(firmer);
         seconds.assemble += clock.elapsed().as_secs_f64();
@@ -289,8 +285,7 @@ pub(super) fn with_regularization(springs: &Springs, constraints: &Constraints) 
     let mut all = springs.clone();
     for (i, &delta) in constraints.regularization.iter().enumerate() {
         if delta > 0.0 {
-            all.rows.element.push(constraints.rows.element[i]);
-            all.rows.coefficient.push(constraints.rows.coefficient[i]);
+            all.rows.push_from(&constraints.rows, i);
             all.stiffness.push(delta);
             all.base.push(0.0);
         }
@@ -303,15 +298,13 @@ fn split(plate: &Plate, constraints: Constraints, by_active_set: bool) -> (Const
     let mut rest = Constraints { free_motions: constraints.free_motions, ..Constraints::default() };
     let mut active = ActivePoints::default();
     let mut order = PointOrder::default();
-    for (i, coefficient) in constraints.rows.coefficient.iter().enumerate() {
-        let element = constraints.rows.element[i];
+    for i in 0..constraints.rows.len() {
         let (distance, compliance) = (constraints.distance[i], constraints.compliance[i]);
         if by_active_set && !constraints.two_sided[i] {
-            active.push(plate, element, coefficient, distance, compliance);
+            active.push(plate, &constraints.rows, i, distance, compliance);
             order.active.push(i);
         } else {
-            rest.rows.element.push(element);
-            rest.rows.coefficient.push(*coefficient);
+            rest.rows.push_from(&constraints.rows, i);
             rest.distance.push(distance);
             rest.compliance.push(compliance);
             rest.two_sided.push(constraints.two_sided[i]);

@@ -9,6 +9,7 @@
 
 use super::quadrature::{GAUSS_3, square};
 use super::shape::{Shape, lagrange, serendipity};
+use pulp::{Arch, Simd, WithSimd};
 use std::sync::LazyLock;
 
 use super::geometry::Geometry;
@@ -27,6 +28,7 @@ fn tying_point(component: usize, tie: usize) -> (f64, f64) {
 }
 
 /// Interpolation of one component from its four edge values and its mean over the reference square; `along` is ξ for γξ and η for γη.
+#[inline(always)]
 fn interpolation(along: f64, across: f64) -> [f64; TIES] {
     let bubble = 0.75 * (across * across - 1.0);
     let low = 0.5 * (0.5 * (1.0 - across) + bubble);
@@ -73,6 +75,7 @@ static TYING_POINTS: LazyLock<[[Station; 4]; 2]> = LazyLock::new(|| {
 });
 
 /// Adds the part of ∇w − θ along a direction in reference coordinates, at one point.
+#[inline(always)]
 pub(super) fn add_shear_along(
     row: &mut [f64; ALL_DOFS],
     geometry: &Geometry,
@@ -97,6 +100,7 @@ pub(super) fn add_shear_along(
 
 /// The five numbers of each covariant component as rows over all dofs: tied on the edges, then those with which the
 /// mean is right.
+#[inline(always)]
 fn ties(geometry: &Geometry) -> [[[f64; ALL_DOFS]; TIES]; 2] {
     let mut rows = [[[0.0; ALL_DOFS]; TIES]; 2];
     for component in 0..2 {
@@ -190,6 +194,7 @@ pub(super) struct Apart {
 
 impl Apart {
     /// Of a quadrilateral.
+    #[inline(always)]
     pub(super) fn of(geometry: &Geometry, material: &Material, sections: Sections) -> Self {
         let mut form = [[0.0; 2 * TIES]; 2 * TIES];
         let points = std::array::from_fn(|k| {
@@ -228,6 +233,7 @@ impl Apart {
     }
 
     /// Bending alone over all dofs, lower triangle.
+    #[inline(always)]
     pub(super) fn bending(&self) -> [[f64; ALL_DOFS]; ALL_DOFS] {
         let mut full = [[0.0; ALL_DOFS]; ALL_DOFS];
         for point in &self.points {
@@ -239,12 +245,28 @@ impl Apart {
 
 /// Bending by 3×3 points on the rotations; shear as a 10×10 form in the tied values; then the centre is condensed.
 pub fn stiffness(geometry: &Geometry, material: &Material, sections: Sections) -> Stiffness {
-    let apart = Apart::of(geometry, material, sections);
-    let mut full = apart.bending();
-    add_shear(&mut full, &apart.form, &apart.rows);
-    condense(&full)
+    Arch::new().dispatch(Element { geometry, material, sections })
 }
 
+struct Element<'a> {
+    geometry: &'a Geometry,
+    material: &'a Material,
+    sections: Sections<'a>,
+}
+
+impl WithSimd for Element<'_> {
+    type Output = Stiffness;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Stiffness {
+        let apart = Apart::of(self.geometry, self.material, self.sections);
+        let mut full = apart.bending();
+        add_shear(&mut full, &apart.form, &apart.rows);
+        condense(&full)
+    }
+}
+
+#[inline(always)]
 fn add_bending(full: &mut [[f64; ALL_DOFS]; ALL_DOFS], point: &Point) {
     let gradient = &point.gradient;
     for i in 0..9 {
@@ -263,6 +285,7 @@ fn add_bending(full: &mut [[f64; ALL_DOFS]; ALL_DOFS], point: &Point) {
     }
 }
 
+#[inline(always)]
 pub(super) fn add_shear(
     full: &mut [[f64; ALL_DOFS]; ALL_DOFS],
     form: &[[f64; 2 * TIES]; 2 * TIES],
@@ -277,17 +300,19 @@ pub(super) fn add_shear(
             }
         }
     }
-    for s in 0..2 * TIES {
-        for i in 0..ALL_DOFS {
-            let r = rows[s][i];
-            for j in 0..=i {
-                full[i][j] += r * product[s][j];
+    for i in 0..ALL_DOFS {
+        let mut sum = full[i];
+        for s in 0..2 * TIES {
+            for j in 0..ALL_DOFS {
+                sum[j] += rows[s][i] * product[s][j];
             }
         }
+        full[i] = sum;
     }
 }
 
 /// Eliminates the two centre rotations; only the lower triangle of `full` is read.
+#[inline(always)]
 pub(super) fn condense(full: &[[f64; ALL_DOFS]; ALL_DOFS]) -> Stiffness {
     let [a, b, d] = [full[CENTRE][CENTRE], full[CENTRE + 1][CENTRE], full[CENTRE + 1][CENTRE + 1]];
     let determinant = a * d - b * b;

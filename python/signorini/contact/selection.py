@@ -294,8 +294,7 @@ def _with_least_deflection(
     x, y = found.middle.tolist()
     motion = (float(w), float(slopes[0] / found.mesh.size), float(slopes[1] / found.mesh.size))
     hi, lo = found.plate.moved(answer.hi, answer.lo, (x, y), motion)
-    rows = found.contacts.rows
-    left = found.plate.openings(rows.elements, rows.coefficients, found.contacts.distance, hi, lo)
+    left = found.plate.openings(*found.contacts.rows.arrays, found.contacts.distance, hi, lo)
     length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(found.contacts.distance))
     # Of where the plate was, the motion leaves a rounding.
     nil = np.maximum(_NIL * length, _ROUNDING * float(np.abs(answer.hi[::3]).max()))

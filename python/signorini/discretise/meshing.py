@@ -14,6 +14,7 @@ from signorini.expression.levels import Drawing
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import annulus, disc, rectangle
 from signorini.model import AnnulusPlate, DiscPlate, Load, MeshPlate, Model, RectanglePlate, Support
+from signorini.model.footprint import footprints
 from signorini.shapes import Curve, Region
 from signorini.shapes.outlines import Box, Point
 
@@ -110,7 +111,7 @@ def _made(model: Model, plate: RectanglePlate | DiscPlate | AnnulusPlate) -> Mes
 def _shapes(model: Model) -> Iterator[Region | Curve]:
     items: list[Support | Load] = [*model.support, *model.load]
     for item in items:
-        for shape in (region(item.area), curve(item)):
+        for shape in (region(item.area), curve(item), *footprints(item)):
             if shape is not None:
                 yield shape
 

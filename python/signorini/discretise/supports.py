@@ -11,6 +11,7 @@ import numpy as np
 from signorini import _core
 from signorini.base.brief import Brief
 from signorini.discretise.averages import STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
+from signorini.discretise.footprints import mean_deflections
 from signorini.discretise.holds import holds_deflection, prescribed_rotations
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area
@@ -79,9 +80,9 @@ class Springs(_Table):
     numbers: Ints
 
     @property
-    def arrays(self) -> tuple[Ints, Floats, Floats, Floats]:
+    def arrays(self) -> tuple[Ints, Floats, Ints, Floats, Floats]:
         """Springs the way the core takes them."""
-        return self.rows.elements, self.rows.coefficients, self.stiffness, self.base
+        return *self.rows.arrays, self.stiffness, self.base
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -180,7 +181,8 @@ def _acting(
         )
         (numbers,) = np.nonzero(~at_nodes)
         sampled = _pick(placed.points, numbers)
-        found = [_Acting.of(_rows(plate, sampled, 0), sampled, numbers=numbers)] if deflection else []
+        rows = mean_deflections(mesh, placed.footprints) if placed.footprints else _rows(plate, sampled, 0)
+        found = [_Acting.of(rows, sampled, numbers=numbers)] if deflection else []
         if "slope" in support.fixed:
             rotation = prescribed_rotations(placed, sampled.positions)
             found += [

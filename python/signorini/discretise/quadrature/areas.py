@@ -197,7 +197,7 @@ def _on_triangle(order: int, sides: int, to_corners: bool) -> tuple[Floats, Floa
     return points, weights / len(parts)
 
 
-def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature) -> float:
+def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature, part: float = 1.0) -> float:
     """Measure how much of a region's area or a curve's length is off the plate.
 
     Parameters
@@ -208,6 +208,8 @@ def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature) -> floa
         The whole of it.
     quadrature : Quadrature
         What `area_quadrature` or `curve_quadrature` found of it.
+    part : float
+        What part of it has to be on the plate.
 
     Returns
     -------
@@ -230,5 +232,5 @@ def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature) -> floa
     else:
         x0, y0, x1, y1 = where.bounds
         measure, slack = where.area, mesh.round_outline_area + apart * (x1 - x0 + y1 - y0)
-    missing = measure - quadrature.total
+    missing = part * measure - quadrature.total
     return missing if missing > _ON_PLATE * measure + slack else 0.0
