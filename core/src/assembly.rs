@@ -6,6 +6,7 @@ use crate::ordering::nested_dissection;
 use crate::plate::Plate;
 use crate::residual::Springs;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Marks a dof that is held and has no column.
 pub const HELD: usize = usize::MAX;
@@ -103,8 +104,9 @@ impl Incidence {
 pub struct Assembly<'a> {
     plate: &'a Plate,
     springs: &'a Springs,
-    /// Springs by element; empty where there are none.
+    /// Springs over single elements, by element; empty where there are none.
     attached: Vec<Vec<usize>>,
+    linked: Linked,
     bedding: &'a [[f64; 36]],
     numbering: &'a Numbering,
     incidence: Incidence,
@@ -119,10 +121,12 @@ impl<'a> Assembly<'a> {
             attached.resize(plate.elements().len(), Vec::new());
         }
         for (spring, &e) in springs.rows.element.iter().enumerate() {
-            attached[e].push(spring);
+            if !springs.rows.further.contains_key(&spring) {
+                attached[e].push(spring);
+            }
         }
-        let incidence = Incidence::new(plate);
-        Self { plate, springs, attached, bedding, numbering, incidence, thick_only: false, firmer: 0.0 }
+        let (incidence, linked) = (Incidence::new(plate), Linked::new(plate, springs));
+        Self { plate, springs, attached, linked, bedding, numbering, incidence, thick_only: false, firmer: 0.0 }
     }
 
     /// Without thin elements; where those are the entries stand, as zeros.
@@ -231,12 +235,12 @@ impl<'a> NodeColumns<'a> {
         }
         self.neighbours.clear();
         self.node = node;
-        for &(e, _) in self.of.incidence.of(node) {
-            for &n in &self.of.plate.elements()[e] {
-                if self.slot[n] == usize::MAX {
-                    self.slot[n] = self.neighbours.len();
-                    self.neighbours.push(n);
-                }
+        let of_elements = self.of.incidence.of(node).iter().flat_map(|&(e, _)| self.of.plate.elements()[e]);
+        let of_links = self.of.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n));
+        for n in of_elements.chain(of_links) {
+            if self.slot[n] == usize::MAX {
+                self.slot[n] = self.neighbours.len();
+                self.neighbours.push(n);
             }
         }
     }
@@ -244,7 +248,7 @@ impl<'a> NodeColumns<'a> {
     /// Sums the blocks of a node's columns.
     fn sum(&mut self, node: usize) {
         self.meet(node);
-        let Assembly { plate, springs, attached, bedding, incidence, thick_only, .. } = self.of;
+        let Assembly { plate, springs, attached, linked, bedding, incidence, thick_only, .. } = self.of;
         self.block.clear();
         self.block.resize(self.neighbours.len(), [[0.0; 3]; 3]);
         for &(e, local) in incidence.of(node) {
@@ -267,6 +271,17 @@ impl<'a> NodeColumns<'a> {
         if plate.has_frames() {
             for (block, &n) in self.block.iter_mut().zip(&self.neighbours) {
                 into_frames(block, plate.frame(n), plate.frame(node));
+            }
+        }
+        for (at, link) in linked.of(node) {
+            let own = link.row[at].1;
+            for (n, row) in &link.row {
+                let block = &mut self.block[self.slot[*n]];
+                for a in 0..3 {
+                    for b in 0..3 {
+                        block[a][b] += link.stiffness * row[a] * own[b];
+                    }
+                }
             }
         }
         if attached.is_empty() {
@@ -303,5 +318,41 @@ fn into_frames(block: &mut [[f64; 3]; 3], row: Option<[f64; 2]>, column: Option<
             values[1] = c * x + s * y;
             values[2] = c * y - s * x;
         }
+    }
+}
+
+/// A spring over several elements: its row by nodes.
+struct Link {
+    row: Vec<(usize, [f64; 3])>,
+    stiffness: f64,
+}
+
+/// Springs over several elements, and where nodes have them.
+#[derive(Default)]
+struct Linked {
+    links: Vec<Link>,
+    /// (link, place in its row) pairs of every node.
+    at: BTreeMap<usize, Vec<(usize, usize)>>,
+}
+
+impl Linked {
+    fn new(plate: &Plate, springs: &Springs) -> Self {
+        let mut linked = Self::default();
+        for &spring in springs.rows.further.keys() {
+            let mut row: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
+            for (dof, c) in springs.rows.entries(plate, spring) {
+                row.entry(dof / 3).or_default()[dof % 3] += c;
+            }
+            for (place, &node) in row.keys().enumerate() {
+                linked.at.entry(node).or_default().push((linked.links.len(), place));
+            }
+            linked.links.push(Link { row: row.into_iter().collect(), stiffness: springs.stiffness[spring] });
+        }
+        linked
+    }
+
+    /// The springs of a node, and its place in the row of each.
+    fn of(&self, node: usize) -> impl Iterator<Item = (usize, &Link)> {
+        self.at.get(&node).into_iter().flatten().map(|&(link, place)| (place, &self.links[link]))
     }
 }

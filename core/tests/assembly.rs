@@ -57,7 +57,7 @@ fn dense(plate: &Plate, springs: &Springs) -> Mat<f64> {
         let full = Mat::from_fn(DOFS, DOFS, |i, j| lower[packed(i, j)]);
         add(&mut k, nodes, &(turn.transpose() * full * &turn));
     }
-    let Rows { element, coefficient } = &springs.rows;
+    let Rows { element, coefficient, .. } = &springs.rows;
     for ((&e, row), stiffness) in element.iter().zip(coefficient).zip(&springs.stiffness) {
         let product = Mat::from_fn(DOFS, DOFS, |i, j| stiffness * row[i] * row[j]);
         add(&mut k, &plate.elements()[e], &product);

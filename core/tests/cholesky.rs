@@ -51,7 +51,7 @@ fn strip(columns: usize, rows: usize) -> (Plate, Springs) {
     let material = Material { young: 100.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
     let plate = Plate::new(points, elements, thickness, material, Kind::Mitc9, None).unwrap();
     let coefficient = (0..count).map(|e| plate.interpolation_row(e, -1.0, -1.0, 0).0).collect();
-    let rows = Rows { element: (0..count).collect(), coefficient };
+    let rows = Rows { element: (0..count).collect(), coefficient, ..Rows::default() };
     (plate, Springs { rows, stiffness: vec![1.0; count], base: vec![0.0; count] })
 }
 

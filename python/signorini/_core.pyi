@@ -7,8 +7,8 @@ import numpy.typing as npt
 _Floats = npt.NDArray[np.float64]
 _Ints = npt.NDArray[np.int64]
 _Bools = npt.NDArray[np.bool_]
-_Springs = tuple[_Ints, _Floats, _Floats, _Floats]
-_Constraints = tuple[_Ints, _Floats, _Floats, _Floats, _Bools, _Floats]
+_Springs = tuple[_Ints, _Floats, _Ints, _Floats, _Floats]
+_Constraints = tuple[_Ints, _Floats, _Ints, _Floats, _Floats, _Bools, _Floats]
 _Form = Literal["dual", "stiffness"] | None
 
 __all__ = [
@@ -25,6 +25,7 @@ __all__ = [
     "envelop",
     "lemke",
     "load_responses",
+    "mesh_outline",
     "point_responses",
     "response_stresses",
     "rest_response",
@@ -33,12 +34,14 @@ __all__ = [
     "solution_stresses",
     "solve_together",
     "superpose",
+    "triangular",
 ]
 
 __version__: str
 
 def serendipity(xi: _Floats) -> tuple[_Floats, _Floats]: ...
-def section_points(kind: str) -> _Floats: ...
+def triangular(xi: _Floats) -> tuple[_Floats, _Floats]: ...
+def section_points(kind: str, triangle: bool = False) -> _Floats: ...
 def lemke(
     matrix: _Floats,
     q: _Floats,
@@ -46,6 +49,9 @@ def lemke(
     max_pivots: int | None = None,
     start: _Bools | None = None,
 ) -> LcpSolution: ...
+def mesh_outline(
+    loops: list[tuple[_Floats, _Floats, list[str]]], size: float, refinements: _Floats, lines: _Floats, points: _Floats
+) -> tuple[_Floats, _Ints, _Ints, _Ints, float, float]: ...
 def rest_response(problem: ContactProblem, held_value: _Floats) -> Response: ...
 def load_responses(problem: ContactProblem, loads: _Floats) -> list[Response]: ...
 def point_responses(problem: ContactProblem, first: int, end: int) -> list[Response]: ...
@@ -113,7 +119,9 @@ class Plate:
     def interpolation_rows(self, elements: _Ints, xi: _Floats, field: int) -> tuple[_Floats, _Floats]: ...
     def curvature_load(self, curvature: tuple[float, float, float]) -> tuple[_Floats, _Floats]: ...
     def residual(self, spring_arrays: _Springs, load: _Floats, hi: _Floats, lo: _Floats) -> _Floats: ...
-    def openings(self, elements: _Ints, rows: _Floats, distance: _Floats, hi: _Floats, lo: _Floats) -> _Floats: ...
+    def openings(
+        self, elements: _Ints, rows: _Floats, further: _Ints, distance: _Floats, hi: _Floats, lo: _Floats
+    ) -> _Floats: ...
     def moved(
         self, hi: _Floats, lo: _Floats, center: tuple[float, float], motion: tuple[float, float, float]
     ) -> tuple[_Floats, _Floats]: ...

@@ -6,7 +6,7 @@ use super::scale::Scale;
 use crate::assembly::{Assembly, HELD, Numbering};
 use crate::cholesky::{Analysis, Factor, FactorError};
 use crate::contact::tolerances;
-use crate::element::{DOFS, Kind};
+use crate::element::Kind;
 use crate::plate::Plate;
 use crate::residual::{Rows, Springs};
 use std::sync::Arc;
@@ -96,12 +96,26 @@ impl ContactProblem {
 
         let first_limit = Self::first_limit(&plate, &active);
         let all_closed = active.penalized(first_limit).stiffness;
-        let mut seconds = Seconds { order: ordering, ..Seconds::default() };
-        let parts = Parts { plate: &plate, springs: &springs, constraints: &constraints, active: &active };
+        let mut parts = Parts {
+            plate: &plate,
+            springs: &springs,
+            constraints: &constraints,
+            active: &active,
+            numbering: &numbering,
+            analysis: None,
+            seconds: Seconds { order: ordering, ..Seconds::default() },
+        };
+        // Of a plate that may float, where what holds it is lost in rounding, the factor is a little firmer. Rigid motions are
+        // found apart from it, exactly, and solves with care take back what it adds. Beside held dofs they would be rounded,
+        // and elements with motions of their own that nothing resists are no such plate.
         let may_float = plate.kind == Kind::Mitc9 && !held.contains(&true);
-        let mut analysis = None;
-        let base = parts.factored_or_firmer(&numbering, all_closed, may_float, &mut analysis, &mut seconds)?;
-        let Some(analysis) = analysis else { unreachable!("a factor has its analysis") };
+        let base = match parts.factored(all_closed.clone(), 0.0) {
+            Err(FactorError::NotPositiveDefinite { .. }) if may_float => {
+                parts.factored(all_closed, tolerances::FIRMER)?
+            }
+            found => found?,
+        };
+        let Parts { analysis: Some(analysis), seconds, .. } = parts else { unreachable!("a factor has its analysis") };
         let scale = Scale::of(&plate);
         let levers = (0..constraints.rows.len()).map(|row| scale.lever(&constraints.rows, row)).collect();
         Ok(Self {
@@ -123,37 +137,38 @@ impl ContactProblem {
 
     /// The factor with other stiffnesses at the points of the active set; the analysis is kept.
     pub(super) fn refactored(&self, carried: Vec<f64>) -> Result<Factored, FactorError> {
-        let parts =
-            Parts { plate: &self.plate, springs: &self.springs, constraints: &self.constraints, active: &self.active };
-        parts.factored(&self.numbering, carried, 0.0, &mut Some(self.analysis.clone()), &mut Seconds::default())
+        let mut parts = Parts {
+            plate: &self.plate,
+            springs: &self.springs,
+            constraints: &self.constraints,
+            active: &self.active,
+            numbering: &self.numbering,
+            analysis: Some(self.analysis.clone()),
+            seconds: Seconds::default(),
+        };
+        parts.factored(carried, 0.0)
     }
 
     /// Every contact point, in the caller's order; the factor's part left out.
     pub fn all_constraints(&self) -> Constraints {
         let (rest, active) = (&self.constraints, &self.active);
         let m = self.order.condensed.len() + self.order.active.len();
-        let mut all = Constraints {
-            rows: Rows { element: vec![0; m], coefficient: vec![[0.0; DOFS]; m] },
-            distance: vec![0.0; m],
-            compliance: vec![0.0; m],
-            two_sided: vec![false; m],
-            regularization: vec![0.0; m],
-            free_motions: rest.free_motions.clone(),
-        };
-        for (at, &i) in self.order.condensed.iter().enumerate() {
-            all.rows.element[i] = rest.rows.element[at];
-            all.rows.coefficient[i] = rest.rows.coefficient[at];
-            all.distance[i] = rest.distance[at];
-            all.compliance[i] = rest.compliance[at];
-            all.two_sided[i] = rest.two_sided[at];
-        }
-        for (at, &i) in self.order.active.iter().enumerate() {
-            all.rows.element[i] = active.element[at];
-            for (node, &value) in active.value[at].iter().enumerate() {
-                all.rows.coefficient[i][3 * node] = value;
+        let mut from = vec![(false, 0); m];
+        self.order.condensed.iter().enumerate().for_each(|(at, &i)| from[i] = (false, at));
+        self.order.active.iter().enumerate().for_each(|(at, &i)| from[i] = (true, at));
+        let mut all = Constraints { free_motions: rest.free_motions.clone(), ..Constraints::default() };
+        for (is_active, at) in from {
+            if is_active {
+                active.push_row(at, &mut all.rows);
+                all.distance.push(active.distance[at]);
+                all.compliance.push(active.compliance[at]);
+            } else {
+                all.rows.push_from(&rest.rows, at);
+                all.distance.push(rest.distance[at]);
+                all.compliance.push(rest.compliance[at]);
             }
-            all.distance[i] = active.distance[at];
-            all.compliance[i] = active.compliance[at];
+            all.two_sided.push(!is_active && rest.two_sided[at]);
+            all.regularization.push(0.0);
         }
         all
     }
@@ -190,54 +205,32 @@ impl ContactProblem {
     }
 }
 
-/// What a factor is made of.
+/// What a factor is made of, and the seconds that making it takes.
 struct Parts<'a> {
     plate: &'a Plate,
     springs: &'a Springs,
     constraints: &'a Constraints,
     active: &'a ActivePoints,
+    numbering: &'a Numbering,
+    /// Of the first factor, for those after it.
+    analysis: Option<Analysis>,
+    seconds: Seconds,
 }
 
 impl Parts<'_> {
-    /// The factor, or of a plate that may float, where what holds it is lost in rounding, one a little firmer.
-    ///
-    /// Rigid motions are found apart from it, exactly, and solves with care take back what it adds. Beside held dofs they
-    /// would be rounded, and elements with motions of their own that nothing resists are no such plate.
-    fn factored_or_firmer(
-        &self,
-        numbering: &Numbering,
-        carried: Vec<f64>,
-        may_float: bool,
-        analysis: &mut Option<Analysis>,
-        seconds: &mut Seconds,
-    ) -> Result<Factored, FactorError> {
-        match self.factored(numbering, carried.clone(), 0.0, analysis, seconds) {
-            Err(FactorError::NotPositiveDefinite { .. }) if may_float => {
-                self.factored(numbering, carried, tolerances::FIRMER, analysis, seconds)
-            }
-            found => found,
-        }
-    }
-
     /// The factor with every dof stiffer by a part of its own.
-    fn factored(
-        &self,
-        numbering: &Numbering,
-        carried: Vec<f64>,
-        firmer: f64,
-        analysis: &mut Option<Analysis>,
-        seconds: &mut Seconds,
-    ) -> Result<Factored, FactorError> {
-        let (plate, constraints) = (self.plate, self.constraints);
+    fn factored(&mut self, carried: Vec<f64>, firmer: f64) -> Result<Factored, FactorError> {
+        let &mut Self { plate, springs, constraints, numbering, .. } = self;
         let clock = Instant::now();
         let bedding = self.active.stiffness_by_element(plate, &carried);
-        let springs = with_regularization(self.springs, constraints);
+        let mut springs = with_regularization(springs, constraints);
+        self.active.add_footprint_springs(&carried, &mut springs);
         let matrix = Assembly::new(plate, &springs, &bedding, numbering).firmer(firmer);
-        let known = match analysis.take() {
+        let known = match self.analysis.take() {
             Some(known) => known,
             None => Analysis::new(&matrix)?,
         };
-        let factor = analysis.insert(known).factorize(&matrix)?;
+        let factor = self.analysis.insert(known).factorize(&matrix)?;
         // Elements of q8r bend in some shapes without resistance, and not all supports hold them.
         if carried.contains(&0.0) || plate.kind == Kind::Q8r {
             let (column, part) = factor.weakest_pivot();
@@ -245,7 +238,7 @@ impl Parts<'_> {
                 return Err(FactorError::NotPositiveDefinite { column });
             }
         }
-        seconds.factor += clock.elapsed().as_secs_f64();
+        self.seconds.factor += clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
         let rows = &constraints.rows;
@@ -267,7 +260,7 @@ impl Parts<'_> {
             constraints.two_sided.clone(),
             &constraints.free_motions.iter().map(moves).collect::<Vec<_>>(),
         )?;
-        seconds.condense += clock.elapsed().as_secs_f64();
+        self.seconds.condense += clock.elapsed().as_secs_f64();
         Ok(Factored { factor, condensed, carried, firmer: firmer > 0.0 })
     }
 }
@@ -276,8 +269,7 @@ pub(super) fn with_regularization(springs: &Springs, constraints: &Constraints) 
     let mut all = springs.clone();
     for (i, &delta) in constraints.regularization.iter().enumerate() {
         if delta > 0.0 {
-            all.rows.element.push(constraints.rows.element[i]);
-            all.rows.coefficient.push(constraints.rows.coefficient[i]);
+            all.rows.push_from(&constraints.rows, i);
             all.stiffness.push(delta);
             all.base.push(0.0);
         }
@@ -290,15 +282,13 @@ fn split(plate: &Plate, constraints: Constraints, by_active_set: bool) -> (Const
     let mut rest = Constraints { free_motions: constraints.free_motions, ..Constraints::default() };
     let mut active = ActivePoints::default();
     let mut order = PointOrder::default();
-    for (i, coefficient) in constraints.rows.coefficient.iter().enumerate() {
-        let element = constraints.rows.element[i];
+    for i in 0..constraints.rows.len() {
         let (distance, compliance) = (constraints.distance[i], constraints.compliance[i]);
         if by_active_set && !constraints.two_sided[i] {
-            active.push(plate, element, coefficient, distance, compliance);
+            active.push(plate, &constraints.rows, i, distance, compliance);
             order.active.push(i);
         } else {
-            rest.rows.element.push(element);
-            rest.rows.coefficient.push(*coefficient);
+            rest.rows.push_from(&constraints.rows, i);
             rest.distance.push(distance);
             rest.compliance.push(compliance);
             rest.two_sided.push(constraints.two_sided[i]);

@@ -2,6 +2,7 @@
 
 use super::super::problem::Constraints;
 use crate::assembly::{Assembly, HELD, Numbering};
+use crate::contact::scale::largest;
 use crate::contact::tolerances;
 use crate::plate::Plate;
 use crate::residual::{Displacement, Springs, residual};
@@ -172,8 +173,4 @@ impl Triplets {
     fn compressed(self, rows: usize, columns: usize) -> CscMatrix<f64> {
         CscMatrix::new_from_triplets(rows, columns, self.row, self.column, self.value)
     }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |a: f64, b| a.max(b.abs()))
 }
