@@ -19,7 +19,7 @@ LAYERS = (
     {"plot"},
     {"mesh", "model"},
     {"discretise", "formats"},
-    {"equilibrium"},
+    {"equilibrium", "singularities"},
     {"contact"},
     {"results"},
     {"analysis"},
@@ -32,6 +32,7 @@ LAYERS = (
 ALONE = {"shapes": {"errors", "_core"}, "plot": {"base", "errors", "shapes", "_core"}}
 # Packages that only these modules may import.
 ONLY_IN = {
+    "ezdxf": {"formats"},
     "highspy": {"base"},
     "matplotlib": {"plot"},
     "meshio": {"mesh"},
@@ -187,8 +188,8 @@ CORE_LAYERS = (
     ("lcp",),
     ("element",),
     ("plate",),
-    ("ordering", "assembly", "residual", "stress"),
     ("cholesky",),
+    ("ordering", "assembly", "residual", "stress"),
     ("contact/tolerances", "contact/scale", "contact/condense", "contact/points", "contact/rigid"),
     ("contact/problem",),
     ("contact/solution",),
@@ -317,6 +318,7 @@ def rust(crate: str) -> dict[str, str]:
     [
         ("core", r"\b(pyo3|numpy|PyResult)\b", "the core knows no Python"),
         ("core", r"\be?print(ln)?!|std::fs|File::open", "the core does not print and opens no files"),
+        ("mesher", r"\b(pyo3|numpy|signorini_core)\b|\be?print(ln)?!|std::fs", "the mesher knows outlines alone"),
         ("bindings", r"\b(faer|clarabel)\b", "the bindings convert and compute nothing"),
     ],
 )

@@ -1,9 +1,13 @@
 """Equilibrium as numbers: the line about which a plate tips, the moment that is short, what would hold it."""
 
+import tomllib
+from pathlib import Path
+
 import numpy as np
 import pytest
 from models import rectangular
 
+from signorini import validate
 from signorini.analysis.check import check
 from signorini.base.linear_program import minimise
 from signorini.discretise import discretise
@@ -12,6 +16,7 @@ from signorini.equilibrium.imbalance import imbalance
 from signorini.equilibrium.limits import imbalance_of
 from signorini.equilibrium.words import explain
 
+EXAMPLES = Path(__file__).parents[1] / "examples"
 PLATE = {
     "units": {"force": "kN", "length": "m"},
     "support": [{"name": "pads", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
@@ -67,3 +72,19 @@ def test_check_looks_for_the_motion_once(monkeypatch):
     (resultant,) = check(rectangular(**PLATE, load=[{"force": 1, "at": [4, 2]}])).resultants
     np.testing.assert_allclose(resultant.axis, [[3, 0], [3, 4]], atol=1e-9)
     assert resultant.message and sum(solved) == 1
+
+
+@pytest.mark.parametrize("divisions", [[3, 2], [7, 5], [12, 8], [25, 17]])
+@pytest.mark.parametrize("footprints", [True, False])
+def test_the_limit_of_a_base_plate_is_the_same_on_any_mesh(divisions, footprints):
+    tables = tomllib.loads((EXAMPLES / "base_plate.toml").read_text())
+    tables["mesh"] = {"divisions": divisions}
+    if not footprints:
+        for table in (*tables["support"], *tables["load"]):
+            table.pop("patch", None)
+            table.pop("radius", None)
+    left = check(validate(tables)).resultants[1]
+    case, factor = left.limit
+    assert case == "wind"
+    assert factor == pytest.approx(0.75, rel=1e-12)
+    np.testing.assert_allclose([x for x, _ in left.axis], 0.5, rtol=1e-12)

@@ -5,6 +5,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use signorini_core::element::DOFS;
 use signorini_core::residual::{Rows, Springs};
+use std::collections::BTreeMap;
 
 pub fn invalid(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
@@ -63,31 +64,53 @@ pub fn indices(what: &str, array: &PyReadonlyArray1<'_, i64>, size: usize) -> Py
         .collect()
 }
 
-/// (elements (m,), rows (m, 24)) as rows over single elements.
+/// (elements (m + q,), rows (m + q, 24), further (q,)) as m rows over elements; the last q are what the rows `further`
+/// have in further elements.
 pub fn element_rows(
     elements: &PyReadonlyArray1<'_, i64>,
     rows: &PyReadonlyArray2<'_, f64>,
+    further: &PyReadonlyArray1<'_, i64>,
     element_count: usize,
 ) -> PyResult<Rows> {
-    let element = indices("the element of a row", elements, element_count)?;
-    let coefficient = rows_of::<DOFS, f64>("a row", rows)?;
+    let mut element = indices("the element of a row", elements, element_count)?;
+    let mut coefficient = rows_of::<DOFS, f64>("a row", rows)?;
     if element.len() != coefficient.len() {
         return Err(invalid(format!("{} elements for {} rows", element.len(), coefficient.len())));
     }
     if coefficient.iter().flatten().any(|c| !c.is_finite()) {
         return Err(invalid("a row is not finite"));
     }
-    Ok(Rows { element, coefficient })
+    let owners = further_rows(further, element.len())?;
+    let own = element.len() - owners.len();
+    let mut further: BTreeMap<usize, Vec<(usize, [f64; DOFS])>> = BTreeMap::new();
+    for ((owner, e), c) in owners.into_iter().zip(element.split_off(own)).zip(coefficient.split_off(own)) {
+        further.entry(owner).or_default().push((e, c));
+    }
+    Ok(Rows { element, coefficient, further })
 }
 
-/// (elements, rows, stiffness, base) of linear springs.
-pub type SpringArrays<'py> =
-    (PyReadonlyArray1<'py, i64>, PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
+/// Which row each of the last of `pieces` goes on; in ascending order.
+pub fn further_rows(further: &PyReadonlyArray1<'_, i64>, pieces: usize) -> PyResult<Vec<usize>> {
+    let Some(rows) = pieces.checked_sub(further.len()) else {
+        return Err(invalid(format!("{pieces} elements cannot go on {} rows", further.len())));
+    };
+    let owners = indices("the row that goes on in another element", further, rows)?;
+    if owners.is_sorted() { Ok(owners) } else { Err(invalid("rows that go on must be in ascending order")) }
+}
+
+/// (elements, rows, further, stiffness, base) of linear springs.
+pub type SpringArrays<'py> = (
+    PyReadonlyArray1<'py, i64>,
+    PyReadonlyArray2<'py, f64>,
+    PyReadonlyArray1<'py, i64>,
+    PyReadonlyArray1<'py, f64>,
+    PyReadonlyArray1<'py, f64>,
+);
 
 pub fn springs(arrays: &SpringArrays<'_>, element_count: usize) -> PyResult<Springs> {
-    let rows = element_rows(&arrays.0, &arrays.1, element_count)?;
-    let stiffness = sized("the springs' stiffness", &arrays.2, rows.len())?;
-    let base = sized("the springs' base", &arrays.3, rows.len())?;
+    let rows = element_rows(&arrays.0, &arrays.1, &arrays.2, element_count)?;
+    let stiffness = sized("the springs' stiffness", &arrays.3, rows.len())?;
+    let base = sized("the springs' base", &arrays.4, rows.len())?;
     if stiffness.iter().any(|k| !(*k >= 0.0 && k.is_finite())) || base.iter().any(|b| !b.is_finite()) {
         return Err(invalid("a spring's stiffness must be finite and not negative, its base finite"));
     }

@@ -12,8 +12,9 @@ use std::sync::Arc;
 
 /// A plate on its supports, factored once.
 ///
-/// `held` (3n,) marks dofs with a prescribed value; `springs` is (elements, rows, stiffness, base); `constraints` is
-/// (elements, rows, distance, compliance, two_sided, regularization), one entry a contact point:
+/// `held` (3n,) marks dofs with a prescribed value; `springs` is (elements, rows, further, stiffness, base);
+/// `constraints` is (elements, rows, further, distance, compliance, two_sided, regularization), one entry a contact point,
+/// whose row may go on in further elements, at the end of `elements` and `rows`:
 /// row·u + gap − compliance·reaction = distance. `free_motions` (d, 3n) are the rigid motions that held dofs, springs and
 /// two-sided points leave free; none if absent. One-sided points are solved for by Lemke's algorithm, or `by_active_set`.
 #[pyclass(frozen, module = "signorini._core")]
@@ -24,6 +25,7 @@ pub struct ContactProblem {
 type ConstraintArrays<'py> = (
     PyReadonlyArray1<'py, i64>,
     PyReadonlyArray2<'py, f64>,
+    PyReadonlyArray1<'py, i64>,
     PyReadonlyArray1<'py, f64>,
     PyReadonlyArray1<'py, f64>,
     PyReadonlyArray1<'py, bool>,
@@ -102,8 +104,8 @@ impl ContactProblem {
         let count = plate.inner.elements().len();
         let held = flags("held", &held, plate.inner.dof_count())?;
         let springs = springs(&spring_arrays, count)?;
-        let (elements, rows, distance, compliance, two_sided, regularization) = &constraint_arrays;
-        let rows = element_rows(elements, rows, count)?;
+        let (elements, rows, further, distance, compliance, two_sided, regularization) = &constraint_arrays;
+        let rows = element_rows(elements, rows, further, count)?;
         let m = rows.len();
         let constraints = Constraints {
             rows,
@@ -333,11 +335,11 @@ impl ContactProblem {
         Ok(PyArray1::from_vec(py, out))
     }
 
-    /// Seconds spent to order, assemble, factor and condense.
+    /// Seconds spent to order, factor and condense.
     #[getter]
-    fn seconds(&self) -> (f64, f64, f64, f64) {
+    fn seconds(&self) -> (f64, f64, f64) {
         let s = self.inner.seconds;
-        (s.order, s.assemble, s.factor, s.condense)
+        (s.order, s.factor, s.condense)
     }
 
     /// Numbers stored for the factor.

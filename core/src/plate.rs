@@ -1,4 +1,4 @@
-//! A discretised plate: nodes, 8-node elements, thickness, material, and the frames of its rotations.
+//! A discretised plate: nodes, 8-node elements (triangles repeat their third corner, `element::mitc7`), thickness, material, and the frames of its rotations.
 //!
 //! Dofs are (w, θ1, θ2) node by node. θ1, θ2 are θx, θy, or, at a node with a frame (c, s), the slopes along
 //! (c, s) and (−s, c), so that one of them can be held alone.
@@ -7,6 +7,7 @@ use crate::double_double::DoubleDouble;
 use crate::element::thin::{self, Mixed, Strains};
 use crate::element::{self, ALL_DOFS, Centre, DOFS, Geometry, Kind, Material, PACKED, Sections, Thickness};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// What is wrong with the arrays of a plate.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +22,10 @@ pub enum PlateError {
     Range { what: &'static str, index: usize },
     /// An element names a node that is not there.
     NoSuchNode { element: usize, node: usize },
+    /// An element names a node twice, and is not the triangle [a, b, c, c, ab, bc, c, ca].
+    Repeated { element: usize },
+    /// A triangle of a kind that has none.
+    Triangle { element: usize },
     /// The map of an element turns over at one of its Gauss points.
     Inverted { element: usize },
 }
@@ -33,6 +38,13 @@ impl std::fmt::Display for PlateError {
             Self::NotFinite { what, index } => write!(f, "{what} is not finite at index {index}"),
             Self::Range { what, index } => write!(f, "{what} is out of range at index {index}"),
             Self::NoSuchNode { element, node } => write!(f, "element {element} names node {node}, which is not there"),
+            Self::Repeated { element } => {
+                write!(
+                    f,
+                    "element {element} repeats a node and is no triangle, corners a, b, c, c, midsides ab, bc, c, ca"
+                )
+            }
+            Self::Triangle { element } => write!(f, "element {element} is a triangle, which q8r has not; take mitc9"),
             Self::Inverted { element } => write!(f, "element {element} is turned over or degenerate"),
         }
     }
@@ -51,6 +63,8 @@ pub struct Plate {
     frames: Option<Vec<[f64; 2]>>,
     pub material: Material,
     pub kind: Kind,
+    /// Which of the matrices below each element has: those alike, up to their place, share one.
+    matrix: Vec<u32>,
     stiffness: Vec<f64>,
     centres: Vec<Centre>,
     thin: Vec<bool>,
@@ -91,6 +105,13 @@ impl Plate {
             if let Some(&node) = nodes.iter().find(|&&node| node >= points.len()) {
                 return Err(PlateError::NoSuchNode { element, node });
             }
+            let again = |i: usize| nodes[..i].contains(&nodes[i]);
+            match ((1..8).filter(|&i| again(i)).count(), is_triangle(nodes)) {
+                (0, _) => {}
+                (2, true) if kind == Kind::Mitc9 => {}
+                (2, true) => return Err(PlateError::Triangle { element }),
+                _ => return Err(PlateError::Repeated { element }),
+            }
         }
         let mut plate = Self {
             points,
@@ -99,16 +120,18 @@ impl Plate {
             frames,
             material,
             kind,
+            matrix: Vec::new(),
             stiffness: Vec::new(),
             centres: Vec::new(),
             thin: Vec::new(),
         };
-        if let Some(element) = (0..plate.elements.len()).into_par_iter().find_first(|&e| plate.is_inverted(e)) {
+        let first = plate.share_matrices();
+        if let Some(&element) = first.par_iter().find_first(|&&e| plate.geometry(e).is_inverted()) {
             return Err(PlateError::Inverted { element });
         }
-        let mut stiffness = vec![0.0; PACKED * plate.elements.len()];
+        let mut stiffness = vec![0.0; PACKED * first.len()];
         let size = plate.size();
-        let computed = stiffness.par_chunks_mut(PACKED).enumerate().map(|(e, out)| {
+        let computed = stiffness.par_chunks_mut(PACKED).zip(first).map(|(out, e)| {
             let (geometry, sections) = (plate.geometry(e), plate.sections(e));
             let thinnest = plate.thickness.least_of(kind, e);
             let found = element::stiffness(kind, &geometry, &plate.material, sections);
@@ -123,12 +146,27 @@ impl Plate {
         Ok(plate)
     }
 
-    fn is_inverted(&self, e: usize) -> bool {
-        let geometry = self.geometry(e);
-        let worst = element::quadrature::square(element::quadrature::GAUSS_3)
-            .map(|(x, y, _)| geometry.jacobian(x, y).determinant)
-            .fold(f64::INFINITY, f64::min);
-        worst <= 0.0 || worst.is_nan()
+    /// Says which matrix each element has, and returns the first element with each of them.
+    ///
+    /// Elements are alike if they are so to the last bit: what one has does not depend on what others there are.
+    fn share_matrices(&mut self) -> Vec<usize> {
+        let mut first = Vec::new();
+        let mut known = HashMap::new();
+        let numbers = (0..self.elements.len()).map(|e| {
+            let mut new = || {
+                first.push(e);
+                first.len() as u32 - 1
+            };
+            let Geometry { at, triangle } = self.geometry(e);
+            let at = (triangle, at.map(|point| point.map(f64::to_bits)));
+            match self.sections(e) {
+                Sections::Constant(_) => *known.entry((at, &[][..])).or_insert_with(new),
+                Sections::Varying(h) => *known.entry((at, bytemuck::cast_slice::<f64, u64>(h))).or_insert_with(new),
+                Sections::Layered(_) => new(),
+            }
+        });
+        self.matrix = numbers.collect();
+        first
     }
 
     pub fn node_count(&self) -> usize {
@@ -150,12 +188,13 @@ impl Plate {
     /// Packed lower triangle of one element, in x and y (frames not applied); of a thin one a matrix to precondition with,
     /// which has its own shear only where that leaves digits to bending.
     pub fn element_stiffness(&self, e: usize) -> &[f64] {
-        &self.stiffness[PACKED * e..PACKED * (e + 1)]
+        let matrix = self.matrix[e] as usize;
+        &self.stiffness[PACKED * matrix..PACKED * (matrix + 1)]
     }
 
     /// Whether an element's forces are to be formed from its strains, since those of its matrix would be rounding.
     pub fn is_thin(&self, e: usize) -> bool {
-        self.thin[e]
+        self.thin[self.matrix[e] as usize]
     }
 
     pub fn has_thin(&self) -> bool {
@@ -164,7 +203,7 @@ impl Plate {
 
     /// Strains of a thin element from displacements without its rigid motion.
     pub fn strains(&self, e: usize, stripped: &[DoubleDouble; DOFS]) -> Strains<'_> {
-        Strains::of(&self.geometry(e), &self.material, self.sections(e), &self.centres[e], stripped)
+        Strains::of(&self.geometry(e), &self.material, self.sections(e), self.centre(e), stripped)
     }
 
     /// Bending and shear of a thin element apart, in the nodes' frames.
@@ -186,13 +225,14 @@ impl Plate {
 
     /// What brings an element's centre rotations back.
     pub fn centre(&self, e: usize) -> &Centre {
-        &self.centres[e]
+        &self.centres[self.matrix[e] as usize]
     }
 
     pub fn geometry(&self, e: usize) -> Geometry {
         let nodes = &self.elements[e];
         let origin = self.points[nodes[0]];
-        Geometry { at: nodes.map(|n| [self.points[n][0] - origin[0], self.points[n][1] - origin[1]]) }
+        let at = nodes.map(|n| [self.points[n][0] - origin[0], self.points[n][1] - origin[1]]);
+        Geometry { at, triangle: is_triangle(nodes) }
     }
 
     /// What an element is made of at its points.
@@ -200,10 +240,15 @@ impl Plate {
         self.thickness.of(self.kind, e)
     }
 
+    pub fn is_triangle(&self, e: usize) -> bool {
+        is_triangle(&self.elements[e])
+    }
+
+    /// Mean of the corners.
     pub fn centroid(&self, e: usize) -> [f64; 2] {
-        let sum =
-            self.elements[e][..4].iter().fold([0.0; 2], |s, &n| [s[0] + self.points[n][0], s[1] + self.points[n][1]]);
-        sum.map(|s| 0.25 * s)
+        let corners = &self.elements[e][..if self.is_triangle(e) { 3 } else { 4 }];
+        let sum = corners.iter().fold([0.0; 2], |s, &n| [s[0] + self.points[n][0], s[1] + self.points[n][1]]);
+        sum.map(|s| s / corners.len() as f64)
     }
 
     /// Least thickness over the diagonal of the plate's bounding box.
@@ -269,19 +314,19 @@ impl Plate {
         let mut row = [0.0; DOFS];
         let mut centre = [0.0; 2];
         if field == 0 {
-            let shape = element::shape::serendipity(xi, eta);
+            let value = self.geometry(e).jacobian(xi, eta).shape.value;
             for i in 0..8 {
-                row[3 * i] = shape.value[i];
+                row[3 * i] = value[i];
             }
         } else {
-            let values = element::rotation_functions(self.kind, xi, eta);
+            let values = element::rotation_functions(self.kind, self.is_triangle(e), xi, eta);
             for i in 0..8 {
                 row[3 * i + field] = values[i];
             }
             if values[8] != 0.0 {
                 centre[field - 1] = values[8];
                 for j in 0..DOFS {
-                    row[j] -= values[8] * self.centres[e].coupling[field - 1][j];
+                    row[j] -= values[8] * self.centre(e).coupling[field - 1][j];
                 }
             }
         }
@@ -306,7 +351,7 @@ impl Plate {
     }
 
     fn add_condensed(&self, e: usize, all: &[f64; ALL_DOFS], load: &mut [f64]) {
-        let coupling = &self.centres[e].coupling;
+        let coupling = &self.centre(e).coupling;
         let mut nodal = [0.0; DOFS];
         for j in 0..DOFS {
             nodal[j] = all[j] - coupling[0][j] * all[DOFS] - coupling[1][j] * all[DOFS + 1];
@@ -339,6 +384,11 @@ fn check_thickness(thickness: &Thickness, points: usize, elements: usize) -> Res
         }
     }
     Ok(())
+}
+
+/// Whether the side from the third to the fourth corner is collapsed.
+fn is_triangle(nodes: &[usize; 8]) -> bool {
+    nodes[2] == nodes[3] && nodes[2] == nodes[6]
 }
 
 fn transposed<const N: usize>(matrix: &[[f64; N]; N]) -> [[f64; N]; N] {

@@ -10,6 +10,7 @@ use crate::plate::Plate;
 use crate::superposition::sum_in_order;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// A displacement with its low-order part.
 #[derive(Clone, Debug, Default)]
@@ -104,6 +105,8 @@ impl Displacement {
 pub struct Rows {
     pub element: Vec<usize>,
     pub coefficient: Vec<[f64; DOFS]>,
+    /// What rows, few of them, have in further elements: means over footprints. No dof stands twice in a row.
+    pub further: BTreeMap<usize, Vec<(usize, [f64; DOFS])>>,
 }
 
 impl Rows {
@@ -115,14 +118,24 @@ impl Rows {
         self.element.is_empty()
     }
 
+    /// Puts a row of another table behind the others.
+    pub fn push_from(&mut self, other: &Self, row: usize) {
+        if let Some(further) = other.further.get(&row) {
+            self.further.insert(self.len(), further.clone());
+        }
+        self.element.push(other.element[row]);
+        self.coefficient.push(other.coefficient[row]);
+    }
+
     /// The dof and coefficient pairs of one row, zeros left out.
     pub fn entries<'a>(&'a self, plate: &'a Plate, row: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let nodes = &plate.elements()[self.element[row]];
-        self.coefficient[row]
-            .iter()
-            .enumerate()
-            .filter(|(_, c)| **c != 0.0)
-            .map(move |(j, &c)| (3 * nodes[j / 3] + j % 3, c))
+        let of_element = |element: usize, coefficient: &'a [f64; DOFS]| {
+            let nodes = &plate.elements()[element];
+            let entry = move |(j, &c): (usize, &f64)| (3 * nodes[j / 3] + j % 3, c);
+            coefficient.iter().enumerate().filter(|(_, c)| **c != 0.0).map(entry)
+        };
+        let further = self.further.get(&row).into_iter().flatten();
+        of_element(self.element[row], &self.coefficient[row]).chain(further.flat_map(move |(e, c)| of_element(*e, c)))
     }
 
     /// Row times displacement, minus `offset`, in double-double.
@@ -266,24 +279,32 @@ fn magnitude(lower: &[f64], strained: &[f64; DOFS]) -> [f64; DOFS] {
     part
 }
 
-/// distance − row·u for rows over the dofs of elements, their coefficients (m, 24) one after the other, in double-double.
+/// distance − row·u for rows over the dofs of elements, their coefficients (m + q, 24) one after the other, in
+/// double-double; the last q are what rows `further` (q,), in ascending order, have in further elements.
 pub fn openings(
     plate: &Plate,
     elements: &[usize],
     coefficients: &[f64],
+    further: &[usize],
     distance: &[f64],
     displacement: &Displacement,
 ) -> Vec<f64> {
-    let one = |((&e, row), &distance): ((&usize, &[f64]), &f64)| {
-        let nodes = &plate.elements()[e];
-        let mut sum = DoubleDouble::from(distance);
+    let less = |mut sum: DoubleDouble, at: usize| {
+        let nodes = &plate.elements()[elements[at]];
+        let row = &coefficients[DOFS * at..DOFS * (at + 1)];
         for (j, &c) in row.iter().enumerate().filter(|(_, c)| **c != 0.0) {
             sum = sum - displacement.at(3 * nodes[j / 3] + j % 3).times(c);
         }
-        sum.value()
+        sum
     };
-    let rows = elements.par_iter().zip(coefficients.par_chunks_exact(DOFS)).zip(distance);
-    rows.with_min_len(1024).map(one).collect()
+    let m = distance.len();
+    let one = |row: usize| {
+        let first = further.partition_point(|&owner| owner < row);
+        let own = further[first..].iter().take_while(|&&owner| owner == row).count();
+        let start = less(DoubleDouble::from(distance[row]), row);
+        (first..first + own).fold(start, |sum, at| less(sum, m + at)).value()
+    };
+    (0..m).into_par_iter().with_min_len(1024).map(one).collect()
 }
 
 /// K_e u, summed in double-double.

@@ -57,6 +57,27 @@ fn bad_arrays_are_refused_by_name() {
     assert_eq!(refused(|p, _, _| p.iter_mut().for_each(|x| x[1] = 0.0)), PlateError::Inverted { element: 0 });
 }
 
+#[test]
+fn a_matrix_that_elements_share_is_that_of_each_alone() {
+    let (points, elements) = grid(3, 3, 0.0);
+    let thick: Vec<f64> = (0..13 * elements.len()).map(|i| if i / 13 == 4 { 0.2 } else { 0.1 }).collect();
+    let made = |points: &[[f64; 2]], elements: &[[usize; 8]], at_points: &[f64]| {
+        let thickness = Thickness::Varying { at_points: at_points.to_vec(), layered: Layered::default() };
+        Plate::new(points.to_vec(), elements.to_vec(), thickness, MATERIAL, Kind::Mitc9, None).unwrap()
+    };
+    let mut moved = points.clone();
+    moved[elements[8][2]][0] += 0.1;
+    for points in [points, moved] {
+        let plate = made(&points, &elements, &thick);
+        for e in 0..elements.len() {
+            let alone = made(&points, &elements[e..=e], &thick[13 * e..13 * (e + 1)]);
+            assert_eq!(plate.element_stiffness(e), alone.element_stiffness(0));
+            assert_eq!(plate.centre(e).coupling, alone.centre(0).coupling);
+        }
+        assert_ne!(plate.element_stiffness(4), plate.element_stiffness(0));
+    }
+}
+
 /// An element that is said to be layered, in the sections that its thickness has anyway.
 fn layered_alike(kind: Kind, change: impl FnOnce(&mut Layered)) -> Result<Plate, PlateError> {
     let (points, elements) = grid(3, 2, 0.05);

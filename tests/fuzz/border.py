@@ -71,14 +71,14 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
     u, load = np.linspace(0.0, 1.0, found.dof_count), found.cases["load"].nodal
     rows = contacts.rows
     constraints = [
-        *(rows.elements, rows.coefficients, contacts.distance, contacts.compliance, contacts.two_sided),
+        *(*rows.arrays, contacts.distance, contacts.compliance, contacts.two_sided),
         np.zeros(len(rows)),
     ]
 
     def contact(
-        elements, coefficients, distance, compliance, two_sided, regularization, dofs, motions, active, *spring
+        elements, coefficients, further, distance, compliance, two_sided, regularization, dofs, motions, active, *spring
     ):
-        arrays = (elements, coefficients, distance, compliance, two_sided, regularization)
+        arrays = (elements, coefficients, further, distance, compliance, two_sided, regularization)
         _core.ContactProblem(found.plate, dofs, spring, arrays, motions, active).solve(load, held.values)
 
     def residual(load, hi, lo, *spring):
@@ -111,7 +111,7 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
         (_core.point_responses, [core, 0, count]),
         (core.solve_on, [load, held.values, np.ones(count, np.bool_)]),
         (core.path, [0 * load, load, held.values, 2.0, lambda *stop: None]),
-        (found.plate.openings, [rows.elements, rows.coefficients, contacts.distance, u, u]),
+        (found.plate.openings, [*rows.arrays, contacts.distance, u, u]),
         (_core.superpose, [one, u[None]]),
         (_core.Plate, plate),
         (layered, [*plate[:7], np.array([2]), rigidities]),

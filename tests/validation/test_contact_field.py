@@ -38,6 +38,20 @@ def test_the_edge_of_contact_of_a_free_disc_is_the_exact_circle(radius: float, c
     assert np.abs(result.pressure(edge)).max() < 1e-5 * result.supports[0].max_pressure
 
 
+def test_an_endless_plate_keeps_its_contact_radius_and_deflection_under_a_force() -> None:
+    """Weitsman (1970): radius 2.848918 ℓ, w0 = 0.1311657 P/(kℓ²); a disc of 24 ℓ is within 3e-3 of it."""
+    result = solved(
+        material={"E": 12 * (1 - 0.09) / 0.01**3, "nu": 0.3},
+        plate={"shape": "disc", "radius": 24, "thickness": 0.01},
+        mesh={"divisions": [48, 48]},
+        support=[{"area": "all", "resists": "down", "stiffness": 1}],
+        load=[{"force": 1, "at": [0, 0]}],
+    )
+    (edge,) = result.supports[0].contact_boundary
+    assert np.hypot(*edge.T) == pytest.approx(2.848918, rel=3e-3)
+    assert result.probe([(0, 0)])[0].deflection == pytest.approx(0.1311657, rel=3e-3)
+
+
 def test_the_edge_of_contact_ends_at_the_edges_of_the_plate() -> None:
     """Code_Aster SSNL130 on a continuous bed: contact over 1.5 m, which is a line of the mesh."""
     result = solved(

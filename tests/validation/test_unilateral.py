@@ -202,3 +202,34 @@ class TestThinPlates:
         assert limit == pytest.approx(coarse.deflection.max() * d, rel=1e-4)
         assert [found[1e-4], found[2e-4]] == pytest.approx([limit, limit], rel=1e-4)
         assert 1e-4 < found[1e-3] / limit - 1 < 4.5e-4
+
+
+def over_obstacle(divisions: int) -> signorini.Result:
+    model = signorini.Model(
+        material={"E": 1.0, "nu": 0.3},
+        plate={"shape": "disc", "radius": 2, "thickness": 0.01},
+        mesh={"divisions": [divisions, divisions]},
+        support=[
+            {"edge": ["rim"], "fix": "clamped"},
+            {"area": "all", "resists": "down", "settlement": "x**2 + y**2 - 1"},
+        ],
+        load=[{"pressure": 0.0}],
+    )
+    result = signorini.solve(model)["all"]
+    assert result.certificate.passed
+    return result
+
+
+def test_a_clamped_disc_over_a_curved_obstacle_takes_its_closed_form_with_the_square_of_the_mesh() -> None:
+    """Brenner, Sung, Zhang (2012), thin: on 1 − r² up to r₀, free beyond; no load but the obstacle."""
+    r = np.linspace(0, 2, 21)
+    outer = r > 0.18134453
+    exact = 1 - r**2
+    far = r[outer]
+    exact[outer] = 0.5250406303 * far**2 * np.log(far) - 0.6286090479 * far**2
+    exact[outer] += 0.01726640079 * np.log(far) + 1.046746304
+    coarse, fine = (
+        np.abs([-at.deflection for at in over_obstacle(n).probe(np.column_stack([r, 0 * r]))] - exact).max()
+        for n in (16, 32)
+    )
+    assert fine < 1e-3 and fine < 0.35 * coarse

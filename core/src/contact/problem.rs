@@ -3,11 +3,10 @@
 use super::condense::Condensed;
 use super::points::ActivePoints;
 use super::scale::Scale;
-use crate::assembly::{HELD, Numbering, assemble};
+use crate::assembly::{Assembly, HELD, Numbering};
 use crate::cholesky::{Analysis, Factor, FactorError};
 use crate::contact::tolerances;
-use crate::dense::OutOfMemory;
-use crate::element::{DOFS, Kind};
+use crate::element::Kind;
 use crate::plate::Plate;
 use crate::residual::{Rows, Springs};
 use std::sync::Arc;
@@ -40,7 +39,6 @@ pub struct PointOrder {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seconds {
     pub order: f64,
-    pub assemble: f64,
     pub factor: f64,
     pub condense: f64,
 }
@@ -75,7 +73,7 @@ pub struct ContactProblem {
 }
 
 impl ContactProblem {
-    /// Orders with the condensed dofs last, assembles, factors, and condenses.
+    /// Orders with the condensed dofs last, factors, and condenses.
     ///
     /// With `by_active_set` the one-sided points are the active set's instead of an LCP's: the factor carries them all.
     pub fn new(
@@ -155,28 +153,22 @@ impl ContactProblem {
     pub fn all_constraints(&self) -> Constraints {
         let (rest, active) = (&self.constraints, &self.active);
         let m = self.order.condensed.len() + self.order.active.len();
-        let mut all = Constraints {
-            rows: Rows { element: vec![0; m], coefficient: vec![[0.0; DOFS]; m] },
-            distance: vec![0.0; m],
-            compliance: vec![0.0; m],
-            two_sided: vec![false; m],
-            regularization: vec![0.0; m],
-            free_motions: rest.free_motions.clone(),
-        };
-        for (at, &i) in self.order.condensed.iter().enumerate() {
-            all.rows.element[i] = rest.rows.element[at];
-            all.rows.coefficient[i] = rest.rows.coefficient[at];
-            all.distance[i] = rest.distance[at];
-            all.compliance[i] = rest.compliance[at];
-            all.two_sided[i] = rest.two_sided[at];
-        }
-        for (at, &i) in self.order.active.iter().enumerate() {
-            all.rows.element[i] = active.element[at];
-            for (node, &value) in active.value[at].iter().enumerate() {
-                all.rows.coefficient[i][3 * node] = value;
+        let mut from = vec![(false, 0); m];
+        self.order.condensed.iter().enumerate().for_each(|(at, &i)| from[i] = (false, at));
+        self.order.active.iter().enumerate().for_each(|(at, &i)| from[i] = (true, at));
+        let mut all = Constraints { free_motions: rest.free_motions.clone(), ..Constraints::default() };
+        for (is_active, at) in from {
+            if is_active {
+                active.push_row(at, &mut all.rows);
+                all.distance.push(active.distance[at]);
+                all.compliance.push(active.compliance[at]);
+            } else {
+                all.rows.push_from(&rest.rows, at);
+                all.distance.push(rest.distance[at]);
+                all.compliance.push(rest.compliance[at]);
             }
-            all.distance[i] = active.distance[at];
-            all.compliance[i] = active.compliance[at];
+            all.two_sided.push(!is_active && rest.two_sided[at]);
+            all.regularization.push(0.0);
         }
         all
     }
@@ -213,12 +205,6 @@ impl ContactProblem {
     }
 }
 
-impl From<OutOfMemory> for FactorError {
-    fn from(_: OutOfMemory) -> Self {
-        Self::OutOfMemory
-    }
-}
-
 /// What a factor is made of, and the seconds that making it takes.
 struct Parts<'a> {
     plate: &'a Plate,
@@ -237,12 +223,9 @@ impl Parts<'_> {
         let &mut Self { plate, springs, constraints, numbering, .. } = self;
         let clock = Instant::now();
         let bedding = self.active.stiffness_by_element(plate, &carried);
-        let mut matrix = assemble(plate, &with_regularization(springs, constraints), &bedding, numbering);
-        drop(bedding);
-        matrix.stiffen_diagonal(firmer);
-        self.seconds.assemble += clock.elapsed().as_secs_f64();
-
-        let clock = Instant::now();
+        let mut springs = with_regularization(springs, constraints);
+        self.active.add_footprint_springs(&carried, &mut springs);
+        let matrix = Assembly::new(plate, &springs, &bedding, numbering).firmer(firmer);
         let known = match self.analysis.take() {
             Some(known) => known,
             None => Analysis::new(&matrix)?,
@@ -250,12 +233,11 @@ impl Parts<'_> {
         let factor = self.analysis.insert(known).factorize(&matrix)?;
         // Elements of q8r bend in some shapes without resistance, and not all supports hold them.
         if carried.contains(&0.0) || plate.kind == Kind::Q8r {
-            let (column, part) = factor.weakest_pivot(&matrix);
+            let (column, part) = factor.weakest_pivot();
             if part < tolerances::LOOSE_PIVOT {
                 return Err(FactorError::NotPositiveDefinite { column });
             }
         }
-        drop(matrix);
         self.seconds.factor += clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
@@ -271,7 +253,7 @@ impl Parts<'_> {
             .collect();
         let moves = |motion: &Vec<f64>| (0..rows.len()).map(|row| rows.dot(plate, row, motion)).collect();
         let condensed = Condensed::new(
-            factor.trailing_block(numbering.trailing),
+            factor.trailing_block(numbering.trailing)?,
             entries,
             constraints.regularization.clone(),
             constraints.compliance.clone(),
@@ -287,8 +269,7 @@ pub(super) fn with_regularization(springs: &Springs, constraints: &Constraints) 
     let mut all = springs.clone();
     for (i, &delta) in constraints.regularization.iter().enumerate() {
         if delta > 0.0 {
-            all.rows.element.push(constraints.rows.element[i]);
-            all.rows.coefficient.push(constraints.rows.coefficient[i]);
+            all.rows.push_from(&constraints.rows, i);
             all.stiffness.push(delta);
             all.base.push(0.0);
         }
@@ -301,15 +282,13 @@ fn split(plate: &Plate, constraints: Constraints, by_active_set: bool) -> (Const
     let mut rest = Constraints { free_motions: constraints.free_motions, ..Constraints::default() };
     let mut active = ActivePoints::default();
     let mut order = PointOrder::default();
-    for (i, coefficient) in constraints.rows.coefficient.iter().enumerate() {
-        let element = constraints.rows.element[i];
+    for i in 0..constraints.rows.len() {
         let (distance, compliance) = (constraints.distance[i], constraints.compliance[i]);
         if by_active_set && !constraints.two_sided[i] {
-            active.push(plate, element, coefficient, distance, compliance);
+            active.push(plate, &constraints.rows, i, distance, compliance);
             order.active.push(i);
         } else {
-            rest.rows.element.push(element);
-            rest.rows.coefficient.push(*coefficient);
+            rest.rows.push_from(&constraints.rows, i);
             rest.distance.push(distance);
             rest.compliance.push(compliance);
             rest.two_sided.push(constraints.two_sided[i]);

@@ -1,11 +1,15 @@
-//! The map from the reference square to an element of eight nodes.
+//! The map from the reference square, or triangle, to an element of eight nodes.
 
-use super::shape::{Shape, serendipity};
+use super::quadrature::{GAUSS_3, radon, square};
+use super::shape::{Shape, serendipity, triangular};
+use std::sync::LazyLock;
 
 /// Coordinates, relative to the first node, of the eight nodes of one element.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry {
     pub at: [[f64; 2]; 8],
+    /// Whether it is a triangle, which repeats its third corner (`mitc7`).
+    pub triangle: bool,
 }
 
 /// The map at one reference point.
@@ -25,10 +29,20 @@ impl Geometry {
     }
 
     pub fn jacobian(&self, xi: f64, eta: f64) -> Jacobian {
-        self.jacobian_of(serendipity(xi, eta))
+        self.jacobian_of(if self.triangle { triangular(xi, eta) } else { serendipity(xi, eta) })
+    }
+
+    /// Whether the map turns over at a point of the stiffness: 3×3 Gauss points, or seven of a triangle.
+    pub fn is_inverted(&self) -> bool {
+        static SQUARE: LazyLock<Vec<Shape<8>>> =
+            LazyLock::new(|| square(GAUSS_3).map(|(xi, eta, _)| serendipity(xi, eta)).collect());
+        static TRIANGLE: LazyLock<Vec<Shape<8>>> = LazyLock::new(|| radon().map(|(r, s, _)| triangular(r, s)).to_vec());
+        let shapes = if self.triangle { &TRIANGLE } else { &SQUARE };
+        !shapes.iter().all(|shape| self.jacobian_of(*shape).determinant > 0.0)
     }
 
     /// The map where the shape functions are known already.
+    #[inline(always)]
     pub fn jacobian_of(&self, shape: Shape<8>) -> Jacobian {
         let mut t = [[0.0; 2]; 2];
         for i in 0..8 {
@@ -46,6 +60,7 @@ impl Geometry {
 }
 
 impl Jacobian {
+    #[inline(always)]
     pub fn physical(&self, gradient: [f64; 2]) -> [f64; 2] {
         let inv = &self.inverse;
         [inv[0][0] * gradient[0] + inv[0][1] * gradient[1], inv[1][0] * gradient[0] + inv[1][1] * gradient[1]]

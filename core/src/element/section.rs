@@ -30,6 +30,7 @@ impl Material {
     }
 
     /// The section of a plate of one thickness.
+    #[inline(always)]
     pub fn section(&self, thickness: f64) -> Section {
         let d = self.bending_rigidity(thickness);
         let (coupled, twist) = (d * self.poisson, d * 0.5 * (1.0 - self.poisson));
@@ -46,10 +47,12 @@ pub struct Section {
 }
 
 impl Section {
+    #[inline(always)]
     pub fn moment(&self, curvature: [f64; 3]) -> [f64; 3] {
         self.bending.map(|row| row[0] * curvature[0] + row[1] * curvature[1] + row[2] * curvature[2])
     }
 
+    #[inline(always)]
     pub fn shear_force(&self, strain: [f64; 2]) -> [f64; 2] {
         self.shear.map(|row| row[0] * strain[0] + row[1] * strain[1])
     }

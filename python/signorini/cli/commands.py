@@ -1,4 +1,4 @@
-"""The command line: solve, check, path, schema."""
+"""The command line: solve, check, path, import-dxf, schema."""
 
 from __future__ import annotations
 
@@ -23,8 +23,9 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini.formats.inputfile import with_line
 
 _MOST_REASONS = 20
-_OPTIONS = {"start": "--from", "add": "--add", "until": "--until"}
-"""What the arguments of `signorini.path` are called on the command line."""
+_OPTIONS = {"start": "--from", "add": "--add", "until": "--until", "unit": "--unit", "output": "--output"}
+_OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
+"""What the arguments of `signorini.path` and of `read_dxf` are called on the command line."""
 
 app = typer.Typer(
     name="signorini",
@@ -106,6 +107,7 @@ def solve(
                 table = room / TABLE if model.tabulated else None
                 with interrupts.at_once(room):
                     results = signorini.solve(model, progress=show, table=table)
+                    results.compare(table)
                 show("writing the results")
                 write(results, directory, table)
         except SignoriniError:
@@ -184,6 +186,8 @@ def path(
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
         with room_for_path(directory) as room, transient_line() as show, interrupts.at_once(room):
             found = signorini.path(model, start, add, until, progress=show)
+            if model.estimated:
+                _ = found.estimate
         write_path(found, directory)
         print_path(streams.stdout(), found)
         streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
@@ -195,6 +199,65 @@ def path(
                     "the contact points of this mesh. Take a finer mesh there"
                 )
             raise NotCertifiedError(f"the path was followed to t = {found.end:.6g} only; beyond, {why}.")
+
+
+@app.command(
+    "import-dxf",
+    short_help="Make an input file from a drawing.",
+    epilog="Example: signorini import-dxf floor.dxf --outline SLAB --holes OPENINGS --points COLUMNS -o slab.toml",
+)
+def import_dxf(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="The drawing, DXF.", show_default=False)],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="The input file. [default: FILE.toml]")
+    ] = None,
+    outline: Annotated[
+        str | None,
+        typer.Option(metavar="LAYER", help="Layer of the outline. [default: that of this name, or the largest one's]"),
+    ] = None,
+    holes: Annotated[
+        str | None, typer.Option(metavar="LAYER", help="Of holes. [default: that of this name, or the outline's]")
+    ] = None,
+    zones: Annotated[
+        str | None, typer.Option(metavar="LAYER", help="Of zones of another thickness. [default: that of this name]")
+    ] = None,
+    points: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LAYER", help="Of supports at points, with their footprints. [default: that of this name]"
+        ),
+    ] = None,
+    lines: Annotated[
+        str | None, typer.Option(metavar="LAYER", help="Of supports along lines. [default: that of this name]")
+    ] = None,
+    unit: Annotated[
+        str | None, typer.Option(metavar="UNIT", help="Of the drawing: mm, cm, m, in, ft. [default: its header's]")
+    ] = None,
+) -> None:
+    """Make an input file from a drawing: outline, holes, zones, and points and lines that it may stand on.
+
+    Say what was taken from the drawing and what was left.
+    """
+    with _messages():
+        from signorini.base.files import replacing
+        from signorini.formats.drawing_toml import drawing_as_toml
+        from signorini.formats.dxf import read_dxf
+
+        target = output if output is not None else file.with_suffix(".toml")
+        if target.exists():
+            raise InputError(f"{target} exists already; give another name with -o, or remove it.", place="output")
+        named = {"outline": outline, "holes": holes, "zones": zones, "points": points, "lines": lines}
+        found = read_dxf(file, {role: layer for role, layer in named.items() if layer is not None}, unit)
+        try:
+            with replacing(target) as aside:
+                aside.write_text(drawing_as_toml(found, file.stem), encoding="utf-8")
+        except OSError as error:
+            raise SignoriniError(f"{target} cannot be written: {error.strerror}.") from None
+        out = streams.stdout()
+        for sort, things in (("Taken", found.took), ("Left", found.left)):
+            for thing in things:
+                say(out, visible(f"{sort}: {thing}"))
+        say(out, visible(f"Written to {target}; material and thickness are assumed, supports and loads to be added."))
 
 
 @app.command(

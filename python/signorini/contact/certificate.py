@@ -255,10 +255,7 @@ def _pushes(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> 
 
 def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
     contacts = found.contacts
-    rows = contacts.rows
-    return contacts.compliance * reaction + found.plate.openings(
-        rows.elements, rows.coefficients, contacts.distance, hi, lo
-    )
+    return contacts.compliance * reaction + found.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
 
 
 def _balance(found: Discretisation, nodal: Floats, against: Floats) -> tuple[float, float]:

@@ -99,15 +99,13 @@ def core_problem(
 ) -> _core.ContactProblem:
     """Order, factor and condense; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
     free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T
-    rows = contacts.rows
     try:
         return _core.ContactProblem(
             found.plate,
             found.held.dofs,
             found.springs.arrays,
             (
-                rows.elements,
-                rows.coefficients,
+                *contacts.rows.arrays,
                 contacts.distance,
                 contacts.compliance,
                 contacts.two_sided,

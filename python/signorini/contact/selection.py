@@ -14,7 +14,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from signorini import _core
 from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.dependence import Dependence
 from signorini.contact.least_norm import least, span_of_cone
@@ -285,7 +284,7 @@ def _with_least_deflection(
         return answer
     motions = freedom.motions @ free
     over = area_quadrature(found.mesh)
-    values, _ = _core.serendipity(over.xi)
+    values = found.mesh.shape_functions(over.elements, over.xi)
     root = np.sqrt(over.weights)
     at = np.column_stack([np.ones(len(root)), (over.positions - found.middle) / found.mesh.size])
     deflection = (values * (answer.hi + answer.lo)[::3][found.mesh.elements[over.elements]]).sum(axis=1)
@@ -295,8 +294,7 @@ def _with_least_deflection(
     x, y = found.middle.tolist()
     motion = (float(w), float(slopes[0] / found.mesh.size), float(slopes[1] / found.mesh.size))
     hi, lo = found.plate.moved(answer.hi, answer.lo, (x, y), motion)
-    rows = found.contacts.rows
-    left = found.plate.openings(rows.elements, rows.coefficients, found.contacts.distance, hi, lo)
+    left = found.plate.openings(*found.contacts.rows.arrays, found.contacts.distance, hi, lo)
     length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(found.contacts.distance))
     # Of where the plate was, the motion leaves a rounding.
     nil = np.maximum(_NIL * length, _ROUNDING * float(np.abs(answer.hi[::3]).max()))

@@ -19,6 +19,7 @@ from signorini.errors import InputError, path_in_words, point
 from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
 from signorini.model import AnnulusPlate, DiscPlate, Model, Plate, Support
+from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.shapes import Region
 
 _SAME_PLACE = 1e-9
@@ -72,7 +73,8 @@ def require_agreement(model: Model, mesh: Mesh, contacts: ContactPoints) -> None
 
 def _is_rigid(support: Support, compliance: Floats) -> bool:
     """Whether a support bounds the deflection, without stiffness or with one as good as none."""
-    if support.resists is None and "w" not in support.fixed:
+    # A footprint's mean says nothing of any one place.
+    if (support.resists is None and "w" not in support.fixed) or support.given(FOOTPRINT):
         return False
     return support.stiffness is None or (len(compliance) > 0 and not compliance.any())
 

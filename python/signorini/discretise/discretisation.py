@@ -101,8 +101,7 @@ class Discretisation(Remade):
         """
         springs = self.springs
         at_rest = springs.base if base is None else base
-        rows = springs.rows
-        return -springs.stiffness * self.plate.openings(rows.elements, rows.coefficients, at_rest, hi, lo)
+        return -springs.stiffness * self.plate.openings(*springs.rows.arrays, at_rest, hi, lo)
 
     @cached_property
     def rigid_motions(self) -> Floats:

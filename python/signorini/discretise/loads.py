@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from signorini import _core
+from signorini.discretise.footprints import Footprints
 from signorini.discretise.frames import Held
 from signorini.discretise.places import Sampled, along_curve, in_area, located, mesh_edges
+from signorini.discretise.quadrature import Quadrature
 from signorini.discretise.rows import Floats, Ints
 from signorini.errors import Place, Problems
 from signorini.expression import Expression
@@ -38,12 +40,15 @@ class CaseLoad:
         Couples on the centre rotations of the elements.
     weighing: (3n,) array
         Of ``nodal`` what has a resultant: without stress-free curvatures, and without loads that balance themselves.
+    acting : frozenset of str
+        The load cases that it is made of.
     """
 
     nodal: Floats
     curvature: Floats
     couples: Floats
     weighing: Floats
+    acting: frozenset[str] = frozenset()
 
     @classmethod
     def none(cls, nodes: int, elements: int) -> CaseLoad:
@@ -64,13 +69,15 @@ class CaseLoad:
             _sum(self.curvature, other.curvature),
             _sum(self.couples, other.couples),
             nodal if self.all_weighs and other.all_weighs else _sum(self.weighing, other.weighing),
+            self.acting | other.acting,
         )
 
     def __rmul__(self, factor: float) -> CaseLoad:
         """Multiply by a factor."""
         nodal = factor * self.nodal
         weighing = nodal if self.all_weighs else factor * self.weighing
-        return CaseLoad(nodal, factor * self.curvature, factor * self.couples, weighing)
+        acting = self.acting if factor else frozenset()
+        return CaseLoad(nodal, factor * self.curvature, factor * self.couples, weighing, acting)
 
 
 def _sum(a: Floats, b: Floats) -> Floats:
@@ -82,11 +89,12 @@ def case_loads(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, problem
     """Every load case of the model, by name."""
     cases: dict[str, CaseLoad] = {}
     motions = held.rigid_motions(mesh.points, mesh.middle) / [1.0, mesh.size, mesh.size]
+    footprints = Footprints(mesh, model.support)
     for index, load in enumerate(model.load):
         with problems.collected():
-            found = _weighed(motions, _load(model, mesh, plate, held, load, ("load", index)))
+            found = _weighed(motions, _load(model, mesh, plate, footprints, load, ("load", index)))
             cases[load.case] = cases[load.case] + found if load.case in cases else found
-    return {case: _weighed(motions, load) for case, load in cases.items()}
+    return {case: replace(_weighed(motions, load), acting=frozenset([case])) for case, load in cases.items()}
 
 
 def _weighed(motions: Floats, load: CaseLoad) -> CaseLoad:
@@ -96,7 +104,7 @@ def _weighed(motions: Floats, load: CaseLoad) -> CaseLoad:
     return replace(load, weighing=np.zeros_like(load.nodal)) if balanced and load.nodal.any() else load
 
 
-def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, place: Place) -> CaseLoad:
+def _load(model: Model, mesh: Mesh, plate: _core.Plate, footprints: Footprints, load: Load, place: Place) -> CaseLoad:
     nodal = np.zeros(3 * mesh.node_count)
     curvature, couples = np.zeros(3), np.zeros(2 * len(mesh.elements))
     match load.kind:
@@ -116,11 +124,19 @@ def _load(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, load: Load, 
             push(mesh, nodal, points.elements, points.xi, points.weights * force)
         case "force":
             assert load.force is not None and load.at is not None
-            points = located(mesh, load.at, (*place, "at"))
-            push(mesh, nodal, points.elements, points.xi, load.force * points.weights)
-        case "moment":
-            assert load.moment is not None and load.at is not None
-            _twist(mesh, plate, nodal, couples, located(mesh, load.at, (*place, "at")), load.moment)
+            spread = footprints.of(load, place)
+            for over in spread:
+                push(mesh, nodal, over.elements, over.xi, load.force * over.weights / over.total)
+            if not spread:
+                points = located(mesh, load.at, (*place, "at"))
+                push(mesh, nodal, points.elements, points.xi, load.force * points.weights)
+        case "moment" | "couple_about":
+            assert load.couple is not None and load.at is not None
+            spread = footprints.of(load, place)
+            for over in spread:
+                push(mesh, nodal, over.elements, over.xi, _turning(over, load.couple))
+            if not spread:
+                _twist(mesh, plate, nodal, couples, located(mesh, load.at, (*place, "at")), load.couple)
         case "curvature":
             assert load.curvature is not None
             nodal, couples = plate.curvature_load(load.curvature)
@@ -144,9 +160,20 @@ def _press(
     push(mesh, nodal, points.elements, points.xi, force)
 
 
+def _turning(over: Quadrature, couple: tuple[float, float]) -> Floats:
+    """Forces (q,) of the pressure that varies linearly over a footprint and whose resultant is a couple."""
+    # From the middle, and by the footprint's own size: the three products are then of one size.
+    middle = over.weights @ over.positions / over.total
+    size = np.sqrt(over.total)
+    linear = np.column_stack([np.ones(len(over.weights)), (over.positions - middle) / size])
+    resultant = np.array([0.0, *couple]) / [1.0, size, size]
+    pressure = np.linalg.solve(linear.T @ (over.weights[:, None] * linear), resultant)
+    return np.asarray(over.weights * (linear @ pressure))
+
+
 def push(mesh: Mesh, nodal: Floats, elements: Ints, xi: Floats, force: Floats) -> None:
     """Add forces (q,) at points of elements to a nodal vector (3n,)."""
-    values, _ = _core.serendipity(xi)
+    values = mesh.shape_functions(elements, xi)
     nodal[::3] += np.bincount(mesh.elements[elements].ravel(), (force[:, None] * values).ravel(), mesh.node_count)
 
 

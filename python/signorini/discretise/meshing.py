@@ -14,6 +14,7 @@ from signorini.expression.levels import Drawing
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import annulus, disc, rectangle
 from signorini.model import AnnulusPlate, DiscPlate, Load, MeshPlate, Model, RectanglePlate, Support
+from signorini.model.footprint import footprints
 from signorini.shapes import Curve, Region
 from signorini.shapes.outlines import Box, Point
 
@@ -57,6 +58,12 @@ def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Mode
     except InputError as error:
         raise InputError(str(error), place) from None
     require_memory(len(mesh.elements), place)
+    if plate.element == "q8r" and mesh.triangles.any():
+        raise InputError(
+            f"The mesh has {int(mesh.triangles.sum())} triangles, and q8r is a quadrilateral alone. Leave the key out, "
+            'or take "mitc9".',
+            place=("plate", "element"),
+        )
     return mesh, _at_nodes(model, points)
 
 
@@ -104,7 +111,7 @@ def _made(model: Model, plate: RectanglePlate | DiscPlate | AnnulusPlate) -> Mes
 def _shapes(model: Model) -> Iterator[Region | Curve]:
     items: list[Support | Load] = [*model.support, *model.load]
     for item in items:
-        for shape in (region(item.area), curve(item)):
+        for shape in (region(item.area), curve(item), *footprints(item)):
             if shape is not None:
                 yield shape
 

@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from signorini.discretise.footprints import Footprints
 from signorini.discretise.places import Sampled, located, mesh_edges
+from signorini.discretise.quadrature import Quadrature
 from signorini.discretise.rows import Floats, Ints
 from signorini.errors import Place, Problems
 from signorini.mesh import Mesh
@@ -31,6 +33,8 @@ class Placed:
         Its points, if it is at points; ``nodes`` (q,) are those that they coincide with, −1 where there is none.
     sides : (k, 3) array or None
         Sides of elements along its edge, line or circle, if the mesh follows it.
+    footprints : list of Quadrature
+        What each of its points is spread over, if it is; such points coincide with no node.
     """
 
     place: Place
@@ -38,6 +42,7 @@ class Placed:
     points: Sampled | None
     nodes: Ints
     sides: Ints | None
+    footprints: list[Quadrature]
 
     @property
     def index(self) -> int:
@@ -48,18 +53,21 @@ class Placed:
 def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
     """Place every support; those that cannot be are among the problems."""
     found = []
+    on_mesh = Footprints(mesh, model.support)
     taken, both = np.zeros((0, 2)), np.zeros(0, np.bool_)
     for index, support in enumerate(model.support):
         place = ("support", index)
         with problems.collected():
             points, nodes = None, np.zeros(0, np.int64)
+            footprints = on_mesh.of(support, place)
             if support.at is not None:
-                points = located(mesh, support.at, (*place, "at"))
+                points, nodes = located(mesh, support.at, (*place, "at")), np.full(len(support.at), -1)
+            if points is not None and not footprints:
                 holds = support.fix is not None or support.resists in (None, "both")
                 points, nodes = _at_one_place(mesh, points, taken if holds else taken[both])
                 taken = np.concatenate([taken, points.positions])
                 both = np.append(both, np.full(len(points.positions), holds))
-            found.append(Placed(place, support, points, nodes, mesh_edges(mesh, support, place)))
+            found.append(Placed(place, support, points, nodes, mesh_edges(mesh, support, place), footprints))
     return found
 
 

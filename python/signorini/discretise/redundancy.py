@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 
 from signorini.discretise.agreement import require_agreement
 from signorini.discretise.frames import Held
-from signorini.discretise.rows import Bools, Ints
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import ContactPoints
 from signorini.errors import InputError, point
 from signorini.mesh import Mesh
@@ -123,11 +123,7 @@ def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[Conta
             place=("support", int(contacts.support[equations[0]])),
         )
     points = contacts.pick(equations)
-    coefficients = np.where(_free_entries(mesh, held, points), points.rows.coefficients, 0.0)
-    coefficients /= np.linalg.norm(coefficients, axis=1, keepdims=True)
-    dofs = points.rows.dofs(mesh.elements)
-    owners = np.repeat(np.arange(len(points)), dofs.shape[1])
-    rows = csr_array((coefficients.ravel(), (owners, dofs.ravel())), shape=(len(points), 3 * mesh.node_count))
+    rows, scale = _unit_rows(mesh, held, points)
     factor, pivots, rank, _ = lapack.dpstrf((rows @ rows.T).toarray(), lower=1, tol=_DEPENDENT)
     if rank == len(points):
         return contacts, none
@@ -141,7 +137,6 @@ def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[Conta
         left = (rows[dropped] - csr_array(combination) @ rows[kept]) @ rows[kept].T
         half = solve_triangular(lower, left.toarray().T, lower=True)
         combination += solve_triangular(lower, half, lower=True, trans="T").T
-    scale = np.linalg.norm(np.where(_free_entries(mesh, held, points), points.rows.coefficients, 0.0), axis=1)
     travel = (points.distance - points.rows.matrix(mesh.elements, len(held.dofs)) @ held.values) / scale
     apart = np.abs(travel[dropped] - combination @ travel[kept])
     if (wrong := apart > _CONSISTENT * max(np.abs(travel).max(), np.abs(points.distance).max())).any():
@@ -159,9 +154,14 @@ def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[Conta
     return contacts.pick(stay), Repeated(points.pick(dropped), whole)
 
 
-def _free_entries(mesh: Mesh, held: Held, contacts: ContactPoints) -> Bools:
-    dofs = contacts.rows.dofs(mesh.elements)
-    return np.asarray((np.abs(contacts.rows.coefficients) > _NONE) & ~held.dofs[dofs])
+def _unit_rows(mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[csr_array, Floats]:
+    """Rows over the dofs that are free, brought to length one, and the lengths (m,) that they had."""
+    rows = contacts.rows.matrix(mesh.elements, len(held.dofs))
+    rows.data[(np.abs(rows.data) <= _NONE) | held.dofs[rows.indices]] = 0.0
+    rows.eliminate_zeros()
+    scale = np.sqrt((rows**2).sum(axis=1))
+    rows.data /= np.repeat(scale, np.diff(rows.indptr))
+    return rows, scale
 
 
 def _contradiction(mesh: Mesh, contacts: ContactPoints, which: int, by: float) -> InputError:

@@ -1,9 +1,10 @@
-"""Rows over single elements: how a point of the plate hangs on the dofs."""
+"""Rows over elements: how a point of the plate, or the mean of a footprint, hangs on the dofs."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,11 +16,24 @@ Bools = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
+class Further:
+    """What rows, by number (q,) in ascending order, have in further elements (q,): coefficients (q, 24)."""
+
+    owners: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    elements: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    coefficients: Floats = field(default_factory=lambda: np.zeros((0, 24)))
+
+
+@dataclass(frozen=True, eq=False)
 class Rows:
-    """Rows (m, 24) over the dofs of elements (m,), in the nodes' frames."""
+    """Rows (m, 24) over the dofs of elements (m,), in the nodes' frames; those of footprints go on in further elements.
+
+    No dof stands in a row twice.
+    """
 
     elements: Ints
     coefficients: Floats
+    further: Further = field(default_factory=Further)
 
     def __len__(self) -> int:
         """Count the rows."""
@@ -27,32 +41,82 @@ class Rows:
 
     def __getitem__(self, which: npt.NDArray[np.generic]) -> Rows:
         """Pick rows."""
-        return Rows(self.elements[which], self.coefficients[which])
+        own = self.elements[which], self.coefficients[which]
+        further = self.further
+        if not len(further.owners):
+            return Rows(*own)
+        picked = np.arange(len(self))[which]
+        first, last = (np.searchsorted(further.owners, picked, side) for side in ("left", "right"))
+        count = last - first
+        at = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())
+        owners = np.repeat(np.arange(len(picked)), count)
+        return Rows(*own, Further(owners, further.elements[at], further.coefficients[at]))
 
     def __neg__(self) -> Rows:
         """Turn the rows round."""
-        return Rows(self.elements, -self.coefficients)
+        further = self.further
+        return Rows(self.elements, -self.coefficients, Further(further.owners, further.elements, -further.coefficients))
+
+    @property
+    def arrays(self) -> tuple[Ints, Floats, Ints]:
+        """Rows the way the core takes them: elements and coefficients (m + q,), and which rows the last q are of."""
+        further = self.further
+        if not len(further.owners):
+            return self.elements, self.coefficients, further.owners
+        return (
+            np.concatenate([self.elements, further.elements]),
+            np.concatenate([self.coefficients, further.coefficients]),
+            further.owners,
+        )
 
     def dofs(self, elements: Ints) -> Ints:
-        """Dofs (m, 24) of the coefficients, given the mesh's elements (ne, 8)."""
-        nodes = elements[self.elements]
-        return np.asarray((3 * nodes[:, :, None] + np.arange(3)).reshape(len(self), 24))
+        """Dofs (m + q, 24) of the coefficients, those of further elements behind, given the mesh's elements (ne, 8)."""
+        nodes = elements[self.arrays[0]]
+        return np.asarray((3 * nodes[:, :, None] + np.arange(3)).reshape(len(nodes), 24))
+
+    def dot(self, elements: Ints, vector: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Rows times a nodal vector (3n,), in its precision: (m,)."""
+        products = (self.arrays[1].astype(vector.dtype) * vector[self.dofs(elements)]).sum(axis=1)
+        np.add.at(products, self.further.owners, products[len(self) :])
+        return np.asarray(products[: len(self)])
 
     def matrix(self, elements: Ints, size: int) -> csr_array:
         """Rows over all dofs as a sparse matrix (m, size), without zeros."""
-        # Rows of a deflection have no more than a third of the columns.
-        columns = np.flatnonzero(self.coefficients.any(axis=0))
-        dofs = 3 * elements[:, columns // 3] + columns % 3
-        starts = len(columns) * np.arange(len(self) + 1)
-        values = np.ascontiguousarray(self.coefficients[:, columns])
-        matrix = csr_array((values.ravel(), dofs[self.elements].ravel(), starts), shape=(len(self), size))
-        matrix.eliminate_zeros()
-        return matrix
+        matrix = _matrix(self.elements, self.coefficients, elements, size)
+        further = self.further
+        if not len(further.owners):
+            return matrix
+        behind = _matrix(further.elements, further.coefficients, elements, size)
+        owned = csr_array(
+            (np.ones(len(further.owners)), (further.owners, np.arange(len(further.owners)))),
+            shape=(len(self), len(further.owners)),
+        )
+        return csr_array(matrix + owned @ behind)
 
     @staticmethod
     def join(parts: Sequence[Rows]) -> Rows:
         """Put rows behind one another."""
+        starts = np.cumsum([0, *(len(part) for part in parts)])
+        further = [part.further for part in parts]
         return Rows(
             np.concatenate([np.zeros(0, np.int64), *(part.elements for part in parts)]),
             np.concatenate([np.zeros((0, 24)), *(part.coefficients for part in parts)]),
+            Further(
+                np.concatenate(
+                    [np.zeros(0, np.int64), *(start + f.owners for start, f in zip(starts, further, strict=False))]
+                ),
+                np.concatenate([np.zeros(0, np.int64), *(f.elements for f in further)]),
+                np.concatenate([np.zeros((0, 24)), *(f.coefficients for f in further)]),
+            ),
         )
+
+
+def _matrix(owners: Ints, coefficients: Floats, elements: Ints, size: int) -> csr_array:
+    # Rows of a deflection have no more than a third of the columns.
+    columns = np.flatnonzero(coefficients.any(axis=0))
+    dofs = 3 * elements[:, columns // 3] + columns % 3
+    starts = len(columns) * np.arange(len(owners) + 1)
+    values = np.ascontiguousarray(coefficients[:, columns])
+    matrix = csr_array((values.ravel(), dofs[owners].ravel(), starts), shape=(len(owners), size))
+    matrix.eliminate_zeros()
+    return matrix

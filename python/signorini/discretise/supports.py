@@ -11,6 +11,7 @@ import numpy as np
 from signorini import _core
 from signorini.base.brief import Brief
 from signorini.discretise.averages import STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
+from signorini.discretise.footprints import mean_deflections
 from signorini.discretise.holds import holds_deflection, prescribed_rotations
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area
@@ -79,9 +80,9 @@ class Springs(_Table):
     numbers: Ints
 
     @property
-    def arrays(self) -> tuple[Ints, Floats, Floats, Floats]:
+    def arrays(self) -> tuple[Ints, Floats, Ints, Floats, Floats]:
         """Springs the way the core takes them."""
-        return self.rows.elements, self.rows.coefficients, self.stiffness, self.base
+        return *self.rows.arrays, self.stiffness, self.base
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -180,7 +181,8 @@ def _acting(
         )
         (numbers,) = np.nonzero(~at_nodes)
         sampled = _pick(placed.points, numbers)
-        found = [_Acting.of(_rows(plate, sampled, 0), sampled, numbers=numbers)] if deflection else []
+        rows = mean_deflections(mesh, placed.footprints) if placed.footprints else _rows(plate, sampled, 0)
+        found = [_Acting.of(rows, sampled, numbers=numbers)] if deflection else []
         if "slope" in support.fixed:
             rotation = prescribed_rotations(placed, sampled.positions)
             found += [
@@ -232,7 +234,10 @@ def _on_area(
     free_corners = np.asarray(~held[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
     points = in_area(mesh, shape, support.area, place, _GAUSS, to_outline, _steps(support), _OFF)
-    no_tangents, within = np.zeros_like(points.positions), mesh.map(points.elements, INSIDE * points.xi)
+    no_tangents, within = (
+        np.zeros_like(points.positions),
+        mesh.map(points.elements, mesh.inward(points.elements, points.xi, INSIDE)),
+    )
     sampled = Sampled(points.elements, points.xi, points.weights, points.positions, no_tangents, within)
     through = _Acting.of(_rows(plate, sampled, 0), sampled)
     covered = np.bincount(sampled.elements, minlength=len(mesh.elements)) > 0
@@ -321,7 +326,7 @@ def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: O
     rows = Rows(where, coefficients)
     free = np.asarray(((np.abs(rows.coefficients) > _NONE) & ~held[rows.dofs(mesh.elements)]).any(axis=1))
     rows, positions, shared = rows[free], found.positions[free], found.shared[free]
-    within = mesh.map(where, INSIDE * xi)[free]
+    within = mesh.map(where, mesh.inward(where, xi, INSIDE))[free]
     area = np.bincount(acting.rows.elements, acting.weights, len(mesh.elements)).astype(np.float64)
     some = shared >= 0
     parts = np.where(some, STRIP * area[shared], 0.0)

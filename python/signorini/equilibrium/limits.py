@@ -16,6 +16,8 @@ from signorini.model import Combination
 
 _MOST = 1e6
 """Times a case's factor beyond which it counts as without limit."""
+_ALIKE = 1e-9
+"""Ratio of limits, less one, that is rounding."""
 _OVERLAP = 1e-7
 """Part of the largest travel by which rigid supports must overlap to contradict each other."""
 _BRINK = 1e-9
@@ -36,8 +38,9 @@ def imbalance_of(found: Discretisation, freedom: RigidFreedom, combination: Comb
 def nearest_limit(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> tuple[str, float] | None:
     """Find the case, and the factor on top of its own, by which the combination comes to the limit of equilibrium.
 
-    All other cases stay as they are. Of several the nearest to 1 in ratio. Reactions of one-sided supports make a cone,
-    so a load alone has no limit: where it can be balanced, any multiple of it can.
+    All other cases stay as they are. Of several the nearest to 1 in ratio, of equally near ones the case that the
+    combination names last. Reactions of one-sided supports make a cone, so a load alone has no limit: where it can be
+    balanced, any multiple of it can.
 
     Returns
     -------
@@ -58,7 +61,7 @@ def nearest_limit(found: Discretisation, freedom: RigidFreedom, combination: Com
     >>> found = discretise(model)
     >>> case, factor = nearest_limit(found, rigid_freedom(found), model.effective_combinations[0])
     >>> case, round(factor, 6)  # 80 kN at 2 and 20 kN at 4; the edge of the supports is at 3
-    ('G', 0.25)
+    ('Q', 4.0)
     """
     acting = {case: factor for case, factor in (combination.factors or {}).items() if factor != 0.0}
     nodal = {case: factor * found.cases[case].weighing for case, factor in acting.items()}
@@ -71,7 +74,8 @@ def nearest_limit(found: Discretisation, freedom: RigidFreedom, combination: Com
         for limit in _limits(found, freedom, freedom.outline, whole - nodal[case], nodal[case])
         if 1 / _MOST < limit < _MOST
     ]
-    return min(limits, key=lambda pair: abs(np.log(pair[1])), default=None)
+    # Two cases have each other's limit upside down, and rounding must not choose between them.
+    return min(reversed(limits), key=lambda pair: round(abs(np.log(pair[1])) / _ALIKE), default=None)
 
 
 def on_the_brink(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> bool:

@@ -21,15 +21,18 @@ from signorini.model.base import (
     listed,
     numbers_schema,
 )
+from signorini.model.footprint import KEYS as FOOTPRINT
+from signorini.model.footprint import Patch, Radius, footprint_complaints
 from signorini.model.words import describe
 
-Kind = Literal["pressure", "force", "line_load", "moment", "self_weight", "curvature"]
+Kind = Literal["pressure", "force", "line_load", "moment", "couple_about", "self_weight", "curvature"]
 
 _PLACES: dict[Kind, tuple[str, ...]] = {
     "pressure": ("area",),
     "force": ("at", "nodes"),
     "line_load": ("edge", "line", "circle"),
     "moment": ("at", "nodes"),
+    "couple_about": ("at", "nodes"),
     "self_weight": (),
     "curvature": (),
 }
@@ -41,8 +44,21 @@ def _true(value: object) -> object:
     return value
 
 
+class Axes(Table):
+    """A couple about each axis of the plane, at least one of them."""
+
+    model_config = ConfigDict(json_schema_extra={"minProperties": 1})
+
+    x: Number | None = Field(default=None, description="Couple about x: the side of greater y goes down.")
+    y: Number | None = Field(default=None, description="Couple about y: the side of greater x goes up.")
+
+    def _complaints(self) -> Iterator[Complaint]:
+        if not self.given(("x", "y")):
+            yield (), "found neither x nor y; give the couple about at least one of them."
+
+
 class Load(Table):
-    """A load: exactly one of pressure, force, line_load, moment, self_weight, curvature, in a load case."""
+    """A load: exactly one of pressure, force, line_load, moment, couple_about, self_weight, curvature, in a case."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -51,9 +67,11 @@ class Load(Table):
                 {"required": ["force"], "oneOf": [{"required": [place]} for place in _PLACES["force"]]},
                 {"required": ["line_load"], "oneOf": [{"required": [place]} for place in _PLACES["line_load"]]},
                 {"required": ["moment"], "oneOf": [{"required": [place]} for place in _PLACES["moment"]]},
+                {"required": ["couple_about"], "oneOf": [{"required": [place]} for place in _PLACES["couple_about"]]},
                 {"required": ["self_weight"]},
                 {"required": ["curvature"]},
-            ]
+            ],
+            "not": {"required": ["patch", "radius"]},
         }
     )
 
@@ -77,6 +95,10 @@ class Load(Table):
         default=None,
         description="Couples [mx, my] at each point of at or nodes; mx works on the rotation θx = ∂w/∂x, my on θy.",
     )
+    couple_about: Axes | None = Field(
+        default=None,
+        description="Couples { x = ..., y = ... } about the axes at each point of at or nodes; right-handed, z down.",
+    )
     self_weight: Annotated[Literal[True], BeforeValidator(_true)] | None = Field(
         default=None, description="true: the plate's own weight, from material.unit_weight and the thickness."
     )
@@ -92,6 +114,8 @@ class Load(Table):
     nodes: Nodes | None = Field(
         default=None, description="A node of the mesh file by its number, or a list of numbers."
     )
+    patch: Patch = None
+    radius: Radius = None
     edge: Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
     line: Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
     circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
@@ -117,6 +141,20 @@ class Load(Table):
         """
         return next(kind for kind in _PLACES if getattr(self, kind) is not None)
 
+    @property
+    def couple(self) -> tuple[float, float] | None:
+        """Couples [mx, my] at each point, of ``moment`` or ``couple_about``; None of other loads.
+
+        Examples
+        --------
+        >>> Load(couple_about={"x": 3, "y": 5}, at=[1, 2]).couple
+        (-5.0, 3.0)
+        """
+        if self.couple_about is None:
+            return self.moment
+        # z points down: a turn about x takes y to z, one about y takes z to x.
+        return 0.0 - (self.couple_about.y or 0.0), self.couple_about.x or 0.0
+
     def _complaints(self) -> Iterator[Complaint]:
         kinds = self.given(_PLACES)
         if len(kinds) != 1:
@@ -133,6 +171,11 @@ class Load(Table):
         if allowed and len(here) != 1 and len(here) == len(places):
             needs = f"exactly one of {', '.join(allowed)}" if len(allowed) > 1 else allowed[0]
             yield (), f"found {' and '.join(here) or 'no place'}; {self.kind} needs {needs} to say where it acts."
+        footprint = self.given(FOOTPRINT)
+        if footprint and "at" not in allowed:
+            yield (footprint[0],), f"{footprint[0]} does not go with {self.kind}; it is the footprint of points."
+        else:
+            yield from footprint_complaints(self)
 
 
 class Probe(Table):

@@ -22,6 +22,8 @@ from signorini.model.base import (
     Table,
     Text,
 )
+from signorini.model.footprint import KEYS as FOOTPRINT
+from signorini.model.footprint import Patch, Radius, footprint_complaints
 from signorini.model.words import describe
 
 Place = Literal["at", "edge", "line", "circle", "area"]
@@ -73,7 +75,7 @@ class Support(Table):
     model_config = ConfigDict(
         json_schema_extra={
             "oneOf": [{"required": [place]} for place in _PLACES],
-            "not": {"required": ["fix", "resists"]},
+            "not": {"anyOf": [{"required": ["fix", "resists"]}, {"required": ["patch", "radius"]}]},
         }
     )
 
@@ -82,6 +84,8 @@ class Support(Table):
     nodes: Nodes | None = Field(
         default=None, description="A node of the mesh file by its number, or a list of numbers."
     )
+    patch: Patch = None
+    radius: Radius = None
     edge: Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
     line: Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
     circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
@@ -149,6 +153,7 @@ class Support(Table):
             for index, point in enumerate(self.at):
                 if seen.setdefault(point, index) != index:
                     yield ("at", index), f"point {index + 1} repeats point {seen[point] + 1}."
+        yield from footprint_complaints(self)
         if self.fix is not None:
             yield from self._fix_complaints()
         if self.rotation is not None and not {"slope", "twist"} & set(self.fixed):
@@ -170,6 +175,8 @@ class Support(Table):
                 f"found {describe(self.fix)}; a point has no direction, so slope and twist go together there: "
                 "simple holds the deflection, clamped all.",
             )
+        if self.given(FOOTPRINT) and fixed != ("w",):
+            yield ("fix",), f"{describe(self.fix)} holds slopes, and a footprint its mean deflection; use simple."
         if self.gap != Expression(0.0):
             yield ("gap",), "a gap does not go with fix; use resists."
         if self.stiffness is not None and fixed != ("w",):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -88,6 +88,8 @@ class SupportMark:
         What it is, in the legend; by default what the kind means.
     counts : (int, int) or None
         How many points are closed and open, in the legend; by default those of ``closed``.
+    footprints : ndarray, shape (k, 2)
+        Outlines of what the points' reactions are spread over; a row of NaN starts a new one.
     """
 
     name: str
@@ -100,6 +102,7 @@ class SupportMark:
     gap: bool = False
     words: str = ""
     counts: tuple[int, int] | None = None
+    footprints: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
 
     @property
     def label(self) -> str:
@@ -130,6 +133,8 @@ class LoadMark:
         A point load away from the reader is a crossed circle; one towards him, upward, is a dotted circle.
     couple : (mx, my) or None
         Of a moment, which is drawn as the pair of forces that it is: crossed circle down, dotted circle up.
+    footprints : ndarray, shape (k, 2)
+        Outlines of what the points' forces are spread over; a row of NaN starts a new one.
     """
 
     case: str
@@ -138,6 +143,7 @@ class LoadMark:
     style: Literal["points", "line", "area"] = "points"
     upward: bool = False
     couple: tuple[float, float] | None = None
+    footprints: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
 
 
 def supports(marks: Iterable[SupportMark], ax: Axes) -> Axes:
@@ -189,6 +195,8 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
     samples: list[Artist] = []
     per_unit = inches_per_unit(axes)
     size = _LARGEST
+    for piece in _pieces(mark.footprints):
+        axes.fill(*piece.T, facecolor=to_rgba(INK, 0.10), edgecolor=INK, linewidth=0.8, zorder=3)
     if mark.style == "points":
         size = _fitting(positions, per_unit)
     else:
@@ -213,6 +221,8 @@ def draw_load(mark: LoadMark, axes: Axes, colour: str) -> Entry:
     ring |= {"clip_on": False, "zorder": 6}
     down, up = ring | {"marker": r"$\otimes$"}, ring | {"marker": r"$\odot$"}
     look: dict[str, Any]
+    for piece in _pieces(mark.footprints):
+        axes.fill(*piece.T, facecolor=to_rgba(colour, 0.10), edgecolor=colour, linewidth=0.8, zorder=3)
     if mark.couple is not None:
         arm = np.array(mark.couple) / max(np.hypot(*mark.couple), 1e-300) * 0.16 / inches_per_unit(axes)
         for at in positions:

@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from signorini import shapes
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.model import Area, Circle, Load, Support
+from signorini.model.footprint import footprints
 from signorini.results.contact_field import AreaContact
 from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.support_words import describe
+from signorini.shapes import Region
 from signorini.shapes.tessellation import tessellate
 
 if TYPE_CHECKING:
@@ -60,6 +63,7 @@ def support_mark(
         not (support.gap.is_constant and support.gap.value == 0),
         describe(support),
         counts,
+        _prints(support),
     )
 
 
@@ -106,7 +110,7 @@ def load_marks(found: Discretisation) -> list[LoadMark]:
         upward = constant < 0
         name = load.kind.replace("_", " ") + (", upward" if upward else "")
         if load.at is not None:
-            marks.append(LoadMark(load.case, name, np.array(load.at), "points", upward, load.moment))
+            marks.append(LoadMark(load.case, name, np.array(load.at), "points", upward, load.couple, _prints(load)))
         elif load.kind == "line_load":
             marks.append(LoadMark(load.case, name, path(found.mesh, load), "line", upward))
         elif isinstance(load.area, Area):
@@ -122,6 +126,12 @@ def load_marks(found: Discretisation) -> list[LoadMark]:
             prints = [part for at, along, _ in wheels for part in (_BREAK, _print(at, along, moving.patch))]
             marks.append(LoadMark(moving.case, "its wheels' prints halfway", np.concatenate(prints), "area"))
     return marks
+
+
+def _prints(item: Support | Load) -> Floats:
+    """Outlines (k, 2) of the footprints of points; a row of NaN between them."""
+    outlines = [part for shape in footprints(item) for part in (_BREAK, _drawn(shape))]
+    return np.concatenate(outlines or [np.zeros((0, 2))])
 
 
 def _print(at: tuple[float, float], along: tuple[float, float], patch: tuple[float, float]) -> Floats:
@@ -174,15 +184,16 @@ def _chained(mesh: Mesh, name: str) -> Floats:
 
 
 def _outline(area: Area) -> Floats:
-    if area.rectangle is not None:
-        x0, y0, x1, y1 = area.rectangle
-        return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]])
-    if area.circle is not None:
-        return _round(area.circle)
-    corners: Sequence[tuple[float, float]] = area.polygon or ()
-    return np.array([*corners, corners[0]], dtype=np.float64)
+    return _drawn(area.region)
 
 
-def _round(circle: Circle) -> Floats:
+def _drawn(shape: Region) -> Floats:
+    """Vertices (k, 2) of a region's outline, the first one again at the end."""
+    if isinstance(shape, shapes.Circle):
+        return _round(shape)
+    return np.concatenate([shape.outline.segments[:, 0], shape.outline.segments[:1, 0]])
+
+
+def _round(circle: Circle | shapes.Circle) -> Floats:
     angle = np.linspace(0.0, 2.0 * np.pi, _AROUND + 1)
     return np.array(circle.center) + circle.radius * np.column_stack([np.cos(angle), np.sin(angle)])

@@ -13,6 +13,7 @@ from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.model import Support
+from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.results.support_points import SupportPoints
 from signorini.shapes.depths import depth
 
@@ -67,7 +68,8 @@ def no_resultant(found: Discretisation, load: CaseLoad) -> Iterator[str]:
     moved = found.held.values.any() or found.springs.base.any() or found.points.settlement.any()
     forces = load.nodal[::3]
     total = float(np.abs(forces).sum())
-    if total and abs(forces.sum()) <= _NO_FORCE * total:
+    cancel = total and abs(forces.sum()) <= _NO_FORCE * total
+    if cancel and not any(one.couple is not None and one.given(FOOTPRINT) for one in found.model.load):
         yield "The load's resultant is zero: its forces cancel each other. Is each of the sign that is meant?"
     elif not load.nodal.any() and not moved:
         yield "No load acts."
@@ -128,7 +130,7 @@ def _one_place(found: Discretisation) -> Iterator[str]:
     within = _SAME_PLACE * found.mesh.size
     for (one, here), (other, there) in combinations(zip(rigid, places, strict=True), 2):
         near = (np.abs(here[:, None] - there) <= within).all(axis=-1).any(axis=-1)
-        if near.any() and _alike(model.support[one], model.support[other]):
+        if near.any() and _alike(model.support[one], model.support[other]) and _as_large(found, one, other):
             x, y = here[near][0]
             yield (
                 f"{model.support[one].name} and {model.support[other].name} both hold the plate rigidly at "
@@ -152,6 +154,12 @@ def _overlaps(found: Discretisation) -> Iterator[str]:
 def _alike(one: Support, other: Support) -> bool:
     """Whether both may push, or pull, at once."""
     return {one.resists, other.resists} != {"down", "up"}
+
+
+def _as_large(found: Discretisation, one: int, other: int) -> bool:
+    """Whether the points of two supports have the same footprint, or none."""
+    first, second = found.model.support[one], found.model.support[other]
+    return (first.patch, first.radius) == (second.patch, second.radius)
 
 
 def _reaches(found: Discretisation, one: int, other: int) -> bool:

@@ -1,7 +1,7 @@
 //! The contact problem as a quadratic program, and what proves that it has no solution.
 
 use super::super::problem::Constraints;
-use crate::assembly::{HELD, Numbering, assemble};
+use crate::assembly::{Assembly, HELD, Numbering};
 use crate::contact::scale::largest;
 use crate::contact::tolerances;
 use crate::plate::Plate;
@@ -33,7 +33,7 @@ impl Program {
         load: &[f64],
         held: &Displacement,
     ) -> Self {
-        let matrix = assemble(plate, springs, &[], numbering);
+        let matrix = Assembly::new(plate, springs, &[], numbering).lower_triangle();
         let (n, m) = (numbering.len(), constraints.rows.len());
         let lower = || (0..n).flat_map(|j| (matrix.column_start[j]..matrix.column_start[j + 1]).map(move |at| (j, at)));
         let mut unit = vec![1.0; n];

@@ -9,7 +9,7 @@
 //! as it is (Benzi, Golub & Liesen 2005, section 5). So are the shear forces of thin elements ([`Shears`]).
 
 use super::shears::Shears;
-use crate::assembly::{HELD, assemble_thick};
+use crate::assembly::{Assembly, HELD};
 use crate::contact::problem::ContactProblem;
 use crate::contact::tolerances;
 use crate::dense::OutOfMemory;
@@ -68,7 +68,7 @@ impl Saddle {
         let points: Vec<usize> = (0..closed.len()).filter(|&i| closed[i]).collect();
         let free = numbering.len();
         let behind = free + points.len();
-        let stiffness = assemble_thick(plate, &problem.springs, numbering);
+        let stiffness = Assembly::new(plate, &problem.springs, &[], numbering).thick_only().lower_triangle();
         let shears = Shears::of(plate, numbering, behind);
         let mut unit = vec![1.0; behind];
         unit.extend(shears.unit);

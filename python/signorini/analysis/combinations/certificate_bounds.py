@@ -81,7 +81,7 @@ class Sizes:
         """Measure a term: displacements ``hi + lo``, what is out of balance, and the supports' forces (3n,) each."""
         rows, held = found.contacts.rows, found.held
         exact = hi.astype(np.longdouble) + lo
-        moved = (rows.coefficients.astype(np.longdouble) * exact[rows.dofs(found.mesh.elements)]).sum(axis=1)
+        moved = rows.dot(found.mesh.elements, exact)
         unit = _units(found)
         free = np.abs(np.where(held.dofs, 0.0, imbalance).reshape(-1, 3)) / unit
         values = held.values if at_rest else np.zeros_like(held.values)
@@ -128,8 +128,8 @@ class Proof:
         def table(name: str) -> Floats:
             return np.ascontiguousarray(np.array([getattr(size, name) for size in sizes]))
 
-        rows = found.contacts.rows
-        coefficients = rows.coefficients.reshape(-1, 8, 3)
+        rows = abs(found.contact_rows)
+        rows.data /= _units(found)[rows.indices % 3]
         motions = found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])
         return cls(
             found,
@@ -141,7 +141,7 @@ class Proof:
             table("deflection"),
             table("load"),
             np.ascontiguousarray(found.contact_rows @ motions),
-            np.ascontiguousarray((np.abs(coefficients) / _units(found)).max(axis=(1, 2), initial=0.0)[:, None]),
+            np.ascontiguousarray(rows.max(axis=1).toarray().reshape(-1, 1)),
         )
 
     def figures(self, coefficients: Floats, reaction: Floats) -> Floats:

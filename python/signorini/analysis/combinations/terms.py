@@ -95,11 +95,10 @@ class _Measured:
         self._names, self._watch = names, watch
         found = self._found = problem.discretisation
         self._springs = found.springs.arrays
-        elements, rows, stiffness, base = self._springs
-        self._still = (elements, rows, stiffness, np.zeros_like(base))
+        elements, rows, further, stiffness, base = self._springs
+        self._still = (elements, rows, further, stiffness, np.zeros_like(base))
         self._supports = [SupportPoints.of(found, index) for index in range(len(found.model.support))]
-        xi = found.probes.xi
-        self._values: Floats = _core.serendipity(xi)[0] if len(xi) else np.zeros((0, 8))
+        self._values: Floats = found.mesh.shape_functions(found.probes.elements, found.probes.xi)
         self._fields: list[Floats] = []
         self._nodes = nodes
         self._on_areas: list[Floats] = []
@@ -132,7 +131,7 @@ class _Measured:
         spread = found.contact_rows.T @ reaction
         imbalance = found.plate.residual(springs, load.nodal, hi, lo) - spread
         at_holds = np.where(found.held.dofs, imbalance, 0.0)
-        pull = found.spring_forces(hi, lo, springs[3])
+        pull = found.spring_forces(hi, lo, springs[4])
         on_plate = at_holds + spread + found.spring_rows.T @ pull
         self._on_areas.append(nodal[self._nodes, 0])
         kept = [every[:, FIELDS.index(name)] for name in self._names]

@@ -1,0 +1,118 @@
+"""The footprints of points, on which forces are spread evenly and couples linearly."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from signorini.discretise.places import located, mesh_edges
+from signorini.discretise.quadrature import Quadrature, area_quadrature, off_plate
+from signorini.discretise.rows import Floats, Further, Rows
+from signorini.errors import InputError, Place, point
+from signorini.mesh import Mesh
+from signorini.model import Load, Support
+from signorini.model.footprint import footprints
+from signorini.shapes import Circle, Rectangle
+
+_GAUSS = 3
+_ON_LINE = 1e-9
+"""Part of the plate's size within which a point is on an edge, and of one by which a direction is another."""
+
+
+class Footprints:
+    """Footprints on a mesh.
+
+    One that an edge of symmetry cuts through its middle counts as far as it is on the plate: there the plate stands for
+    two or four of them.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    supports : sequence of Support
+        All of the model's, for the edges of symmetry.
+    """
+
+    def __init__(self, mesh: Mesh, supports: Sequence[Support]) -> None:
+        self._mesh = mesh
+        self._supports = supports
+
+    def of(self, item: Support | Load, place: Place) -> list[Quadrature]:
+        """Quadrature over the footprint of every point; none where points are points.
+
+        Raises
+        ------
+        InputError
+            If a point, or part of a footprint, is not on the plate.
+        """
+        shapes = footprints(item)
+        if not shapes or item.at is None:
+            return []
+        located(self._mesh, item.at, (*place, "at"))
+        found, problems = [], []
+        for index, (at, shape) in enumerate(zip(item.at, shapes, strict=True)):
+            points = area_quadrature(self._mesh, shape, _GAUSS)
+            whole = self._on_plate(at, shape)
+            missing = off_plate(self._mesh, shape, points, whole)
+            if missing > 0:
+                problems.append(
+                    InputError(
+                        f"The footprint of the point {point(at, self._mesh.size)} has "
+                        f"{100 * missing / shape.area:.3g} % of its area off the plate. Move the point or make the "
+                        "footprint smaller; only an edge of symmetry may cut it, through its middle.",
+                        place=(*place, "at", index) if len(item.at) > 1 else (*place, "at"),
+                    )
+                )
+            found.append(points)
+        if problems:
+            raise InputError.of(problems)
+        return found
+
+    def _on_plate(self, at: tuple[float, float], shape: Rectangle | Circle) -> float:
+        """Part of a footprint that has to be on the plate: all, unless edges of symmetry cut it through its middle."""
+        near = self._axes[0], self._axes[1] - self._axes[0]
+        length = np.hypot(*near[1].T)
+        normals = np.column_stack([-near[1][:, 1], near[1][:, 0]]) / length[:, None]
+        off, along = np.abs(((at - near[0]) * normals).sum(axis=1)), ((at - near[0]) * near[1]).sum(axis=1) / length
+        slack = _ON_LINE * self._mesh.size
+        through = np.unique(normals[(off <= slack) & (along >= -slack) & (along <= length + slack)].round(9), axis=0)
+        if isinstance(shape, Rectangle) and (np.abs(through) > _ON_LINE).all(axis=1).any():
+            return 1.0
+        if len(through) == 2:
+            return math.acos(float(np.clip(-through[0] @ through[1], -1.0, 1.0))) / (2 * math.pi)
+        return 0.5 if len(through) == 1 else 1.0
+
+    @cached_property
+    def _axes(self) -> tuple[Floats, Floats]:
+        """Ends (k, 2) of the sides of elements along edges of symmetry, the plate on their left."""
+        triples = [np.zeros((0, 3), np.int64)]
+        for index, support in enumerate(self._supports):
+            if support.edge is not None and "slope" in support.fixed and "w" not in support.fixed:
+                sides = mesh_edges(self._mesh, support, ("support", index))
+                triples += [] if sides is None else [sides]
+        ends = self._mesh.points[np.concatenate(triples)[:, [0, 2]]]
+        return ends[:, 0], ends[:, 1]
+
+
+def mean_deflections(mesh: Mesh, footprints: Sequence[Quadrature]) -> Rows:
+    """Rows of the mean deflection over each footprint, which spread a force evenly over it."""
+    elements, values, owners = [], [], []
+    for number, over in enumerate(footprints):
+        own, inverse = np.unique(over.elements, return_inverse=True)
+        shape = np.zeros((len(own), 8))
+        np.add.at(shape, inverse, (over.weights / over.total)[:, None] * mesh.shape_functions(over.elements, over.xi))
+        # A node of several elements has all of it in the first one, so that no dof stands twice.
+        _, first, node = np.unique(mesh.elements[own], return_index=True, return_inverse=True)
+        gathered = np.zeros(shape.size)
+        gathered[first] = np.bincount(node.ravel(), shape.ravel())
+        elements.append(own)
+        values.append(gathered.reshape(shape.shape))
+        owners.append(np.full(len(own), number))
+    element, value, owner = (np.concatenate(parts) for parts in (elements, values, owners))
+    coefficients = np.zeros((len(element), 24))
+    coefficients[:, ::3] = value
+    leads = np.diff(owner, prepend=-1) > 0
+    further = Further(owner[~leads], element[~leads], coefficients[~leads])
+    return Rows(element[leads], coefficients[leads], further)

@@ -1,0 +1,181 @@
+"""Write an input file from a drawing, for an engineer to go on with."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+from collections.abc import Sequence
+
+from signorini.formats.drawing import Corner, Drawing, Loop, through
+
+_DIGITS = 6
+"""Decimals of a length in metres: to the micrometre, finer than anything is built."""
+_ELEMENTS = 30
+"""Elements along the longer side of the mesh to begin with."""
+
+
+def drawing_as_toml(drawing: Drawing, title: str) -> str:
+    """Write what a drawing says as an input file in metres and newtons; what it does not say is assumed and marked.
+
+    Examples
+    --------
+    >>> from signorini.formats.drawing import Corner, Drawing, Loop
+    >>> outline = Loop((Corner(0, 0), Corner(6, 0), Corner(6, 4), Corner(0, 4)))
+    >>> hole = Loop((Corner(2, 2),), 0.5)
+    >>> drawing = Drawing(outline, (hole,), (), {(0.4, 0.4): [(1, 1), (5, 1)]}, (), (), ())
+    >>> print(drawing_as_toml(drawing, "floor"))
+    title = "floor"
+    <BLANKLINE>
+    [units]
+    length = "m"
+    force = "N"
+    <BLANKLINE>
+    # Assumed, the drawing does not say: concrete C30/37.
+    [material]
+    E = 33e9
+    nu = 0.2
+    unit_weight = 25e3
+    <BLANKLINE>
+    [plate]
+    shape = "polygon"
+    thickness = 0.25  # assumed
+    points = [
+        [0, 0],
+        [6, 0],
+        [6, 4],
+        [0, 4],
+    ]
+    holes = [
+        { circle = { center = [2, 2], radius = 0.5 } },
+    ]
+    <BLANKLINE>
+    [mesh]
+    size = 0.2
+    <BLANKLINE>
+    # Rigid, both ways, as it stands. Add resists = "down" where it only pushes up, stiffness = … [N/m] where it yields.
+    [[support]]
+    name = "points"
+    at = [
+        [1, 1],
+        [5, 1],
+    ]
+    patch = [0.4, 0.4]
+    <BLANKLINE>
+    # Add loads to these, with their cases.
+    [[load]]
+    case = "self-weight"
+    self_weight = true
+    <BLANKLINE>
+    """
+    left, bottom, right, top = drawing.outline.box
+    blocks = [
+        f"title = {json.dumps(title, ensure_ascii=False)}",
+        '[units]\nlength = "m"\nforce = "N"',
+        "# Assumed, the drawing does not say: concrete C30/37.\n[material]\nE = 33e9\nnu = 0.2\nunit_weight = 25e3",
+        _plate(drawing),
+        f"[mesh]\nsize = {_size(max(right - left, top - bottom))}",
+        *(_zone(zone) for zone in drawing.zones),
+    ]
+    count = len(drawing.points) + len(drawing.lines)
+    for number, (footprint, at) in enumerate(drawing.points.items(), 1):
+        name = "points" if len(drawing.points) == 1 else f"points {number}"
+        key = {0: "", 1: "radius = ", 2: "patch = "}[len(footprint)]
+        size = _number(footprint[0]) if len(footprint) == 1 else _list(footprint)
+        places = "\n".join(f"    {_list(place)}," for place in at)
+        blocks.append(_kinds("N/m") + _support(name, f"at = [\n{places}\n]") + (f"\n{key}{size}" if key else ""))
+    for number, line in enumerate(drawing.lines, 1):
+        name = "lines" if len(drawing.lines) == 1 else f"lines {number}"
+        blocks.append(_kinds("N/m²") + _support(name, f"line = [{', '.join(_list(at) for at in _chords(line))}]"))
+    if count == 0:
+        blocks.append("# Add supports: [[support]] with at, edge, line, circle or area.")
+    blocks.append('# Add loads to these, with their cases.\n[[load]]\ncase = "self-weight"\nself_weight = true')
+    return "\n\n".join(blocks) + "\n"
+
+
+def _plate(drawing: Drawing) -> str:
+    lines = ["[plate]"]
+    if drawing.outline.radius:
+        lines += ['shape = "disc"', f"radius = {_number(drawing.outline.radius)}"]
+        lines += [f"center = {_list(drawing.outline.corners[0][:2])}"]
+    else:
+        lines += ['shape = "polygon"']
+    lines += ["thickness = 0.25  # assumed"]
+    if not drawing.outline.radius:
+        lines += ["points = [", *(f"    {corner}," for corner in _corners(drawing.outline)), "]"]
+    if drawing.holes:
+        lines += ["holes = [", *(f"    {_area(hole)}," for hole in drawing.holes), "]"]
+    return "\n".join(lines)
+
+
+def _zone(zone: Loop) -> str:
+    return f"# Give it its thickness or material.\n[[zone]]\narea = {_area(zone)}\nthickness = 0.25  # assumed"
+
+
+def _area(loop: Loop) -> str:
+    if loop.radius:
+        center = _list(loop.corners[0][:2])
+        return f"{{ circle = {{ center = {center}, radius = {_number(loop.radius)} }} }}"
+    if loop.sides:
+        return f"{{ rectangle = {_list(loop.box)} }}"
+    return f"{{ polygon = [{', '.join(_corners(loop))}] }}"
+
+
+def _corners(loop: Loop) -> list[str]:
+    """Corners from one that a straight side leads to, where there is one; an arc names its middle and its end."""
+    sides = list(loop)
+    begin = next((i for i, (a, _) in enumerate(sides[-1:] + sides[:-1]) if a.bulge == 0), 0)
+    sides = sides[begin:] + sides[:begin]
+    found = [_list(sides[0][0][:2])]
+    found += [_to(a, b) for a, b in sides[:-1]]
+    return found + ([_to(*sides[-1])] if sides[-1][0].bulge else [])
+
+
+def _to(a: Corner, b: Corner) -> str:
+    return f"{{ through = {_list(through(a, b))}, to = {_list(b[:2])} }}" if a.bulge else _list(b[:2])
+
+
+def _chords(line: Sequence[Corner]) -> list[tuple[float, float]]:
+    """Points of an open line, its arcs by chords of a sixteenth of a turn or less."""
+    found = [(line[0].x, line[0].y)]
+    for a, b in itertools.pairwise(line):
+        pieces = math.ceil(abs(4 * math.atan(a.bulge)) / (math.pi / 8)) if a.bulge else 1
+        found += [_along(a, b, i / pieces) for i in range(1, pieces)] + [(b.x, b.y)]
+    return found
+
+
+def _along(a: Corner, b: Corner, part: float) -> tuple[float, float]:
+    """Point of an arc at a part of its length."""
+    half = 2 * math.atan(a.bulge)
+    turn = 2 * half * part
+    radius = math.hypot(b.x - a.x, b.y - a.y) / (2 * math.sin(half))
+    start = math.atan2(b.y - a.y, b.x - a.x) - half
+    chord = 2 * radius * math.sin(turn / 2)
+    return a.x + chord * math.cos(start + turn / 2), a.y + chord * math.sin(start + turn / 2)
+
+
+def _kinds(unit: str) -> str:
+    return (
+        '# Rigid, both ways, as it stands. Add resists = "down" where it only pushes up, '
+        f"stiffness = … [{unit}] where it yields.\n"
+    )
+
+
+def _support(name: str, place: str) -> str:
+    return f'[[support]]\nname = "{name}"\n{place}'
+
+
+def _size(extent: float) -> str:
+    """A round size of elements."""
+    size = extent / _ELEMENTS
+    unit = 10.0 ** math.floor(math.log10(size))
+    return _number(max(step * unit for step in (1, 2, 5) if step * unit <= size * 1.001))
+
+
+def _list(values: Sequence[float]) -> str:
+    return f"[{', '.join(_number(value) for value in values)}]"
+
+
+def _number(value: float) -> str:
+    found = round(value, _DIGITS) + 0.0
+    return f"{found:.0f}" if found == int(found) else repr(found)

@@ -1,0 +1,177 @@
+"""Drawings: what is read from DXF, what is left, and the input files made of them."""
+
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import pytest
+from ezdxf.document import Drawing as Document
+from typer.testing import CliRunner
+
+from signorini.cli.commands import app
+from signorini.errors import InputError
+from signorini.formats.drawing_toml import drawing_as_toml
+from signorini.formats.dxf import read_dxf
+
+RECTANGLE = [(0, 0), (12000, 0), (12000, 7000), (0, 7000)]
+
+
+def document(unit: int = 4) -> Document:
+    made = ezdxf.new()
+    made.header["$INSUNITS"] = unit
+    return made
+
+
+def on(layer: str) -> dict[str, str]:
+    return {"layer": layer}
+
+
+def saved(made: Document, directory: Path) -> Path:
+    path = directory / "floor.dxf"
+    made.saveas(path)
+    return path
+
+
+def plate(path: Path, **layers: str) -> dict[str, Any]:
+    return tomllib.loads(drawing_as_toml(read_dxf(path, layers), "floor"))["plate"]
+
+
+def test_sides_drawn_apart_are_joined_in_any_order_and_sense_with_their_arcs(tmp_path: Path) -> None:
+    made = document()
+    space = made.modelspace()
+    space.add_line((10000, 7000), (0, 7000), on("SLAB"))
+    space.add_line((12000, 0), (12000, 5000), on("SLAB"))
+    space.add_line((12000, 0), (0, 0), on("SLAB"))
+    space.add_arc((10000, 5000), 2000, 0, 90, dxfattribs=on("SLAB"))
+    space.add_line((0, 7000.4), (0, 0), on("SLAB"))
+    space.add_line((0, 0), (12000, 0), on("SLAB"))
+    drawing = read_dxf(saved(made, tmp_path), {"outline": "slab"})
+    assert drawing.outline.area == pytest.approx(12 * 7 - (4 - math.pi), rel=1e-4)
+    points = plate(tmp_path / "floor.dxf")["points"]
+    (arc,) = (point for point in points if isinstance(point, dict))
+    assert len(points) == 5
+    assert arc["through"] == pytest.approx([10 + 2 * math.sqrt(0.5), 5 + 2 * math.sqrt(0.5)], abs=1e-6)
+
+
+@pytest.mark.parametrize(("unit", "size"), [(1, 0.0254), (4, 1e-3), (6, 1.0), (2, 0.3048)])
+def test_lengths_are_metres_whatever_the_drawing_has(unit: int, size: float, tmp_path: Path) -> None:
+    made = document(unit)
+    made.modelspace().add_lwpolyline([(0, 0), (1000, 0), (1000, 500)], close=True)
+    assert read_dxf(saved(made, tmp_path), {}).outline.area == pytest.approx(size**2 * 250e3)
+
+
+def test_a_drawing_without_a_unit_asks_for_one(tmp_path: Path) -> None:
+    made = document(0)
+    made.modelspace().add_lwpolyline(RECTANGLE, close=True)
+    path = saved(made, tmp_path)
+    with pytest.raises(InputError, match=r"names no unit of length. Name one of mm, cm"):
+        read_dxf(path, {})
+    assert read_dxf(path, {}, "mm").outline.area == pytest.approx(84)
+
+
+def test_closed_lines_within_the_outline_on_its_layer_are_holes(tmp_path: Path) -> None:
+    made = document()
+    space = made.modelspace()
+    space.add_lwpolyline(RECTANGLE, close=True, dxfattribs=on("A"))
+    space.add_lwpolyline([(2000, 2000, -1), (3000, 2000, -1)], format="xyb", close=True, dxfattribs=on("A"))
+    space.add_circle((6000, 3000), 400, on("A"))
+    space.add_circle((60000, 3000), 400, on("A"))
+    drawing = read_dxf(saved(made, tmp_path), {})
+    assert [round(hole.area, 6) for hole in drawing.holes] == [round(math.pi * 0.5**2, 6), round(math.pi * 0.4**2, 6)]
+    assert drawing.left == ("layer A: 1 closed line",)
+
+
+def test_footprints_of_points_are_read_from_blocks_turned_scaled_and_repeated(tmp_path: Path) -> None:
+    made = document()
+    column = made.blocks.new("column")
+    column.add_lwpolyline([(-1, -2), (1, -2), (1, 2), (-1, 2)], close=True)
+    space = made.modelspace()
+    space.add_lwpolyline(RECTANGLE, close=True)
+    turned = {"rotation": 90, "xscale": 100, "yscale": 100, "layer": "columns"}
+    space.add_blockref("column", (3000, 3000), turned)
+    rows = {"xscale": 100, "yscale": 100, "layer": "columns", "column_count": 2, "column_spacing": 4000}
+    space.add_blockref("column", (4000, 1000), rows)
+    space.add_circle((1000, 1000), 250, on("columns"))
+    space.add_point((5000, 5000), dxfattribs=on("columns"))
+    points = read_dxf(saved(made, tmp_path), {"points": "columns"}).points
+    assert {size: [tuple(round(x, 6) for x in at) for at in places] for size, places in points.items()} == {
+        (): [(5, 5)],
+        (0.25,): [(1, 1)],
+        (0.4, 0.2): [(3, 3)],
+        (0.2, 0.4): [(4, 1), (8, 1)],
+    }
+
+
+def test_blocks_within_themselves_end(tmp_path: Path) -> None:
+    made = document()
+    made.blocks.new("a").add_blockref("b", (0, 0))
+    made.blocks.new("b").add_blockref("a", (1, 1))
+    made.modelspace().add_blockref("a", (0, 0))
+    made.modelspace().add_lwpolyline(RECTANGLE, close=True)
+    assert read_dxf(saved(made, tmp_path), {}).outline.area == pytest.approx(84)
+
+
+def test_ellipses_and_splines_become_chords_close_to_them(tmp_path: Path) -> None:
+    made = document(6)
+    made.modelspace().add_ellipse((0, 0), (8, 0), 0.5)
+    outline = read_dxf(saved(made, tmp_path), {}).outline
+    assert outline.area == pytest.approx(math.pi * 8 * 4, rel=2e-3) and len(outline.corners) < 120
+
+
+def test_what_is_mirrored_lies_where_it_is_drawn(tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    space.add_lwpolyline([(0, 0), (-4, 0), (-4, 3), (0, 3)], close=True, dxfattribs={"extrusion": (0, 0, -1)})
+    assert read_dxf(saved(made, tmp_path), {}).outline.box == pytest.approx((0, 0, 4, 3))
+
+
+def test_what_is_left_is_listed_by_layer_and_kind(tmp_path: Path) -> None:
+    made = document()
+    made.layers.add("old").off()
+    space = made.modelspace()
+    space.add_lwpolyline(RECTANGLE, close=True, dxfattribs=on("slab"))
+    space.add_text("C30/37", dxfattribs=on("notes"))
+    space.add_line((0, 0), (1, 1), on("notes"))
+    space.add_line((0, 0), (1, 1), on("old"))
+    left = read_dxf(saved(made, tmp_path), {"outline": "slab"}).left
+    assert left == ("layer notes: 1 open line, 1 TEXT", "layer old: 1 hidden LINE")
+
+
+@pytest.mark.parametrize(
+    ("layers", "message"),
+    [
+        ({"outline": "walls"}, r"no line of layer walls is closed. The longest has 2 sides and ends at \[0, 0\] and"),
+        ({"outline": "none"}, "nothing on a layer 'none'. Its layers are: axes, slab, walls"),
+        ({"outline": "axes"}, "layer axes has no closed line for the outline"),
+    ],
+)
+def test_layers_without_an_outline_say_what_is_there(layers: dict[str, str], message: str, tmp_path: Path) -> None:
+    made = document()
+    space = made.modelspace()
+    space.add_lwpolyline(RECTANGLE, close=True, dxfattribs=on("slab"))
+    space.add_lwpolyline([(0, 0), (5000, 0), (5000, 4000)], dxfattribs=on("walls"))
+    space.add_text("A", dxfattribs=on("axes"))
+    with pytest.raises(InputError, match=message):
+        read_dxf(saved(made, tmp_path), layers)
+
+
+def test_the_command_writes_a_file_once_and_says_what_it_took(tmp_path: Path) -> None:
+    made = document()
+    made.modelspace().add_lwpolyline(RECTANGLE, close=True)
+    path = saved(made, tmp_path)
+    run = CliRunner()
+    first = run.invoke(app, ["import-dxf", str(path)])
+    assert first.exit_code == 0 and "Taken: outline: 4 sides, 84 m², layer 0" in first.output
+    written = path.with_suffix(".toml").read_text(encoding="utf-8")
+    assert tomllib.loads(written)["plate"]["points"] == [[0, 0], [12, 0], [12, 7], [0, 7]]
+    again = run.invoke(app, ["import-dxf", str(path)])
+    assert again.exit_code == 2 and "exists already" in again.output
+
+
+def test_a_file_that_is_no_drawing_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "notes.dxf"
+    path.write_text("thickness 250\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"notes.dxf is no DXF drawing"):
+        read_dxf(path, {})

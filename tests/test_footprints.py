@@ -1,0 +1,281 @@
+"""Forces, couples and supports at points that are spread over footprints."""
+
+import numpy as np
+import pytest
+from models import rectangular
+
+from signorini import InputError, Model, path, solve
+from signorini.discretise import discretise
+from signorini.equilibrium.balance import rigid_freedom
+from signorini.equilibrium.limits import nearest_limit
+from signorini.results.marks import load_marks, support_marks
+
+HARD = {"edge": ["left", "right", "bottom", "top"], "fix": "hard"}
+FOOTPRINTS = [{"patch": [0.7, 0.5]}, {"radius": 0.33}, {"patch": [0.02, 0.05]}, {"patch": [2.2, 3.1]}, {}]
+WAYS = [
+    {"fix": "simple"},
+    {"stiffness": 1e8},
+    {"resists": "down"},
+    {"resists": "down", "stiffness": 1e8},
+    {"resists": "down", "gap": 1e-4},
+    {"gap": 1e-4, "stiffness": 1e9},
+]
+AT = [[1, 1], [3, 1], [1, 3], [3, 3]]
+
+
+def resultant(model: Model) -> np.ndarray:
+    """Force, and couples about the origin that work on the slopes in x and y."""
+    found = discretise(model)
+    force, mx, my = found.rigid_motions.T @ found.cases["load"].nodal
+    return np.array([force, *(np.array([mx, my]) + force * found.middle)])
+
+
+@pytest.mark.parametrize("footprint", FOOTPRINTS)
+@pytest.mark.parametrize("thickness", [0.2, "where(x > 1.3, 0.4, 0.2)"])
+def test_resultants_are_those_of_points(footprint, thickness):
+    def of(**load):
+        return resultant(
+            rectangular(divisions=[5, 7], thickness=thickness, support=[HARD], load=[load | {"at": [1.37, 2.2]}])
+        )
+
+    size = 100e3 * np.array([1, 4, 4])
+    np.testing.assert_allclose(of(force=100e3, **footprint) / size, [1, 1.37 / 4, 2.2 / 4], rtol=0, atol=1e-13)
+    np.testing.assert_allclose(of(moment=[3, 5], **footprint), [0, 3, 5], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(of(couple_about={"x": 3, "y": 5}, **footprint), [0, -5, 3], rtol=0, atol=1e-11)
+
+
+def test_a_couple_about_an_axis_turns_as_the_right_hand_does_with_z_down():
+    # About x it takes y to z: the side of greater y goes down. About y it takes z to x: the side of greater x goes up.
+    for about, down, up in (("x", [2, 2.6], [2, 1.4]), ("y", [1.4, 2], [2.6, 2])):
+        load = {"couple_about": {about: 10e3}, "at": [2, 2], "patch": [0.5, 0.5]}
+        found = solve(rectangular(divisions=[8, 8], support=[HARD], load=[load]))["all"].probe([down, up])
+        assert found[0].deflection > 0 > found[1].deflection
+
+
+@pytest.mark.parametrize("footprint", [*FOOTPRINTS[:-1], {"patch": [2.0, 2.0]}])
+def test_the_row_of_a_support_is_the_load_of_a_unit_force(footprint):
+    """The deflection is the mean over the footprint: what a force spread evenly works on."""
+    at = [[1.37, 2.2], [2.6, 1.9]]
+    support = [HARD, {"at": at, "resists": "down", **footprint}]
+    found = discretise(rectangular(divisions=[5, 7], support=support, load=[{"force": 1, "at": at[0], **footprint}]))
+    assert len(found.contacts) == 2
+    row = found.contact_rows.toarray()[0]
+    np.testing.assert_allclose(row, found.cases["load"].nodal, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(found.contact_rows @ found.rigid_motions, np.c_[[1, 1], np.array(at) - found.middle])
+
+
+@pytest.mark.parametrize("how", WAYS)
+@pytest.mark.parametrize("footprint", FOOTPRINTS[:2])
+def test_a_support_takes_the_mean_of_the_deflection_by_any_method(how, footprint):
+    load = [{"pressure": 5e3}, {"force": 20e3, "at": [2.2, 1.7], "radius": 0.2}]
+    reactions = []
+    for method in ("lemke", "active_set", "interior_point"):
+        model = rectangular(
+            divisions=[5, 7], support=[{"at": AT, **how, **footprint}], load=load, solver={"method": method}
+        )
+        result = solve(model)["all"]
+        mean = discretise(
+            rectangular(divisions=[5, 7], support=[{"at": AT, "resists": "down", **footprint}], load=load)
+        ).contact_rows @ np.concatenate([np.c_[result.deflection, result.rotation].ravel()])
+        forces = result.supports[0].reactions
+        reactions.append(forces)
+        stretch = forces / how.get("stiffness", np.inf) + how.get("gap", 0.0)
+        np.testing.assert_allclose(mean, stretch, rtol=0, atol=1e-11)
+        np.testing.assert_allclose(result.supports[0].positions, AT, rtol=0, atol=0)
+        assert forces.sum() == pytest.approx(100e3, rel=1e-9)
+    np.testing.assert_allclose(reactions[1:], [reactions[0]] * 2, rtol=1e-7)
+
+
+def test_tables_and_paths_have_the_reactions_of_single_solves():
+    supports = [
+        {"at": AT, "resists": "down", "patch": [0.7, 0.5], "stiffness": 1e8},
+        {"at": [2, 2], "resists": "up", "radius": 0.4, "gap": 1e-4},
+    ]
+    load = [{"case": "G", "pressure": 2e3}, {"case": "Q", "force": 30e3, "at": [3.4, 2], "patch": [0.3, 0.3]}]
+    factors = [{"G": g, "Q": q} for g in (1, 1.35) for q in (0, 0.5, 1.0)]
+    single = rectangular(support=supports, load=load, combination=[{"factors": one} for one in factors])
+    table = Model(**(single.model_dump(exclude_unset=True) | {"output": {"combinations": "table"}}))
+    in_table = solve(table).table
+    for row, result in enumerate(solve(single).values()):
+        for support in result.supports:
+            for number, force in enumerate(support.reactions, start=1):
+                name = f"reaction_at:{support.name}[{number}]"
+                assert in_table[name][row] == pytest.approx(force, rel=1e-8, abs=1e-4)
+    found = path(single, start="G", add="Q", until=1.0)
+    np.testing.assert_allclose(
+        found.at(1.0).supports[0].reactions, solve(single)["combination 3"].supports[0].reactions, rtol=1e-8
+    )
+
+
+def navier(sides, thickness, patch, at, force, modulus, poisson, terms=399):
+    """Deflection of a simply supported Reissner-Mindlin plate in the middle of a patch load, edges without twist."""
+    (a, b), (u, v), (x, y) = sides, patch, at
+    rigidity = modulus * thickness**3 / 12 / (1 - poisson**2)
+    shear = 5 / 6 * modulus / 2 / (1 + poisson) * thickness
+    p, q = (np.pi * np.arange(1, terms + 1) / side for side in (a, b))
+    of_load = np.outer(np.sin(p * x) * np.sinc(p * u / 2 / np.pi), np.sin(q * y) * np.sinc(q * v / 2 / np.pi))
+    waves = p[:, None] ** 2 + q**2
+    amplitude = 4 * force / (a * b) * of_load * (1 / (rigidity * waves**2) + 1 / (shear * waves))
+    return (amplitude * np.outer(np.sin(p * x), np.sin(q * y))).sum()
+
+
+@pytest.mark.parametrize("patch", [[0.8, 0.6], [0.3, 0.3]])
+def test_a_patch_load_deflects_a_simply_supported_plate_by_naviers_series(patch):
+    load = {"force": 50e3, "at": [1.6, 2.3], "patch": patch}
+    model = rectangular(size=(4, 5), divisions=[32, 40], support=[HARD], load=[load], probe=[{"at": [1.6, 2.3]}])
+    exact = navier((4, 5), 0.2, patch, (1.6, 2.3), 50e3, 30e9, 0.2)
+    assert solve(model)["all"].probes[0].deflection == pytest.approx(exact, rel=2e-4)
+
+
+def test_moments_converge_under_a_couple_on_a_footprint_and_grow_for_ever_under_that_of_a_point():
+    def largest(**footprint):
+        load = {"moment": [10e3, 0], "at": [2.1, 1.9], **footprint}
+        models = (rectangular(divisions=[n, n], support=[HARD], load=[load]) for n in (8, 16, 32))
+        return np.array([np.abs(solve(model)["all"].moment).max() for model in models])
+
+    spread, single = largest(patch=[0.6, 0.6]), largest()
+    assert np.ptp(spread) < 0.02 * spread[0]
+    assert (single[1:] > 1.9 * single[:-1]).all()
+
+
+@pytest.mark.parametrize("footprint", [{"patch": [1.0, 2.0]}, {"radius": 0.35}])
+def test_edges_of_symmetry_cut_footprints_through_their_middle(footprint):
+    bearings = {"resists": "down", "stiffness": 1e8, **footprint}
+    whole = rectangular(
+        size=(8, 8),
+        divisions=[16, 16],
+        support=[{"at": [[4, 4], [4, 1], [4, 7], [1, 4], [7, 4]], **bearings}],
+        load=[{"pressure": 5e3}, {"force": 40e3, "at": [4, 4], "patch": [1, 1]}],
+    )
+    quarter = rectangular(
+        plate={"shape": "rectangle", "size": [4, 4], "origin": [4, 4], "thickness": 0.2},
+        divisions=[8, 8],
+        support=[
+            {"edge": ["left", "bottom"], "fix": "symmetry"},
+            {"at": [4, 4], **bearings, "stiffness": 0.25e8},
+            {"at": [[4, 7], [7, 4]], **bearings, "stiffness": 0.5e8},
+        ],
+        load=[{"pressure": 5e3}, {"force": 10e3, "at": [4, 4], "patch": [1, 1]}],
+    )
+    all_of_it, part = solve(whole)["all"], solve(quarter)["all"]
+    forces = all_of_it.supports[0].reactions
+    assert part.supports[1].reaction == pytest.approx(forces[0] / 4, rel=1e-9)
+    np.testing.assert_allclose(part.supports[2].reactions, forces[[2, 4]] / 2, rtol=1e-9)
+    points = [[4.3, 4.1], [6, 7.5]]
+    np.testing.assert_allclose(
+        [one.deflection for one in part.probe(points)], [one.deflection for one in all_of_it.probe(points)], rtol=1e-8
+    )
+
+
+def test_a_sector_has_its_part_of_a_disc_about_its_middle():
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "disc", "radius": 2, "sector": 90, "thickness": 0.2},
+        support=[{"edge": ["start", "end"], "fix": "symmetry"}, {"edge": "rim", "fix": "simple"}],
+        load=[{"force": 25e3, "at": [0, 0], "radius": 0.4}],
+    )
+    assert resultant(model)[0] == pytest.approx(25e3, rel=1e-12)
+
+
+@pytest.mark.parametrize("item", ["support", "load"])
+@pytest.mark.parametrize(
+    ("at", "others"),
+    [
+        ([[2, 2], [0.2, 2]], []),
+        ([[2, 2], [0, 2]], []),
+        ([[2, 2], [0.2, 2]], [{"edge": "left", "fix": "symmetry"}]),
+        ([[2, 2], [0, 4]], [{"edge": "left", "fix": "symmetry"}]),
+    ],
+)
+def test_a_footprint_beyond_the_plate_is_refused_with_its_place(item, at, others):
+    spread = {"at": at, "patch": [0.5, 0.5]}
+    support = [*others, spread] if item == "support" else [HARD, *others]
+    load = [{"force": 1e3, **spread}] if item == "load" else [{"pressure": 1e3}]
+    place = rf"{item}\[{len(others) + 1 if item == 'support' else 1}\]\.at\[2\]"
+    with pytest.raises(
+        InputError, match=place + r".*The footprint of the point \[0, 2|" + place + r".*\[0\.2, 2|" + place
+    ):
+        discretise(rectangular(support=support, load=load))
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"patch": [0, 1]}, "greater than 0"),
+        ({"patch": [1, -1]}, "greater than 0"),
+        ({"patch": 1}, "length along x"),
+        ({"radius": 0}, "greater than 0"),
+        ({"radius": -1}, "greater than 0"),
+        ({"radius": 1, "patch": [1, 1]}, "found both patch and radius"),
+    ],
+)
+def test_sizes_that_are_none_are_refused(given, message):
+    for table in ({"load": [{"force": 1, "at": [2, 2], **given}]}, {"support": [HARD, {"at": [2, 2], **given}]}):
+        with pytest.raises(InputError, match=message):
+            rectangular(**{"support": [HARD], "load": [{"pressure": 1}]} | table)
+
+
+def test_footprints_are_those_of_points():
+    for wrong, message in (
+        ({"load": [{"pressure": 1, "patch": [1, 1]}]}, "patch does not go with pressure"),
+        ({"load": [{"line_load": 1, "edge": "left", "radius": 1}]}, "radius does not go with line_load"),
+        ({"support": [{"edge": "left", "fix": "simple", "radius": 1}]}, "it goes with at or nodes"),
+        ({"support": [{"at": [2, 2], "fix": "clamped", "radius": 1}]}, "holds slopes"),
+        ({"load": [{"couple_about": {}, "at": [1, 1]}]}, "found neither x nor y"),
+    ):
+        with pytest.raises(InputError, match=message):
+            rectangular(**{"support": [HARD], "load": [{"pressure": 1}]} | wrong)
+
+
+def test_a_footprint_bears_at_its_middle():
+    """Its pressure is even, so that it holds no moment: the limit of equilibrium is that of points."""
+
+    def limit(**footprint):
+        found = discretise(
+            rectangular(
+                support=[{"at": AT, "resists": "down", **footprint}],
+                load=[
+                    {"case": "G", "pressure": 5e3},
+                    {"case": "Q", "force": 20e3, "at": [3.7, 2], "radius": 0.2},
+                    {"case": "W", "force": 5e3, "at": [2, 0.5]},
+                ],
+            )
+        )
+        return nearest_limit(found, rigid_freedom(found), found.model.effective_combinations[0])
+
+    (case, spread), (same, single) = limit(patch=[0.8, 0.8]), limit()
+    assert case == same
+    assert spread == pytest.approx(single, rel=1e-12)
+
+
+def test_mean_deflections_over_one_place_may_differ_from_the_points():
+    # A footprint's mean says nothing of its middle: no contradiction, and a plate that bends between them.
+    support = [{"edge": "left", "fix": "clamped"}, {"at": [2, 2], "radius": 0.5}, {"at": [2, 2], "settlement": 1e-4}]
+    result = solve(rectangular(divisions=[8, 8], support=support, load=[{"pressure": 1e3}]))["all"]
+    assert result.certificate.passed
+    assert result.supports[1].reaction > 0 > result.supports[2].reaction
+
+
+def test_supports_on_the_same_footprint_share_or_contradict():
+    here = {"at": [3, 2], "radius": 0.5}
+    left = {"edge": "left", "fix": "clamped"}
+    shared = solve(rectangular(support=[left, here, here], load=[{"pressure": 1e3}]))["all"]
+    assert shared.supports[1].reaction == pytest.approx(shared.supports[2].reaction, rel=1e-9)
+    with pytest.raises(InputError, match="contradict each other"):
+        solve(rectangular(support=[left, here, here | {"settlement": 1e-3}], load=[{"pressure": 1e3}]))
+
+
+def test_pictures_show_footprints():
+    support = [HARD, {"at": AT, "resists": "down", "patch": [0.5, 0.3]}]
+    found = discretise(rectangular(support=support, load=[{"force": 1e3, "at": [2, 2], "radius": 0.5}]))
+    (load,), support = load_marks(found), support_marks(found)[1]
+    np.testing.assert_allclose(np.hypot(*(load.footprints[1:] - [2, 2]).T), 0.5)
+    assert np.isnan(support.footprints[:, 0]).sum() == 4
+    np.testing.assert_allclose(np.ptp(support.footprints[1:6], axis=0), [0.5, 0.3])
+
+
+def test_the_mesh_follows_patches():
+    found = discretise(
+        rectangular(divisions=[8, 8], support=[HARD], load=[{"force": 1, "at": [2.03, 2], "patch": [1, 1]}])
+    )
+    assert {1.53, 2.53} <= set(found.mesh.points[:, 0].round(12))
