@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 from models import rectangular
 
 from signorini import InputError, Model, solve
+from signorini.analysis import accuracy
 from signorini.discretise import discretise
 from signorini.mesh.grading import STEEPEST, graded
+from signorini.output import results_json
 
 EDGES = ["left", "right", "bottom", "top"]
 NUMBERS = st.floats(0.0, 10.0)
@@ -91,3 +93,65 @@ def test_only_rectangles_can_be_refined() -> None:
             mesh={"refine": [{"at": [0, 0], "size": 0.1}]},
             load=[{"pressure": 1.0}],
         )
+
+
+def asked(part: float, **others: object) -> Model:
+    """A slab with a wheel near its corner."""
+    given: dict[str, object] = {
+        "size": (10, 10),
+        "thickness": 0.3,
+        "mesh": {"divisions": [10, 10], "accuracy": part},
+        "support": [{"edge": EDGES, "resists": "down"}],
+        "load": [{"pressure": 2e3}, {"pressure": 5e5, "area": {"rectangle": [0.5, 0.5, 1.5, 1.5]}}],
+        "probe": [{"at": [[5, 5], [1, 1]]}],
+    }
+    return rectangular(**given | others)
+
+
+def test_a_mesh_is_refined_until_it_is_as_near_as_asked() -> None:
+    results = solve(asked(0.05))
+    first, *_, last = results.refinement
+    assert first.worst > 0.05 >= last.worst
+    assert results.accuracy_warning == ""
+    assert len(results["all"].mesh.elements) == last.elements < 1600
+    written = results_json(results)
+    assert written["refinement"][-1]["worst"] == last.worst
+    width = written["combinations"][0]["plus_minus"]["probes"][1]["moment"][0]
+    assert width <= 0.05 * abs(results["all"].moment).max()
+
+
+def test_a_disc_is_refined_everywhere() -> None:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "disc", "radius": 2, "thickness": 0.1},
+        mesh={"divisions": [4, 16], "accuracy": 0.02},
+        support=[{"edge": "rim", "fix": "clamped"}],
+        load=[{"pressure": 1e3}],
+        probe=[{"at": [[0, 0], [2, 0]]}],
+    )
+    steps = solve(model).refinement
+    assert steps[-1].worst <= 0.02 < steps[0].worst
+
+
+def test_where_memory_ends_it_is_said_what_it_would_take(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(accuracy, "fits", lambda wanted: False)
+    results = solve(asked(0.01))
+    assert len(results.refinement) == 1
+    assert "The accuracy of 0.01 that was asked for is not reached: ± 0." in results.accuracy_warning
+    assert "of all: the probe at [1, 1]" in results.accuracy_warning
+    assert "GB of memory" in results.accuracy_warning
+    assert results.accuracy_warning in results_json(results)["combinations"][0]["warnings"]
+
+
+def test_what_does_not_come_nearer_is_given_up() -> None:
+    steps = [accuracy.Refined(100 * n, 1000 * n, 0.5, "all: mx") for n in range(1, 5)]
+    finer, why = accuracy.refined(asked(0.01), {}, steps)
+    assert finer is None
+    assert "Finer meshes do not bring it much nearer" in why
+
+
+def test_an_accuracy_needs_half_widths() -> None:
+    with pytest.raises(InputError, match="an accuracy that is asked for needs half-widths"):
+        plate(accuracy=0.1, error=False)
+    with pytest.raises(InputError, match=r"mesh\.accuracy"):
+        plate(accuracy=2)

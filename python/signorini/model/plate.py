@@ -96,6 +96,10 @@ class MeshOptions(Table):
     )
     size: Positive | None = Field(default=None, description="Largest side of an element.")
     refine: tuple[Refinement, ...] = Field(default=(), description="Places of a rectangle with smaller elements.")
+    accuracy: Annotated[float, Field(gt=0, lt=1), BeforeValidator(number)] | None = Field(
+        default=None,
+        description="Refine until every half-width is at most this part of the largest value of its field.",
+    )
     error: StrictBool | None = Field(
         default=None,
         description="Say of every number how far the mesh is from the plate, by the plate's answers on other meshes; "
@@ -105,6 +109,8 @@ class MeshOptions(Table):
     def _complaints(self) -> Iterator[Complaint]:
         if self.divisions is not None and self.size is not None:
             yield ("size",), "found both divisions and size; give one of them."
+        if self.accuracy is not None and self.error is False:
+            yield ("error",), "found false; an accuracy that is asked for needs half-widths. Leave it out."
 
 
 def _require_shape(schema: dict[str, Any]) -> None:

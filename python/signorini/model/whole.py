@@ -132,7 +132,7 @@ class Model(Table):
         if self.mesh.refine and not isinstance(self.plate, RectanglePlate):
             yield ("mesh", "refine"), f"only a rectangle's mesh can be refined; this plate is a {self.plate.shape}."
         if isinstance(self.plate, MeshPlate):
-            for key in self.mesh.given(("divisions", "size")):
+            for key in self.mesh.given(("divisions", "size", "accuracy")):
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
             return
         first, second = self.plate.divisions(self.mesh)
