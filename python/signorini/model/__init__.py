@@ -10,7 +10,7 @@ from signorini.model.generated import Combinations
 from signorini.model.load import Load, Probe
 from signorini.model.moving import Moving
 from signorini.model.output import ENVELOPED, Output
-from signorini.model.plate import AnnulusPlate, DiscPlate, Material, MeshOptions, MeshPlate, RectanglePlate
+from signorini.model.plate import AnnulusPlate, DiscPlate, Material, MeshOptions, MeshPlate, RectanglePlate, Refinement
 from signorini.model.support import Support
 from signorini.model.validation import validate
 from signorini.model.whole import Model, Solver, Units
@@ -36,6 +36,7 @@ __all__ = [
     "Plate",
     "Probe",
     "RectanglePlate",
+    "Refinement",
     "Solver",
     "Support",
     "Units",

@@ -11,11 +11,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, StrictBool, WithJsonSchema
 
+from signorini.model.area import Area, Box
 from signorini.model.base import (
     Complaint,
     Count,
+    Edges,
     NonNegative,
     Point,
+    Points,
+    Polyline,
     Positive,
     PositiveScalar,
     Table,
@@ -25,6 +29,7 @@ from signorini.model.base import (
 )
 from signorini.model.problems import BRANCHES
 from signorini.model.words import describe
+from signorini.shapes.outlines import bounds_of
 
 _DEFAULT_ALONG = 20
 _FARTHEST = 1e6
@@ -50,6 +55,36 @@ Divisions = Annotated[
 ]
 
 
+_REFINED = ("at", "edge", "line", "area")
+
+
+class Refinement(Table):
+    """Smaller elements at a place of a rectangle, growing by at most 1.3 from one to the next away from it."""
+
+    at: Points | None = Field(default=None, description="A point [x, y] or a list of points.")
+    edge: Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
+    line: Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
+    area: Area | None = Field(default=None, description="A table with one of rectangle, circle, polygon.")
+    size: Positive = Field(description="Largest side of an element there.")
+
+    def _complaints(self) -> Iterator[Complaint]:
+        places = self.given(_REFINED)
+        if len(places) != 1:
+            yield (), f"found {' and '.join(places) or 'no place'}; exactly one of {', '.join(_REFINED)} is needed."
+
+    def boxes(self, plate: Box) -> list[Box]:
+        """Boxes [x0, y0, x1, y1] around the places, of a rectangle with that box."""
+        x0, y0, x1, y1 = plate
+        sides = {"left": (x0, y0, x0, y1), "right": (x1, y0, x1, y1), "bottom": (x0, y0, x1, y0)}
+        sides["top"] = (x0, y1, x1, y1)
+        found = [sides[name] for name in self.edge or ()] + [(x, y, x, y) for x, y in self.at or ()]
+        if self.line is not None:
+            found.append(bounds_of(self.line))
+        if self.area is not None:
+            found.append(self.area.region.bounds)
+        return found
+
+
 class MeshOptions(Table):
     """How finely the plate is meshed: by counts or by element size; by default 20 elements along the longer side."""
 
@@ -60,6 +95,11 @@ class MeshOptions(Table):
         description="Numbers of elements: [along x, along y] of a rectangle, [radial, around] of a disc or annulus.",
     )
     size: Positive | None = Field(default=None, description="Largest side of an element.")
+    refine: tuple[Refinement, ...] = Field(default=(), description="Places of a rectangle with smaller elements.")
+    accuracy: Annotated[float, Field(gt=0, lt=1), BeforeValidator(number)] | None = Field(
+        default=None,
+        description="Refine until every half-width is at most this part of the largest value of its field.",
+    )
     error: StrictBool | None = Field(
         default=None,
         description="Say of every number how far the mesh is from the plate, by the plate's answers on other meshes; "
@@ -69,6 +109,8 @@ class MeshOptions(Table):
     def _complaints(self) -> Iterator[Complaint]:
         if self.divisions is not None and self.size is not None:
             yield ("size",), "found both divisions and size; give one of them."
+        if self.accuracy is not None and self.error is False:
+            yield ("error",), "found false; an accuracy that is asked for needs half-widths. Leave it out."
 
 
 def _require_shape(schema: dict[str, Any]) -> None:
@@ -105,7 +147,8 @@ class _OutlinedPlate(_Plate):
             max(math.ceil(count / factor), least)
             for count, least in zip(self.divisions(mesh), self.fewest, strict=True)
         )
-        return MeshOptions(divisions=(first, second))
+        refine = tuple(one.model_copy(update={"size": one.size * factor}) for one in mesh.refine)
+        return MeshOptions(divisions=(first, second), refine=refine)
 
     @property
     def fewest(self) -> tuple[int, int]:

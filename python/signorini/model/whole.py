@@ -15,7 +15,7 @@ from signorini.model.generated import Choice, Combinations, Positions, Product, 
 from signorini.model.load import Load, Probe
 from signorini.model.moving import Moving
 from signorini.model.output import FEW, Output
-from signorini.model.plate import AnyPlate, Material, MeshOptions, MeshPlate
+from signorini.model.plate import AnyPlate, Material, MeshOptions, MeshPlate, RectanglePlate
 from signorini.model.problems import TOP, tables_of
 from signorini.model.support import Support
 
@@ -129,8 +129,10 @@ class Model(Table):
         yield from self._combination_complaints()
 
     def _mesh_complaints(self) -> Iterator[Complaint]:
+        if self.mesh.refine and not isinstance(self.plate, RectanglePlate):
+            yield ("mesh", "refine"), f"only a rectangle's mesh can be refined; this plate is a {self.plate.shape}."
         if isinstance(self.plate, MeshPlate):
-            for key in self.mesh.given(("divisions", "size")):
+            for key in self.mesh.given(("divisions", "size", "accuracy")):
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
             return
         first, second = self.plate.divisions(self.mesh)
@@ -218,12 +220,15 @@ class Model(Table):
         names = self.plate.edge_names
         if names is None:
             return
-        edges = [("support", index, support.edge or ()) for index, support in enumerate(self.support)]
-        edges += [("load", index, load.edge or ()) for index, load in enumerate(self.load)]
-        for key, index, listed in edges:
+        places: list[tuple[tuple[str | int, ...], tuple[str, ...]]] = [
+            *((("support", index), support.edge or ()) for index, support in enumerate(self.support)),
+            *((("load", index), load.edge or ()) for index, load in enumerate(self.load)),
+            *((("mesh", "refine", index), one.edge or ()) for index, one in enumerate(self.mesh.refine)),
+        ]
+        for place, listed in places:
             for position, edge in enumerate(listed):
                 if edge not in names:
-                    yield (key, index, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
+                    yield (*place, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
 
     def _node_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):
