@@ -19,6 +19,7 @@ use pyo3::prelude::*;
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(interpolation::serendipity, module)?)?;
+    module.add_function(wrap_pyfunction!(interpolation::triangular, module)?)?;
     module.add_function(wrap_pyfunction!(lcp::lemke, module)?)?;
     module.add_function(wrap_pyfunction!(mesher::mesh_outline, module)?)?;
     module.add_class::<lcp::LcpSolution>()?;

@@ -12,7 +12,7 @@ use signorini_core::residual::{Displacement, internal_magnitudes, openings, resi
 use signorini_core::stress;
 use std::sync::Arc;
 
-/// A discretised plate: nodes (n, 2), 8-node elements (e, 8), thickness, material and element kind ("mitc9" or "q8r").
+/// A discretised plate: nodes (n, 2), 8-node elements (e, 8), of triangles [a, b, c, c, ab, bc, c, ca], thickness, material and element kind ("mitc9" or "q8r").
 ///
 /// `thickness` is one number or that of every element (e, p) at its `section_points`. `layered`, if given, has the
 /// elements (k,), in increasing order, inside which the thickness jumps, and at their points the rigidities (k, p, 9):
@@ -78,10 +78,11 @@ fn section(values: &[f64]) -> Section {
 }
 
 /// Reference points (p, 2) at which an element of a kind asks for its thickness: those of its stiffness, then the four
-/// at which moments and shears are sampled, which of q8r are the same.
+/// at which moments and shears are sampled, which of q8r are the same; of quadrilaterals, or of triangles.
 #[pyfunction]
-pub fn section_points<'py>(py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let points = kind_of(kind)?.points();
+#[pyo3(signature = (kind, triangle=false))]
+pub fn section_points<'py>(py: Python<'py>, kind: &str, triangle: bool) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let points = kind_of(kind)?.points_of(triangle);
     matrix(py, points.iter().flat_map(|&(xi, eta, _)| [xi, eta]).collect(), 2)
 }
 
@@ -232,7 +233,8 @@ impl Plate {
         })
     }
 
-    /// [mx, my, mxy, qx, qy] at nodes (n, 5) and at the elements' 2×2 Gauss points (e, 4, 5).
+    /// [mx, my, mxy, qx, qy] at nodes (n, 5) and at the elements' four samples (e, 4, 5): 2×2 Gauss points, of triangles
+    /// three near the corners and the centroid.
     fn stresses<'py>(
         &self,
         py: Python<'py>,

@@ -34,12 +34,14 @@ __all__ = [
     "solution_stresses",
     "solve_together",
     "superpose",
+    "triangular",
 ]
 
 __version__: str
 
 def serendipity(xi: _Floats) -> tuple[_Floats, _Floats]: ...
-def section_points(kind: str) -> _Floats: ...
+def triangular(xi: _Floats) -> tuple[_Floats, _Floats]: ...
+def section_points(kind: str, triangle: bool = False) -> _Floats: ...
 def lemke(
     matrix: _Floats,
     q: _Floats,

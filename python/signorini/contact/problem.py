@@ -181,7 +181,7 @@ class ContactProblem(Remade):
 
     @property
     def mesh(self) -> Mesh:
-        """Nodes, ``mesh.points`` (n, 2), and 8-node elements, ``mesh.elements`` (ne, 8)."""
+        """Nodes, ``mesh.points`` (n, 2), and elements, ``mesh.elements`` (ne, 8); see `signorini.mesh.Mesh`."""
         return self.discretisation.mesh
 
     @property
