@@ -1,5 +1,6 @@
 """Mesh files: what is read from each format, and what is refused."""
 
+import json
 import threading
 import time
 
@@ -7,8 +8,10 @@ import meshio
 import numpy as np
 import pytest
 from halving import halved
+from typer.testing import CliRunner
 
-from signorini import Model, solve
+from signorini import Model, load, solve
+from signorini.cli import app
 from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.mesh.meshers import annulus, rectangle
@@ -67,6 +70,32 @@ def test_triangles_are_read_beside_quadrilaterals(tmp_path, part, clockwise):
     assert (len(mesh.elements), mesh.triangles.sum()) == (len(wanted.elements), wanted.triangles.sum())
     assert mesh.element_area.sum() == pytest.approx(8.0, rel=1e-14)
     assert same_edge(np.sort(mesh.edges["boundary"]), np.sort(wanted.boundary))
+
+
+def test_a_plate_of_triangles_is_solved_by_the_command(tmp_path):
+    mesh, data = mixed(0.5)
+    write(tmp_path / "plate.vtu", data)
+    (tmp_path / "slab.toml").write_text(
+        """
+        material = { E = 30e9, nu = 0.2 }
+        plate = { shape = "mesh", file = "plate.vtu", thickness = 0.2 }
+        support = [{ name = "soil", area = "all", resists = "down", stiffness = 30e6 }]
+        load = [{ case = "G", pressure = 2e3 }, { case = "Q", force = 50e3, at = [0.5, 0.4] }]
+        combination = [{ name = "G", factors = { G = 1 } }, { name = "both", factors = { G = 1.35, Q = 1.5 } }]
+        output = { combinations = "table", fields = "all" }
+        """
+    )
+    ran = CliRunner().invoke(app, ["solve", str(tmp_path / "slab.toml")])
+    assert ran.exit_code == 0
+    assert f"{(~mesh.triangles).sum()} elements mitc9 and {mesh.triangles.sum()} elements mitc7" in ran.output
+    results = json.loads((tmp_path / "slab-results" / "results.json").read_text())
+    both = results["combinations"][1]
+    assert both["certificate"]["passed"]
+    assert both["supports"][0]["reaction"] == pytest.approx(1.35 * 16e3 + 75e3)
+    back = meshio.read(tmp_path / "slab-results" / "both.vtu")
+    assert sum(len(block.data) for block in back.cells if block.type == "triangle6") == mesh.triangles.sum()
+    alone = solve(load(tmp_path / "slab.toml"))["both"]
+    assert back.point_data["deflection"] == pytest.approx(alone.deflection, abs=1e-12)
 
 
 def test_triangles_of_q8r_are_refused(tmp_path):

@@ -102,14 +102,15 @@ def _print_model(console: Console, found: Discretisation) -> None:
     one_sided = int((~found.contacts.two_sided).sum())
     say(
         console,
-        f"{model.plate.shape}, {len(found.mesh.elements)} elements {_kinds(found)}, "
+        f"{model.plate.shape}, {_elements(found)}, "
         f"{found.mesh.node_count} nodes, {found.dof_count} dofs, {one_sided} one-sided contact points",
     )
 
 
-def _kinds(found: Discretisation) -> str:
-    triangles = int(found.mesh.triangles.sum())
-    return f"{found.model.plate.element}, {triangles} of them mitc7" if triangles else found.model.plate.element
+def _elements(found: Discretisation) -> str:
+    triangles, count = int(found.mesh.triangles.sum()), len(found.mesh.elements)
+    kinds = {found.model.plate.element: count - triangles, "mitc7": triangles}
+    return " and ".join(f"{many} elements {kind}" for kind, many in kinds.items() if many)
 
 
 def _print_summary(console: Console, results: Results) -> None:
