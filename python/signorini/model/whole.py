@@ -13,9 +13,10 @@ from signorini.model.base import Complaint, Table, Text
 from signorini.model.combination import Combination
 from signorini.model.generated import Choice, Combinations, Positions, Product, products
 from signorini.model.load import Load, Probe
+from signorini.model.meshoptions import MeshOptions
 from signorini.model.moving import Moving
 from signorini.model.output import FEW, Output
-from signorini.model.plate import AnyPlate, Material, MeshOptions, MeshPlate
+from signorini.model.plate import AnyPlate, Material, MeshPlate, PolygonPlate
 from signorini.model.problems import TOP, tables_of
 from signorini.model.support import Support
 
@@ -125,8 +126,13 @@ class Model(Table):
 
     def _mesh_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):
-            for key in self.mesh.given(("divisions", "size")):
+            for key in [*self.mesh.given(("divisions", "size")), *(["refine"] if self.mesh.refine else [])]:
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
+            return
+        if isinstance(self.plate, PolygonPlate) or self.plate.holes or self.mesh.refine:
+            if self.mesh.divisions is not None:
+                why = "a polygon" if isinstance(self.plate, PolygonPlate) else "holes" if self.plate.holes else "refine"
+                yield ("mesh", "divisions"), f"divisions count the elements of a regular mesh; with {why} give size."
             return
         first, second = self.plate.divisions(self.mesh)
         fewest = self.plate.fewest[1]
@@ -215,10 +221,12 @@ class Model(Table):
             return
         edges = [("support", index, support.edge or ()) for index, support in enumerate(self.support)]
         edges += [("load", index, load.edge or ()) for index, load in enumerate(self.load)]
+        edges += [("refine", index, part.edge or ()) for index, part in enumerate(self.mesh.refine)]
         for key, index, listed in edges:
             for position, edge in enumerate(listed):
                 if edge not in names:
-                    yield (key, index, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
+                    place = ("mesh", "refine") if key == "refine" else (key,)
+                    yield (*place, index, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
 
     def _node_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):
