@@ -115,7 +115,7 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
         (found.plate.openings, [*rows.arrays, contacts.distance, u, u]),
         (_core.superpose, [one, u[None]]),
         (_core.Plate, plate),
-        (layered, [*plate[:7], np.array([2]), rigidities]),
+        (layered, [*plate[:6], np.array([2]), rigidities]),
         (found.plate.interpolation_rows, [rows.elements, np.zeros((len(rows), 2)), 0]),
         (found.plate.curvature_load, [np.array([0.1, 0.0, 0.2])]),
         (residual, [load, u, 1e-17 * u, *spring]),
