@@ -7,7 +7,7 @@ import os
 from abc import abstractmethod
 from collections.abc import Iterator
 from pathlib import Path as FilePath
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
@@ -34,16 +34,88 @@ _FARTHEST = 1e6
 """Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
 
 
-class Material(Table):
-    """A linear elastic, isotropic material."""
+_ISOTROPIC = ("E", "nu")
+_ORTHOTROPIC = ("Ex", "Ey", "nu_xy", "Gxy", "Gxz", "Gyz", "angle")
+_NEEDED = ("Ex", "Ey", "nu_xy", "Gxy")
 
-    E: Positive = Field(description="Young's modulus, force per area.")
-    nu: Annotated[float, Field(gt=-1, lt=0.5), BeforeValidator(number)] = Field(
-        description="Poisson's ratio, between -1 and 0.5."
+
+class Axes(NamedTuple):
+    """Moduli of an orthotropic material along its own axes, the first turned by an angle from x, in degrees."""
+
+    Ex: float
+    Ey: float
+    nu_xy: float
+    Gxy: float
+    Gxz: float
+    Gyz: float
+    angle: float
+
+
+def _either(schema: dict[str, Any]) -> None:
+    none = {"not": {"anyOf": [{"required": [key]} for key in _ORTHOTROPIC]}}
+    only = {"not": {"anyOf": [{"required": [key]} for key in _ISOTROPIC]}}
+    schema["oneOf"] = [{"required": list(_ISOTROPIC), **none}, {"required": list(_NEEDED), **only}]
+
+
+class Material(Table):
+    """A linear elastic material: isotropic by E and nu, or orthotropic by Ex, Ey, nu_xy and Gxy."""
+
+    model_config = ConfigDict(json_schema_extra=_either)
+
+    E: Positive | None = Field(default=None, description="Young's modulus, force per area.")
+    nu: Annotated[float, Field(gt=-1, lt=0.5), BeforeValidator(number)] | None = Field(
+        default=None, description="Poisson's ratio, between -1 and 0.5."
+    )
+    Ex: Positive | None = Field(default=None, description="Young's modulus along the first axis.")
+    Ey: Positive | None = Field(default=None, description="Young's modulus along the second axis.")
+    nu_xy: Annotated[float, BeforeValidator(number)] | None = Field(
+        default=None, description="Poisson's ratio: how far it shrinks along the second axis, pulled along the first."
+    )
+    Gxy: Positive | None = Field(default=None, description="Shear modulus in the plane of the plate.")
+    Gxz: Positive | None = Field(default=None, description="Shear modulus across the plate, first axis; default Gxy.")
+    Gyz: Positive | None = Field(default=None, description="Shear modulus across the plate, second axis; default Gxy.")
+    angle: Annotated[float, BeforeValidator(number)] | None = Field(
+        default=None, description="Angle from x to the first axis, in degrees; default 0."
     )
     unit_weight: NonNegative | None = Field(
         default=None, description="Weight per volume; needed by a load of self_weight."
     )
+
+    @property
+    def young(self) -> float:
+        """Young's modulus, of an orthotropic material the larger one."""
+        return self.E if self.E is not None else max(self.axes.Ex, self.axes.Ey)
+
+    @property
+    def axes(self) -> Axes:
+        """What an orthotropic material is."""
+        Ex, Ey, nu_xy, Gxy = (getattr(self, key) for key in _NEEDED)
+        return Axes(Ex, Ey, nu_xy, Gxy, self.Gxz or Gxy, self.Gyz or Gxy, self.angle or 0.0)
+
+    def _complaints(self) -> Iterator[Complaint]:
+        isotropic, orthotropic = self.given(_ISOTROPIC), self.given(_ORTHOTROPIC)
+        for key in () if orthotropic else _ISOTROPIC:
+            if getattr(self, key) is None:
+                yield (key,), f"'{key}' is missing. {type(self).model_fields[key].description}"
+        if not orthotropic:
+            return
+        if isotropic:
+            yield (
+                (isotropic[0],),
+                f"found {isotropic[0]} beside {orthotropic[0]}; a material is isotropic (E, nu) or orthotropic "
+                f"({', '.join(_NEEDED)}).",
+            )
+            return
+        for key in _NEEDED:
+            if getattr(self, key) is None:
+                yield (key,), f"'{key}' is missing; it goes with {orthotropic[0]}."
+        if not set(_NEEDED) - set(orthotropic) and self.axes.nu_xy**2 * self.axes.Ey >= self.axes.Ex:
+            most = math.sqrt(self.axes.Ex / self.axes.Ey)
+            yield (
+                ("nu_xy",),
+                f"found {self.nu_xy:g}; its size must be less than the root of Ex/Ey, {most:.6g}. Is it the ratio of "
+                "the other axis, nu_yx = nu_xy Ey/Ex?",
+            )
 
 
 def _require_shape(schema: dict[str, Any]) -> None:
