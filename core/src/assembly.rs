@@ -129,12 +129,6 @@ impl<'a> Assembly<'a> {
         Self { plate, springs, attached, linked, bedding, numbering, incidence, thick_only: false, firmer: 0.0 }
     }
 
-    /// Nodes of a node's elements and of the springs over several elements that it has, some more than once.
-    fn beside(&self, node: usize) -> impl Iterator<Item = usize> {
-        let of_elements = self.incidence.of(node).iter().flat_map(|&(e, _)| self.plate.elements()[e]);
-        of_elements.chain(self.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n)))
-    }
-
     /// Without thin elements; where those are the entries stand, as zeros.
     pub fn thick_only(self) -> Self {
         Self { thick_only: true, ..self }
@@ -143,6 +137,13 @@ impl<'a> Assembly<'a> {
     /// With every dof stiffer by a part of its own.
     pub fn firmer(self, part: f64) -> Self {
         Self { firmer: part, ..self }
+    }
+
+    /// Neighbours of a node, itself among them, some of them more than once.
+    fn around(&self, node: usize) -> impl Iterator<Item = usize> {
+        let of_elements = self.incidence.of(node).iter().flat_map(|&(e, _)| self.plate.elements()[e]);
+        let of_links = self.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n));
+        of_elements.chain(of_links)
     }
 
     /// All of it, summed in parallel.
@@ -183,7 +184,7 @@ impl Matrix for Assembly<'_> {
         let Numbering { column, dof, .. } = self.numbering;
         let first = (0..dof.len()).filter(|&c| c == 0 || dof[c] / 3 != dof[c - 1] / 3).chain([dof.len()]).collect();
         Graph::new(first, |c, rows| {
-            for n in self.beside(dof[c] / 3) {
+            for n in self.around(dof[c] / 3) {
                 let mut last = HELD;
                 for &row in &column[3 * n..3 * n + 3] {
                     // Of columns that follow one another the first stands for all.
@@ -239,7 +240,7 @@ impl<'a> NodeColumns<'a> {
         }
         self.neighbours.clear();
         self.node = node;
-        for n in self.of.beside(node) {
+        for n in self.of.around(node) {
             if self.slot[n] == usize::MAX {
                 self.slot[n] = self.neighbours.len();
                 self.neighbours.push(n);

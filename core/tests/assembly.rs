@@ -6,7 +6,7 @@ use signorini_core::cholesky::{Analysis, FactorError};
 use signorini_core::element::{DOFS, Kind, Layered, Material, Thickness, packed};
 use signorini_core::ordering::nested_dissection;
 use signorini_core::plate::Plate;
-use signorini_core::residual::{Rows, Springs};
+use signorini_core::residual::Springs;
 
 /// A grid of nx × ny squares, its nodes turned a little at random and in frames of their own.
 fn plate(nx: usize, ny: usize, seed: u64) -> Plate {
@@ -38,6 +38,11 @@ fn springs(plate: &Plate, seed: u64) -> Springs {
         out.stiffness.push(10.0 + e as f64);
         out.base.push(0.0);
     }
+    // The first one also over a far element, if there is one: no neighbour of the other's nodes.
+    let last = plate.elements().len() - 1;
+    if !plate.elements()[last].iter().any(|node| plate.elements()[0].contains(node)) {
+        out.rows.further.insert(0, vec![(last, plate.interpolation_row(last, 0.2, 0.4, 0).0)]);
+    }
     out
 }
 
@@ -57,10 +62,11 @@ fn dense(plate: &Plate, springs: &Springs) -> Mat<f64> {
         let full = Mat::from_fn(DOFS, DOFS, |i, j| lower[packed(i, j)]);
         add(&mut k, nodes, &(turn.transpose() * full * &turn));
     }
-    let Rows { element, coefficient, .. } = &springs.rows;
-    for ((&e, row), stiffness) in element.iter().zip(coefficient).zip(&springs.stiffness) {
-        let product = Mat::from_fn(DOFS, DOFS, |i, j| stiffness * row[i] * row[j]);
-        add(&mut k, &plate.elements()[e], &product);
+    for (spring, stiffness) in springs.stiffness.iter().enumerate() {
+        let row: Vec<(usize, f64)> = springs.rows.entries(plate, spring).collect();
+        for &(i, own) in &row {
+            row.iter().for_each(|&(j, other)| k[(i, j)] += stiffness * own * other);
+        }
     }
     k
 }
