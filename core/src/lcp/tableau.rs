@@ -248,7 +248,7 @@ impl<'a> Tableau<'a> {
     /// Makes the base what the problem has, unless it is more already.
     fn fill_base(&mut self) -> Result<(), OutOfMemory> {
         let (problem, order, stride) = (self.problem, self.order, self.stride);
-        if !self.base.is_empty() {
+        if !self.base.is_empty() || order == 0 {
             return Ok(());
         }
         self.base = zeros((order + 1).checked_mul(stride).ok_or(OutOfMemory)?)?;
