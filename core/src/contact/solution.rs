@@ -117,13 +117,6 @@ impl ContactProblem {
         ContactSolution { displacement, reaction: vec![0.0; m], gap: vec![0.0; m], closed, ..Default::default() }
     }
 
-    /// The same on a contact set, given in the caller's order: every point, in the problem's order.
-    pub(super) fn at_rest_on(&self, held_value: &[f64], closed: &[bool]) -> ContactSolution {
-        let m = closed.len();
-        let closed = self.in_place(closed);
-        ContactSolution { reaction: vec![0.0; m], gap: vec![0.0; m], closed, ..self.at_rest(held_value) }
-    }
-
     /// Values of every point in the problem's order, the condensed points before those of the active set.
     pub(super) fn in_place<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.order.condensed.iter().chain(&self.order.active).map(|&i| values[i]).collect()

@@ -1,5 +1,6 @@
 //! The factor by which an active set finds its directions: the one it was given, or that of its own set.
 
+use super::refinement::Correction;
 use crate::cholesky::FactorError;
 use crate::contact::condense::ContactState;
 use crate::contact::points::Penalty;
@@ -141,7 +142,7 @@ impl<'a> ActiveFactor<'a> {
         let problem = self.problem;
         let with = self.factored();
         let reduced = problem.reduced(with, imbalance, remaining, with.condensed.better_form())?;
-        let (nodal, reaction) = problem.respond(with, &self.state, reduced)?;
+        let Correction { nodal, reaction, .. } = problem.respond(with, &self.state, reduced)?;
         let mut force = imbalance.to_vec();
         let back: Vec<f64> = reaction.iter().map(|r| -r).collect();
         problem.spread(&back, &mut force);

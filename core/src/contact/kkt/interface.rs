@@ -36,8 +36,7 @@ impl KktSolver for Interface<'_> {
                 self.problem.reduced(self.with, &step.imbalance, &step.remaining, form)?
             }
         };
-        let (nodal, reaction) = self.problem.respond(self.with, self.state, reduced)?;
-        Ok(Some(Correction::of(nodal, reaction)))
+        self.problem.respond(self.with, self.state, reduced).map(Some)
     }
 }
 
@@ -66,7 +65,7 @@ impl ContactProblem {
         with: &Factored,
         state: &ContactState,
         reduced: Reduced,
-    ) -> Result<(Vec<f64>, Vec<f64>), FactorError> {
+    ) -> Result<Correction, FactorError> {
         let Reduced { mut forward, interface } = reduced;
         let leading = forward.len() - self.numbering.trailing;
         let mut reaction = Vec::new();
@@ -83,6 +82,6 @@ impl ContactProblem {
             reaction = response.reaction;
         }
         with.factor.backward(&mut forward)?;
-        Ok((self.scatter(&forward), reaction))
+        Ok(Correction::of(self.scatter(&forward), reaction))
     }
 }

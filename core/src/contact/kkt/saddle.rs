@@ -8,6 +8,7 @@
 //! Condensed onto points that nearly repeat each other, P = GK⁻¹Gᵀ holds what tells them apart squared; here it stands
 //! as it is (Benzi, Golub & Liesen 2005, section 5). So are the shear forces of thin elements ([`Shears`]).
 
+use super::refinement::Correction;
 use super::shears::Shears;
 use crate::assembly::{Assembly, HELD};
 use crate::contact::problem::ContactProblem;
@@ -121,12 +122,7 @@ impl Saddle {
     }
 
     /// The motion of the nodes and the increments of reaction that an imbalance and what is left of the gaps ask for.
-    pub(crate) fn response(
-        &self,
-        problem: &ContactProblem,
-        imbalance: &[f64],
-        remaining: &[f64],
-    ) -> (Vec<f64>, Vec<f64>) {
+    pub(crate) fn response(&self, problem: &ContactProblem, imbalance: &[f64], remaining: &[f64]) -> Correction {
         let right = self.right(problem, imbalance, remaining);
         let unknown = self.solve::<1>([right]);
         let free = problem.numbering.len();
@@ -136,7 +132,7 @@ impl Saddle {
             reaction[point] = value(free + at);
         }
         let moved: Vec<f64> = (0..free).map(value).collect();
-        (problem.scatter(&moved), reaction)
+        Correction::of(problem.scatter(&moved), reaction)
     }
 
     /// The motions of the nodes under [`TOGETHER`] imbalances alone.

@@ -58,7 +58,9 @@ impl ContactProblem {
         start: Option<&ContactSolution>,
         how: &mut OnSet,
     ) -> Result<(ContactSolution, f64), FactorError> {
-        let mut solution = self.at_rest_on(held_value, closed);
+        let none = vec![0.0; closed.len()];
+        let (reaction, gap, closed_in_place) = (none.clone(), none, self.in_place(closed));
+        let mut solution = ContactSolution { reaction, gap, closed: closed_in_place, ..self.at_rest(held_value) };
         if let Some(start) = start {
             solution.displacement = start.displacement.clone();
             solution.reaction = self.in_place(&start.reaction);

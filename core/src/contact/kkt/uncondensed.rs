@@ -36,10 +36,7 @@ impl Uncondensed<'_> {
         solution: &ContactSolution,
     ) -> Result<Option<Correction>, FactorError> {
         let problem = self.problem;
-        let solved = |step: &Residual| {
-            let (nodal, reaction) = self.saddle.response(problem, &step.imbalance, &step.remaining);
-            Correction::of(nodal, reaction)
-        };
+        let solved = |step: &Residual| self.saddle.response(problem, &step.imbalance, &step.remaining);
         let solver = |step: &Residual| Ok(Some(solved(step)));
         if let Some(held) = self.held.as_ref().filter(|_| settling) {
             return after_rigid(problem, load, held.response(step), solution, solver);

@@ -65,7 +65,7 @@ impl Subproblem {
             return Ok(Err(Outcome::Unsolved));
         };
         let (points, matrix) = (&lcp.point, &lcp.matrix);
-        let (nodal, _) = held.response(problem, &step.imbalance, &step.remaining);
+        let nodal = held.response(problem, &step.imbalance, &step.remaining).nodal;
         let gap = |(row, &point): (usize, &usize)| {
             let acting = matrix[row * points.len()..].iter().zip(points.iter());
             let pushed_by: f64 = acting.map(|(m, &other)| m * near.reaction[other]).sum();
