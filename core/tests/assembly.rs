@@ -6,7 +6,7 @@ use signorini_core::cholesky::{Analysis, Factor, FactorError};
 use signorini_core::element::{DOFS, Kind, Layered, Material, Thickness, packed};
 use signorini_core::ordering::nested_dissection;
 use signorini_core::plate::Plate;
-use signorini_core::residual::{Rows, Springs};
+use signorini_core::residual::Springs;
 
 /// A grid of nx × ny squares, its nodes turned a little at random and in frames of their own.
 fn plate(nx: usize, ny: usize, seed: u64) -> Plate {
@@ -38,6 +38,9 @@ fn springs(plate: &Plate, seed: u64) -> Springs {
         out.stiffness.push(10.0 + e as f64);
         out.base.push(0.0);
     }
+    // A footprint: the first spring's row goes on in the last element.
+    let last = plate.elements().len() - 1;
+    out.rows.further.insert(0, vec![(last, plate.interpolation_row(last, 0.2, -0.4, 0).0)]);
     out
 }
 
@@ -57,10 +60,12 @@ fn dense(plate: &Plate, springs: &Springs) -> Mat<f64> {
         let full = Mat::from_fn(DOFS, DOFS, |i, j| lower[packed(i, j)]);
         add(&mut k, nodes, &(turn.transpose() * full * &turn));
     }
-    let Rows { element, coefficient, .. } = &springs.rows;
-    for ((&e, row), stiffness) in element.iter().zip(coefficient).zip(&springs.stiffness) {
-        let product = Mat::from_fn(DOFS, DOFS, |i, j| stiffness * row[i] * row[j]);
-        add(&mut k, &plate.elements()[e], &product);
+    for (row, stiffness) in springs.stiffness.iter().enumerate() {
+        for (i, a) in springs.rows.entries(plate, row) {
+            for (j, b) in springs.rows.entries(plate, row) {
+                k[(i, j)] += stiffness * a * b;
+            }
+        }
     }
     k
 }

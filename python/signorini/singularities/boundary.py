@@ -9,6 +9,7 @@ import numpy as np
 from signorini.discretise import Discretisation
 from signorini.discretise.places import curve, quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.model import Support
 from signorini.singularities.corners import Slopes, moments_grow, shears_grow, slopes_held
@@ -35,6 +36,8 @@ class Boundary:
         Angle of the plate between each side and the next; π where they run on smoothly.
     held : (k,) array
         Whether the deflection is held, or may be: by a rigid support of any kind.
+    lets_go : (k,) array
+        Whether the deflection is held by what may let go only.
     slope, twist : (k,) arrays
         Whether the slopes across and along the side are held.
     """
@@ -44,6 +47,7 @@ class Boundary:
     following: Ints
     angles: Floats
     held: Bools
+    lets_go: Bools
     slope: Bools
     twist: Bools
 
@@ -52,11 +56,12 @@ class Boundary:
         """The boundary with what the model's supports hold along it."""
         mesh = found.mesh
         sides = mesh.boundary
-        held, slope, twist = np.zeros((3, len(sides)), np.bool_)
+        held, always, slope, twist = np.zeros((4, len(sides)), np.bool_)
         for support in found.model.support:
             on = np.isin(sides[:, 1], _middles(mesh, support))
             if support.stiffness is None:
                 held |= on & (support.resists is not None or "w" in support.fixed)
+                always |= on & (not can_let_go(support)) & held
             slope |= on & ("slope" in support.fixed)
             twist |= on & ("twist" in support.fixed)
         first = {node: number for number, node in enumerate(sides[:, 0].tolist())}
@@ -66,7 +71,7 @@ class Boundary:
         turn = _turn(tangents[:, 2], tangents[following, 0])
         slack = np.maximum(_STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
         angles = np.pi - np.where(np.abs(turn) > slack, turn, 0.0)
-        return cls(mesh, sides, following, angles, held, slope, twist)
+        return cls(mesh, sides, following, angles, held, held & ~always, slope, twist)
 
     def slopes(self, side: int) -> Slopes:
         """What a side holds of the slopes."""
@@ -82,13 +87,21 @@ class Boundary:
             numbers = []
             if moments_grow(angle, self.slopes(side), self.slopes(other), poisson):
                 numbers.append("moment")
-            along = bool(self.twist[side] if self.held[side] else self.twist[other])
-            if shears_grow(angle, bool(self.held[side]), bool(self.held[other]), along):
+            if any(self._shears_grow(angle, side, other, *held) for held in self._states(side, other)):
                 numbers.append("shear")
             if numbers:
                 x, y = self.mesh.points[self.sides[side, 2]].tolist()
                 found.append(((x, y), float(np.degrees(angle)), tuple(numbers)))
         return found
+
+    def _shears_grow(self, angle: float, side: int, other: int, held: bool, other_held: bool) -> bool:
+        return shears_grow(angle, held, other_held, bool(self.twist[side] if held else self.twist[other]))
+
+    def _states(self, side: int, other: int) -> set[tuple[bool, bool]]:
+        """Whether two sides hold the deflection where they meet; both that may let go do at once."""
+        mine, beside = bool(self.held[side]), bool(self.held[other])
+        first, second = bool(self.lets_go[side]), bool(self.lets_go[other])
+        return {(mine, beside), (mine and not first, beside and not second)}
 
     def at(self, point: Floats) -> Ints:
         """Sides that a point (2,) is on: none inside, two at a node between them."""
