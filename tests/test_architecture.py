@@ -188,11 +188,11 @@ CORE_LAYERS = (
     ("lcp",),
     ("element",),
     ("plate",),
-    ("ordering", "assembly", "residual", "stress"),
     ("cholesky",),
+    ("ordering", "assembly", "residual", "stress"),
     ("contact/tolerances", "contact/scale", "contact/condense", "contact/points", "contact/rigid"),
     ("contact/problem",),
-    ("contact/solution", "contact/start"),
+    ("contact/solution",),
     ("contact/kkt", "contact/lcp", "contact/responses"),
     ("contact/active_set", "contact/proximal"),
     ("contact/solve",),
@@ -318,6 +318,7 @@ def rust(crate: str) -> dict[str, str]:
     [
         ("core", r"\b(pyo3|numpy|PyResult)\b", "the core knows no Python"),
         ("core", r"\be?print(ln)?!|std::fs|File::open", "the core does not print and opens no files"),
+        ("mesher", r"\b(pyo3|numpy|signorini_core)\b|\be?print(ln)?!|std::fs", "the mesher knows outlines alone"),
         ("bindings", r"\b(faer|clarabel)\b", "the bindings convert and compute nothing"),
     ],
 )

@@ -173,7 +173,7 @@ def _turning(over: Quadrature, couple: tuple[float, float]) -> Floats:
 
 def push(mesh: Mesh, nodal: Floats, elements: Ints, xi: Floats, force: Floats) -> None:
     """Add forces (q,) at points of elements to a nodal vector (3n,)."""
-    values, _ = _core.serendipity(xi)
+    values = mesh.shape_functions(elements, xi)
     nodal[::3] += np.bincount(mesh.elements[elements].ravel(), (force[:, None] * values).ravel(), mesh.node_count)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, StrictBool, WithJsonSchema
 
 from signorini.model.base import (
     Complaint,
@@ -60,6 +60,11 @@ class MeshOptions(Table):
         description="Numbers of elements: [along x, along y] of a rectangle, [radial, around] of a disc or annulus.",
     )
     size: Positive | None = Field(default=None, description="Largest side of an element.")
+    error: StrictBool | None = Field(
+        default=None,
+        description="Say of every number how far the mesh is from the plate, by the plate's answers on other meshes; "
+        "by default where the mesh is not read from a file.",
+    )
 
     def _complaints(self) -> Iterator[Complaint]:
         if self.divisions is not None and self.size is not None:
@@ -93,6 +98,14 @@ class _OutlinedPlate(_Plate):
         counts = (math.ceil(min(length / size, 1e9) - 1e-9) for length in lengths)
         first, second = (max(count, least) for count, least in zip(counts, self.fewest, strict=True))
         return first, second
+
+    def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
+        """Mesh options for elements larger by a factor, as far as there are enough of them."""
+        first, second = (
+            max(math.ceil(count / factor), least)
+            for count, least in zip(self.divisions(mesh), self.fewest, strict=True)
+        )
+        return MeshOptions(divisions=(first, second))
 
     @property
     def fewest(self) -> tuple[int, int]:
@@ -223,7 +236,7 @@ def _file(value: object) -> FilePath:
 
 
 class MeshPlate(_Plate):
-    """A plate of any outline, read from a mesh file of 8- or 9-node quadrilaterals."""
+    """A plate of any outline, read from a mesh file of 8- or 9-node quadrilaterals and 6-node triangles."""
 
     shape: Literal["mesh"] = Field(default="mesh", description="One of rectangle, disc, annulus, mesh.")
     file: Annotated[FilePath, BeforeValidator(_file), WithJsonSchema({"type": "string"})] = Field(
