@@ -19,7 +19,11 @@ _STRAIGHT = np.radians(1.0)
 _OF_ROUND = 0.2
 """Part of what two round sides turn themselves by which they may turn between them: parabolas stand for an arc."""
 _ON_EDGE = 1e-6
-"""Distance from a side, in reference coordinates, at which a point is on it."""
+"""Part of the plate's size within which a point is on a side."""
+_OFF_ROUND = 0.1
+"""Part of a side's rise within which a point of the circle that it stands for is on it."""
+_STEPS = 8
+"""Steps of Gauss and Newton to the nearest point of a side, of which straight ones take one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,17 +109,15 @@ class Boundary:
 
     def at(self, point: Floats) -> Ints:
         """Sides that a point (2,) is on: none inside, two at a node between them."""
-        where = self.mesh.locate(point[None])
-        if not where.inside[0]:
-            return np.zeros(0, np.int64)
-        ends = self.mesh.points[self.sides[:, [0, 2]]]
-        near = np.hypot(*np.moveaxis(ends - point, 2, 0)) <= _ON_EDGE * self.mesh.size
-        if near.any():
-            return np.flatnonzero(near.any(axis=1))
-        element, (x, y) = int(where.elements[0]), where.xi[0]
-        on = np.array([y < -1 + _ON_EDGE, x > 1 - _ON_EDGE, y > 1 - _ON_EDGE, x < -1 + _ON_EDGE])
-        outer = self.mesh.sides[element, on & self.mesh.on_boundary[element], 1]
-        return np.flatnonzero(np.isin(self.sides[:, 1], outer))
+        a, middle, b = (self.mesh.points[self.sides[:, i]] for i in range(3))
+        slope, bend = 0.5 * (b - a), 0.5 * (a + b) - middle
+        t = np.zeros((len(a), 1))
+        for _ in range(_STEPS):
+            off, along = point - (middle + t * (slope + t * bend)), slope + 2 * t * bend
+            t = np.clip(t + (off * along).sum(axis=1, keepdims=True) / (along**2).sum(axis=1, keepdims=True), -1, 1)
+        distance = np.hypot(*(point - (middle + t * (slope + t * bend))).T)
+        # Ends of lines are on true circles, sides on their parabolas.
+        return np.flatnonzero(distance <= np.maximum(_ON_EDGE * self.mesh.size, _OFF_ROUND * np.hypot(*bend.T)))
 
     def tangent(self, side: int) -> Floats:
         """Direction (2,) of a side, from end to end."""
