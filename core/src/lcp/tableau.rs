@@ -227,7 +227,7 @@ impl<'a> Tableau<'a> {
     /// Makes the base what the problem has, unless it is more already.
     fn fill_base(&mut self) -> Result<(), OutOfMemory> {
         let (problem, order, stride) = (self.problem, self.order, self.stride);
-        if !self.base.is_empty() {
+        if order == 0 || !self.base.is_empty() {
             return Ok(());
         }
         self.base = zeros((order + 1).checked_mul(stride).ok_or(OutOfMemory)?)?;
