@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from models import rectangular
 
 import signorini
 from signorini import InputError, Model, NoEquilibriumError, validate
@@ -387,3 +388,14 @@ def test_a_row_is_computed_when_it_is_asked_for():
     assert np.array_equal(results[combination.name].deflection, alone.deflection)
     with pytest.raises(KeyError, match=r"Unknown combination 'none'. This mapping of results has"):
         results["none"]
+
+
+def test_a_table_of_a_plate_without_contact_points_is_solved():
+    support = [{"edge": ["left", "right"], "fix": "hard"}]
+    load = [{"case": "G", "pressure": 1e3}, {"case": "Q", "pressure": 2e3}]
+    combination = [{"factors": {"G": 1, "Q": q}} for q in (0.5, 1)]
+    tables = {"support": support, "load": load, "combination": combination}
+    single = signorini.solve(rectangular(**tables))
+    table = signorini.solve(rectangular(**tables, output={"combinations": "table"})).table
+    wanted = [result.deflection.max() for result in single.values()]
+    np.testing.assert_allclose(table["max:deflection"], wanted, rtol=1e-9)

@@ -116,6 +116,11 @@ NAMED = {
         [[0, 0], [4, 0], [4, 4], [0, 4]],
         "shear",
     ),
+    "a corner of an edge that may let go and a soft one": (
+        {"support": [{"edge": ["left", "right"], "resists": "down"}, {"edge": ["bottom", "top"], "fix": "simple"}]},
+        [[0, 0], [4, 0], [4, 4], [0, 4]],
+        "shear",
+    ),
     "where a wall ends at the edge": (
         {"support": [{"edge": "left", "fix": "hard"}, {"line": [[4, 0], [4, 2]], "fix": "simple"}]},
         [[4, 0], [4, 2]],

@@ -46,7 +46,7 @@ class Layout:
     fields: tuple[str, ...]
     probes: Floats
     away: Mapping[str, Bools]
-    """Of every field which nodes (n,) are away from where it has no limit, under whatever load."""
+    """Of every field which nodes (n,) are away from where it has no limit, under any load that stays where it is."""
 
     @classmethod
     def of(cls, found: Discretisation, fields: Sequence[str]) -> Layout:
@@ -54,7 +54,8 @@ class Layout:
         points = tuple(SupportPoints.of(found, index) for index in range(len(found.model.support)))
         areas = [index for index, support in enumerate(found.model.support) if support.area is not None]
         at_rest = {index: _at_rest(found, index, points[index]) for index in areas}
-        named = singularities(found)
+        # Not wheels: what they pass over has its limit while they are elsewhere.
+        named = singularities(found, found.model.cases)
         away = {name: away_from(found.mesh, named, NUMBERS.get(name, "")) for name in fields}
         return cls(found.model, points, at_rest, tuple(fields), found.probe_positions, away)
 

@@ -9,6 +9,7 @@ import numpy as np
 from signorini.discretise import Discretisation
 from signorini.discretise.places import curve, quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.model import Support
 from signorini.singularities.corners import Slopes, moments_grow, shears_grow, slopes_held
@@ -18,7 +19,11 @@ _STRAIGHT = np.radians(1.0)
 _OF_ROUND = 0.2
 """Part of what two round sides turn themselves by which they may turn between them: parabolas stand for an arc."""
 _ON_EDGE = 1e-6
-"""Distance from a side, in reference coordinates, at which a point is on it."""
+"""Part of the plate's size within which a point is on a side."""
+_OFF_ROUND = 0.1
+"""Part of a side's rise within which a point of the circle that it stands for is on it."""
+_STEPS = 8
+"""Steps of Gauss and Newton to the nearest point of a side, of which straight ones take one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +40,8 @@ class Boundary:
         Angle of the plate between each side and the next; π where they run on smoothly.
     held : (k,) array
         Whether the deflection is held, or may be: by a rigid support of any kind.
+    lets_go : (k,) array
+        Whether the deflection is held by what may let go only.
     slope, twist : (k,) arrays
         Whether the slopes across and along the side are held.
     """
@@ -44,6 +51,7 @@ class Boundary:
     following: Ints
     angles: Floats
     held: Bools
+    lets_go: Bools
     slope: Bools
     twist: Bools
 
@@ -52,11 +60,12 @@ class Boundary:
         """The boundary with what the model's supports hold along it."""
         mesh = found.mesh
         sides = mesh.boundary
-        held, slope, twist = np.zeros((3, len(sides)), np.bool_)
+        held, always, slope, twist = np.zeros((4, len(sides)), np.bool_)
         for support in found.model.support:
             on = np.isin(sides[:, 1], _middles(mesh, support))
             if support.stiffness is None:
                 held |= on & (support.resists is not None or "w" in support.fixed)
+                always |= on & (not can_let_go(support)) & held
             slope |= on & ("slope" in support.fixed)
             twist |= on & ("twist" in support.fixed)
         first = {node: number for number, node in enumerate(sides[:, 0].tolist())}
@@ -66,7 +75,7 @@ class Boundary:
         turn = _turn(tangents[:, 2], tangents[following, 0])
         slack = np.maximum(_STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
         angles = np.pi - np.where(np.abs(turn) > slack, turn, 0.0)
-        return cls(mesh, sides, following, angles, held, slope, twist)
+        return cls(mesh, sides, following, angles, held, held & ~always, slope, twist)
 
     def slopes(self, side: int) -> Slopes:
         """What a side holds of the slopes."""
@@ -82,27 +91,33 @@ class Boundary:
             numbers = []
             if moments_grow(angle, self.slopes(side), self.slopes(other), poisson):
                 numbers.append("moment")
-            along = bool(self.twist[side] if self.held[side] else self.twist[other])
-            if shears_grow(angle, bool(self.held[side]), bool(self.held[other]), along):
+            if any(self._shears_grow(angle, side, other, *held) for held in self._states(side, other)):
                 numbers.append("shear")
             if numbers:
                 x, y = self.mesh.points[self.sides[side, 2]].tolist()
                 found.append(((x, y), float(np.degrees(angle)), tuple(numbers)))
         return found
 
+    def _shears_grow(self, angle: float, side: int, other: int, held: bool, other_held: bool) -> bool:
+        return shears_grow(angle, held, other_held, bool(self.twist[side] if held else self.twist[other]))
+
+    def _states(self, side: int, other: int) -> set[tuple[bool, bool]]:
+        """Whether two sides hold the deflection where they meet; both that may let go do at once."""
+        mine, beside = bool(self.held[side]), bool(self.held[other])
+        first, second = bool(self.lets_go[side]), bool(self.lets_go[other])
+        return {(mine, beside), (mine and not first, beside and not second)}
+
     def at(self, point: Floats) -> Ints:
         """Sides that a point (2,) is on: none inside, two at a node between them."""
-        where = self.mesh.locate(point[None])
-        if not where.inside[0]:
-            return np.zeros(0, np.int64)
-        ends = self.mesh.points[self.sides[:, [0, 2]]]
-        near = np.hypot(*np.moveaxis(ends - point, 2, 0)) <= _ON_EDGE * self.mesh.size
-        if near.any():
-            return np.flatnonzero(near.any(axis=1))
-        element, (x, y) = int(where.elements[0]), where.xi[0]
-        on = np.array([y < -1 + _ON_EDGE, x > 1 - _ON_EDGE, y > 1 - _ON_EDGE, x < -1 + _ON_EDGE])
-        outer = self.mesh.sides[element, on & self.mesh.on_boundary[element], 1]
-        return np.flatnonzero(np.isin(self.sides[:, 1], outer))
+        a, middle, b = (self.mesh.points[self.sides[:, i]] for i in range(3))
+        slope, bend = 0.5 * (b - a), 0.5 * (a + b) - middle
+        t = np.zeros((len(a), 1))
+        for _ in range(_STEPS):
+            off, along = point - (middle + t * (slope + t * bend)), slope + 2 * t * bend
+            t = np.clip(t + (off * along).sum(axis=1, keepdims=True) / (along**2).sum(axis=1, keepdims=True), -1, 1)
+        distance = np.hypot(*(point - (middle + t * (slope + t * bend))).T)
+        # Ends of lines are on true circles, sides on their parabolas.
+        return np.flatnonzero(distance <= np.maximum(_ON_EDGE * self.mesh.size, _OFF_ROUND * np.hypot(*bend.T)))
 
     def tangent(self, side: int) -> Floats:
         """Direction (2,) of a side, from end to end."""

@@ -99,12 +99,15 @@ def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     from scipy.spatial import KDTree
 
     away = np.ones(mesh.node_count, np.bool_)
-    for one in named:
-        if number in one.numbers and one.where and not one.line:
-            places = np.array(one.where)
-            away &= KDTree(places).query(mesh.points)[0] > one.within
-            where = mesh.locate(places)
-            away[mesh.elements[where.elements[where.inside]]] = False
+    those = [one for one in named if number in one.numbers and one.where and not one.line]
+    if not those:
+        return away
+    places = np.array([point for one in those for point in one.where])
+    within = np.array([one.within for one in those for _ in one.where])
+    distance, nearest = KDTree(places).query(mesh.points)
+    away &= distance > within[nearest]
+    where = mesh.locate(places)
+    away[mesh.elements[where.elements[where.inside]]] = False
     return away if away.any() else np.ones_like(away)
 
 
