@@ -1,13 +1,17 @@
 """Mesh files: what is read from each format, and what is refused."""
 
+import json
 import threading
 import time
 
 import meshio
 import numpy as np
 import pytest
+from halving import halved
+from typer.testing import CliRunner
 
-from signorini import Model, solve
+from signorini import Model, load, solve
+from signorini.cli import app
 from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.mesh.meshers import annulus, rectangle
@@ -39,6 +43,16 @@ def tagged(mesh=PLATE, names=("left", "right", "bottom", "top")):
     )
 
 
+def mixed(part, clockwise=False):
+    """A mesh with triangles, and as meshio has it."""
+    mesh = halved(PLATE, part)
+    triangles = mesh.elements[mesh.triangles][:, [0, 1, 2, 4, 5, 7]]
+    if clockwise:
+        triangles = triangles[:, [0, 2, 1, 5, 4, 3]]
+    cells = [("quad8", mesh.elements[~mesh.triangles]), ("triangle6", triangles)]
+    return mesh, meshio.Mesh(in_space(mesh.points), [cell for cell in cells if len(cell[1])])
+
+
 def same_edge(found, wanted):
     return sorted(map(tuple, found.tolist())) == sorted(map(tuple, wanted.tolist()))
 
@@ -46,6 +60,54 @@ def same_edge(found, wanted):
 def write(path, data, **options):
     data.write(path, **options)
     return path
+
+
+@pytest.mark.parametrize("part", [0.5, 1.0])
+@pytest.mark.parametrize("clockwise", [False, True])
+def test_triangles_are_read_beside_quadrilaterals(tmp_path, part, clockwise):
+    wanted, data = mixed(part, clockwise)
+    mesh = read(write(tmp_path / "plate.vtu", data))
+    assert (len(mesh.elements), mesh.triangles.sum()) == (len(wanted.elements), wanted.triangles.sum())
+    assert mesh.element_area.sum() == pytest.approx(8.0, rel=1e-14)
+    assert same_edge(np.sort(mesh.edges["boundary"]), np.sort(wanted.boundary))
+
+
+def test_a_plate_of_triangles_is_solved_by_the_command(tmp_path):
+    mesh, data = mixed(0.5)
+    write(tmp_path / "plate.vtu", data)
+    (tmp_path / "slab.toml").write_text(
+        """
+        material = { E = 30e9, nu = 0.2 }
+        plate = { shape = "mesh", file = "plate.vtu", thickness = 0.2 }
+        support = [{ name = "soil", area = "all", resists = "down", stiffness = 30e6 }]
+        load = [{ case = "G", pressure = 2e3 }, { case = "Q", force = 50e3, at = [0.5, 0.4] }]
+        combination = [{ name = "G", factors = { G = 1 } }, { name = "both", factors = { G = 1.35, Q = 1.5 } }]
+        output = { combinations = "table", fields = "all" }
+        """
+    )
+    ran = CliRunner().invoke(app, ["solve", str(tmp_path / "slab.toml")])
+    assert ran.exit_code == 0
+    assert f"{(~mesh.triangles).sum()} elements mitc9 and {mesh.triangles.sum()} elements mitc7" in ran.output
+    results = json.loads((tmp_path / "slab-results" / "results.json").read_text())
+    both = results["combinations"][1]
+    assert both["certificate"]["passed"]
+    assert both["supports"][0]["reaction"] == pytest.approx(1.35 * 16e3 + 75e3)
+    back = meshio.read(tmp_path / "slab-results" / "both.vtu")
+    assert sum(len(block.data) for block in back.cells if block.type == "triangle6") == mesh.triangles.sum()
+    alone = solve(load(tmp_path / "slab.toml"))["both"]
+    assert back.point_data["deflection"] == pytest.approx(alone.deflection, abs=1e-12)
+
+
+def test_triangles_of_q8r_are_refused(tmp_path):
+    path = write(tmp_path / "plate.vtu", mixed(0.5)[1])
+    model = Model(
+        material={"E": 1, "nu": 0},
+        plate={"shape": "mesh", "file": path, "thickness": 1, "element": "q8r"},
+        support=[{"edge": "boundary", "fix": "clamped"}],
+        load=[{"pressure": 1}],
+    )
+    with pytest.raises(InputError, match=r'triangles, and q8r is a quadrilateral alone.* "mitc9"'):
+        discretise(model)
 
 
 @pytest.mark.parametrize(
@@ -180,10 +242,10 @@ APART[8:] += 10.0 * np.array([1.0, 0.0, 0.0])
         (
             PLATE.points,
             [("triangle", CORNERS[:, :3])],
-            "not 8- or 9-node quadrilaterals: 8 triangle. Mesh the plate",
+            "not 8- or 9-node quadrilaterals or 6-node triangles: 8 triangle. Mesh the plate",
         ),
         (PLATE.points, [("quad", CORNERS)], "8 quad. .*ElementOrder = 2"),
-        (PLATE.points, [("quad8", PLATE.elements), ("triangle", CORNERS[:2, :3])], "quadrilaterals: 2 triangle"),
+        (PLATE.points, [("quad8", PLATE.elements), ("triangle", CORNERS[:2, :3])], "6-node triangles: 2 triangle"),
         (PLATE.points, [("line3", lines(PLATE.boundary))], "has no elements"),
         (TILTED, [("quad8", PLATE.elements)], "not plane: z varies by 0.4"),
         (APART[:, :2], [("quad8", np.arange(64).reshape(8, 8))], "in 2 pieces that share no side"),

@@ -72,10 +72,20 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         "combinations": [
             {
                 **dict.fromkeys(
-                    ["name", "status", "message", "method", "unsettled", "iterations", "not_unique", "warnings"]
+                    [
+                        "name",
+                        "status",
+                        "message",
+                        "method",
+                        "unsettled",
+                        "iterations",
+                        "not_unique",
+                        "warnings",
+                    ]
                 ),
                 "limit": dict.fromkeys(["case", "factor"]),
                 "plus_minus": numbers,
+                "singular": [dict.fromkeys(["where", "line", "within", "what", "numbers", "source", "advice"])],
                 "certificate": dict.fromkeys(
                     [
                         "penetration",

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from halving import halved
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -42,6 +43,9 @@ MESHES = {
     "curved distorted rectangle": distorted(SQUARE, 0.05),
     "curved distorted disc": distorted(ROUND, 0.04),
     "one element": rectangle((-2.0, -2.0), (4.0, 4.0), (1, 1)),
+    "triangles": halved(SQUARE),
+    "mixed disc": halved(ROUND, 0.5),
+    "curved distorted triangles": distorted(halved(SQUARE), 0.04),
 }
 any_mesh = st.sampled_from(sorted(MESHES))
 coordinate = st.floats(-0.7, 0.7)
@@ -120,6 +124,40 @@ def test_a_mesh_that_follows_the_outline_needs_no_cut_cells():
     q = area_quadrature(mesh, Rectangle(1.3, 0.7, 2.6, 4.0))
     assert q.total == pytest.approx(1.3 * 3.3, rel=1e-14)
     assert len(q.weights) == 9 * len(np.unique(q.elements))
+
+
+@given(st.floats(-1.5, 1.5), st.floats(-1.0, 1.0), st.floats(0.0, 6.3))
+@settings(max_examples=30, deadline=None)
+def test_straight_steps_across_straight_triangles_are_exact(x, y, angle):
+    mesh, (c, s) = MESHES["triangles"], (math.cos(angle), math.sin(angle))
+
+    def level(points):
+        return c * (points[:, 0] - x) + s * (points[:, 1] - y)
+
+    q = area_quadrature(mesh, levels=[level])
+    assert q.total == pytest.approx(16.0, rel=1e-13)
+    above = level(q.positions) > 0.0
+    corners = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)]
+    kept = []
+    for p, r in zip(corners, corners[1:] + corners[:1], strict=True):
+        a, b = level(np.array([p, r]))
+        kept += [p] if a > 0 else []
+        kept += [tuple(np.array(p) + a / (a - b) * (np.array(r) - np.array(p)))] if a * b < 0 else []
+    expected = polygon_moments(kept) if len(kept) > 2 else np.zeros(3)
+    found = np.array([q.weights[above].sum(), *(q.weights[above] @ q.positions[above])])
+    assert found == pytest.approx(expected, abs=1e-10)
+
+
+@pytest.mark.parametrize("name", ["triangles", "mixed disc", "rectangle"])
+def test_points_on_the_outline_reach_its_corners_and_are_as_exact(name):
+    mesh = MESHES[name]
+    plain, reaching = area_quadrature(mesh), area_quadrature(mesh, to_outline=np.ones(len(mesh.elements), np.bool_))
+    for power in (1, 2, 4):
+        moment = plain.weights @ plain.positions[:, 0] ** power
+        assert reaching.weights @ reaching.positions[:, 0] ** power == pytest.approx(moment, abs=1e-4)
+    at_corners = np.abs(reaching.positions[:, None] - [[-2, -2], [2, -2], [2, 2], [-2, 2]]).max(axis=2) < 1e-12
+    assert at_corners.any(axis=0).all() == (name != "mixed disc")
+    assert (reaching.weights > 0.0).all()
 
 
 @pytest.mark.parametrize("sector", [90, 180, 360])

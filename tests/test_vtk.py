@@ -3,9 +3,11 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+from halving import halved
 
 from signorini.errors import InputError
 from signorini.formats.vtk import Vtu, displacement_vector, write_vtu
+from signorini.mesh.meshers import rectangle
 
 # Two elements side by side, the right one with a curved edge.
 POINTS = np.array(
@@ -44,6 +46,17 @@ def test_mesh_and_fields_come_back_to_the_last_bit(tmp_path: Path) -> None:
     np.testing.assert_array_equal(back.cells[0].data, ELEMENTS)
     np.testing.assert_array_equal(back.point_data["deflection"], deflection)
     np.testing.assert_array_equal(back.cell_data["closed"][0], [1, 0])
+
+
+def test_triangles_are_vtks_quadratic_ones(tmp_path: Path) -> None:
+    mesh = halved(rectangle((0.0, 0.0), (2.0, 1.0), (3, 2)), 0.5)
+    write_vtu(tmp_path / "a.vtu", mesh.points, mesh.elements, {"x": mesh.points[:, 0]}, {"area": mesh.element_area})
+    back = meshio.read(tmp_path / "a.vtu")
+    own = {"quad8": range(8), "triangle6": [0, 1, 2, 4, 5, 7]}
+    found = [(block.type, tuple(nodes)) for block in back.cells for nodes in block.data.tolist()]
+    kinds = np.where(mesh.triangles, "triangle6", "quad8")
+    assert found == [(kind, tuple(row[own[kind]].tolist())) for kind, row in zip(kinds, mesh.elements, strict=True)]
+    np.testing.assert_array_equal(np.concatenate(back.cell_data["area"]), mesh.element_area)
 
 
 def test_positive_deflection_warps_downwards(tmp_path: Path) -> None:

@@ -5,14 +5,14 @@ use numpy::{
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use signorini_core::assembly::{Numbering, assemble};
+use signorini_core::assembly::{Assembly, Numbering};
 use signorini_core::element::{DOFS, Kind, Layered, Material, Section, Thickness};
 use signorini_core::plate;
 use signorini_core::residual::{Displacement, internal_magnitudes, openings, residual};
 use signorini_core::stress;
 use std::sync::Arc;
 
-/// A discretised plate: nodes (n, 2), 8-node elements (e, 8), thickness, material and element kind ("mitc9" or "q8r").
+/// A discretised plate: nodes (n, 2), 8-node elements (e, 8), of triangles [a, b, c, c, ab, bc, c, ca], thickness, material and element kind ("mitc9" or "q8r").
 ///
 /// `thickness` is one number or that of every element (e, p) at its `section_points`. `layered`, if given, has the
 /// elements (k,), in increasing order, inside which the thickness jumps, and at their points the rigidities (k, p, 9):
@@ -78,10 +78,11 @@ fn section(values: &[f64]) -> Section {
 }
 
 /// Reference points (p, 2) at which an element of a kind asks for its thickness: those of its stiffness, then the four
-/// at which moments and shears are sampled, which of q8r are the same.
+/// at which moments and shears are sampled, which of q8r are the same; of quadrilaterals, or of triangles.
 #[pyfunction]
-pub fn section_points<'py>(py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let points = kind_of(kind)?.points();
+#[pyo3(signature = (kind, triangle=false))]
+pub fn section_points<'py>(py: Python<'py>, kind: &str, triangle: bool) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let points = kind_of(kind)?.points_of(triangle);
     matrix(py, points.iter().flat_map(|&(xi, eta, _)| [xi, eta]).collect(), 2)
 }
 
@@ -232,7 +233,8 @@ impl Plate {
         })
     }
 
-    /// [mx, my, mxy, qx, qy] at nodes (n, 5) and at the elements' 2×2 Gauss points (e, 4, 5).
+    /// [mx, my, mxy, qx, qy] at nodes (n, 5) and at the elements' four samples (e, 4, 5): 2×2 Gauss points, of triangles
+    /// three near the corners and the centroid.
     fn stresses<'py>(
         &self,
         py: Python<'py>,
@@ -253,7 +255,8 @@ impl Plate {
     /// Lower triangle of K with springs, in the mesh's own order: column starts, rows, values.
     fn stiffness_matrix<'py>(&self, py: Python<'py>, spring_arrays: SpringArrays<'_>) -> PyResult<Compressed<'py>> {
         let springs = springs(&spring_arrays, self.inner.elements().len())?;
-        let lower = released(py, || assemble(&self.inner, &springs, &[], &Numbering::natural(&self.inner)))?;
+        let numbering = Numbering::natural(&self.inner);
+        let lower = released(py, || Assembly::new(&self.inner, &springs, &[], &numbering).lower_triangle())?;
         let signed = |v: Vec<usize>| v.into_iter().map(|i| i as i64).collect::<Vec<_>>();
         Ok((
             PyArray1::from_vec(py, signed(lower.column_start)),

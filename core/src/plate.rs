@@ -1,4 +1,4 @@
-//! A discretised plate: nodes, 8-node elements, thickness, material, and the frames of its rotations.
+//! A discretised plate: nodes, 8-node elements (triangles repeat their third corner, `element::mitc7`), thickness, material, and the frames of its rotations.
 //!
 //! Dofs are (w, θ1, θ2) node by node. θ1, θ2 are θx, θy, or, at a node with a frame (c, s), the slopes along
 //! (c, s) and (−s, c), so that one of them can be held alone.
@@ -22,6 +22,10 @@ pub enum PlateError {
     Range { what: &'static str, index: usize },
     /// An element names a node that is not there.
     NoSuchNode { element: usize, node: usize },
+    /// An element names a node twice, and is not the triangle [a, b, c, c, ab, bc, c, ca].
+    Repeated { element: usize },
+    /// A triangle of a kind that has none.
+    Triangle { element: usize },
     /// The map of an element turns over at one of its Gauss points.
     Inverted { element: usize },
 }
@@ -34,6 +38,13 @@ impl std::fmt::Display for PlateError {
             Self::NotFinite { what, index } => write!(f, "{what} is not finite at index {index}"),
             Self::Range { what, index } => write!(f, "{what} is out of range at index {index}"),
             Self::NoSuchNode { element, node } => write!(f, "element {element} names node {node}, which is not there"),
+            Self::Repeated { element } => {
+                write!(
+                    f,
+                    "element {element} repeats a node and is no triangle, corners a, b, c, c, midsides ab, bc, c, ca"
+                )
+            }
+            Self::Triangle { element } => write!(f, "element {element} is a triangle, which q8r has not; take mitc9"),
             Self::Inverted { element } => write!(f, "element {element} is turned over or degenerate"),
         }
     }
@@ -94,6 +105,13 @@ impl Plate {
             if let Some(&node) = nodes.iter().find(|&&node| node >= points.len()) {
                 return Err(PlateError::NoSuchNode { element, node });
             }
+            let again = |i: usize| nodes[..i].contains(&nodes[i]);
+            match ((1..8).filter(|&i| again(i)).count(), is_triangle(nodes)) {
+                (0, _) => {}
+                (2, true) if kind == Kind::Mitc9 => {}
+                (2, true) => return Err(PlateError::Triangle { element }),
+                _ => return Err(PlateError::Repeated { element }),
+            }
         }
         let mut plate = Self {
             points,
@@ -139,7 +157,8 @@ impl Plate {
                 first.push(e);
                 first.len() as u32 - 1
             };
-            let at = self.geometry(e).at.map(|point| point.map(f64::to_bits));
+            let Geometry { at, triangle } = self.geometry(e);
+            let at = (triangle, at.map(|point| point.map(f64::to_bits)));
             match self.sections(e) {
                 Sections::Constant(_) => *known.entry((at, &[][..])).or_insert_with(new),
                 Sections::Varying(h) => *known.entry((at, bytemuck::cast_slice::<f64, u64>(h))).or_insert_with(new),
@@ -212,7 +231,8 @@ impl Plate {
     pub fn geometry(&self, e: usize) -> Geometry {
         let nodes = &self.elements[e];
         let origin = self.points[nodes[0]];
-        Geometry { at: nodes.map(|n| [self.points[n][0] - origin[0], self.points[n][1] - origin[1]]) }
+        let at = nodes.map(|n| [self.points[n][0] - origin[0], self.points[n][1] - origin[1]]);
+        Geometry { at, triangle: is_triangle(nodes) }
     }
 
     /// What an element is made of at its points.
@@ -220,10 +240,15 @@ impl Plate {
         self.thickness.of(self.kind, e)
     }
 
+    pub fn is_triangle(&self, e: usize) -> bool {
+        is_triangle(&self.elements[e])
+    }
+
+    /// Mean of the corners.
     pub fn centroid(&self, e: usize) -> [f64; 2] {
-        let sum =
-            self.elements[e][..4].iter().fold([0.0; 2], |s, &n| [s[0] + self.points[n][0], s[1] + self.points[n][1]]);
-        sum.map(|s| 0.25 * s)
+        let corners = &self.elements[e][..if self.is_triangle(e) { 3 } else { 4 }];
+        let sum = corners.iter().fold([0.0; 2], |s, &n| [s[0] + self.points[n][0], s[1] + self.points[n][1]]);
+        sum.map(|s| s / corners.len() as f64)
     }
 
     /// Least thickness over the diagonal of the plate's bounding box.
@@ -289,12 +314,12 @@ impl Plate {
         let mut row = [0.0; DOFS];
         let mut centre = [0.0; 2];
         if field == 0 {
-            let shape = element::shape::serendipity(xi, eta);
+            let value = self.geometry(e).jacobian(xi, eta).shape.value;
             for i in 0..8 {
-                row[3 * i] = shape.value[i];
+                row[3 * i] = value[i];
             }
         } else {
-            let values = element::rotation_functions(self.kind, xi, eta);
+            let values = element::rotation_functions(self.kind, self.is_triangle(e), xi, eta);
             for i in 0..8 {
                 row[3 * i + field] = values[i];
             }
@@ -359,6 +384,11 @@ fn check_thickness(thickness: &Thickness, points: usize, elements: usize) -> Res
         }
     }
     Ok(())
+}
+
+/// Whether the side from the third to the fourth corner is collapsed.
+fn is_triangle(nodes: &[usize; 8]) -> bool {
+    nodes[2] == nodes[3] && nodes[2] == nodes[6]
 }
 
 fn transposed<const N: usize>(matrix: &[[f64; N]; N]) -> [[f64; N]; N] {

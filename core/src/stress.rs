@@ -2,10 +2,11 @@
 //!
 //! Sampled at the 2×2 Gauss points, where the derivatives of quadratic elements converge one order faster (Barlow
 //! 1976), and carried to the nodes by the bilinear function through the four values, averaged over the elements that
-//! meet there (Hinton & Campbell 1974).
+//! meet there (Hinton & Campbell 1974). Of triangles moments are sampled at three points, and carried on by the linear
+//! function through them; shear is the element's mean.
 
 use crate::element::quadrature::GAUSS_2;
-use crate::element::{self, ALL_DOFS, DOFS, Section, shape::NODES};
+use crate::element::{self, ALL_DOFS, DOFS, Section, mitc7, shape::NODES};
 use crate::plate::Plate;
 use crate::residual::Displacement;
 use rayon::prelude::*;
@@ -13,7 +14,8 @@ use rayon::prelude::*;
 /// [mx, my, mxy, qx, qy] at a point: moments sag positive, M = −D(κ − κ⁰), Q = S(∇w − θ).
 pub type Stress = [f64; 5];
 
-/// Stress at the four Gauss points of one element, ξ running fastest.
+/// Stress at the four samples of one element: Gauss points, ξ running fastest; of a triangle those near its corners and
+/// the centroid.
 ///
 /// `curvature` is the stress-free one, [κxx, κyy, κxy]; `couples` act on the centre rotations.
 pub fn at_gauss_points(
@@ -35,10 +37,14 @@ struct Samples {
 impl Samples {
     fn of(plate: &Plate, e: usize) -> Self {
         let geometry = plate.geometry(e);
-        let [low, high] = GAUSS_2.map(|(at, _)| at);
-        let points = [(low, low), (high, low), (low, high), (high, high)];
-        let strain = element::strain_matrices(plate.kind, &geometry, points);
         let (sections, first) = (plate.sections(e), plate.kind.first_sample());
+        let points = &plate.kind.points_of(geometry.triangle)[first..];
+        let points: [(f64, f64); 4] = std::array::from_fn(|i| (points[i].0, points[i].1));
+        let mut strain = element::strain_matrices(plate.kind, &geometry, points);
+        if geometry.triangle {
+            let mean = mitc7::mean_shear(&geometry);
+            strain.iter_mut().for_each(|strain| strain[3..].copy_from_slice(&mean));
+        }
         Self { strain, sections: std::array::from_fn(|i| sections.at(first + i, &plate.material)) }
     }
 
@@ -111,14 +117,15 @@ pub fn smoothed(
 
 /// Mean, over the elements that meet at a node, of what each one's samples give there.
 fn carried_to_nodes(plate: &Plate, sampled: impl Fn(usize) -> [Stress; 4]) -> Vec<Stress> {
-    let weights: [[f64; 4]; 8] = std::array::from_fn(|i| bilinear(NODES[i][0], NODES[i][1]));
+    let of_squares: [[f64; 4]; 8] = std::array::from_fn(|i| bilinear(NODES[i][0], NODES[i][1]));
     let mut nodal = vec![[0.0; 5]; plate.node_count()];
     let mut meeting = vec![0u32; plate.node_count()];
     for (e, nodes) in plate.elements().iter().enumerate() {
         let samples = sampled(e);
-        for (i, &node) in nodes.iter().enumerate() {
+        let weights = if plate.is_triangle(e) { &ON_TRIANGLES } else { &of_squares };
+        for (&node, weights) in nodes.iter().zip(weights).filter(|(_, weights)| **weights != [0.0; 4]) {
             meeting[node] += 1;
-            for (sample, weight) in samples.iter().zip(&weights[i]) {
+            for (sample, weight) in samples.iter().zip(weights) {
                 for a in 0..5 {
                     nodal[node][a] += weight * sample[a];
                 }
@@ -132,6 +139,22 @@ fn carried_to_nodes(plate: &Plate, sampled: impl Fn(usize) -> [Stress; 4]) -> Ve
     }
     nodal
 }
+
+/// The linear function through the first three samples of a triangle, at its nodes; zeros where its third corner is
+/// repeated.
+const ON_TRIANGLES: [[f64; 4]; 8] = {
+    let (own, other, beside, across) = (5.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0, -1.0 / 3.0);
+    [
+        [own, other, other, 0.0],
+        [other, own, other, 0.0],
+        [other, other, own, 0.0],
+        [0.0; 4],
+        [beside, beside, across, 0.0],
+        [across, beside, beside, 0.0],
+        [0.0; 4],
+        [beside, across, beside, 0.0],
+    ]
+};
 
 /// The bilinear functions through the 2×2 Gauss points.
 fn bilinear(xi: f64, eta: f64) -> [f64; 4] {

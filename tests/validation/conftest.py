@@ -7,7 +7,7 @@ from tensionless import quarter_square
 import signorini
 from signorini import _core
 
-NO_ROWS = (np.zeros(0, np.int64), np.zeros((0, 24)))
+NO_ROWS = (np.zeros(0, np.int64), np.zeros((0, 24)), np.zeros(0, np.int64))
 NO_SPRINGS = (*NO_ROWS, np.zeros(0), np.zeros(0))
 NO_CONTACTS = (*NO_ROWS, np.zeros(0), np.zeros(0), np.zeros(0, np.bool_), np.zeros(0))
 

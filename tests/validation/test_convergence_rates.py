@@ -7,9 +7,11 @@ that derivatives are exact. ``mitc9`` should lose one order of h from deflection
 
 import numpy as np
 import pytest
+from halving import halved
 
 import signorini
 from signorini import _core
+from signorini.discretise.quadrature import area_quadrature
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import rectangle
 
@@ -205,13 +207,41 @@ def test_thinness_costs_mitc9_nothing(prescribed, mesher):
 
 @pytest.mark.parametrize("thickness", [0.1, 1e-3, 1e-5])
 def test_mitc9_on_meshes_scattered_anew(prescribed, thickness):
-    """Where quadrilaterals stay general: orders of 2.1 to 2.3 in deflection and 1.3 in moments, again for any h/a.
-
-    The constants are small: 2e-4 and 7e-3 on 32 × 32.
-    """
+    """Where quadrilaterals stay general: orders of 2.2 in deflection and 2 in moments, again for any h/a."""
     found = np.array([clamped_errors(prescribed, "mitc9", thickness, scattered(n)) for n in (16, 32, 64)])
-    assert (rates(found)[-1] > [2.0, 1.2, 1.0]).all()
-    assert (found[1, :2] < [2e-4, 8e-3]).all()
+    assert (rates(found)[-1] > [2.1, 1.9, 1.9]).all()
+    assert (found[1, :2] < [1.5e-4, 4.1e-3]).all()
+
+
+def clamped_errors_at_nodes(prescribed, thickness, mesh):
+    """Relative L2 errors of the deflection, and of the moments carried to the nodes, at the points of a fine rule."""
+    s, t = np.pi * np.eye(2)
+    exact = Exact(Waves.product(sin_cubed(s), sin_cubed(t)), thickness)
+    plate = _core.Plate(mesh.points, mesh.elements, thickness, E, NU, KAPPA, "mitc9")
+    over = area_quadrature(mesh, order=5)
+    values, nodes = mesh.shape_functions(over.elements, over.xi), mesh.elements[over.elements]
+    load = np.zeros((mesh.node_count, 3))
+    np.add.at(load[:, 0], nodes, (over.weights * exact.pressure(over.positions))[:, None] * values)
+    held = np.zeros((mesh.node_count, 3), np.bool_)
+    held[np.unique(mesh.boundary)] = True
+    hi, lo = prescribed(plate, held.ravel(), np.zeros(plate.dof_count), load.ravel())
+    nodal, _ = plate.stresses(hi, lo, (0, 0, 0), np.zeros(2 * len(mesh.elements)))
+    found = np.einsum("qi,qif->qf", values, np.column_stack([(hi + lo)[::3], nodal[:, :3]])[nodes])
+    wanted = np.column_stack([exact.deflection(over.positions), exact.moment(over.positions)])
+    miss, size = (over.weights @ square for square in ((found - wanted) ** 2, wanted**2))
+    return np.sqrt([miss[0] / size[0], miss[1:].sum() / size[1:].sum()])
+
+
+@pytest.mark.parametrize("part", [0.5, 1.0], ids=["mixed", "triangles"])
+def test_triangles_converge_alike_at_any_thickness(prescribed, part):
+    """Orders 3 of the deflection and 2 of the moments on triangles; beside scattered quadrilaterals as theirs."""
+    found = {
+        thickness: [clamped_errors_at_nodes(prescribed, thickness, halved(scattered(n), part)) for n in (8, 16, 32)]
+        for thickness in (0.1, 1e-3, 1e-5)
+    }
+    assert np.array(found[1e-3]) == pytest.approx(np.array(found[1e-5]), rel=2e-2)
+    for errors in found.values():
+        assert (rates(errors)[-1] > [2.2, 1.7]).all()
 
 
 @pytest.mark.parametrize("mesher", [rectangles, subdivided, scattered])

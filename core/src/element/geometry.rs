@@ -1,13 +1,15 @@
-//! The map from the reference square to an element of eight nodes.
+//! The map from the reference square, or triangle, to an element of eight nodes.
 
-use super::quadrature::{GAUSS_3, square};
-use super::shape::{Shape, serendipity};
+use super::quadrature::{GAUSS_3, radon, square};
+use super::shape::{Shape, serendipity, triangular};
 use std::sync::LazyLock;
 
 /// Coordinates, relative to the first node, of the eight nodes of one element.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry {
     pub at: [[f64; 2]; 8],
+    /// Whether it is a triangle, which repeats its third corner (`mitc7`).
+    pub triangle: bool,
 }
 
 /// The map at one reference point.
@@ -27,14 +29,16 @@ impl Geometry {
     }
 
     pub fn jacobian(&self, xi: f64, eta: f64) -> Jacobian {
-        self.jacobian_of(serendipity(xi, eta))
+        self.jacobian_of(if self.triangle { triangular(xi, eta) } else { serendipity(xi, eta) })
     }
 
-    /// Whether the map turns over at one of the 3×3 Gauss points.
+    /// Whether the map turns over at a point of the stiffness: 3×3 Gauss points, or seven of a triangle.
     pub fn is_inverted(&self) -> bool {
-        static SHAPES: LazyLock<Vec<Shape<8>>> =
+        static SQUARE: LazyLock<Vec<Shape<8>>> =
             LazyLock::new(|| square(GAUSS_3).map(|(xi, eta, _)| serendipity(xi, eta)).collect());
-        !SHAPES.iter().all(|shape| self.jacobian_of(*shape).determinant > 0.0)
+        static TRIANGLE: LazyLock<Vec<Shape<8>>> = LazyLock::new(|| radon().map(|(r, s, _)| triangular(r, s)).to_vec());
+        let shapes = if self.triangle { &TRIANGLE } else { &SQUARE };
+        !shapes.iter().all(|shape| self.jacobian_of(*shape).determinant > 0.0)
     }
 
     /// The map where the shape functions are known already.

@@ -1,12 +1,12 @@
 //! The kinds of element, and where each asks for its section.
 
-use super::quadrature::{GAUSS_2, GAUSS_3, square};
+use super::quadrature::{GAUSS_2, GAUSS_3, radon, square};
 use std::sync::LazyLock;
 
 /// A kind of element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Bathe, Brezzi & Fortin (1989): mixed interpolation, free of locking.
+    /// Bathe, Brezzi & Fortin (1989): mixed interpolation, free of locking; triangles are mitc7.
     Mitc9,
     /// Hinton & Owen (1977): serendipity throughout, uniform 2×2 integration. Locks in thin plates.
     Q8r,
@@ -23,6 +23,20 @@ impl Kind {
             Self::Mitc9 => &MITC9,
             Self::Q8r => &Q8R,
         }
+    }
+
+    /// As [`Kind::points`], of triangles or quadrilaterals; they are as many. Of a triangle stress is sampled where three
+    /// points are exact to the second degree, and at the centroid.
+    pub fn points_of(self, triangle: bool) -> &'static [(f64, f64, f64)] {
+        const NEAR: f64 = 1.0 / 6.0;
+        const FAR: f64 = 2.0 / 3.0;
+        const THIRD: f64 = 1.0 / 3.0;
+        static MITC7: LazyLock<Vec<(f64, f64, f64)>> = LazyLock::new(|| {
+            let samples = [(NEAR, NEAR), (FAR, NEAR), (NEAR, FAR), (THIRD, THIRD)];
+            let rule = radon().map(|(r, s, weight)| (r, s, 0.5 * weight));
+            rule.into_iter().chain(samples.map(|(r, s)| (r, s, 0.0))).collect()
+        });
+        if triangle && self == Self::Mitc9 { &MITC7 } else { self.points() }
     }
 
     /// The first of the four points at which stress is sampled.

@@ -2,7 +2,10 @@
 //!
 //! Deflection on the eight serendipity functions, rotations on the nine of Lagrange. The covariant shear lies in
 //! γξ ∈ span{1, ξ, η, ξη, η²} and γη ∈ span{1, ξ, η, ξη, ξ²}; it equals ∇w − θ at the two Gauss points of every edge
-//! (tangential part) and in its two mean values over the reference square.
+//! (tangential part) and, as a vector in x and y, in its mean over the quadrilateral of the corners. So constant shear and
+//! the moments that grow with it do the work they should whatever the quadrilateral; means of components over the
+//! reference square would do so on parallelograms. On curved sides means over the true element are up to eight times
+//! worse.
 
 use super::quadrature::{GAUSS_3, square};
 use super::shape::{Shape, lagrange, serendipity};
@@ -14,7 +17,7 @@ use super::matrices::{ALL_DOFS, Centre, DOFS, PACKED, Stiffness, StrainMatrix, p
 use super::section::{Material, Section, Sections};
 
 pub(super) const TIES: usize = 5;
-const GAUSS: f64 = 0.577_350_269_189_625_8;
+pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
 pub(super) const CENTRE: usize = DOFS;
 
 /// Where component `a` (0: γξ, 1: γη) is tied on the edges: along its own direction at ±1/√3, across at ±1.
@@ -24,7 +27,7 @@ fn tying_point(component: usize, tie: usize) -> (f64, f64) {
     if component == 0 { (along, across) } else { (across, along) }
 }
 
-/// Interpolation of one component from its four edge values and its mean; `along` is ξ for γξ and η for γη.
+/// Interpolation of one component from its four edge values and its mean over the reference square; `along` is ξ for γξ and η for γη.
 #[inline(always)]
 fn interpolation(along: f64, across: f64) -> [f64; TIES] {
     let bubble = 0.75 * (across * across - 1.0);
@@ -41,12 +44,12 @@ fn interpolation(along: f64, across: f64) -> [f64; TIES] {
 }
 
 /// Both families of shape functions at one reference point, and its weight.
-struct Station {
-    xi: f64,
-    eta: f64,
-    weight: f64,
-    shape: Shape<8>,
-    rotation: Shape<9>,
+pub(super) struct Station {
+    pub(super) xi: f64,
+    pub(super) eta: f64,
+    pub(super) weight: f64,
+    pub(super) shape: Shape<8>,
+    pub(super) rotation: Shape<9>,
 }
 
 impl Station {
@@ -71,18 +74,23 @@ static TYING_POINTS: LazyLock<[[Station; 4]; 2]> = LazyLock::new(|| {
     })
 });
 
-/// Adds `weight` times one covariant component of ∇w − θ at one point.
+/// Adds the part of ∇w − θ along a direction in reference coordinates, at one point.
 #[inline(always)]
-fn add_covariant(row: &mut [f64; ALL_DOFS], geometry: &Geometry, component: usize, at: &Station, weight: f64) {
+pub(super) fn add_shear_along(
+    row: &mut [f64; ALL_DOFS],
+    geometry: &Geometry,
+    [along_xi, along_eta]: [f64; 2],
+    at: &Station,
+) {
+    let slopes = at.shape.gradient.map(|[xi, eta]| along_xi * xi + along_eta * eta);
     let mut tangent = [0.0; 2];
     for i in 0..8 {
-        let slope = at.shape.gradient[i][component];
-        tangent[0] += slope * geometry.at[i][0];
-        tangent[1] += slope * geometry.at[i][1];
+        tangent[0] += slopes[i] * geometry.at[i][0];
+        tangent[1] += slopes[i] * geometry.at[i][1];
     }
-    let [tx, ty] = tangent.map(|t| weight * t);
+    let [tx, ty] = tangent;
     for i in 0..8 {
-        row[3 * i] += weight * at.shape.gradient[i][component];
+        row[3 * i] += slopes[i];
         row[3 * i + 1] -= at.rotation.value[i] * tx;
         row[3 * i + 2] -= at.rotation.value[i] * ty;
     }
@@ -90,19 +98,50 @@ fn add_covariant(row: &mut [f64; ALL_DOFS], geometry: &Geometry, component: usiz
     row[CENTRE + 1] -= at.rotation.value[8] * ty;
 }
 
-/// The five tied values of each covariant component as rows over all dofs.
+/// The five numbers of each covariant component as rows over all dofs: tied on the edges, then those with which the
+/// mean is right.
 #[inline(always)]
 fn ties(geometry: &Geometry) -> [[[f64; ALL_DOFS]; TIES]; 2] {
     let mut rows = [[[0.0; ALL_DOFS]; TIES]; 2];
     for component in 0..2 {
         for tie in 0..4 {
-            add_covariant(&mut rows[component][tie], geometry, component, &TYING_POINTS[component][tie], 1.0);
-        }
-        for point in GAUSS_POINTS.iter() {
-            add_covariant(&mut rows[component][4], geometry, component, point, 0.25 * point.weight);
+            let along = [[1.0, 0.0], [0.0, 1.0]][component];
+            add_shear_along(&mut rows[component][tie], geometry, along, &TYING_POINTS[component][tie]);
         }
     }
+    let skew = skew(geometry);
+    for point in GAUSS_POINTS.iter() {
+        let weight = 0.25 * point.weight;
+        for component in 0..2 {
+            let part = weight * skew[component];
+            let mut along = [part * point.xi, -part * point.eta];
+            along[component] += weight;
+            add_shear_along(&mut rows[component][4], geometry, along, point);
+        }
+    }
+    let [xi, eta] = rows.each_mut();
+    for dof in 0..ALL_DOFS {
+        let change = |row: &[[f64; ALL_DOFS]; TIES]| row[1][dof] - row[0][dof] + row[3][dof] - row[2][dof];
+        // What the edges' numbers add to the mean.
+        let edges = (change(xi) - change(eta)) / (12.0 * GAUSS);
+        xi[4][dof] -= skew[0] * edges;
+        eta[4][dof] -= skew[1] * edges;
+    }
     rows
+}
+
+/// How the tangents turn over the element with straight sides between its corners; zeros for a parallelogram.
+///
+/// With its tangents a + cη and b + cξ the physical shear times the area is, in parts along a and b,
+/// a × b times ((1 + pξ)γξ − pηγη, qξγξ + (1 − qη)γη), where p = a × c / a × b and q = b × c / a × b.
+fn skew(geometry: &Geometry) -> [f64; 2] {
+    let [r, s, t, u] = [0, 1, 2, 3].map(|i| geometry.at[i]);
+    let vector = |signs: [f64; 3]| {
+        [0, 1].map(|k| signs[0] * (s[k] - r[k]) + signs[1] * (t[k] - r[k]) + signs[2] * (u[k] - r[k]))
+    };
+    let (a, b, c) = (vector([1.0, 1.0, -1.0]), vector([-1.0, 1.0, 1.0]), vector([-1.0, 1.0, -1.0]));
+    let cross = |[x, y]: [f64; 2], [v, w]: [f64; 2]| x * w - y * v;
+    [cross(a, c), cross(b, c)].map(|part| part / cross(a, b))
 }
 
 /// κ = sym ∇θ on nine nodes and the tied shear, both in x and y, at each of the points.
@@ -113,22 +152,26 @@ pub fn strain_matrices<const N: usize>(geometry: &Geometry, at: [(f64, f64); N])
 
 fn strain_matrix(geometry: &Geometry, rows: &[[[f64; ALL_DOFS]; TIES]; 2], xi: f64, eta: f64) -> StrainMatrix {
     let jacobian = geometry.jacobian(xi, eta);
-    let rotation = lagrange(xi, eta);
-    let mut strain = [[0.0; ALL_DOFS]; 5];
-    for i in 0..9 {
-        let [x, y] = jacobian.physical(rotation.gradient[i]);
-        let first = if i < 8 { 3 * i + 1 } else { CENTRE };
-        strain[0][first] = x;
-        strain[1][first + 1] = y;
-        strain[2][first] = y;
-        strain[2][first + 1] = x;
-    }
+    let mut strain = bending_rows(lagrange(xi, eta).gradient.map(|gradient| jacobian.physical(gradient)));
     let weights = [interpolation(xi, eta), interpolation(eta, xi)];
     for dof in 0..ALL_DOFS {
         let covariant = [0, 1].map(|a| (0..TIES).map(|t| weights[a][t] * rows[a][t][dof]).sum::<f64>());
         let [x, y] = jacobian.physical(covariant);
         strain[3][dof] = x;
         strain[4][dof] = y;
+    }
+    strain
+}
+
+/// Rows of κ from the gradients of the nine rotation functions; those of the shear are zero.
+pub(super) fn bending_rows(gradient: [[f64; 2]; 9]) -> StrainMatrix {
+    let mut strain = [[0.0; ALL_DOFS]; 5];
+    for (i, [x, y]) in gradient.into_iter().enumerate() {
+        let first = if i < 8 { 3 * i + 1 } else { CENTRE };
+        strain[0][first] = x;
+        strain[1][first + 1] = y;
+        strain[2][first] = y;
+        strain[2][first + 1] = x;
     }
     strain
 }
@@ -150,6 +193,7 @@ pub(super) struct Apart {
 }
 
 impl Apart {
+    /// Of a quadrilateral.
     #[inline(always)]
     pub(super) fn of(geometry: &Geometry, material: &Material, sections: Sections) -> Self {
         let mut form = [[0.0; 2 * TIES]; 2 * TIES];

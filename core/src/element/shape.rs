@@ -61,9 +61,70 @@ pub fn lagrange(xi: f64, eta: f64) -> Shape<9> {
     Shape { value, gradient }
 }
 
+/// The quadratic functions of the 6-node triangle at (r, s), 0 ≤ r, s, r + s ≤ 1, in the places of an element whose third
+/// side is collapsed: corners a, b, c, c, midsides ab, bc, c, ca. Those that repeat c are zero.
+///
+/// ```
+/// let shape = signorini_core::element::shape::triangular(0.3, 0.2);
+/// assert!((shape.value.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+/// ```
+pub fn triangular(r: f64, s: f64) -> Shape<8> {
+    let l = 1.0 - r - s;
+    let corner = |x: f64| x * (2.0 * x - 1.0);
+    let (a, b, c) = (4.0 * l - 1.0, 4.0 * r - 1.0, 4.0 * s - 1.0);
+    Shape {
+        value: [corner(l), corner(r), corner(s), 0.0, 4.0 * l * r, 4.0 * r * s, 0.0, 4.0 * s * l],
+        gradient: [
+            [-a, -a],
+            [b, 0.0],
+            [0.0, c],
+            [0.0; 2],
+            [4.0 * (l - r), -4.0 * r],
+            [4.0 * s, 4.0 * r],
+            [0.0; 2],
+            [-4.0 * s, 4.0 * (l - s)],
+        ],
+    }
+}
+
+/// The functions of [`triangular`] with the cubic bubble as the ninth, which is the centroid's.
+pub fn bubbled(r: f64, s: f64) -> Shape<9> {
+    let plain = triangular(r, s);
+    let l = 1.0 - r - s;
+    let bubble = 27.0 * l * r * s;
+    let slope = [27.0 * s * (l - r), 27.0 * r * (l - s)];
+    let share = [1.0, 1.0, 1.0, 0.0, -4.0, -4.0, 0.0, -4.0].map(|part| part / 9.0);
+    let (mut value, mut gradient) = ([bubble; 9], [slope; 9]);
+    for i in 0..8 {
+        value[i] = plain.value[i] + share[i] * bubble;
+        gradient[i] = [0, 1].map(|a| plain.gradient[i][a] + share[i] * slope[a]);
+    }
+    Shape { value, gradient }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const TRIANGLE: [[f64; 2]; 9] = [
+        [0.0, 0.0],
+        [1.0, 0.0],
+        [0.0, 1.0],
+        [f64::NAN; 2],
+        [0.5, 0.0],
+        [0.5, 0.5],
+        [f64::NAN; 2],
+        [0.0, 0.5],
+        [1.0 / 3.0, 1.0 / 3.0],
+    ];
+
+    fn is_nodal_on_triangles<const N: usize>(shape: impl Fn(f64, f64) -> Shape<N>) {
+        for (i, [r, s]) in TRIANGLE[..N].iter().enumerate().filter(|(_, at)| !at[0].is_nan()) {
+            for (j, v) in shape(*r, *s).value.iter().enumerate() {
+                assert!((*v - f64::from(u8::from(i == j))).abs() < 1e-15);
+            }
+        }
+    }
 
     fn is_nodal<const N: usize>(shape: impl Fn(f64, f64) -> Shape<N>) {
         for (i, [a, b]) in NODES[..N].iter().enumerate() {
@@ -74,7 +135,7 @@ mod tests {
     }
 
     fn gradient_is_derivative<const N: usize>(shape: impl Fn(f64, f64) -> Shape<N>) {
-        let (x, y, h) = (0.37, -0.61, 1e-6);
+        let (x, y, h) = (0.37, 0.41, 1e-6);
         for i in 0..N {
             let along_x = (shape(x + h, y).value[i] - shape(x - h, y).value[i]) / (2.0 * h);
             let along_y = (shape(x, y + h).value[i] - shape(x, y - h).value[i]) / (2.0 * h);
@@ -84,10 +145,14 @@ mod tests {
     }
 
     #[test]
-    fn both_families_are_nodal_and_differentiate() {
+    fn all_families_are_nodal_and_differentiate() {
         is_nodal(serendipity);
         is_nodal(lagrange);
         gradient_is_derivative(serendipity);
         gradient_is_derivative(lagrange);
+        is_nodal_on_triangles(triangular);
+        is_nodal_on_triangles(bubbled);
+        gradient_is_derivative(triangular);
+        gradient_is_derivative(bubbled);
     }
 }

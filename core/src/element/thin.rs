@@ -1,4 +1,4 @@
-//! Thin mitc9 elements with bending and shear apart.
+//! Thin elements, mitc9 and mitc7, with bending and shear apart.
 //!
 //! In the sum of both, bending is lost: shear is (ℓ/h)² times stiffer, and rounding of its entries resists any bending.
 //! Here the strains are formed first, with double-double accuracy, and forces from them: rounding is then relative to the
@@ -6,6 +6,7 @@
 
 use super::geometry::Geometry;
 use super::matrices::{ALL_DOFS, Centre, DOFS, PACKED};
+use super::mitc7;
 use super::mitc9::{Apart, CENTRE, TIES, add_shear, condense};
 use super::section::{Material, Sections};
 use crate::double_double::DoubleDouble;
@@ -24,8 +25,20 @@ const BENDING_LOST: f64 = 1e12;
 const SOFT_SHEAR: f64 = 1e11;
 const LEAST_SHEAR: f64 = 10.0;
 
-/// Lengths of an element along ξ and η, at its middle.
+fn apart(geometry: &Geometry, material: &Material, sections: Sections) -> Apart {
+    if geometry.triangle { mitc7::apart(geometry, material, sections) } else { Apart::of(geometry, material, sections) }
+}
+
+/// Lengths of an element along ξ and η, at its middle; of a triangle its longest side and what makes its area of it, equal
+/// if it is equilateral.
 fn lengths(geometry: &Geometry) -> [f64; 2] {
+    if geometry.triangle {
+        let [a, b, c] = [0, 1, 2].map(|i| geometry.at[i]);
+        let longest =
+            [(a, b), (b, c), (c, a)].iter().fold(0.0, |most: f64, (p, q)| most.max((p[0] - q[0]).hypot(p[1] - q[1])));
+        let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+        return [longest, 4.0 / 3.0_f64.sqrt() * area / longest];
+    }
     geometry.jacobian(0.0, 0.0).tangent.map(|[x, y]| 2.0 * x.hypot(y))
 }
 
@@ -45,7 +58,8 @@ pub fn slenderness(geometry: &Geometry, thinnest: f64, size: f64) -> f64 {
 fn bending_of_shears(geometry: &Geometry, material: &Material, thinnest: f64) -> [f64; SHEARS] {
     let [a, b] = lengths(geometry);
     let rigidity = material.bending_rigidity(thinnest) * a * b;
-    std::array::from_fn(|t| rigidity / if t < TIES { a.powi(4) } else { b.powi(4) })
+    // Every shear of a triangle is of all its sides.
+    std::array::from_fn(|t| rigidity / if t < TIES || geometry.triangle { a.powi(4) } else { b.powi(4) })
 }
 
 /// The matrix that a factor is made of where bending would be lost in that of the element: with softer shear.
@@ -61,7 +75,7 @@ pub fn factored_stiffness(
         return None;
     }
     let soft = (SOFT_SHEAR / aspect.powi(4)).max(LEAST_SHEAR);
-    let apart = Apart::of(geometry, material, sections);
+    let apart = apart(geometry, material, sections);
     let springs = bending_of_shears(geometry, material, thinnest).map(|k| 1.0 / (soft * k));
     let mut sum = inverse(&apart.form);
     (0..SHEARS).for_each(|t| sum[t][t] += springs[t]);
@@ -84,7 +98,7 @@ pub struct Mixed {
 
 impl Mixed {
     pub fn of(geometry: &Geometry, material: &Material, sections: Sections, thinnest: f64) -> Self {
-        let apart = Apart::of(geometry, material, sections);
+        let apart = apart(geometry, material, sections);
         let lower = apart.bending();
         Self {
             bending: std::array::from_fn(|i| std::array::from_fn(|j| lower[i.max(j)][i.min(j)])),
@@ -144,7 +158,7 @@ impl<'a> Strains<'a> {
         centre: &'a Centre,
         displacement: &[DoubleDouble; DOFS],
     ) -> Self {
-        let apart = Apart::of(geometry, material, sections);
+        let apart = apart(geometry, material, sections);
         let mut all = [DoubleDouble::default(); ALL_DOFS];
         all[..DOFS].copy_from_slice(displacement);
         for (a, coupling) in centre.coupling.iter().enumerate() {

@@ -21,6 +21,7 @@ from signorini.output.governing import governing_reactions
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 from signorini.results.support_words import MEANINGS, SYMBOLS, describe, kinds
+from signorini.singularities.named import Singularity, singularities
 
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _SEVERAL = 8
@@ -57,6 +58,10 @@ def print_results(console: Console, results: Results) -> None:
     console.print()
     _print_refinement(console, results)
     _print_warnings(console, warnings, len(results))
+    named = [one for result in results.full.values() for one in result.singular]
+    if results.model.tabulated:
+        named = [*singularities(found, results.model.effective_combinations.cases)]
+    _print_singular(console, named)
     _print_legend(console, found.model.support)
 
 
@@ -108,6 +113,7 @@ def print_check(console: Console, check: Check) -> None:
         say(console, f"and {left} more; of all {len(check.resultants)} combinations {unbalanced} cannot be balanced")
     console.print()
     _print_warnings(console, dict.fromkeys(check.warnings, ()))
+    _print_singular(console, check.singular)
     _print_legend(console, model.support)
 
 
@@ -118,9 +124,15 @@ def _print_model(console: Console, found: Discretisation) -> None:
     one_sided = int((~found.contacts.two_sided).sum())
     say(
         console,
-        f"{model.plate.shape}, {len(found.mesh.elements)} elements {model.plate.element}, "
+        f"{model.plate.shape}, {_elements(found)}, "
         f"{found.mesh.node_count} nodes, {found.dof_count} dofs, {one_sided} one-sided contact points",
     )
+
+
+def _elements(found: Discretisation) -> str:
+    triangles, count = int(found.mesh.triangles.sum()), len(found.mesh.elements)
+    kinds = {found.model.plate.element: count - triangles, "mitc7": triangles}
+    return " and ".join(f"{many} elements {kind}" for kind, many in kinds.items() if many)
 
 
 def _print_summary(console: Console, results: Results) -> None:
@@ -303,6 +315,17 @@ def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], of:
     if (left := len(warnings) - _MOST_WARNINGS) > 0:
         say(console, f"And {left} more warnings, all in results.json.", style="yellow")
     if warnings:
+        console.print()
+
+
+def _print_singular(console: Console, named: Iterable[Singularity]) -> None:
+    """Say what has no limit as the mesh is refined, each once."""
+    sentences = list(dict.fromkeys(map(str, named)))
+    for sentence in sentences[:_MOST_WARNINGS]:
+        say(console, f"No limit: {sentence}", style="yellow")
+    if (left := len(sentences) - _MOST_WARNINGS) > 0:
+        say(console, f"And {left} more without a limit.", style="yellow")
+    if sentences:
         console.print()
 
 

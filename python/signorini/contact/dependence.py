@@ -112,7 +112,7 @@ def _held_together(found: Discretisation) -> tuple[frozenset[int], ...]:
     nodes, holders = found.held.holders.T
     _, first, count = np.unique(nodes, return_index=True, return_counts=True)
     middles = np.zeros(found.mesh.node_count, np.bool_)
-    middles[found.mesh.elements[:, 4:]] = True
+    middles[found.mesh.unique_sides[:, 1]] = True
     sets = set()
     for begin, many in zip(first[count > 1], count[count > 1], strict=True):
         those = holders[begin : begin + many].tolist()

@@ -181,7 +181,7 @@ class ContactProblem(Remade):
 
     @property
     def mesh(self) -> Mesh:
-        """Nodes, ``mesh.points`` (n, 2), and 8-node elements, ``mesh.elements`` (ne, 8)."""
+        """Nodes, ``mesh.points`` (n, 2), and elements, ``mesh.elements`` (ne, 8); see `signorini.mesh.Mesh`."""
         return self.discretisation.mesh
 
     @property
@@ -472,9 +472,9 @@ class ContactProblem(Remade):
 
     @property
     def seconds(self) -> Mapping[str, float]:
-        """Seconds spent to assemble, order, factor and condense."""
-        order, assemble, factor, condense = self.core.seconds
-        return {"order": order, "assemble": assemble, "factor": factor, "condense": condense}
+        """Seconds spent to order, factor and condense."""
+        order, factor, condense = self.core.seconds
+        return {"order": order, "factor": factor, "condense": condense}
 
 
 def contact_problem(model: Model | Discretisation) -> ContactProblem:

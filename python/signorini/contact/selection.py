@@ -14,7 +14,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from signorini import _core
 from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.dependence import Dependence
 from signorini.contact.least_norm import least, span_of_cone
@@ -285,7 +284,7 @@ def _with_least_deflection(
         return answer
     motions = freedom.motions @ free
     over = area_quadrature(found.mesh)
-    values, _ = _core.serendipity(over.xi)
+    values = found.mesh.shape_functions(over.elements, over.xi)
     root = np.sqrt(over.weights)
     at = np.column_stack([np.ones(len(root)), (over.positions - found.middle) / found.mesh.size])
     deflection = (values * (answer.hi + answer.lo)[::3][found.mesh.elements[over.elements]]).sum(axis=1)

@@ -20,6 +20,9 @@ def of_shape(found: Discretisation) -> str:
     corners = mesh.points[mesh.elements[:, :4]]
     middles = 0.5 * (corners + np.roll(corners, -1, axis=1))
     lengths = np.linalg.norm(middles[:, [1, 2]] - middles[:, [3, 0]], axis=2)
+    of = mesh.triangles
+    longest = np.linalg.norm(corners[of] - np.roll(corners[of], -1, axis=1), axis=2).max(axis=1)
+    lengths[of] = np.column_stack([longest, 2.0 * mesh.element_area[of] / longest])
     ratio = lengths.max(axis=1) / lengths.min(axis=1)
     worst = int(ratio.argmax())
     thickness = np.broadcast_to(found.thickness.at_points, (len(mesh.elements), found.thickness.at_points.shape[1]))

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from signorini._core import serendipity
 from signorini.discretise.places import located, mesh_edges
 from signorini.discretise.quadrature import Quadrature, area_quadrature, off_plate
 from signorini.discretise.rows import Floats, Further, Rows
@@ -103,7 +102,7 @@ def mean_deflections(mesh: Mesh, footprints: Sequence[Quadrature]) -> Rows:
     for number, over in enumerate(footprints):
         own, inverse = np.unique(over.elements, return_inverse=True)
         shape = np.zeros((len(own), 8))
-        np.add.at(shape, inverse, (over.weights / over.total)[:, None] * serendipity(over.xi)[0])
+        np.add.at(shape, inverse, (over.weights / over.total)[:, None] * mesh.shape_functions(over.elements, over.xi))
         # A node of several elements has all of it in the first one, so that no dof stands twice.
         _, first, node = np.unique(mesh.elements[own], return_index=True, return_inverse=True)
         gathered = np.zeros(shape.size)

@@ -58,6 +58,12 @@ def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Mode
     except InputError as error:
         raise InputError(str(error), place) from None
     require_memory(len(mesh.elements), place)
+    if plate.element == "q8r" and mesh.triangles.any():
+        raise InputError(
+            f"The mesh has {int(mesh.triangles.sum())} triangles, and q8r is a quadrilateral alone. Leave the key out, "
+            'or take "mitc9".',
+            place=("plate", "element"),
+        )
     return mesh, _at_nodes(model, points)
 
 

@@ -234,7 +234,10 @@ def _on_area(
     free_corners = np.asarray(~held[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
     points = in_area(mesh, shape, support.area, place, _GAUSS, to_outline, _steps(support), _OFF)
-    no_tangents, within = np.zeros_like(points.positions), mesh.map(points.elements, INSIDE * points.xi)
+    no_tangents, within = (
+        np.zeros_like(points.positions),
+        mesh.map(points.elements, mesh.inward(points.elements, points.xi, INSIDE)),
+    )
     sampled = Sampled(points.elements, points.xi, points.weights, points.positions, no_tangents, within)
     through = _Acting.of(_rows(plate, sampled, 0), sampled)
     covered = np.bincount(sampled.elements, minlength=len(mesh.elements)) > 0
@@ -323,7 +326,7 @@ def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: O
     rows = Rows(where, coefficients)
     free = np.asarray(((np.abs(rows.coefficients) > _NONE) & ~held[rows.dofs(mesh.elements)]).any(axis=1))
     rows, positions, shared = rows[free], found.positions[free], found.shared[free]
-    within = mesh.map(where, INSIDE * xi)[free]
+    within = mesh.map(where, mesh.inward(where, xi, INSIDE))[free]
     area = np.bincount(acting.rows.elements, acting.weights, len(mesh.elements)).astype(np.float64)
     some = shared >= 0
     parts = np.where(some, STRIP * area[shared], 0.0)

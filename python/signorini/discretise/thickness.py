@@ -70,8 +70,11 @@ def thickness_of(model: Model, mesh: Mesh) -> Thickness:
         value = np.array([[formula.value]])
         _require_plate(mesh, value.ravel(), mesh.points[:1])
         return Thickness(value)
-    xi = _core.section_points(kind)
-    points = np.asarray(_core.serendipity(xi)[0] @ mesh.nodes)
+    xi = np.where(mesh.triangles[:, None, None], _core.section_points(kind, True), _core.section_points(kind))
+    points = np.empty_like(xi)
+    for shapes, some in ((_core.serendipity, ~mesh.triangles), (_core.triangular, mesh.triangles)):
+        if some.any():
+            points[some] = shapes(xi[some][0])[0] @ mesh.nodes[some]
     at_points = _evaluated(model, mesh, points.reshape(-1, 2)).reshape(points.shape[:2])
     levels = [level for level in formula.levels if level.jumps]
     across = crossed(mesh, np.arange(len(mesh.elements)), levels)
@@ -83,7 +86,7 @@ def thickness_of(model: Model, mesh: Mesh) -> Thickness:
     inside = _evaluated(model, mesh, cut.positions)
     fronts = _jumps(model, mesh, cut)
     jumping = np.unique(fronts.elements)
-    return Thickness(at_points, (jumping, _sections(model, xi, jumping, cut, inside, fronts)))
+    return Thickness(at_points, (jumping, _sections(model, mesh, xi[jumping], jumping, cut, inside, fronts)))
 
 
 def _evaluated(model: Model, mesh: Mesh, points: Floats) -> Floats:
@@ -132,10 +135,12 @@ def _jumps(model: Model, mesh: Mesh, cut: Cut) -> _Fronts:
     return _Fronts(elements[real], normals[real], (step * length)[real])
 
 
-def _sections(model: Model, xi: Floats, elements: Ints, cut: Cut, thickness: Floats, fronts: _Fronts) -> Floats:
+def _sections(
+    model: Model, mesh: Mesh, xi: Floats, elements: Ints, cut: Cut, thickness: Floats, fronts: _Fronts
+) -> Floats:
     """Rigidities (k, p, 9) of elements as laminates of strips along the step (docs/theory.md, section 4).
 
-    Each point has the means over the quarters of the element that it lies in or between.
+    Each point has the means over the quarters of the element that it lies in or between, of triangles over the whole.
     """
     material = model.material
     bending = material.E / (12 * (1 - material.nu**2))
@@ -144,25 +149,25 @@ def _sections(model: Model, xi: Floats, elements: Ints, cut: Cut, thickness: Flo
     plate = bending * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, 0.5 * (1 - nu)]])
     nx, ny = fronts.normals.T
     across = np.column_stack([nx**2 + nu * ny**2, ny**2 + nu * nx**2, (1 - nu) * nx * ny])
-    means = _quarter_means(xi, elements, cut, thickness)
+    means = _quarter_means(mesh, xi, elements, cut, thickness)
     b = _laminate(means(3), means(-3), plate, bending * _mean_square(elements, fronts, across))
     s = _laminate(means(1), means(-1), shear * np.eye(2), shear * _mean_square(elements, fronts, fronts.normals))
     (i, j), (k, m) = np.triu_indices(3), np.triu_indices(2)
     return np.concatenate([b[..., i, j], s[..., k, m]], axis=-1)
 
 
-def _quarter_means(xi: Floats, elements: Ints, cut: Cut, thickness: Floats) -> Callable[[int], Floats]:
-    """Mean of a power of the thickness over the quarters around each point of the elements: (k, p)."""
+def _quarter_means(mesh: Mesh, xi: Floats, elements: Ints, cut: Cut, thickness: Floats) -> Callable[[int], Floats]:
+    """Mean of a power of the thickness over the quarters around each point (k, p, 2) of the elements: (k, p)."""
     mine = np.isin(cut.elements, elements)
     quarter = (cut.xi[mine] > 0.0) @ np.array([1, 2])
     place = 4 * np.searchsorted(elements, cut.elements[mine]) + quarter
     weights, thickness = cut.weights[mine], thickness[mine]
     signs = np.array([[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
-    around = (xi[:, None] * signs > -_SHORT).all(axis=2)
+    around = (xi[:, :, None] * signs > -_SHORT).all(axis=3) | mesh.triangles[elements, None, None]
 
     def sums(power: int) -> Floats:
         by_quarter = np.bincount(place, weights * thickness**power, 4 * len(elements)).reshape(-1, 4)
-        return np.asarray(by_quarter @ around.T)
+        return np.asarray(np.einsum("kq,kpq->kp", by_quarter, around))
 
     area = sums(0)
     return lambda power: sums(power) / area

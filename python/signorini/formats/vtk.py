@@ -1,4 +1,4 @@
-"""Fields on a mesh of 8-node quadrilaterals, as a ``.vtu`` file for ParaView."""
+"""Fields on a mesh of 8-node quadrilaterals and 6-node triangles, as a ``.vtu`` file for ParaView."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ _BLOCK = 32768
 """Bytes that are compressed together, as VTK does by itself."""
 _FAST = 1
 """zlib's level: the numbers of fields hardly get smaller at higher ones, which take three times as long."""
-_QUADRATIC_QUAD = 23
+_QUADRATIC_TRIANGLE, _QUADRATIC_QUAD = 22, 23
+_OF_TRIANGLE = np.array([True, True, True, False, True, True, False, True])
 _TYPES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32", "u1": "UInt8"}
 
 
@@ -47,10 +48,12 @@ class Vtu:
             raise InputError(f"The elements have the shape {cells.shape}; it must be (e, 8).", place="elements")
         self._nodes, self._cells = len(nodes), len(cells)
         places = _data_array("Points", np.column_stack([nodes, np.zeros(len(nodes))]))
+        triangles = cells[:, 2] == cells[:, 3]
+        own = np.where(triangles[:, None], _OF_TRIANGLE, True)
         parts: dict[str, NDArray[np.generic]] = {
-            "connectivity": cells.ravel(),
-            "offsets": 8 * np.arange(1, len(cells) + 1),
-            "types": np.full(len(cells), _QUADRATIC_QUAD, np.uint8),
+            "connectivity": cells[own],
+            "offsets": np.cumsum(own.sum(axis=1)),
+            "types": np.where(triangles, _QUADRATIC_TRIANGLE, _QUADRATIC_QUAD).astype(np.uint8),
         }
         listed = "".join(_data_array(name, part) for name, part in parts.items())
         self._mesh = f"<Points>{places}</Points><Cells>{listed}</Cells>"
@@ -95,7 +98,8 @@ def write_vtu(
     points : array_like, shape (n, 2)
         Nodes, in the model's unit of length.
     elements : array_like of int, shape (e, 8)
-        Corners counter-clockwise, then midsides (VTK's quadratic quadrilateral).
+        Corners counter-clockwise, then midsides (VTK's quadratic quadrilateral); a triangle [a, b, c, c, ab, bc, c, ca]
+        is VTK's quadratic one.
     point_data : mapping of str to array_like, shape (n,), (n, 2) or (n, 3)
         Nodal fields. Two components are completed by a zero third.
     cell_data : mapping of str to array_like, shape (e,), (e, 2) or (e, 3), optional

@@ -1,4 +1,4 @@
-"""A mesh of 8-node quadrilaterals: nodes, elements, named edges, and where points are in it."""
+"""A mesh of 8-node quadrilaterals and 6-node triangles: nodes, elements, named edges, and where points are in it."""
 
 from signorini.mesh.mesh import Location, Mesh
 

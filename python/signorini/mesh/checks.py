@@ -7,14 +7,25 @@ import numpy.typing as npt
 
 from signorini.errors import InputError, point
 from signorini.mesh.boxtree import BoxTree
-from signorini.mesh.isoparametric import CORNERS, SIDES, determinants, side_boxes
+from signorini.mesh.isoparametric import (
+    CORNERS,
+    SIDES,
+    TRIANGLE_CORNERS,
+    are_triangles,
+    determinants,
+    folded,
+    real_sides,
+    side_boxes,
+)
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 
 _ROOT = np.sqrt(0.6)
-_STATIONS = np.vstack([CORNERS, [[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)]])
+_GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])
+_STATIONS = np.vstack([CORNERS, _GAUSS])
+_TRIANGLE_STATIONS = np.vstack([TRIANGLE_CORNERS, folded(_GAUSS)])
 _COINCIDENT = 1e-9
 
 
@@ -40,11 +51,12 @@ def check_numbers(points: Floats, elements: Ints) -> None:
         raise InputError(f"The mesh's elements must use nodes 0 to {len(points) - 1}; found "
                          f"{elements.min()} to {elements.max()}.")  # fmt: skip
     ordered = np.sort(elements, axis=1)
-    repeated = (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
+    repeats = (ordered[:, 1:] == ordered[:, :-1]).sum(axis=1)
+    repeated = repeats != np.where(are_triangles(elements) & (elements[:, 2] == elements[:, 6]), 2, 0)
     if repeated.any():
         raise InputError(
             f"{name_element(points, elements, int(np.argmax(repeated)))} uses a node twice; "
-            "every element needs eight different nodes (no collapsed sides)."
+            "a quadrilateral needs eight different nodes, a triangle six, as [a, b, c, c, ab, bc, c, ca]."
         )
     unused = np.bincount(elements.ravel(), minlength=len(points)) == 0
     if unused.any():
@@ -55,8 +67,10 @@ def check_numbers(points: Floats, elements: Ints) -> None:
 
 def check_jacobians(points: Floats, elements: Ints) -> None:
     """Check that every element is counter-clockwise and well enough shaped: a positive Jacobian."""
-    nodes = points[elements]
-    det = determinants(nodes, _STATIONS)
+    nodes, triangles = points[elements], are_triangles(elements)
+    det = np.empty((len(elements), len(_STATIONS)))
+    for kind, stations in ((False, _STATIONS), (True, _TRIANGLE_STATIONS)):
+        det[triangles == kind] = determinants(nodes[triangles == kind], stations, kind)
     extent = np.ptp(nodes, axis=1)
     bad = ~(det > 1e-10 * (extent[:, 0] * extent[:, 1])[:, None])
     if bad.any():
@@ -74,15 +88,17 @@ def check_sides(points: Floats, elements: Ints) -> None:
     """Check that elements meet along whole sides."""
     corner = np.zeros(len(points), dtype=bool)
     corner[elements[:, :4]] = True
-    hanging = corner[elements[:, 4:]].any(axis=1)
+    real = real_sides(elements)
+    at_corner = corner[elements[:, 4:]] & real
+    hanging = at_corner.any(axis=1)
     if hanging.any():
         index = int(np.argmax(hanging))
-        node = int(elements[index, 4:][corner[elements[index, 4:]]][0])
+        node = int(elements[index, 4:][at_corner[index]][0])
         raise InputError(
             f"{name_element(points, elements, index)} has a hanging node: its midside {_name_node(points, node)} is a "
             "corner of another element. Elements must meet along whole sides."
         )
-    sides = elements[:, np.array(SIDES)].reshape(-1, 3)
+    sides = elements[:, np.array(SIDES)][real]
     sides = sides[np.argsort(sides[:, 1], kind="stable")]
     same = sides[1:, 1] == sides[:-1, 1]
     thrice = np.append(False, same[1:] & same[:-1])
@@ -131,8 +147,8 @@ def check_one_piece(points: Floats, elements: Ints) -> None:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    midsides = elements[:, 4:].ravel()
-    of = np.repeat(np.arange(len(elements)), 4)
+    of, side = np.nonzero(real_sides(elements))
+    midsides = elements[of, 4 + side]
     incidence = coo_array((np.ones(len(of), dtype=np.int8), (of, midsides)), shape=(len(elements), len(points))).tocsr()
     count, piece = connected_components(incidence @ incidence.T, directed=False)
     if count > 1:
@@ -161,8 +177,8 @@ def check_edge(name: str, triples: Ints, sides: Ints) -> None:
 
 def on_boundary(elements: Ints) -> Bools:
     """Tell which sides (ne, 4) of elements (ne, 8) belong to one element only."""
-    midsides = elements[:, 4:]
-    return np.asarray(np.bincount(midsides.ravel())[midsides] == 1)
+    midsides, real = elements[:, 4:], real_sides(elements)
+    return np.asarray((np.bincount(midsides[real], minlength=int(elements.max()) + 1)[midsides] == 1) & real)
 
 
 def loops(sides: Ints) -> Ints:

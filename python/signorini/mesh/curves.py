@@ -10,7 +10,11 @@ import numpy.typing as npt
 from signorini.shapes import Ring
 
 Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
+
+_KINK = 0.1
+"""Angle from which a line has a corner."""
 
 _GAP_SAMPLES = np.array([1e-3, *np.linspace(0.05, 0.95, 19), 1.0 - 1e-3])
 
@@ -93,6 +97,24 @@ def edges_on_ring(points: Floats, triples: Ints, ring: Ring, tolerance: float) -
     begin, end = angle[chain[apart, 2]], angle[np.roll(chain[:, 0], -1)[apart]]
     theta = (begin[:, None] + _turn(begin, end)[:, None] * _GAP_SAMPLES).ravel()
     return OnRing(chain, ring.center + ring.radius * np.column_stack([np.cos(theta), np.sin(theta)]))
+
+
+def at_ends(points: Floats, triples: Ints) -> Bools:
+    """Tell which sides (k, 3) end where no other of them goes on in nearly their direction.
+
+    Examples
+    --------
+    >>> points = np.array([[x, 0.0] for x in range(7)])
+    >>> at_ends(points, np.array([[0, 1, 2], [2, 3, 4], [4, 5, 6]]))
+    array([ True, False,  True])
+    """
+    a, m, b = (points[triples[:, i]] for i in range(3))
+    leaving = np.concatenate([4 * m - 3 * a - b, 4 * m - a - 3 * b])
+    leaving /= np.hypot(*leaving.T)[:, None]
+    node = np.concatenate([triples[:, 0], triples[:, 2]])
+    # Unit vectors of two sides that are one line cancel.
+    total = np.column_stack([np.bincount(node, part) for part in leaving.T])
+    return np.asarray((np.hypot(*total.T)[node] > _KINK).reshape(2, -1).any(axis=0))
 
 
 def _turn(begin: Floats, end: Floats) -> Floats:

@@ -1,4 +1,7 @@
-"""The map of the 8-node quadrilateral from the reference square to the plate, and back."""
+"""The maps of the 8-node quadrilateral and of the 6-node triangle from reference points to the plate, and back.
+
+A triangle has the eight nodes [a, b, c, c, ab, bc, c, ca] and reference points (r, s), 0 ≤ r, s and r + s ≤ 1.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +10,69 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from signorini._core import serendipity
+from signorini._core import serendipity, triangular
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
+Ints = npt.NDArray[np.int64]
 
 REACH: Final = 1.5
 ITERATIONS: Final = 20
 SIDES: Final = ((0, 4, 1), (1, 5, 2), (2, 6, 3), (3, 7, 0))
 CORNERS: Final = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+TRIANGLE_CORNERS: Final = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
+CENTROID: Final = np.array([1.0, 1.0]) / 3.0
 _SAMPLES = np.stack(np.meshgrid(*2 * [np.linspace(-1.0, 1.0, 5)], indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+def are_triangles(elements: Ints) -> Bools:
+    """Tell which elements (ne, 8) are triangles (ne,): their third corner comes twice.
+
+    Examples
+    --------
+    >>> are_triangles(np.array([[0, 1, 2, 3, 4, 5, 6, 7], [1, 8, 2, 2, 9, 10, 2, 5]]))
+    array([False,  True])
+    """
+    return np.asarray(elements[:, 2] == elements[:, 3])
+
+
+def real_sides(elements: Ints) -> Bools:
+    """Tell which sides (ne, 4) of elements (ne, 8) have a length: all but the third of triangles."""
+    return np.asarray(~(are_triangles(elements)[:, None] & (np.arange(4) == 2)))
+
+
+def shape_functions(triangles: Bools, xi: Floats) -> tuple[Floats, Floats]:
+    """Values (q, 8) and reference gradients (q, 8, 2) at reference points (q, 2), of triangles (q,) or quadrilaterals.
+
+    Examples
+    --------
+    >>> values, _ = shape_functions(np.array([True, False]), np.zeros((2, 2)))
+    >>> values.sum(axis=1).tolist(), values[0].tolist()
+    ([1.0, 1.0], [1.0, -0.0, -0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    """
+    if not triangles.any():
+        return serendipity(xi)
+    if triangles.all():
+        return triangular(xi)
+    values, gradients = serendipity(xi)
+    values[triangles], gradients[triangles] = triangular(xi[triangles])
+    return values, gradients
+
+
+def folded(xi: Floats) -> Floats:
+    """Take points (s, 2) spread over the reference square to points spread as evenly over the triangle.
+
+    Examples
+    --------
+    >>> folded(np.array([[0.0, -1.0], [1.0, 0.0]])).tolist()
+    [[0.5, 0.0], [0.0, 0.5]]
+    """
+    part = 0.5 * (xi + 1.0)
+    return np.asarray(np.where(part.sum(axis=1, keepdims=True) > 1.0, 1.0 - part, part))
+
+
+def _collapsed(nodes: Floats) -> Bools:
+    return np.asarray((nodes[:, 2] == nodes[:, 3]).all(axis=1))
 
 
 def positions(nodes: Floats, xi: Floats) -> Floats:
@@ -35,7 +91,7 @@ def positions(nodes: Floats, xi: Floats) -> Floats:
     >>> positions(square[None], np.array([[0.5, 0.0]]))
     array([[3., 1.]])
     """
-    return np.asarray(np.einsum("qn,qnd->qd", serendipity(xi)[0], nodes))
+    return np.asarray(np.einsum("qn,qnd->qd", shape_functions(_collapsed(nodes), xi)[0], nodes))
 
 
 def jacobians(nodes: Floats, xi: Floats) -> Floats:
@@ -48,12 +104,12 @@ def jacobians(nodes: Floats, xi: Floats) -> Floats:
     array([[2., 0.],
            [0., 1.]])
     """
-    return np.asarray(np.einsum("qnd,qna->qda", nodes, serendipity(xi)[1]))
+    return np.asarray(np.einsum("qnd,qna->qda", nodes, shape_functions(_collapsed(nodes), xi)[1]))
 
 
-def determinants(nodes: Floats, xi: Floats) -> Floats:
-    """Jacobian determinants (ne, r) of every element (ne, 8, 2) at the same reference points (r, 2)."""
-    gradients = serendipity(xi)[1].transpose(0, 2, 1).reshape(-1, 8)
+def determinants(nodes: Floats, xi: Floats, triangles: bool = False) -> Floats:
+    """Jacobian determinants (ne, r) of elements (ne, 8, 2), all triangles or none, at the same points (r, 2)."""
+    gradients = (triangular if triangles else serendipity)(xi)[1].transpose(0, 2, 1).reshape(-1, 8)
     j = (gradients @ nodes).reshape(len(nodes), len(xi), 2, 2)
     return np.asarray(j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0])
 
@@ -71,8 +127,8 @@ def invert(nodes: Floats, points: Floats) -> tuple[Floats, Bools]:
     Returns
     -------
     xi : (q, 2) float array
-        Reference points; coordinates within 1e-10 of −1, 0 or 1 are these numbers, so that shape functions at nodes are
-        exactly 0 and 1.
+        Reference points; coordinates within 1e-10 of −1, 0 or 1, of triangles of 0, ½ or 1, are these numbers, so that
+        shape functions at nodes are exactly 0 and 1.
     found : (q,) bool array
         Whether the point was reached. Points farther out than 1.5 in reference coordinates are not.
 
@@ -85,14 +141,17 @@ def invert(nodes: Floats, points: Floats) -> tuple[Floats, Bools]:
     """
     origin = nodes.mean(axis=1)
     local, target = nodes - origin[:, None], points - origin
-    xi, found = _newton(local, target, np.zeros_like(target))
+    triangles = _collapsed(nodes)
+    xi, found = _newton(local, target, triangles[:, None] * CENTROID)
     lost = np.flatnonzero(~found)
     if len(lost):
-        samples = np.einsum("sn,qnd->qsd", serendipity(_SAMPLES)[0], local[lost])
-        nearest = np.argmin(((samples - target[lost, None]) ** 2).sum(axis=2), axis=1)
-        xi[lost], found[lost] = _newton(local[lost], target[lost], _SAMPLES[nearest])
-    for special in (-1.0, 0.0, 1.0):
-        xi[np.abs(xi - special) < 1e-10] = special
+        for kind, starts in ((False, _SAMPLES), (True, folded(_SAMPLES))):
+            some = lost[triangles[lost] == kind]
+            samples = np.einsum("sn,qnd->qsd", (triangular if kind else serendipity)(starts)[0], local[some])
+            nearest = np.argmin(((samples - target[some, None]) ** 2).sum(axis=2), axis=1)
+            xi[some], found[some] = _newton(local[some], target[some], starts[nearest])
+    for special, where in ((-1.0, ~triangles), (0.0, slice(None)), (0.5, triangles), (1.0, slice(None))):
+        xi[where] = np.where(np.abs(xi[where] - special) < 1e-10, special, xi[where])
     return xi, found
 
 
@@ -105,12 +164,12 @@ def side_boxes(sides: Floats) -> Floats:
 
 def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools]:
     xi = start.copy()
-    found = np.zeros(len(xi), dtype=bool)
+    triangles, found = _collapsed(nodes), np.zeros(len(xi), dtype=bool)
     active = np.arange(len(xi))
     for _ in range(ITERATIONS):
         if not len(active):
             break
-        values, gradients = serendipity(xi[active])
+        values, gradients = shape_functions(triangles[active], xi[active])
         miss = target[active] - np.einsum("qn,qnd->qd", values, nodes[active])
         j = np.einsum("qnd,qna->qda", nodes[active], gradients)
         det = j[:, 0, 0] * j[:, 1, 1] - j[:, 0, 1] * j[:, 1, 0]
@@ -126,7 +185,7 @@ def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools
         xi[active], found[active] = moved, settled
         active = active[~settled]
     if len(active):
-        values, _ = serendipity(xi[active])
+        values, _ = shape_functions(triangles[active], xi[active])
         miss = np.abs(target[active] - np.einsum("qn,qnd->qd", values, nodes[active])).max(axis=1)
         found[active] = (miss < 1e-12 * np.ptp(nodes[active], axis=1).max(axis=1)) & (
             np.abs(xi[active]).max(axis=1) < REACH

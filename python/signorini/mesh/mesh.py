@@ -1,4 +1,4 @@
-"""A mesh of 8-node quadrilaterals: nodes, elements, named edges, and where points are in it."""
+"""A mesh of 8-node quadrilaterals and 6-node triangles: nodes, elements, named edges, and where points are in it."""
 
 from __future__ import annotations
 
@@ -11,13 +11,28 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from signorini._core import serendipity, triangular
 from signorini.base.brief import Brief
 from signorini.base.remade import Remade
 from signorini.errors import InputError
 from signorini.mesh import checks as mesh_checks
 from signorini.mesh.boxtree import BoxTree
 from signorini.mesh.curves import edges_on_polyline, edges_on_ring
-from signorini.mesh.isoparametric import SIDES, determinants, invert, jacobians, positions, side_boxes
+from signorini.mesh.isoparametric import (
+    CENTROID,
+    CORNERS,
+    SIDES,
+    TRIANGLE_CORNERS,
+    are_triangles,
+    determinants,
+    folded,
+    invert,
+    jacobians,
+    positions,
+    real_sides,
+    shape_functions,
+    side_boxes,
+)
 from signorini.shapes import Curve, Ring
 
 Floats = npt.NDArray[np.float64]
@@ -27,6 +42,8 @@ Ints = npt.NDArray[np.int64]
 _ROOT = np.sqrt(0.6)
 _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])
 _GAUSS_WEIGHTS = np.outer([5.0, 8.0, 5.0], [5.0, 8.0, 5.0]).ravel() / 81.0
+_TRIANGLE = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])
+"""Points whose mean is that of quadratic functions on the triangle, as the determinants of its Jacobian are."""
 _ON_EDGE = 1e-9
 _PAST_CURVED_EDGE = 2e-2
 
@@ -46,14 +63,15 @@ class Location(Brief):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh(Remade):
-    """A mesh of isoparametric 8-node quadrilaterals. It checks itself when it is made.
+    """A mesh of isoparametric 8-node quadrilaterals and 6-node triangles. It checks itself when it is made.
 
     Parameters
     ----------
     points : (n, 2) float array
         Nodes.
     elements : (ne, 8) int array
-        Corners counter-clockwise, then the midsides, the first between the first two corners.
+        Corners counter-clockwise, then the midsides, the first between the first two corners. A triangle with the
+        corners a, b, c repeats c: [a, b, c, c, ab, bc, c, ca].
     edges : mapping from name to (k, 3) int array
         Named edges: corner, midside, corner, each with the plate on its left. An interior line may run either way.
 
@@ -72,6 +90,9 @@ class Mesh(Remade):
     >>> where = mesh.locate(np.array([[3.0, 1.0], [5.0, 1.0]]))
     >>> where.elements, where.xi[0]
     (array([ 0, -1]), array([0.5, 0. ]))
+    >>> points = np.array([[0, 0], [4, 0], [0, 2], [2, 0], [2, 1], [0, 1]], float)
+    >>> Mesh(points, np.array([[0, 1, 2, 2, 3, 4, 2, 5]]), {}).element_area
+    array([4.])
     """
 
     points: Floats
@@ -123,14 +144,22 @@ class Mesh(Remade):
         return np.asarray(self.points[self.elements])
 
     @cached_property
+    def triangles(self) -> Bools:
+        """Which elements (ne,) are triangles."""
+        return are_triangles(self.elements)
+
+    @cached_property
     def sides(self) -> Ints:
-        """Node triples (ne, 4, 3) of every element's sides, the element on the left."""
+        """Node triples (ne, 4, 3) of every element's sides, the element on the left.
+
+        The third of a triangle is its third corner, three times.
+        """
         return np.asarray(self.elements[:, np.array(SIDES)])
 
     @cached_property
     def unique_sides(self) -> Ints:
         """Node triples (k, 3) of every side once."""
-        sides = self.sides.reshape(-1, 3)
+        sides = self.sides[real_sides(self.elements)]
         return np.asarray(sides[np.unique(sides[:, 1], return_index=True)[1]])
 
     @cached_property
@@ -146,7 +175,38 @@ class Mesh(Remade):
     @cached_property
     def element_area(self) -> Floats:
         """Area (ne,) of every element."""
-        return np.asarray(determinants(self.nodes, _GAUSS) @ _GAUSS_WEIGHTS)
+        area = np.empty(len(self.elements))
+        of_squares = determinants(self.nodes[~self.triangles], _GAUSS) @ _GAUSS_WEIGHTS
+        area[~self.triangles] = of_squares
+        area[self.triangles] = 0.5 * determinants(self.nodes[self.triangles], _TRIANGLE, True).mean(axis=1)
+        return area
+
+    def shape_functions(self, elements: Ints, xi: Floats) -> Floats:
+        """Compute the shape functions (q, 8) of elements (q,) at reference points (q, 2)."""
+        return shape_functions(self.triangles[elements], xi)[0]
+
+    def corners_of_sides(self, elements: Ints, sides: Ints) -> tuple[Floats, Floats]:
+        """Give the reference points (q, 2) at which sides (q,) of elements (q,) begin and end."""
+        triangles = self.triangles[elements, None]
+        begin, end = ((TRIANGLE_CORNERS[at], CORNERS[at]) for at in (sides, (sides + 1) % 4))
+        return np.where(triangles, *begin), np.where(triangles, *end)
+
+    def spread(self, elements: Ints, stations: Floats, part: float = 1.0) -> Floats:
+        """Take points (s, 2) spread over the square [−1, 1]² into elements (k,): positions (k, s, 2).
+
+        Their reference points are moved to ``part`` of their distance from the element's middle.
+        """
+        places = np.empty((len(elements), len(stations), 2))
+        triangles = self.triangles[elements]
+        places[~triangles] = serendipity(part * stations)[0] @ self.nodes[elements[~triangles]]
+        within = CENTROID + part * (folded(stations) - CENTROID)
+        places[triangles] = triangular(within)[0] @ self.nodes[elements[triangles]]
+        return places
+
+    def inward(self, elements: Ints, xi: Floats, part: float) -> Floats:
+        """Move reference points (q, 2) of elements (q,) to a part of their distance from the element's middle."""
+        middle = self.triangles[elements, None] * CENTROID
+        return np.asarray(middle + part * (xi - middle))
 
     def map(self, elements: Ints, xi: Floats) -> Floats:
         """Compute the positions (q, 2) of reference points (q, 2) of elements (q,)."""
@@ -188,7 +248,7 @@ class Mesh(Remade):
         points = np.asarray(points, dtype=np.float64)
         point, element = self._tree.pairs(points)
         xi, found = invert(self.nodes[element], points[point])
-        past = np.column_stack([-xi[:, 1], xi[:, 0], xi[:, 1], -xi[:, 0]]) - 1.0
+        past = self._past(element, xi)
         inside = found & (past <= self._reach[element]).all(axis=1)
         point, element, xi, past = point[inside], element[inside], xi[inside], past[inside]
         order = np.lexsort((element, np.maximum(past, 0.0).max(axis=1, initial=0.0), point))
@@ -197,10 +257,20 @@ class Mesh(Remade):
         reference = np.full((len(points), 2), np.nan)
         elements[point[first]] = element[first]
         snap = past[first] <= self._rounding[element[first], None]
-        lower = np.where(snap[:, [3, 0]], -1.0, -np.inf)
+        triangles = self.triangles[element[first]]
+        lower = np.where(snap[:, [3, 0]], np.where(triangles, 0.0, -1.0)[:, None], -np.inf)
         upper = np.where(snap[:, [1, 2]], 1.0, np.inf)
-        reference[point[first]] = np.clip(xi[first], lower, upper)
+        xi = np.clip(xi[first], lower, upper)
+        over = np.where(triangles & snap[:, 1], np.maximum(xi.sum(axis=1) - 1.0, 0.0), 0.0)
+        reference[point[first]] = xi - 0.5 * over[:, None]
         return Location(elements, reference)
+
+    def _past(self, element: Ints, xi: Floats) -> Floats:
+        """How far (q, 4) reference points lie past the sides of their elements (q,); a triangle's third is never."""
+        past = np.column_stack([-xi[:, 1], xi[:, 0], xi[:, 1], -xi[:, 0]]) - 1.0
+        r, s = xi.T
+        of_triangles = np.column_stack([-s, r + s - 1.0, np.full(len(xi), -1.0), -r])
+        return np.where(self.triangles[element, None], of_triangles, past)
 
     def edges_along(self, curve: Curve) -> Ints | None:
         """Find the sides that together cover a curve.
@@ -258,7 +328,7 @@ class Mesh(Remade):
         a, middle, b = np.moveaxis(self.points[self.sides], 2, 0)
         chord = b - a
         offset = middle - a
-        length = np.hypot(chord[..., 0], chord[..., 1])
+        length = np.where(real_sides(self.elements), np.hypot(chord[..., 0], chord[..., 1]), 1.0)
         return np.asarray((chord[..., 1] * offset[..., 0] - chord[..., 0] * offset[..., 1]) / length)
 
     @cached_property
@@ -278,7 +348,7 @@ class Mesh(Remade):
     def _reach(self) -> Floats:
         """How far (ne, 4) past each side, in reference coordinates, a point still counts as inside."""
         a, b = self.points[self.sides[..., 0]], self.points[self.sides[..., 2]]
-        length = np.hypot(*np.moveaxis(b - a, 2, 0))
+        length = np.where(real_sides(self.elements), np.hypot(*np.moveaxis(b - a, 2, 0)), 1.0)
         depth = self.element_area[:, None] / length
         # A circle passes its parabola by less than 0.05 sagittas on elements of up to 90 degrees.
         past = np.clip(0.1 * self.sagitta / depth, _PAST_CURVED_EDGE, 0.3)

@@ -1,4 +1,4 @@
-"""Read meshes of 8- or 9-node quadrilaterals from files, in any format that meshio knows."""
+"""Read meshes of 8- or 9-node quadrilaterals and 6-node triangles from files, in any format that meshio knows."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from signorini.errors import InputError, point
 from signorini.expression import LARGEST
 from signorini.mesh import Mesh
 from signorini.mesh.checks import loops, on_boundary
-from signorini.mesh.isoparametric import SIDES
+from signorini.mesh.isoparametric import SIDES, are_triangles, real_sides
 from signorini.mesh.nodenumbers import node_numbers
 
 Floats = npt.NDArray[np.float64]
@@ -45,8 +45,14 @@ _SECONDS, _SECONDS_PER_MB = 10.0, 10.0
 """Time for reading; a hundred times what it takes. Counts in a damaged file make a parser read on past its end."""
 _LONGEST_REASON = 200
 _REVERSED = [0, 3, 2, 1, 7, 6, 5, 4]
-_QUADRILATERALS = ("quad8", "quad9")
-_KNOWN = ("vertex", "line", "line3", *_QUADRILATERALS)
+_REVERSED_TRIANGLE = [0, 2, 1, 1, 7, 5, 1, 4]
+_NODES = {
+    "quad8": list(range(8)),
+    "quad9": list(range(8)),
+    "triangle6": [0, 1, 2, 2, 3, 4, 2, 5],
+}
+"""Of the cells that a plate may have, their nodes in the order of `signorini.mesh.Mesh`."""
+_KNOWN = ("vertex", "line", "line3", *_NODES)
 
 
 def read(path: str | Path) -> Mesh:
@@ -69,8 +75,8 @@ def read(path: str | Path) -> Mesh:
     Raises
     ------
     InputError
-        If the file is missing, unreadable or empty, not plane, or holds other cells than 8- or 9-node quadrilaterals;
-        and as `signorini.mesh.Mesh` does.
+        If the file is missing, unreadable or empty, not plane, or holds other cells than 8- or 9-node quadrilaterals
+        and 6-node triangles; and as `signorini.mesh.Mesh` does.
 
     Examples
     --------
@@ -163,8 +169,10 @@ def _mesh(data: meshio.Mesh) -> Mesh:
     corners = points[elements[:, :4]]
     (x, y), (x_next, y_next) = np.moveaxis(corners, 2, 0), np.moveaxis(np.roll(corners, -1, axis=1), 2, 0)
     clockwise = (x * y_next - x_next * y).sum(axis=1) < 0.0
-    elements = np.where(clockwise[:, None], elements[:, _REVERSED], elements)
-    sides, outer = elements[:, np.array(SIDES)].reshape(-1, 3), on_boundary(elements).ravel()
+    turned = np.where(are_triangles(elements)[:, None], elements[:, _REVERSED_TRIANGLE], elements[:, _REVERSED])
+    elements = np.where(clockwise[:, None], turned, elements)
+    real = real_sides(elements)
+    sides, outer = elements[:, np.array(SIDES)][real], on_boundary(elements)[real]
     outline = sides[outer]
     edges = _edges_of_lines(data, number, sides, outer)
     edges |= {name: edge for name, edge in _edges_of_nodes(data, number, outline).items() if name not in edges}
@@ -182,13 +190,17 @@ def _elements(data: meshio.Mesh) -> Ints:
     others = [f"{count} {kind}" for kind, count in counts.items() if count and kind not in _KNOWN]
     if others:
         raise InputError(
-            f"The mesh file has cells that are not 8- or 9-node quadrilaterals: {', '.join(others)}. Mesh the plate "
-            "with second-order quadrilaterals alone (in Gmsh: Mesh.RecombineAll = 1, Mesh.ElementOrder = 2, "
-            "Mesh.SecondOrderIncomplete = 1)."
+            "The mesh file has cells that are not 8- or 9-node quadrilaterals or 6-node triangles: "
+            f"{', '.join(others)}. Mesh the plate with these alone (in Gmsh: Mesh.ElementOrder = 2, "
+            "Mesh.SecondOrderIncomplete = 1; for quadrilaterals wherever they fit Mesh.RecombineAll = 1)."
         )
-    found = [np.asarray(block.data, dtype=np.int64)[:, :8] for block in data.cells if block.type in _QUADRILATERALS]
+    found = [
+        np.asarray(block.data, dtype=np.int64)[:, _NODES[block.type]] for block in data.cells if block.type in _NODES
+    ]
     if not sum(map(len, found)):
-        raise InputError("The mesh file has no elements; the plate needs 8- or 9-node quadrilaterals.")
+        raise InputError(
+            "The mesh file has no elements; the plate needs 8- or 9-node quadrilaterals or 6-node triangles."
+        )
     elements = np.vstack(found)
     _require_nodes(data, elements, "An element")
     return elements

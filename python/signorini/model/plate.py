@@ -279,7 +279,7 @@ def _file(value: object) -> FilePath:
 
 
 class MeshPlate(_Plate):
-    """A plate of any outline, read from a mesh file of 8- or 9-node quadrilaterals."""
+    """A plate of any outline, read from a mesh file of 8- or 9-node quadrilaterals and 6-node triangles."""
 
     shape: Literal["mesh"] = Field(default="mesh", description="One of rectangle, disc, annulus, mesh.")
     file: Annotated[FilePath, BeforeValidator(_file), WithJsonSchema({"type": "string"})] = Field(

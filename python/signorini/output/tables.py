@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -15,6 +15,7 @@ from signorini.output.governing import governing_json
 from signorini.output.names import files
 from signorini.results.figures import figures, point_figures, total
 from signorini.results.result import Result
+from signorini.singularities.named import Singularity
 
 SCHEMA = 2
 _COLUMNS = (
@@ -109,10 +110,27 @@ def _combination(results: Results, result: Result) -> dict[str, Any]:
         "iterations": result.iterations,
         "not_unique": [asdict(one) | {"supports": list(one.supports)} for one in result.not_unique],
         "warnings": [*result.warnings, *result.asked_estimate.warnings, *accuracy],
+        "singular": singular_json(result.singular),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         **figures(result),
         "plus_minus": result.asked_estimate.plus_minus,
     }
+
+
+def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
+    """Give the key "singular" of a combination."""
+    return [
+        {
+            "where": [list(at) for at in one.where],
+            "line": one.line,
+            "within": one.within,
+            "what": one.what,
+            "numbers": list(one.numbers),
+            "source": one.source,
+            "advice": one.advice,
+        }
+        for one in named
+    ]
 
 
 def _rows(result: Result) -> Iterator[dict[str, Any]]:

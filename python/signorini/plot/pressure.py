@@ -141,7 +141,7 @@ def _draw(
     triangles = triangulation(layer.cut, nodes)
     drawn: list[Artist] = []
     if layer.an_element:
-        values = np.repeat(layer.values, len(layer.cut.triangles) // len(layer.values))
+        values = layer.values[layer.cut.parents]
         triangles.set_mask(values == 0)
         drawn.append(axes.tripcolor(triangles, facecolors=values, **look))
     elif np.clip(layer.values, *layer.bounds).any():

@@ -7,7 +7,6 @@ from typing import Literal
 
 import numpy as np
 
-from signorini import _core
 from signorini.base.brief import Brief
 from signorini.contact.answer import Answer
 from signorini.discretise import CaseLoad, Discretisation
@@ -122,7 +121,7 @@ def path_stop(
     ]
     most, least = int(deflection.argmax()), int(deflection.argmin())
     at = [(float(x), float(y)) for x, y in found.mesh.points[[most, least]]]
-    values, _ = _core.serendipity(found.probes.xi)
+    values = found.mesh.shape_functions(found.probes.elements, found.probes.xi)
     elements = found.mesh.elements[found.probes.elements]
     return PathStop(
         t,

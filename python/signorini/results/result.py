@@ -30,6 +30,7 @@ from signorini.results.panels import panel, support_marks
 from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
 from signorini.results.support_result import SupportResult, support_result
 from signorini.results.warnings import model_warnings, result_warnings
+from signorini.singularities.named import Singularity, singularities
 
 if TYPE_CHECKING:
     from signorini.plot import Axes
@@ -69,6 +70,8 @@ class Result(Remade):
         least reactions, and then the least deflection, are given. Empty where this is the only answer.
     warnings : tuple of str
         What of the model and of this answer is seldom meant, in sentences.
+    singular : tuple of Singularity
+        Where numbers have no limit as the mesh is refined, and which.
     estimator : Estimator or None
         Who says how far its mesh is from the plate.
     """
@@ -92,6 +95,7 @@ class Result(Remade):
     probes: tuple[ProbeResult, ...]
     seconds: float
     warnings: tuple[str, ...]
+    singular: tuple[Singularity, ...]
     estimator: Estimator | None = None
 
     @classmethod
@@ -149,6 +153,7 @@ class Result(Remade):
             tuple(probe_results(fields, found.mesh, supports, found.probes, found.probe_positions)),
             time.perf_counter() - begun,
             result_warnings(found, load, nodal[:, 0], answer.not_unique),
+            singularities(found, load.acting),
         )
 
     @property
@@ -282,7 +287,7 @@ class Result(Remade):
             raise InputError('There is no "pressure": no support of this model is an area.', place="field")
         plan, units = Plan.of(self.mesh.points, self.mesh.elements), self.model.units
         marks = support_marks(self.mesh, self.model.support, self.supports)
-        drawn = panel(field, self.mesh, self.fields, self.supports, units, limits)
+        drawn = panel(field, self.mesh, self.fields, self.supports, units, limits, self.singular)
         if ax is None:
             return field_picture(plan, [drawn], marks, title=self.heading, length=units.length).axes[0]
         draw_legend(ax, draw_panel(ax, plan, drawn, marks))
@@ -372,4 +377,5 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
         (),
         0.0,
         model_warnings(found),
+        (),
     )

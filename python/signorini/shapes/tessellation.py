@@ -1,4 +1,4 @@
-"""A mesh of curved 8-node quadrilaterals as flat triangles and outlines, for drawing."""
+"""A mesh of curved 8-node quadrilaterals and 6-node triangles as flat triangles and outlines, for drawing."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from signorini._core import serendipity
+from signorini._core import serendipity, triangular
 
 _WANTED_CELLS = 12_000
 _FINEST = 10
@@ -15,23 +15,28 @@ _FINEST = 10
 
 @dataclass(frozen=True)
 class Tessellation:
-    """Triangles that follow the shape functions of 8-node quadrilaterals.
+    """Triangles that follow the shape functions of 8-node quadrilaterals and 6-node triangles.
 
-    Every element is cut by an even grid of the reference square, so all its 8 nodes are among the vertices.
+    Every element is cut by an even grid of the reference square, one side of it collapsed for a triangle, so all its
+    nodes are among the vertices.
     Vertices on a shared edge are one vertex, so contours cross it without a seam.
 
     Attributes
     ----------
     elements : ndarray of int, shape (e, 8)
-        The mesh: corners counter-clockwise, then midsides.
+        The mesh: corners counter-clockwise, then midsides; of triangles [a, b, c, c, ab, bc, c, ca].
     owners : ndarray of int, shape (v,)
         One element that each vertex lies in.
     weights : ndarray, shape (v, 8)
         The owner's shape functions at the vertex.
     triangles : ndarray of int, shape (t, 3)
         Vertices of the triangles.
+    parents : ndarray of int, shape (t,)
+        The element that each triangle is a part of.
     edges : ndarray of int, shape (k, d + 1)
         Vertices along each edge of the mesh, every edge once.
+    midsides : ndarray of int, shape (k,)
+        The mesh's node in the middle of each edge.
     outer : ndarray of bool, shape (k,)
         Whether one element only has the edge: the outline of the plate.
     """
@@ -40,7 +45,9 @@ class Tessellation:
     owners: NDArray[np.int64]
     weights: NDArray[np.float64]
     triangles: NDArray[np.int64]
+    parents: NDArray[np.int64]
     edges: NDArray[np.int64]
+    midsides: NDArray[np.int64]
     outer: NDArray[np.bool_]
 
     def interpolate(self, nodal: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -69,28 +76,36 @@ def tessellate(elements: NDArray[np.int64], divisions: int | None = None) -> Tes
     count = len(elements)
     d = divisions or int(np.clip(2 * round(np.sqrt(_WANTED_CELLS / count) / 2), 2, _FINEST))
     xi, eta = (grid.ravel() for grid in np.meshgrid(*[np.linspace(-1, 1, d + 1)] * 2))
-    shapes, _ = serendipity(np.column_stack([xi, eta]))
+    u, v = 0.5 + 0.5 * xi, 0.5 + 0.5 * eta
+    shapes = np.stack([serendipity(np.column_stack([xi, eta]))[0], triangular(np.column_stack([u * (1 - v), v]))[0]])
+    of_triangle = elements[:, 2] == elements[:, 3]
 
     local = np.arange((d + 1) ** 2).reshape(d + 1, d + 1)
     sides = np.stack([local[0, :], local[:, -1], local[-1, ::-1], local[::-1, 0]])
-    _, first, vertex_of = np.unique(_names(elements, sides), return_index=True, return_inverse=True)
+    _, first, vertex_of = np.unique(_names(elements, of_triangle, sides), return_index=True, return_inverse=True)
     vertices = vertex_of.reshape(count, -1)
 
     a, b, c, e = local[:-1, :-1].ravel(), local[:-1, 1:].ravel(), local[1:, 1:].ravel(), local[1:, :-1].ravel()
     cells = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, e])])
-    _, edge, uses = np.unique(elements[:, 4:], return_index=True, return_counts=True)
+    # The collapsed side of a triangle is no edge, and cells beside it have lost one of their halves.
+    real = ~(of_triangle[:, None] & (np.arange(4) == 2)).ravel()
+    midsides, edge, uses = np.unique(elements[:, 4:].ravel()[real], return_index=True, return_counts=True)
     owners, places = np.divmod(first, len(xi))
+    triangles, parents = vertices[:, cells].reshape(-1, 3), np.repeat(np.arange(count), len(cells))
+    whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
     return Tessellation(
         elements=elements,
         owners=owners,
-        weights=shapes[places],
-        triangles=vertices[:, cells].reshape(-1, 3),
-        edges=vertices[:, sides].reshape(-1, d + 1)[edge],
+        weights=shapes[of_triangle[owners].astype(np.int64), places],
+        triangles=triangles[whole],
+        parents=parents[whole],
+        edges=vertices[:, sides].reshape(-1, d + 1)[real][edge],
+        midsides=midsides,
         outer=uses == 1,
     )
 
 
-def _names(elements: NDArray[np.int64], sides: NDArray[np.int64]) -> NDArray[np.int64]:
+def _names(elements: NDArray[np.int64], of_triangle: NDArray[np.bool_], sides: NDArray[np.int64]) -> NDArray[np.int64]:
     """Give every grid point a number, points on a shared corner or edge the same."""
     count, d = len(elements), sides.shape[1] - 1
     nodes = int(elements.max()) + 1
@@ -99,6 +114,7 @@ def _names(elements: NDArray[np.int64], sides: NDArray[np.int64]) -> NDArray[np.
     for side, inner in enumerate(sides[:, 1:-1]):
         start, end, middle = elements[:, side], elements[:, (side + 1) % 4], elements[:, 4 + side]
         along = np.where((start < end)[:, None], steps, d - steps)
+        along[of_triangle & (side == 2)] = 0
         names[:, inner] = middle[:, None] * d + along
         names[:, sides[side, 0]] = start * d
     flat: NDArray[np.int64] = names.ravel()

@@ -98,8 +98,7 @@ class _Measured:
         elements, rows, further, stiffness, base = self._springs
         self._still = (elements, rows, further, stiffness, np.zeros_like(base))
         self._supports = [SupportPoints.of(found, index) for index in range(len(found.model.support))]
-        xi = found.probes.xi
-        self._values: Floats = _core.serendipity(xi)[0] if len(xi) else np.zeros((0, 8))
+        self._values: Floats = found.mesh.shape_functions(found.probes.elements, found.probes.xi)
         self._fields: list[Floats] = []
         self._nodes = nodes
         self._on_areas: list[Floats] = []

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from signorini._core import serendipity
+from signorini._core import serendipity, triangular
 from signorini.discretise.quadrature.cutcells import cut
-from signorini.discretise.quadrature.rules import gauss, lobatto
+from signorini.discretise.quadrature.rules import collapsed, gauss, lobatto, radon
 from signorini.discretise.quadrature.stepped import OFF, Levels, crossed, cut_by, sides_of
 from signorini.mesh import Mesh
-from signorini.mesh.isoparametric import determinants
+from signorini.mesh.curves import at_ends
+from signorini.mesh.isoparametric import TRIANGLE_CORNERS, determinants, real_sides
 from signorini.shapes import Curve, Polyline, Region, Ring
 
 Floats = npt.NDArray[np.float64]
@@ -21,6 +22,10 @@ Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 
 _ON_PLATE = 1e-9
+_RADON = 3
+"""Order of Gauss's rule up to which seven points are as good on a triangle."""
+_LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (0,), 6: (1,), 5: (2,), 7: (0, 1, 2)}
+"""From which corners of a triangle the lines of a rule run to its sides on the outline, which are 1, 2 and 4 in sum."""
 _ROUNDINGS = 16.0
 """Of a coordinate, on the way from corners to an area."""
 
@@ -133,8 +138,9 @@ def _smooth(mesh: Mesh, region: Region | None, order: int, to_outline: Bools | N
     found = cut(mesh, region, order, lobatto if marked.any() else gauss)
     xi = mesh.invert(found.elements, found.positions)
     covered = np.union1d(found.whole, found.elements)
-    times = np.bincount(mesh.elements[covered, 4:].ravel(), minlength=mesh.node_count)
-    outer = (times[mesh.elements[found.whole, 4:]] == 1) & marked[found.whole, None]
+    real = real_sides(mesh.elements)
+    times = np.bincount(mesh.elements[covered, 4:][real[covered]], minlength=mesh.node_count)
+    outer = (times[mesh.elements[found.whole, 4:]] == 1) & real[found.whole] & marked[found.whole, None]
     whole = _whole(mesh, found.whole, order, outer)
     return _by_element([*whole, Quadrature(found.elements, xi, found.weights, found.positions)])
 
@@ -150,18 +156,45 @@ def _by_element(parts: list[Quadrature]) -> Quadrature:
 
 def _whole(mesh: Mesh, elements: Ints, order: int, outer: Bools) -> list[Quadrature]:
     """Whole elements (k,), by Lobatto's rule across sides (k, 4) on the outline, else by Gauss's."""
+    triangles = mesh.triangles[elements]
     across = np.column_stack([outer[:, 1] | outer[:, 3], outer[:, 0] | outer[:, 2]])
     rules = (gauss(order), lobatto(order))
     parts = []
     for x, y in ((0, 0), (0, 1), (1, 0), (1, 1)):
-        some = elements[(across == (x, y)).all(axis=1)]
+        some = elements[(across == (x, y)).all(axis=1) & ~triangles]
         station = np.stack(np.meshgrid(rules[x][0], rules[y][0], indexing="ij"), axis=-1).reshape(-1, 2)
-        nodes = mesh.nodes[some]
-        weights = determinants(nodes, station) * np.outer(rules[x][1], rules[y][1]).ravel()
-        positions = (serendipity(station)[0] @ nodes).reshape(-1, 2)
-        xi = np.tile(station, (len(some), 1))
-        parts.append(Quadrature(np.repeat(some, len(station)), xi, weights.ravel(), positions))
+        parts.append(_alike(mesh, some, station, np.outer(rules[x][1], rules[y][1]).ravel()))
+    at_corner = np.zeros(outer.shape, np.bool_)
+    at_corner[outer] = at_ends(mesh.points, mesh.sides[elements][outer])
+    kinds = np.where(outer.any(axis=1) & at_corner.any(axis=1), 8, 0) + outer[:, [0, 1, 3]] @ [1, 2, 4]
+    for kind in np.unique(kinds[triangles]):
+        rule = _on_triangle(order, kind % 8, kind > 8)
+        parts.append(_alike(mesh, elements[triangles & (kinds == kind)], *rule, triangles=True))
     return parts
+
+
+def _alike(mesh: Mesh, some: Ints, station: Floats, weight: Floats, triangles: bool = False) -> Quadrature:
+    """Quadrature by one rule over whole elements, all triangles or none."""
+    nodes = mesh.nodes[some]
+    weights = determinants(nodes, station, triangles) * weight
+    positions = ((triangular if triangles else serendipity)(station)[0] @ nodes).reshape(-1, 2)
+    xi = np.tile(station, (len(some), 1))
+    return Quadrature(np.repeat(some, len(station)), xi, weights.ravel(), positions)
+
+
+def _on_triangle(order: int, sides: int, to_corners: bool) -> tuple[Floats, Floats]:
+    """Points and weights on the triangle, exact to the degree 2·order − 2 at least.
+
+    On the outline are some of its sides, of 1, 2 and 4 the sum; on these there are points, if asked for at their ends.
+    """
+    if sides == 0:
+        return radon() if order <= _RADON else collapsed(TRIANGLE_CORNERS[:3], gauss(order), gauss(order))
+    parts = []
+    for corner in _LINES_FROM[sides]:
+        across = lobatto(order) if to_corners else gauss(order)
+        parts.append(collapsed(np.roll(TRIANGLE_CORNERS[:3], -corner, axis=0), lobatto(order), across))
+    points, weights = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return points, weights / len(parts)
 
 
 def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature, part: float = 1.0) -> float:

@@ -14,15 +14,12 @@ from signorini.discretise.quadrature.breaks import divided
 from signorini.discretise.quadrature.rules import gauss, lobatto
 from signorini.discretise.quadrature.stepped import INSIDE, Levels
 from signorini.mesh import Mesh
-from signorini.mesh.isoparametric import CORNERS
+from signorini.mesh.curves import at_ends
 from signorini.shapes import Curve, Ring
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
-
-_KINK = 0.1
-"""Angle from which a line has a corner."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +125,7 @@ def edge_quadrature(
     (2.0, [-1.0, -0.0])
     """
     elements, sides, forward = mesh.find_sides(triples)
-    a, b = CORNERS[sides], CORNERS[(sides + 1) % 4]
+    a, b = mesh.corners_of_sides(elements, sides)
     begin, end = np.where(forward[:, None], a, b), np.where(forward[:, None], b, a)
 
     def at(side: Ints, t: Floats) -> Floats:
@@ -139,7 +136,7 @@ def edge_quadrature(
 
     ones = np.ones(len(triples))
     side, first, last = divided(-ones, ones, positions, levels)
-    at_end = _at_ends(mesh, triples)[side] & to_ends
+    at_end = at_ends(mesh.points, triples)[side] & to_ends
     t, weights, part = _stations(first, last, at_end, gauss(order), lobatto(order))
     within = positions(side[part], _inward(t, first[part], last[part]))
     side = side[part]
@@ -152,17 +149,6 @@ def edge_quadrature(
 def _inward(t: Floats, begin: Floats, end: Floats) -> Floats:
     middle = 0.5 * (begin + end)
     return np.asarray(middle + INSIDE * (t - middle))
-
-
-def _at_ends(mesh: Mesh, triples: Ints) -> Bools:
-    """Which sides (k,) end where no other goes on in nearly their direction."""
-    a, m, b = (mesh.points[triples[:, i]] for i in range(3))
-    leaving = np.concatenate([4 * m - 3 * a - b, 4 * m - a - 3 * b])
-    leaving /= np.hypot(*leaving.T)[:, None]
-    node = np.concatenate([triples[:, 0], triples[:, 2]])
-    # Unit vectors of two sides that are one line cancel.
-    total = np.column_stack([np.bincount(node, part) for part in leaving.T])
-    return np.asarray((np.hypot(*total.T)[node] > _KINK).reshape(2, -1).any(axis=0))
 
 
 def _stations(

@@ -1,4 +1,4 @@
-"""Rules on −1 ≤ t ≤ 1: Gauss's, and Lobatto's, which has points at both ends."""
+"""Rules on −1 ≤ t ≤ 1: Gauss's, and Lobatto's, which has points at both ends; and on triangles."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
+
+from signorini._core import section_points
 
 Floats = npt.NDArray[np.float64]
 Rule: TypeAlias = Callable[[int], tuple[Floats, Floats]]
@@ -40,3 +42,39 @@ def lobatto(count: int) -> tuple[Floats, Floats]:
     inner = np.sort(np.real(last.deriv().roots()))
     points = np.concatenate([[-1.0], 0.5 * (inner - inner[::-1]), [1.0]])
     return points, np.asarray(2.0 / (count * (count + 1) * last(points) ** 2))
+
+
+@cache
+def radon() -> tuple[Floats, Floats]:
+    """Radon's seven points on the triangle (0, 0), (1, 0), (0, 1), exact to the fifth degree, and their weights.
+
+    Examples
+    --------
+    >>> points, weights = radon()
+    >>> round(float(weights.sum()), 12), round(float(weights @ points[:, 0] ** 5), 12) == round(1 / 42, 12)
+    (0.5, True)
+    """
+    # As the stiffness is integrated.
+    points = section_points("mitc9", True)[:7]
+    root = np.sqrt(15.0)
+    light, heavy = (155.0 - root) / 2400.0, (155.0 + root) / 2400.0
+    return points, np.array([0.1125, light, light, light, heavy, heavy, heavy])
+
+
+def collapsed(corners: Floats, along: tuple[Floats, Floats], across: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+    """Points and weights on a triangle (3, 2): a rule along lines from its first corner, and one across them.
+
+    A rule of lines that is exact to the degree n is so on the triangle to n − 1; points of no weight are left out.
+
+    Examples
+    --------
+    >>> points, weights = collapsed(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), gauss(2), gauss(2))
+    >>> round(float(weights @ points[:, 0] ** 2), 12) == round(1 / 12, 12)
+    True
+    """
+    u, v = (a.ravel() for a in np.meshgrid(0.5 + 0.5 * along[0], 0.5 + 0.5 * across[0], indexing="ij"))
+    apex, first, second = corners
+    (ax, ay), (bx, by) = first - apex, second - apex
+    weights = 0.25 * abs(ax * by - ay * bx) * u * np.outer(along[1], across[1]).ravel()
+    points = apex + u[:, None] * ((1.0 - v)[:, None] * (first - apex) + v[:, None] * (second - apex))
+    return points[u > 0.0], weights[u > 0.0]

@@ -15,7 +15,6 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from signorini._core import serendipity
 from signorini.discretise.quadrature.triangles import Triangles, gauss_on_boxes, gauss_on_triangles, split
 from signorini.mesh import Mesh
 from signorini.shapes import Region
@@ -41,6 +40,9 @@ _SEEN = 9
 """Points a direction at which an element is looked at: what is smaller than an eighth of it may be missed."""
 
 _CHUNK = 200_000
+
+_HYPOTENUSE = np.array([1.0, -1.0, -1.0])
+"""Of triangles the plane above zero inside them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,12 +79,11 @@ def _beyond(circle: Floats, points: Floats) -> Floats:
 def crossed(mesh: Mesh, elements: Ints, levels: Levels) -> Bools:
     """Which of the elements (k,) each of the levels changes its sign in: (levels, k)."""
     found = np.zeros((len(levels), len(elements)), dtype=bool)
-    stations = INSIDE * _square(_SEEN)
-    shapes = serendipity(stations)[0]
+    stations = _square(_SEEN)
     step = _CHUNK // len(stations)
     for start in range(0, len(elements) if len(levels) else 0, step):
         part = elements[start : start + step]
-        points = (shapes @ mesh.nodes[part]).reshape(-1, 2)
+        points = mesh.spread(part, stations, INSIDE).reshape(-1, 2)
         for i, level in enumerate(levels):
             above = (level(points) > 0.0).reshape(len(part), -1)
             found[i, start : start + step] = above.any(axis=1) & ~above.all(axis=1)
@@ -115,7 +116,7 @@ def cut_by(
     deepest : int
         Quarterings after which a cut is made however far off it is.
     quarter : bool
-        Whether no part may reach over the middles of an element.
+        Whether no part may reach over the middles of a quadrilateral.
 
     Examples
     --------
@@ -126,7 +127,8 @@ def cut_by(
     >>> [round(float(part.sum()), 12) for part in (found.weights, found.weights[left])]
     [3.0, 0.5]
     """
-    owner, boxes = elements, np.tile([-1.0, -1.0, 1.0, 1.0], (len(elements), 1))
+    # Of a triangle the box has another half, which is cut off.
+    owner, boxes = elements, np.where(mesh.triangles[elements, None], [0.0, 0, 1, 1], [-1.0, -1, 1, 1])
     points: list[tuple[Ints, Floats, Floats]] = []
     fronts: list[tuple[Ints, Floats]] = []
     for depth in range(deepest + 1):
@@ -136,11 +138,15 @@ def cut_by(
         ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == deepest)
         if quarter:
             changes, planes = _with_axes(boxes, changes, planes)
-        clear = ready & ~changes.any(axis=1)
+        over = mesh.triangles[owner] & (boxes[:, 2:].sum(axis=1) > 1.0)
+        clear = ready & ~changes.any(axis=1) & ~over
         fewer = max(2, order - depth)
         square, xi, weights = gauss_on_boxes(boxes[clear], fewer)
         points.append((owner[clear][square], xi, weights))
         triangles = Triangles.of_boxes(np.flatnonzero(ready & ~clear), boxes[ready & ~clear])
+        if over.any():
+            triangles, _, _ = split(triangles, np.tile(_HYPOTENUSE, (len(owner), 1)), over)
+            triangles = triangles.take(~over[triangles.box] | (triangles.corners.mean(axis=1).sum(axis=1) < 1.0))
         for i in range(changes.shape[1]):
             triangles, square, ends = split(triangles, planes[:, i], changes[:, i])
             if i < len(levels):
@@ -148,6 +154,8 @@ def cut_by(
         square, xi, weights = gauss_on_triangles(triangles, fewer)
         points.append((owner[square], xi, weights))
         owner, boxes = np.repeat(owner[~ready], 4), _quartered(boxes[~ready])
+        inside = ~mesh.triangles[owner] | (boxes[:, :2].sum(axis=1) < 1.0)
+        owner, boxes = owner[inside], boxes[inside]
     held, xi, weights = (np.concatenate(part) for part in zip(*points, strict=True))
     by_element = np.argsort(held, kind="stable")
     held, xi, weights = held[by_element], xi[by_element], weights[by_element]

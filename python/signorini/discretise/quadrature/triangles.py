@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from signorini.discretise.quadrature.rules import collapsed, gauss
+from signorini.mesh.isoparametric import TRIANGLE_CORNERS
+
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
@@ -30,6 +33,10 @@ class Triangles:
         a, b, c, d = (np.column_stack(corner) for corner in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
         corners = np.stack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)], axis=1)
         return cls(np.repeat(which, 2), corners.reshape(-1, 3, 2), np.repeat((x1 - x0) * (y1 - y0), 2))
+
+    def take(self, which: Bools) -> Triangles:
+        """Select some."""
+        return Triangles(self.box[which], self.corners[which], self.of[which])
 
     @property
     def area(self) -> Floats:
@@ -81,10 +88,8 @@ def split(triangles: Triangles, planes: Floats, changes: Bools) -> tuple[Triangl
 
 def gauss_on_triangles(triangles: Triangles, order: int) -> tuple[Ints, Floats, Floats]:
     """Boxes (q,), points (q, 2) and weights (q,) of Gauss rules collapsed to the triangles."""
-    node, weight = np.polynomial.legendre.leggauss(order)
-    u, v = (a.ravel() for a in np.meshgrid(0.5 + 0.5 * node, 0.5 + 0.5 * node, indexing="ij"))
-    shape = np.column_stack([1.0 - u, u * (1.0 - v), u * v])
-    weights = 2.0 * u * 0.25 * np.outer(weight, weight).ravel()
+    unit, weights = collapsed(TRIANGLE_CORNERS[:3], gauss(order), gauss(order))
+    shape, weights = np.column_stack([1.0 - unit.sum(axis=1), unit]), 2.0 * weights
     points = np.einsum("sk,tkd->tsd", shape, triangles.corners).reshape(-1, 2)
     return np.repeat(triangles.box, order**2), points, (triangles.area[:, None] * weights).ravel()
 

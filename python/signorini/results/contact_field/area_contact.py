@@ -8,12 +8,12 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.sparse import csr_array
 
-from signorini import _core
 from signorini.base.remade import Remade
 from signorini.discretise.places import region
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
+from signorini.mesh.isoparametric import real_sides
 from signorini.model import Support
 from signorini.results.contact_field.fine import Fine
 from signorini.results.contact_field.law import bounds, overlap, pressing
@@ -155,7 +155,7 @@ class AreaContact(Remade):
         result[stiff] = self.element_pressure[elements[stiff]]
         if soft.any():
             nodal = self.deflection[self.mesh.elements[elements[soft]]]
-            deflection = np.einsum("qi,qi->q", _core.serendipity(xi[soft])[0], nodal)
+            deflection = np.einsum("qi,qi->q", self.mesh.shape_functions(elements[soft], xi[soft]), nodal)
             result[soft] = np.clip(pressing(self.support, deflection, positions[soft]), *self.bounds)
         return result
 
@@ -240,7 +240,7 @@ class AreaContact(Remade):
         """Sides of elements between closed and open ones of a rigid area."""
         elements, sides = self.mesh.elements, self.mesh.sides
         closed, opened = np.unique(self.elements[self.closed]), np.unique(self.elements[~self.closed])
-        triples = sides[closed][np.isin(sides[closed][..., 1], elements[opened, 4:])]
+        triples = sides[closed][np.isin(sides[closed][..., 1], elements[opened, 4:]) & real_sides(elements[closed])]
         s = _ALONG_SIDE[1:-1]
         shape = np.stack([0.5 * s * (s - 1), 1 - s * s, 0.5 * s * (s + 1)])
         between = np.einsum("is,kid->ksd", shape, self.mesh.points[triples])

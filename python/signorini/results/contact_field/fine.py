@@ -58,8 +58,7 @@ class Fine:
             values[np.abs(values) <= touching] = 0.0
             on_sides = values[cut.edges]
             left = cut.outer & (on_sides > 0).any(axis=1) & (on_sides < 0).any(axis=1)
-            midsides = np.unique(cut.elements[:, 4:])[left]
-            more = others & np.isin(mesh.elements[:, 4:], midsides).any(axis=1)
+            more = others & np.isin(mesh.elements[:, 4:], cut.midsides[left]).any(axis=1)
             more[elements] = False
             if not more.any():
                 return cls(elements, cut, positions, values)
@@ -88,7 +87,7 @@ class Fine:
         Overlap and depths are taken as linear on the triangles.
         """
         triangles, count = self.known, len(self.elements)
-        owner = np.repeat(np.arange(count), len(self.cut.triangles) // count)[self._known]
+        owner = self.cut.parents[self._known]
         corners = self.positions[triangles]
         (ux, uy), (vx, vy) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
         area, inside, overlap = 0.5 * (ux * vy - uy * vx), depths[triangles], self.overlap[triangles]

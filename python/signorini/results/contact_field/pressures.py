@@ -78,9 +78,9 @@ class Pressures:
         several = np.flatnonzero(most > least)
         if len(several):
             mesh, along = self._rigid[0].mesh, (np.arange(_ALONG) + 0.5) / _ALONG * 2 - 1
-            xi = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
-            at = np.repeat(self.elements[several], len(xi))
-            places = mesh.map(at, np.tile(xi, (len(several), 1)))
+            stations = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
+            at = np.repeat(self.elements[several], len(stations))
+            places = mesh.spread(self.elements[several], stations).reshape(-1, 2)
             within = np.any([(area.covered[at] > 0) & (area.depth(places) >= 0) for area in self._rigid], axis=0)
             part = within.reshape(len(several), -1).mean(axis=1) * mesh.element_area[self.elements[several]]
             most[several] = np.clip(part, least[several], most[several])

@@ -1,0 +1,168 @@
+//! MITC7 on the 6-node triangle (Bathe, Brezzi & Fortin 1989, Int. J. Num. Meth. Eng. 28, 1787–1801).
+//!
+//! Deflection on the six quadratic functions, rotations on these and the cubic bubble, whose two rotations are condensed.
+//! The covariant shear lies in γr ∈ span{1, r, s} + s(a r + b s), γs ∈ span{1, r, s} − r(a r + b s), eight numbers; it
+//! equals ∇w − θ at the two Gauss points of every edge (tangential part), as mitc9 does, and in its two means over the
+//! reference triangle. With straight sides these are the means of the physical shear.
+//!
+//! A triangle is stored as an element of eight nodes whose side from the third to the fourth is collapsed: corners
+//! a, b, c, c, then the midsides ab, bc, c, ca. The functions of the places that repeat c are zero.
+
+use super::geometry::Geometry;
+use super::matrices::{ALL_DOFS, Stiffness, StrainMatrix};
+use super::mitc9::{Apart, GAUSS, Point, Station, TIES, add_shear, add_shear_along, bending_rows, condense};
+use super::quadrature::radon;
+use super::section::{Material, Sections};
+use super::shape::{bubbled, triangular};
+use std::sync::LazyLock;
+
+/// Numbers of the shear of a triangle; places for those of a quadrilateral are left over.
+const NUMBERS: usize = 8;
+
+fn station(r: f64, s: f64, weight: f64) -> Station {
+    Station { xi: r, eta: s, weight, shape: triangular(r, s), rotation: bubbled(r, s) }
+}
+
+static POINTS: LazyLock<[Station; 9]> = LazyLock::new(|| radon().map(|(r, s, weight)| station(r, s, weight)));
+
+/// Where the shear is tied, and along what.
+static TYING_POINTS: LazyLock<[(Station, [f64; 2]); 6]> = LazyLock::new(|| {
+    std::array::from_fn(|tie| {
+        let t = if tie % 2 == 0 { 0.5 * (1.0 - GAUSS) } else { 0.5 * (1.0 + GAUSS) };
+        match tie / 2 {
+            0 => (station(t, 0.0, 1.0), [1.0, 0.0]),
+            1 => (station(1.0 - t, t, 1.0), [-1.0, 1.0]),
+            _ => (station(0.0, 1.0 - t, 1.0), [0.0, -1.0]),
+        }
+    })
+});
+
+/// The eight functions of γr and γs.
+fn functions(r: f64, s: f64) -> [[f64; NUMBERS]; 2] {
+    [[1.0, r, s, 0.0, 0.0, 0.0, r * s, s * s], [0.0, 0.0, 0.0, 1.0, r, s, -r * r, -r * s]]
+}
+
+/// Coefficients of the functions from the tied values.
+static FROM_TIES: LazyLock<[[f64; NUMBERS]; NUMBERS]> = LazyLock::new(|| {
+    let mut rows = [[0.0; 2 * NUMBERS]; NUMBERS];
+    let mut add = |row: usize, at: &Station, along: [f64; 2], weight: f64| {
+        let [first, second] = functions(at.xi, at.eta);
+        (0..NUMBERS).for_each(|k| rows[row][k] += weight * (along[0] * first[k] + along[1] * second[k]));
+    };
+    for (row, (at, along)) in TYING_POINTS.iter().enumerate() {
+        add(row, at, *along, 1.0);
+    }
+    for at in POINTS.iter() {
+        add(6, at, [1.0, 0.0], at.weight);
+        add(7, at, [0.0, 1.0], at.weight);
+    }
+    (0..NUMBERS).for_each(|row| rows[row][NUMBERS + row] = 1.0);
+    inverted(rows)
+});
+
+/// Gauss and Jordan's elimination of [A | 1].
+fn inverted(mut rows: [[f64; 2 * NUMBERS]; NUMBERS]) -> [[f64; NUMBERS]; NUMBERS] {
+    for k in 0..NUMBERS {
+        let pivot = (k..NUMBERS).max_by(|&i, &j| rows[i][k].abs().total_cmp(&rows[j][k].abs())).expect("rows are left");
+        rows.swap(k, pivot);
+        let row = rows[k].map(|value| value / rows[k][k]);
+        for other in &mut rows {
+            let factor = other[k];
+            other.iter_mut().zip(row).for_each(|(value, part)| *value -= factor * part);
+        }
+        rows[k] = row;
+    }
+    rows.map(|row| std::array::from_fn(|k| row[NUMBERS + k]))
+}
+
+/// What each tied value adds to γr and γs.
+fn interpolation(r: f64, s: f64) -> [[f64; NUMBERS]; 2] {
+    functions(r, s).map(|parts| {
+        let mut sum = [0.0; NUMBERS];
+        for (part, row) in parts.iter().zip(FROM_TIES.iter()) {
+            sum.iter_mut().zip(row).for_each(|(sum, from)| *sum += part * from);
+        }
+        sum
+    })
+}
+
+/// The tied values as rows over all dofs.
+fn ties(geometry: &Geometry) -> [[f64; ALL_DOFS]; NUMBERS] {
+    let mut rows = [[0.0; ALL_DOFS]; NUMBERS];
+    for (row, (at, along)) in rows.iter_mut().zip(TYING_POINTS.iter()) {
+        add_shear_along(row, geometry, *along, at);
+    }
+    for at in POINTS.iter() {
+        add_shear_along(&mut rows[6], geometry, [at.weight, 0.0], at);
+        add_shear_along(&mut rows[7], geometry, [0.0, at.weight], at);
+    }
+    rows
+}
+
+/// κ = sym ∇θ on seven nodes and the tied shear, both in x and y, at each of the points.
+pub fn strain_matrices<const N: usize>(geometry: &Geometry, at: [(f64, f64); N]) -> [StrainMatrix; N] {
+    let rows = ties(geometry);
+    at.map(|(r, s)| {
+        let jacobian = geometry.jacobian(r, s);
+        let mut strain = bending_rows(bubbled(r, s).gradient.map(|gradient| jacobian.physical(gradient)));
+        let weights = interpolation(r, s);
+        for dof in 0..ALL_DOFS {
+            let covariant = [0, 1].map(|a| (0..NUMBERS).map(|t| weights[a][t] * rows[t][dof]).sum::<f64>());
+            let [x, y] = jacobian.physical(covariant);
+            strain[3][dof] = x;
+            strain[4][dof] = y;
+        }
+        strain
+    })
+}
+
+/// The mean, over the element, of the rows of the tied shear in x and y.
+///
+/// Where elements are larger than the plate is thick the shear of triangles is right in the mean only.
+pub fn mean_shear(geometry: &Geometry) -> [[f64; ALL_DOFS]; 2] {
+    let points = radon();
+    let mut mean = [[0.0; ALL_DOFS]; 2];
+    let mut area = 0.0;
+    for ((r, s, weight), strain) in points.into_iter().zip(strain_matrices(geometry, points.map(|(r, s, _)| (r, s)))) {
+        let part = weight * geometry.jacobian(r, s).determinant;
+        area += part;
+        for a in 0..2 {
+            mean[a].iter_mut().zip(strain[3 + a]).for_each(|(sum, row)| *sum += part * row);
+        }
+    }
+    mean.map(|row| row.map(|value| value / area))
+}
+
+/// Bending at the seven points, shear as a form in the eight tied values.
+pub(super) fn apart(geometry: &Geometry, material: &Material, sections: Sections) -> Apart {
+    let mut form = [[0.0; 2 * TIES]; 2 * TIES];
+    let points = std::array::from_fn(|k| {
+        let at = &POINTS[k];
+        let jacobian = geometry.jacobian_of(at.shape);
+        let scale = 0.5 * at.weight * jacobian.determinant;
+        let section = sections.at(k, material);
+        let [along, across] = interpolation(at.xi, at.eta);
+        let strains: [[f64; 2]; NUMBERS] = std::array::from_fn(|t| jacobian.physical([along[t], across[t]]));
+        for (row, &strain) in form.iter_mut().zip(&strains) {
+            let force = section.shear_force(strain).map(|q| scale * q);
+            for (sum, [x, y]) in row.iter_mut().zip(&strains) {
+                *sum += force[0] * x + force[1] * y;
+            }
+        }
+        let gradient = at.rotation.gradient.map(|gradient| jacobian.physical(gradient));
+        Point { gradient, scale, section }
+    });
+    // Places that are left over: springs on nothing.
+    (NUMBERS..2 * TIES).for_each(|t| form[t][t] = form[0][0]);
+    let mut rows = [[0.0; ALL_DOFS]; 2 * TIES];
+    rows[..NUMBERS].copy_from_slice(&ties(geometry));
+    Apart { points, form, rows }
+}
+
+/// Bending and shear together; then the centre is condensed.
+pub fn stiffness(geometry: &Geometry, material: &Material, sections: Sections) -> Stiffness {
+    let apart = apart(geometry, material, sections);
+    let mut full = apart.bending();
+    add_shear(&mut full, &apart.form, &apart.rows);
+    condense(&full)
+}

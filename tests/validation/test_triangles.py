@@ -1,0 +1,88 @@
+"""Plates of triangles, alone and beside quadrilaterals, against the references that quadrilaterals are held to."""
+
+import numpy as np
+import pytest
+import tensionless
+from halving import halved
+
+from signorini import Model, contact_problem
+from signorini.analysis.solve import solve_one
+from signorini.discretise import discretise
+
+PARTS = pytest.mark.parametrize("part", [0.5, 1.0], ids=["mixed", "triangles"])
+
+
+def solved(model, part):
+    """The only combination of a model on its mesh with a part of the elements halved."""
+    mesh = halved(discretise(model).mesh, part)
+    (combination,) = model.effective_combinations
+    result = solve_one(contact_problem(discretise(model, mesh)), combination)
+    assert result.certificate.passed
+    return result
+
+
+@PARTS
+@pytest.mark.parametrize(
+    ("case", "n", "bounds"),
+    [
+        (tensionless.STRIP, 40, (1e-4, 2e-5, 1e-2)),
+        (tensionless.DISC_3, 16, (2e-4, 1e-3, 2e-3)),
+        (tensionless.SSNL130, 8, (1e-6, 1e-6, 1e-6)),
+        (tensionless.FOOTING, 8, (1e-5, 1e-5)),
+        (tensionless.BASE_PLATE, 24, (1e-3, 1e-3, 1e-3)),
+        (tensionless.SLAB_A, 20, (2e-3, 2e-3, 2e-3)),
+    ],
+    ids=lambda value: value.title if isinstance(value, tensionless.Case) else None,
+)
+def test_plates_on_beds_that_only_push(case, n, bounds, part):
+    """To the same bounds, or twice them where the mesh is half as fine; point loads on discs deflect triangles more."""
+    errors = case.errors(solved(case.model(n), part))
+    assert all(error < bound for error, bound in zip(errors.values(), bounds, strict=True)), errors
+
+
+@PARTS
+@pytest.mark.parametrize(("thickness", "exact"), [(0.1, 0.00150463), (1e-4, 0.00126532)])
+def test_the_clamped_square_does_not_lock(part, thickness, exact):
+    def ratio(n):
+        result = solved(tensionless.quarter_square({"fix": "clamped"}, thickness, n), part)
+        return result.deflection.max() * thickness**3 / 12 / (1 - 0.3**2) / exact
+
+    assert [ratio(n) for n in (4, 8)] == pytest.approx([1.0, 1.0], abs=7e-3)
+    assert ratio(8) == pytest.approx(1.0, abs=4e-4)
+
+
+@PARTS
+def test_a_free_plate_takes_its_stress_free_curvature(part):
+    k = (1e-3, 2e-3, 5e-4)
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [6, 4], "thickness": 0.3},
+        mesh={"divisions": [6, 4]},
+        support=[{"at": [[0, 0], [6, 0], [0, 4]], "fix": "simple"}],
+        load=[{"curvature": list(k)}],
+    )
+    result = solved(model, part)
+    x, y = result.mesh.points.T
+    bent = 0.5 * k[0] * x**2 + 0.5 * k[1] * y**2 + k[2] * x * y
+    plane = np.column_stack([np.ones(3), [0, 6, 0], [0, 0, 4]])
+    at = np.array([0.0, 18 * k[0], 8 * k[1]])
+    expected = bent - np.column_stack([np.ones_like(x), x, y]) @ np.linalg.solve(plane, at)
+    assert result.deflection == pytest.approx(expected, abs=1e-12 * np.abs(bent).max())
+    assert np.abs(result.moment).max() < 1e-7 * 30e9 * 0.3**3 / 12 * max(k)
+
+
+@PARTS
+@pytest.mark.parametrize("thickness", ["where(x + 0.4*y < 3.4, 0.3, 0.6)", "0.2 + 0.05*x"], ids=["askew step", "taper"])
+def test_thickness_that_varies_in_triangles_is_as_in_quadrilaterals(part, thickness):
+    model = Model(
+        material={"E": 30e9, "nu": 0.2, "unit_weight": 25e3},
+        plate={"shape": "rectangle", "size": [6, 4], "thickness": thickness},
+        mesh={"divisions": [12, 8]},
+        support=[{"name": "wall", "edge": ["left"], "fix": "clamped"}],
+        load=[{"self_weight": True}],
+    )
+    whole, cut = solved(model, 0.0), solved(model, part)
+    assert cut.deflection.max() == pytest.approx(whole.deflection.max(), rel=2e-3)
+    assert cut.reactions["wall"] == pytest.approx(whole.reactions["wall"], rel=1e-9)
+    middle = cut.probe([[1.1, 1.9]])[0].moment
+    assert middle == pytest.approx(whole.probe([[1.1, 1.9]])[0].moment, abs=0.03 * max(map(abs, middle)))
