@@ -49,7 +49,8 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
     if isinstance(model.plate, MeshPlate):
         yield tuple(_twin(model, mesh, factor) for factor in (0.5, 0.25) if factor == 0.5 or 16 * count <= _CHEAP)
         return
-    along = min(model.plate.divisions(model.mesh))
+    # Refined places have more elements than the divisions say.
+    along = math.isqrt(count) if model.mesh.refine else min(model.plate.divisions(model.mesh))
     least_along, least = (_LEAST_ALONG_OF_SEVERAL, _LEAST_OF_SEVERAL) if several else (_LEAST_ALONG, _LEAST)
     coarse = along < least_along or count < least
     if coarse and 16 * count <= _CHEAP:
