@@ -1,6 +1,7 @@
 """Rectangles with smaller elements where it is asked, and meshes that are refined until they are as near as asked."""
 
 import io
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -122,6 +123,8 @@ def shown(results: Results) -> str:
 def test_a_mesh_is_refined_until_it_is_as_near_as_asked(tmp_path: Path) -> None:
     results = solve(asked(0.05))
     first, *_, last = results.refinement
+    counts = [step.elements for step in results.refinement]
+    assert all(later > 1.1 * earlier for earlier, later in pairwise(counts))
     assert first.worst > 0.05 >= last.worst
     assert results.accuracy_warning == ""
     assert len(results["all"].mesh.elements) == last.elements < 1600

@@ -21,10 +21,10 @@ _TRIED, _GAINED = 3, 0.8
 """Meshes in a row that must gain something, and to what part half-widths must fall for that."""
 ORDER = 1.5
 """Order in the size of elements by which half-widths are expected to fall."""
-_LEAST, _MOST = 1.2, 2.0
+_LEAST, _MOST = 1.4, 2.0
 """By how much sides of elements shrink from one mesh to the next."""
-_SAME_SIZE = 0.8
-"""Size over that of its neighbours from which on a band is one with them."""
+_SAME_SIZE, _AS_ALL = 0.8, 0.95
+"""Size over that of its neighbour, and of all others, from which on a band is one with it, and needs none."""
 
 
 @dataclass(frozen=True)
@@ -142,6 +142,6 @@ def _bands(joints: Floats, wanted: Floats, size: float) -> list[tuple[float, flo
     for low, high, side in zip(joints[:-1].tolist(), joints[1:].tolist(), wanted.tolist(), strict=True):
         if found and found[-1][1] == low and _SAME_SIZE < side / found[-1][2] < 1 / _SAME_SIZE:
             found[-1] = found[-1][0], high, min(side, found[-1][2])
-        elif side < _SAME_SIZE * size:
+        elif side < _AS_ALL * size:
             found.append((low, high, side))
     return found
