@@ -18,6 +18,8 @@ from signorini.errors import InputError
 from signorini.mesh.meshers import disc
 from signorini.mesh.refined import refined
 from signorini.output import path_json, reactions_csv, results_json
+from signorini.output.names import MOMENTS, PRESSURE
+from signorini.output.pictures import caption
 from signorini.results.figures import figures
 
 POINTS = [[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0]]
@@ -318,3 +320,11 @@ def test_every_event_of_a_path_and_its_end_have_half_widths() -> None:
     assert at.plus_minus is not None
     assert 0 < at.plus_minus["supports"][1]["reaction"] < 0.1 * at.reactions["prop"]
     assert pickle.loads(pickle.dumps(found)).estimate == found.estimate
+
+
+def test_titles_of_pictures_have_the_half_width_of_their_extremes(result: Result) -> None:
+    assert result.plus_minus is not None
+    width = max(result.plus_minus["deflection"]["max"], result.plus_minus["deflection"]["min"])
+    assert caption(result, "") == f"all, extremes ± {width:.2g}"
+    assert caption(result, PRESSURE).startswith("all, extremes ± ")
+    assert caption(result, MOMENTS) == "all"

@@ -1,16 +1,22 @@
 """Rectangles with smaller elements where it is asked, and meshes that are refined until they are as near as asked."""
 
+import io
+from itertools import pairwise
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from models import rectangular
+from rich.console import Console
 
-from signorini import InputError, Model, solve
+from signorini import InputError, Model, Results, solve
 from signorini.analysis import accuracy
+from signorini.cli.tables import print_results
 from signorini.discretise import discretise
 from signorini.mesh.grading import STEEPEST, graded
-from signorini.output import results_json
+from signorini.output import results_json, write
 
 EDGES = ["left", "right", "bottom", "top"]
 NUMBERS = st.floats(0.0, 10.0)
@@ -101,9 +107,17 @@ def asked(part: float, **others: object) -> Model:
     return rectangular(**given | others)
 
 
-def test_a_mesh_is_refined_until_it_is_as_near_as_asked() -> None:
+def shown(results: Results) -> str:
+    console = Console(file=io.StringIO(), width=100)
+    print_results(console, results)
+    return console.file.getvalue()  # type: ignore[attr-defined,no-any-return]
+
+
+def test_a_mesh_is_refined_until_it_is_as_near_as_asked(tmp_path: Path) -> None:
     results = solve(asked(0.05))
     first, *_, last = results.refinement
+    counts = [step.elements for step in results.refinement]
+    assert all(later > 1.1 * earlier for earlier, later in pairwise(counts))
     assert first.worst > 0.05 >= last.worst
     assert results.accuracy_warning == ""
     assert len(results["all"].mesh.elements) == last.elements < 1600
@@ -111,6 +125,10 @@ def test_a_mesh_is_refined_until_it_is_as_near_as_asked() -> None:
     assert written["refinement"][-1]["worst"] == last.worst
     width = written["combinations"][0]["plus_minus"]["probes"][1]["moment"][0]
     assert width <= 0.05 * abs(results["all"].moment).max()
+    write(results, tmp_path / "out")
+    assert {"combination": None, "kind": "refinement", "file": "refinement.png"} in written["files"]
+    assert (tmp_path / "out" / "refinement.png").stat().st_size > 10_000
+    assert "refined to ± 0.05" in shown(results)
 
 
 def test_a_disc_is_refined_everywhere() -> None:

@@ -19,12 +19,12 @@ from signorini.results.result import Result
 _MOST_STEPS = 12
 _TRIED, _GAINED = 3, 0.8
 """Meshes in a row that must gain something, and to what part half-widths must fall for that."""
-_ORDER = 1.5
+ORDER = 1.5
 """Order in the size of elements by which half-widths are expected to fall."""
-_LEAST, _MOST = 1.2, 2.0
+_LEAST, _MOST = 1.4, 2.0
 """By how much sides of elements shrink from one mesh to the next."""
-_SAME_SIZE = 0.8
-"""Size over that of its neighbours from which on a band is one with them."""
+_SAME_SIZE, _AS_ALL = 0.8, 0.95
+"""Size over that of its neighbour, and of all others, from which on a band is one with it, and needs none."""
 
 
 @dataclass(frozen=True)
@@ -78,14 +78,14 @@ def refined(model: Model, results: Mapping[str, Result], steps: Sequence[Refined
             f"{left} Finer meshes do not bring it much nearer. What acts at a point, or on less than an element, needs "
             "a footprint or mesh.refine."
         )
-    shrinking = float(np.clip((reached.worst / asked) ** (1 / _ORDER), _LEAST, _MOST))
+    shrinking = float(np.clip((reached.worst / asked) ** (1 / ORDER), _LEAST, _MOST))
     mesh = plate.scaled(model.mesh, 1 / shrinking)
     if isinstance(plate, RectanglePlate) and not plate.freely_meshed(model.mesh):
         solved = [result for result in results.values() if result.status == "solved"]
         mesh = _graded(plate, solved, shrinking)
     count = math.ceil(reached.elements * shrinking**2)
     if not fits(1.4 * needed(count)):
-        last = math.ceil(reached.elements * (reached.worst / asked) ** (2 / _ORDER))
+        last = math.ceil(reached.elements * (reached.worst / asked) ** (2 / ORDER))
         return None, (
             f"{left} It would take about {float(f'{last:.2g}'):,.0f} elements and {needed(last) / 1e9:.1f} GB of "
             "memory."
@@ -142,6 +142,6 @@ def _bands(joints: Floats, wanted: Floats, size: float) -> list[tuple[float, flo
     for low, high, side in zip(joints[:-1].tolist(), joints[1:].tolist(), wanted.tolist(), strict=True):
         if found and found[-1][1] == low and _SAME_SIZE < side / found[-1][2] < 1 / _SAME_SIZE:
             found[-1] = found[-1][0], high, min(side, found[-1][2])
-        elif side < _SAME_SIZE * size:
+        elif side < _AS_ALL * size:
             found.append((low, high, side))
     return found

@@ -40,6 +40,8 @@ def print_combined(
     print_governing(console, model, reactions)
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {figures}")
+    known = "± of rows and extremes in the files" if model.estimated else "not asked, no ± (mesh.error)"
+    say(console, f"of the equations; of the mesh: {known}")
     if chosen:
         say(console, f"all results of: {', '.join(chosen)}")
 

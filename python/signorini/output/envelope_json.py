@@ -19,6 +19,7 @@ from signorini.results.columns import Layout
 from signorini.results.envelope import NONE, Extremes
 from signorini.results.result import FIELDS
 from signorini.results.warnings import model_warnings, too_far
+from signorini.singularities.named import singularities
 
 TABLE, ENVELOPE = "combinations.parquet", "envelope.vtu"
 
@@ -57,7 +58,9 @@ def envelope_json(results: Results) -> dict[str, Any]:
     if others:
         meshes = Meshes.of(mesh, list(others))
         trees = [own if one is mesh else _envelope(others[one], one) for one in meshes.every]
-        numbers, _ = compared(trees, meshes, results.model, lambda path, value: abs(value))
+        numbers, _ = compared(
+            trees, meshes, results.model, singularities(results.discretisation), lambda path, value: abs(value)
+        )
         plus_minus = with_numbers({key: own[key] for key in ("fields", "supports", "probes")}, numbers)
     return own | {"plus_minus": plus_minus}
 

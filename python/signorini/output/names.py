@@ -14,6 +14,7 @@ from signorini.results.result import Result
 
 JSON, CSV = "results.json", "reactions.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
+REFINEMENT = "refinement.png"
 PRESSURE, MOMENTS, SHEARS = "-pressure", "-moments", "-shears"
 """End the names of pictures other than that of the deflection."""
 _ENDINGS = ("", MOMENTS, SHEARS, PRESSURE)
@@ -30,6 +31,7 @@ def files(results: Results) -> list[dict[str, str | None]]:
     together = {"results": JSON, "reactions": CSV}
     if results.model.tabulated:
         together |= {"table": TABLE} | ({"envelope": ENVELOPE} if results.envelope.fields else {})
+    together |= {"refinement": REFINEMENT} if results.refinement else {}
     named: list[tuple[str | None, str, str]] = [(None, kind, name) for kind, name in together.items()]
     named += [(one.name, kind, slug + ending) for one, slug in slugs(results) for kind, ending in endings.items()]
     return [{"combination": name, "kind": kind, "file": file} for name, kind, file in named]
@@ -38,11 +40,12 @@ def files(results: Results) -> list[dict[str, str | None]]:
 def expected_names(model: Model) -> Iterator[str]:
     """Name files that the results of a model will have as far as it tells: not those of what governs in a table."""
     yield from (JSON, CSV)
-    taken: list[str] = []
+    taken = _taken(model)
+    if model.mesh.accuracy is not None:
+        yield REFINEMENT
     names: Iterable[str] = (combination.name for combination in model.effective_combinations)
     if model.tabulated:
         yield TABLE
-        taken = [Path(ENVELOPE).stem] if model.output.envelope else []
         fields = model.output.fields
         names = names if fields == "all" else () if isinstance(fields, str) else fields
     for slug in unique_slugs([*taken, *names]):
@@ -54,10 +57,16 @@ def has_areas(results: Results) -> bool:
     return any(support.area is not None for support in results.discretisation.model.support)
 
 
+def _taken(model: Model) -> list[str]:
+    """Names without endings that pictures of all combinations have, and so none of one."""
+    taken = [Path(ENVELOPE).stem] if model.tabulated else []
+    return taken + [Path(REFINEMENT).stem] * (model.mesh.accuracy is not None)
+
+
 def slugs(results: Results) -> Iterator[tuple[Result, str]]:
     """Solved combinations with file names of their own, on every file system."""
     solved = [result for result in results.full.values() if result.status == "solved"]
-    taken = [Path(ENVELOPE).stem] if results.model.tabulated else []
+    taken = _taken(results.model)
     found = unique_slugs([*taken, *(result.name for result in solved)])
     return zip(solved, found[len(taken) :], strict=True)
 

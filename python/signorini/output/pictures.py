@@ -7,8 +7,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from signorini.analysis.accuracy import ORDER
 from signorini.analysis.solve import Results
-from signorini.output.names import MOMENTS, PRESSURE, SHEARS, has_areas
+from signorini.output.names import MOMENTS, PRESSURE, REFINEMENT, SHEARS, has_areas
 from signorini.results.panels import field_range, panel, support_marks
 from signorini.results.result import Result
 
@@ -17,6 +18,32 @@ if TYPE_CHECKING:
 
 _PICTURES = {"": ("deflection",), MOMENTS: ("mx", "my", "mxy"), SHEARS: ("qx", "qy"), PRESSURE: ("pressure",)}
 """Fields of a picture, by the ending of its name."""
+
+
+def caption(result: Result, ending: str) -> str:
+    """Title of a picture: its heading and, where they are known, the half-width of what it shows the extremes of."""
+    widths, units = result.asked_estimate.plus_minus, result.model.units
+    told, unit = list[float | None](), ""
+    if widths is not None and ending == "":
+        told, unit = [widths["deflection"]["max"], widths["deflection"]["min"]], units.length
+    elif widths is not None and ending == PRESSURE:
+        told = [
+            width["max_pressure"] for width, one in zip(widths["supports"], result.supports, strict=True) if one.area
+        ]
+        unit = f"{units.force}/{units.length}²" if units.force and units.length else ""
+    known = [width for width in told if width is not None]
+    return f"{result.heading}, extremes ± {max(known):.2g} {unit}".rstrip() if known else result.heading
+
+
+def write_refinement(results: Results, directory: Path) -> None:
+    """Draw the meshes on the way to the accuracy that was asked for."""
+    # Only this function needs matplotlib.
+    from signorini.plot import refinement_picture, save
+
+    steps, asked = results.refinement, results.model.mesh.accuracy
+    if steps and asked is not None:
+        dofs, worst = [step.dofs for step in steps], [step.worst for step in steps]
+        save(refinement_picture(dofs, worst, asked, ORDER, results.model.title), directory / REFINEMENT)
 
 
 def write_pictures(results: Results, named: Iterable[tuple[Result, str]], directory: Path) -> None:
@@ -40,7 +67,7 @@ def write_pictures(results: Results, named: Iterable[tuple[Result, str]], direct
             return [panel(field, *parts, limit, result.singular) for field, limit in limits.items()]
 
         pictures = [
-            Picture(directory / f"{slug}{ending}.png", partial(panels, result), marks, result.heading)
+            Picture(directory / f"{slug}{ending}.png", partial(panels, result), marks, caption(result, ending))
             for result, slug, marks in drawn
         ]
         save_pictures(plan, pictures, model.units.length)

@@ -13,7 +13,7 @@ from signorini.formats.vtk import Vtu
 from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import ENVELOPE, TABLE, write_envelope
 from signorini.output.names import CSV, JSON, slugs
-from signorini.output.pictures import write_pictures
+from signorini.output.pictures import write_pictures, write_refinement
 from signorini.output.tables import reactions_csv, results_json
 from signorini.results.result import vtk_fields
 
@@ -61,6 +61,7 @@ def write(
                 for result, slug in named:
                     vtu.write(beside / f"{slug}.vtu", *vtk_fields(result))
             write_pictures(results, named, beside)
+            write_refinement(results, beside)
             if results.model.tabulated and results.envelope.fields:
                 write_envelope(results, beside / ENVELOPE)
             if table is not None:

@@ -22,6 +22,7 @@ from signorini.plot.pictures import (
 )
 from signorini.plot.plan import Plan
 from signorini.plot.pressure import PressureLayer, pressure
+from signorini.plot.refinement import refinement_picture
 
 __all__ = [
     "DRAWN_BY",
@@ -42,6 +43,7 @@ __all__ = [
     "line",
     "load_path_picture",
     "pressure",
+    "refinement_picture",
     "save",
     "save_pictures",
     "supports",

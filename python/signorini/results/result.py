@@ -320,7 +320,8 @@ class Result(Remade):
         length = f" {units.length}" if units.length else ""
         ends = f"deflection {self.deflection.min():.6g} to {self.deflection.max():.6g}{length}, positive down"
         verdict = (
-            f"{html.escape(ends)}<br>{self.method}, {self.iterations} {self.counted}; certificate {self.certificate}"
+            f"{html.escape(ends)}<br>{self.method}, {self.iterations} {self.counted}; certificate {self.certificate}, "
+            f"of the equations<br>of the mesh: ± in <code>plus_minus</code>"
         )
         for sentence in self.warnings:
             verdict += f"<br>{html.escape(sentence)}"

@@ -13,6 +13,7 @@ from signorini.analysis.twins.leaves import Path, acts_at_points, beside, leaves
 from signorini.analysis.twins.meshes import side
 from signorini.mesh import Mesh
 from signorini.model import Model
+from signorini.singularities.named import Singularity
 
 
 @dataclass(frozen=True)
@@ -45,9 +46,16 @@ class Meshes:
 
 
 def compared(
-    trees: Sequence[Mapping[str, Any]], meshes: Meshes, model: Model, largest: Callable[[Path, float], float]
+    trees: Sequence[Mapping[str, Any]],
+    meshes: Meshes,
+    model: Model,
+    singular: Sequence[Singularity],
+    largest: Callable[[Path, float], float],
 ) -> tuple[dict[Path, float | None], list[Path]]:
-    """Half-widths by the path of every number, and the paths of those without a limit; ``trees`` as the meshes are."""
+    """Give half-widths by the path of every number, and the paths of those without a limit.
+
+    ``trees`` are in the order of the meshes; only what a singularity is named for may have no limit.
+    """
     found = [leaves(tree) for tree in trees]
     own = found[meshes.own]
     paths = list(own)
@@ -59,7 +67,7 @@ def compared(
         FASTEST_OF_POINTS if acts_at_points(model) else FASTEST,
         beside(paths, np.abs(values[0] - values[1])),
         np.array([largest(path, value) for path, value in own.items()]),
-        np.array([not may_grow(path, trees[meshes.own], model, meshes.reach) for path in paths], np.bool_),
+        np.array([not may_grow(path, trees[meshes.own], singular, meshes.reach) for path in paths], np.bool_),
     )
     numbers = {path: rounded(width) for path, width in zip(paths, widths.tolist(), strict=True)}
     return numbers, [path for path, grows in zip(paths, growing.tolist(), strict=True) if grows]

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from signorini.discretise.rows import Floats
 from signorini.errors import point
-from signorini.model import Load, MeshPlate, Model, Support
+from signorini.model import Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.results.result import Result
+from signorini.singularities.named import Singularity
 
 Path = tuple[str | int, ...]
 
@@ -23,8 +25,9 @@ _OF_VECTOR, _OF_POINTS = 0.5, 0.1
 _BENT = 0.01
 _GIVEN = {"at"}
 _COUNTS = {"closed", "open", "lifted", "lifted_in"}
-_LOCAL = {"mx", "my", "mxy", "qx", "qy", "rotation_x", "rotation_y"}
-_UNLIMITED = {"deflection", "rotation", "moment", "shear", "pressure"} | _LOCAL
+_FIELD_OF = dict.fromkeys(("mx", "my", "mxy"), "moment") | dict.fromkeys(("qx", "qy"), "shear")
+_FIELD_OF |= dict.fromkeys(("rotation_x", "rotation_y"), "rotation")
+_FIELD_OF |= dict.fromkeys(("contact_pressure", "rigid_contact_pressure"), "pressure")
 
 
 def leaves(figures: Mapping[str, Any]) -> dict[Path, float]:
@@ -94,34 +97,40 @@ def kind_of(path: Path) -> str:
 def acts_at_points(model: Model) -> bool:
     """Whether a force, a couple or a support acts at a point, not on a footprint."""
     items: tuple[Load | Support, ...] = (*model.load, *model.support)
-    return any(_points(item) for item in items) or _rolls_on_points(model)
+    points = any(item.at is not None and not footprints(item) for item in items)
+    return points or any(moving.patch is None for moving in model.moving)
 
 
-def _points(item: Load | Support) -> Sequence[tuple[float, float]]:
-    return () if item.at is None or footprints(item) else item.at
+def may_grow(path: Path, figures: Mapping[str, Any], singular: Sequence[Singularity], reach: float) -> bool:
+    """Whether a number may grow for ever as the mesh is refined: it is of what a singularity within reach is named for.
 
-
-def _rolls_on_points(model: Model) -> bool:
-    return any(moving.patch is None for moving in model.moving)
-
-
-def may_grow(path: Path, figures: Mapping[str, Any], model: Model, reach: float) -> bool:
-    """Whether a number may grow for ever as the mesh is refined.
-
-    At probes it may within reach of what acts at a point, and of the ends of a line, or where nobody knows the corners
-    of a mesh that was read; the largest pressure of a rigid area may at its edge; envelopes have all of these.
+    Of supports it is one of their own, of envelopes one anywhere.
     """
-    if "max_pressure" in path:
-        return model.support[int(path[1])].stiffness is None
-    if path[0] == "fields":
-        return acts_at_points(model) and path[1] in _LOCAL
-    if path[0] != "probes" or not _UNLIMITED & set(path):
-        return False
-    if isinstance(model.plate, MeshPlate) or _rolls_on_points(model):
-        return True
-    items: tuple[Load | Support, ...] = (*model.load, *model.support)
-    places = [place for item in items for place in _points(item) or item.line or ()]
-    return any(math.dist(figures["probes"][int(path[1])]["at"], place) <= reach for place in places)
+    kind = "pressure" if "max_pressure" in path else _FIELD_OF.get(str(path[1]), kind_of(path))
+    if path[0] == "probes" and isinstance(path[2], str):
+        kind = _FIELD_OF.get(path[2], kind)
+    for one in singular:
+        if kind not in one.numbers:
+            continue
+        if path[0] == "fields" or (path[0] == "supports" and one.source == figures["supports"][path[1]]["name"]):
+            return True
+        if path[0] == "probes" and _away(figures["probes"][path[1]]["at"], one) <= max(reach, one.within):
+            return True
+    return False
+
+
+def _away(at: Sequence[float], singularity: Singularity) -> float:
+    """Distance of a point from a singularity."""
+    where = singularity.where
+    if not singularity.line:
+        return min((math.dist(at, place) for place in where), default=math.inf)
+    return min((_from_segment(at, a, b) for a, b in pairwise(where)), default=math.inf)
+
+
+def _from_segment(at: Sequence[float], a: tuple[float, float], b: tuple[float, float]) -> float:
+    along, way = (b[0] - a[0], b[1] - a[1]), (at[0] - a[0], at[1] - a[1])
+    share = (along[0] * way[0] + along[1] * way[1]) / max(along[0] ** 2 + along[1] ** 2, 1e-300)
+    return math.dist(way, (min(max(share, 0.0), 1.0) * along[0], min(max(share, 0.0), 1.0) * along[1]))
 
 
 def largest_of(result: Result) -> dict[str, float]:

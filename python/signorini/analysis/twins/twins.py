@@ -101,13 +101,15 @@ def compare(result: Result, others: list[Result]) -> Estimate:
     every = [next(one for one in (result, *others) if one.mesh is mesh) for mesh in meshes.every]
     trees = [figures(one) for one in every]
     largest = largest_of(result)
-    numbers, growing = compared(trees, meshes, result.model, lambda path, value: largest[kind_of(path)])
+    numbers, growing = compared(
+        trees, meshes, result.model, result.singular, lambda path, value: largest[kind_of(path)]
+    )
     numbers |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
     numbers |= places_of_extremes(result, numbers)
     warnings = []
     if growing:
         warnings.append(
-            f"As the mesh is refined these grow and show no limit: {named(growing, trees[meshes.own])}. What acts at a "
-            "point or ends in a corner is infinite there; spread it over the area it has, or read the number beside it."
+            f"As the mesh is refined these grow and show no limit: {named(growing, trees[meshes.own])}. The "
+            "singularities that are named say why, and what to do."
         )
     return Estimate(with_numbers(trees[meshes.own], numbers), meshes.elements, tuple(warnings))
