@@ -1,4 +1,4 @@
-//! Python face of `signorini-core`: conversions and nothing else.
+//! Python face of `signorini-core` and `signorini-mesher`: conversions and nothing else.
 
 #![forbid(unsafe_code)]
 
@@ -7,6 +7,7 @@ mod combinations;
 mod contact;
 mod interpolation;
 mod lcp;
+mod mesher;
 mod plate;
 mod solution;
 mod threads;
@@ -20,6 +21,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(interpolation::serendipity, module)?)?;
     module.add_function(wrap_pyfunction!(interpolation::triangular, module)?)?;
     module.add_function(wrap_pyfunction!(lcp::lemke, module)?)?;
+    module.add_function(wrap_pyfunction!(mesher::mesh_outline, module)?)?;
     module.add_class::<lcp::LcpSolution>()?;
     module.add_class::<plate::Plate>()?;
     module.add_function(wrap_pyfunction!(plate::section_points, module)?)?;

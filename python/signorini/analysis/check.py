@@ -21,6 +21,7 @@ from signorini.errors import InputError
 from signorini.model import Combination, Model
 from signorini.results.marks import load_marks, support_marks
 from signorini.results.warnings import model_warnings, no_resultant
+from signorini.singularities.named import Singularity, singularities
 
 _NO_FORCE = 1e-12
 _FORMATS = (".png", ".svg", ".pdf")
@@ -78,6 +79,16 @@ class Check:
         return tuple(
             dict.fromkeys((*model_warnings(found), *(s for load in of_loads for s in no_resultant(found, load))))
         )
+
+    @property
+    def singular(self) -> tuple[Singularity, ...]:
+        """Where numbers have no limit as the mesh is refined, under the load cases that some combination takes."""
+        model = self.discretisation.model
+        combinations = model.effective_combinations
+        acting = combinations.cases
+        if not model.tabulated:
+            acting = {case for one in combinations for case, factor in (one.factors or {}).items() if factor != 0.0}
+        return singularities(self.discretisation, acting)
 
     @property
     def balanced(self) -> bool:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, StrictBool, WithJsonSchema
 
 from signorini.model.base import (
     Complaint,
@@ -84,6 +84,13 @@ class Material(Table):
         return self.E if self.E is not None else max(self.axes.Ex, self.axes.Ey)
 
     @property
+    def poisson(self) -> float:
+        """Poisson's ratio, of an orthotropic material the geometric mean of its two."""
+        if self.nu is not None:
+            return self.nu
+        return math.copysign(math.sqrt(self.axes.nu_xy**2 * self.axes.Ey / self.axes.Ex), self.axes.nu_xy)
+
+    @property
     def axes(self) -> Axes:
         """What an orthotropic material is."""
         Ex, Ey, nu_xy, Gxy = (getattr(self, key) for key in _NEEDED)
@@ -132,6 +139,11 @@ class MeshOptions(Table):
         description="Numbers of elements: [along x, along y] of a rectangle, [radial, around] of a disc or annulus.",
     )
     size: Positive | None = Field(default=None, description="Largest side of an element.")
+    error: StrictBool | None = Field(
+        default=None,
+        description="Say of every number how far the mesh is from the plate, by the plate's answers on other meshes; "
+        "by default where the mesh is not read from a file.",
+    )
 
     def _complaints(self) -> Iterator[Complaint]:
         if self.divisions is not None and self.size is not None:
@@ -165,6 +177,14 @@ class _OutlinedPlate(_Plate):
         counts = (math.ceil(min(length / size, 1e9) - 1e-9) for length in lengths)
         first, second = (max(count, least) for count, least in zip(counts, self.fewest, strict=True))
         return first, second
+
+    def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
+        """Mesh options for elements larger by a factor, as far as there are enough of them."""
+        first, second = (
+            max(math.ceil(count / factor), least)
+            for count, least in zip(self.divisions(mesh), self.fewest, strict=True)
+        )
+        return MeshOptions(divisions=(first, second))
 
     @property
     def fewest(self) -> tuple[int, int]:

@@ -108,6 +108,11 @@ class Model(Table):
         asked = self.output.combinations
         return asked == "table" or (asked == "auto" and len(self.effective_combinations) > FEW)
 
+    @property
+    def estimated(self) -> bool:
+        """Whether the command says of every number how far the mesh is from the plate."""
+        return not isinstance(self.plate, MeshPlate) if self.mesh.error is None else self.mesh.error
+
     def _complaints(self) -> Iterator[Complaint]:
         yield from self._mesh_complaints()
         yield from _repeated("support", [support.name for support in self.support])

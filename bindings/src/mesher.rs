@@ -1,0 +1,73 @@
+use crate::arrays::{invalid, matrix, rows_of};
+use crate::threads::released;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use signorini_mesher::{Loop, Refinement, Wishes, mesh};
+
+/// Corners (k, 2), a point (k, 2) that the side from each is an arc through, NaN: straight, and the sides' names.
+type LoopArrays<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, Vec<String>);
+type MeshArrays<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<i64>>,
+    Bound<'py, PyArray2<i64>>,
+    Bound<'py, PyArray2<i64>>,
+    f64,
+    f64,
+);
+
+/// Meshes a plate by its outline and holes: nodes (n, 2), elements (e, 8), of triangles [a, b, c, c, ab, bc, c, ca],
+/// sides on the outline (k, 3), the loop and side (k, 2) that each is on, the least angle in degrees, and the share of the
+/// area in quadrilaterals.
+///
+/// `refinements` (r, 5) are straight pieces, x, y to x, y, with the size there; `lines` (l, 4) and `points` (p, 2) are
+/// followed where they have room. A bad outline raises a ValueError of the message, the loop and the side, or of the
+/// message alone.
+#[pyfunction]
+pub fn mesh_outline<'py>(
+    py: Python<'py>,
+    loops: Vec<LoopArrays<'py>>,
+    size: f64,
+    refinements: PyReadonlyArray2<'py, f64>,
+    lines: PyReadonlyArray2<'py, f64>,
+    points: PyReadonlyArray2<'py, f64>,
+) -> PyResult<MeshArrays<'py>> {
+    let loops = loops.iter().map(loop_of).collect::<PyResult<Vec<Loop>>>()?;
+    let refinements = rows_of::<5, f64>("refinements", &refinements)?
+        .into_iter()
+        .map(|[x0, y0, x1, y1, size]| Refinement { from: [x0, y0], to: [x1, y1], size })
+        .collect();
+    let lines = rows_of::<4, f64>("lines", &lines)?.into_iter().map(|[x0, y0, x1, y1]| [[x0, y0], [x1, y1]]).collect();
+    let points = rows_of::<2, f64>("points", &points)?;
+    let wishes = Wishes { size, refinements, lines, points };
+    let made = released(py, || mesh(&loops, &wishes))?.map_err(|fault| match fault.side {
+        Some((ring, side)) => PyValueError::new_err((fault.message, ring, side)),
+        None => invalid(fault),
+    })?;
+    Ok((
+        matrix(py, made.points.as_flattened().to_vec(), 2)?,
+        integers(py, &made.elements)?,
+        integers(py, &made.sides)?,
+        integers(py, &made.side_of)?,
+        made.least_angle,
+        made.quadrilaterals,
+    ))
+}
+
+fn loop_of((corners, through, names): &LoopArrays<'_>) -> PyResult<Loop> {
+    let corners = rows_of::<2, f64>("the corners", corners)?;
+    let through = rows_of::<2, f64>("the points of arcs", through)?;
+    if corners.len() < 2 || through.len() != corners.len() || names.len() != corners.len() {
+        return Err(invalid("a loop needs two corners at least, and as many points of arcs and names as corners"));
+    }
+    if corners.iter().flatten().any(|x| !x.is_finite()) {
+        return Err(invalid("a corner is not finite"));
+    }
+    let through = through.into_iter().map(|p| p.iter().all(|x| x.is_finite()).then_some(p)).collect();
+    Ok(Loop { corners, through, names: names.clone() })
+}
+
+fn integers<'py, const N: usize>(py: Python<'py>, rows: &[[usize; N]]) -> PyResult<Bound<'py, PyArray2<i64>>> {
+    let flat: Vec<i64> = rows.iter().flatten().map(|&i| i as i64).collect();
+    PyArray1::from_vec(py, flat).reshape([rows.len(), N])
+}

@@ -1,0 +1,210 @@
+//! Meshes of 8-node quadrilaterals, with 6-node triangles where none fit, of plates with any outline.
+//!
+//! The outline is checked (`outline`) and turned into the direction that most of it has; lines to follow are cut where
+//! they meet it (`planar`). Nodes are placed along them and on a lattice that is finer where elements must be smaller
+//! (`sizes`, `seeding`), joined to Delaunay triangles (`triangles`), these to quadrilaterals (`pairing`), and nodes are
+//! moved to better places (`smoothing`). The same input gives the same bits.
+
+#![forbid(unsafe_code)]
+
+mod geometry;
+mod outline;
+mod pairing;
+mod planar;
+mod quadratic;
+mod quality;
+mod seeding;
+mod sizes;
+mod smoothing;
+mod tree;
+mod triangles;
+
+pub use geometry::Point;
+pub use outline::{Fault, Loop};
+pub use sizes::Refinement;
+
+use outline::{Outline, directions, turned};
+use planar::Planar;
+use quadratic::Quadratic;
+use seeding::{Chord, Style, seed};
+use sizes::Sizes;
+use smoothing::{Freedom, smooth};
+use triangles::Triangles;
+
+/// How a plate is to be meshed.
+#[derive(Clone, Debug, Default)]
+pub struct Wishes {
+    /// Largest side of an element, were they all squares.
+    pub size: f64,
+    pub refinements: Vec<Refinement>,
+    /// Straight lines for sides of elements to follow, those that matter most first. Not followed is what leaves the
+    /// plate, or comes nearer to the outline or to lines before it than about half an element.
+    pub lines: Vec<[Point; 2]>,
+    /// Points for nodes, likewise.
+    pub points: Vec<Point>,
+}
+
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    pub points: Vec<Point>,
+    /// Corners counter-clockwise, then the nodes in the middle of the sides, the first between the first two corners.
+    /// A triangle repeats its third corner: [a, b, c, c, ab, bc, c, ca].
+    pub elements: Vec<[usize; 8]>,
+    /// Corner, middle and corner of each side on the outline, the plate on its left, in order around each loop.
+    pub sides: Vec<[usize; 3]>,
+    /// The loop of each of them, and the side in it.
+    pub side_of: Vec<[usize; 2]>,
+    /// The smallest angle at a corner of an element, in degrees.
+    pub least_angle: f64,
+    /// Share of the area in quadrilaterals.
+    pub quadrilaterals: f64,
+}
+
+/// Elements at most.
+const MOST: f64 = 1e7;
+/// Times that a mesh with bad elements is made again with smaller ones about them.
+const ATTEMPTS: usize = 8;
+
+/// Meshes a plate by the loops around it, the outline first and then its holes.
+///
+/// # Errors
+///
+/// If loops cross, touch or all but touch themselves or each other, or a hole is outside; with the side and the place.
+///
+/// # Panics
+///
+/// If a loop has no sides, or lists of different lengths.
+///
+/// # Examples
+///
+/// ```
+/// use signorini_mesher::{Loop, Wishes, mesh};
+/// let square = Loop {
+///     corners: vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]],
+///     through: vec![None; 4],
+///     names: (1..=4).map(|i| format!("edge {i}")).collect(),
+/// };
+/// let mesh = mesh(&[square], &Wishes { size: 0.5, ..Wishes::default() }).unwrap();
+/// assert_eq!((mesh.elements.len(), mesh.points.len(), mesh.sides.len()), (16, 65, 16));
+/// assert_eq!((mesh.least_angle, mesh.quadrilaterals), (90.0, 1.0));
+/// ```
+pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
+    let size = wishes.size;
+    if !(size > 0.0 && wishes.refinements.iter().all(|r| r.size > 0.0)) {
+        return Err(Fault { message: "An element size must be positive.".to_string(), side: None });
+    }
+    let given = Outline::new(loops, size)?;
+    let (angle, slant) = directions(&given.sides);
+    let frame = Frame { forth: [angle.cos(), -angle.sin()], back: [angle.cos(), angle.sin()] };
+    let outline = given.mapped(|p| turned(p, frame.forth), -angle);
+    let lines: Vec<[Point; 2]> = wishes.lines.iter().map(|line| line.map(|p| turned(p, frame.forth))).collect();
+    let points: Vec<Point> = wishes.points.iter().map(|&p| turned(p, frame.forth)).collect();
+    let mut refinements: Vec<Refinement> = wishes
+        .refinements
+        .iter()
+        .map(|r| Refinement { from: turned(r.from, frame.forth), to: turned(r.to, frame.forth), size: r.size })
+        .collect();
+    for attempt in 1.. {
+        let sizes = Sizes::new(&outline, size, &refinements);
+        if sizes.count(&outline, MOST) > MOST {
+            let message = format!(
+                "Elements of size {}, and smaller ones where they are asked for or needed, would be more than {MOST:e}. \
+                 Give larger sizes.",
+                outline::number(size)
+            );
+            return Err(Fault { message, side: None });
+        }
+        let task =
+            Task { given: &given, outline: &outline, sizes: &sizes, lines: &lines, points: &points, frame: &frame };
+        let bad = match task.made(Style::Square) {
+            Ok(first) => return Ok(task.best(first, slant).finish()),
+            Err(bad) => bad,
+        };
+        if attempt == ATTEMPTS {
+            let at = turned(bad[0], frame.back);
+            let message = format!(
+                "No good elements fit near {}: an arc and what is near it leave no room. Give a smaller size, or \
+                 simplify the outline there.",
+                outline::place(at)
+            );
+            return Err(Fault { message, side: None });
+        }
+        refinements.extend(bad.into_iter().map(|p| Refinement { from: p, to: p, size: 0.5 * sizes.at(p) }));
+    }
+    unreachable!("the last attempt returns")
+}
+
+/// The turn into the frame that the mesh is made in, and back.
+struct Frame {
+    forth: [f64; 2],
+    back: [f64; 2],
+}
+
+/// A mesh with this share of the area in quadrilaterals is not made in other styles, nor one of so many elements, where
+/// the lattice within counts for more than what is along the outline.
+const ENOUGH: f64 = 0.99;
+const MANY: usize = 20_000;
+
+struct Task<'a> {
+    given: &'a Outline,
+    outline: &'a Outline,
+    sizes: &'a Sizes,
+    lines: &'a [[Point; 2]],
+    points: &'a [Point],
+    frame: &'a Frame,
+}
+
+impl Task<'_> {
+    /// The best of a mesh and those in other styles.
+    fn best(&self, first: Quadratic, slant: Option<f64>) -> Quadratic {
+        let rank = |mesh: &Quadratic| {
+            let (share, angle) = mesh.measures();
+            // A degree of the smallest angle, up to 40, counts as much as a hundredth of the area.
+            100.0 * share + angle.min(40.0)
+        };
+        if first.measures().0 >= ENOUGH || first.len() > MANY {
+            return first;
+        }
+        let others = [Some(Style::Lined), slant.map(Style::Skew)].into_iter().flatten();
+        others
+            .filter_map(|style| self.made(style).ok())
+            .fold(first, |best, other| if rank(&other) > rank(&best) { other } else { best })
+    }
+
+    /// The mesh in a style.
+    ///
+    /// # Errors
+    ///
+    /// The places where elements must be smaller.
+    fn made(&self, style: Style) -> Result<Quadratic, Vec<Point>> {
+        let Task { given, outline, sizes, frame, .. } = *self;
+        let mut planar = Planar::new(outline, sizes);
+        self.lines.iter().for_each(|&line| planar.follow_line(line));
+        self.points.iter().for_each(|&p| planar.follow_point(p));
+        let (vertices, pieces) = planar.finish();
+        let (mut seeds, grid) = seed(outline, sizes, vertices, &pieces, style);
+        let triangles = Triangles::new(&mut seeds, sizes, |chord: &Chord| pieces[chord.piece].side.is_some())?;
+        let elements = pairing::pair(&triangles, &seeds.points, |a, b| grid.is_along(a, b));
+        let mut freedom = vec![Freedom::None; seeds.fixed_points];
+        freedom.resize(seeds.points.len(), Freedom::Plane);
+        for chord in &seeds.chords {
+            for (end, other) in [(0, 1), (1, 0)] {
+                let node = chord.ends[end];
+                let Some((piece, t)) = seeds.on[node] else {
+                    continue;
+                };
+                // It stays in the middle half of the way to the nodes before and after it.
+                let bound = 0.75 * t + 0.25 * chord.span[other];
+                let [low, high] = match freedom[node] {
+                    Freedom::Along(_, _, [first, _]) => [first.min(bound), first.max(bound)],
+                    _ => [bound; 2],
+                };
+                freedom[node] = Freedom::Along(pieces[piece].curve, t, [low, high]);
+            }
+        }
+        smooth(&mut seeds.points, &elements, &mut freedom);
+        let made = Quadratic::new(given, &pieces, &seeds, &elements, &freedom, frame.back);
+        let folded = made.folded();
+        if folded.is_empty() { Ok(made) } else { Err(folded) }
+    }
+}

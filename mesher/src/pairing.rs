@@ -1,0 +1,102 @@
+//! Triangles paired to quadrilaterals.
+
+use crate::geometry::Point;
+use crate::quality::{Corners, quality};
+use crate::triangles::{NONE, Triangles};
+
+/// Two triangles are paired only if the sine of every corner is at least this (25°, and 155°).
+const LEAST: f64 = 0.42;
+/// How much worse pairs that take out a side of the lattice are held to be than they are: of equilateral triangles all
+/// pairs have one shape, and only those across a lattice's diagonals are its cells.
+const KEPT: f64 = 0.1;
+/// Pairs that are exchanged at most to pair two more triangles.
+const DEPTH: usize = 10;
+
+/// Pairs triangles, the best shaped pairs first, then by augmenting paths.
+///
+/// Sides that are `kept`, between two given points, are taken out last.
+pub fn pair(triangles: &Triangles, points: &[Point], kept: impl Fn(Point, Point) -> bool) -> Vec<Corners> {
+    let count = triangles.corners.len();
+    let mut sides = Vec::new();
+    // Of each triangle the partners it may have.
+    let mut partners = vec![[NONE; 3]; count];
+    for t in 0..count {
+        for i in 0..3 {
+            let n = triangles.across[t][i];
+            if n == NONE || triangles.fixed[t][i] {
+                continue;
+            }
+            let shape = quality(&joined(triangles, t, i), |node| points[node]);
+            if shape >= LEAST {
+                partners[t][i] = n;
+                if t < n {
+                    let [a, b] = [1, 2].map(|k| points[triangles.corners[t][(i + k) % 3]]);
+                    sides.push((if kept(a, b) { shape - KEPT } else { shape }, t, n));
+                }
+            }
+        }
+    }
+    // Rounding must not order pairs that are alike, so that regular lattices pair regularly.
+    let rank = |shape: f64| (shape * 1e6).round();
+    sides.sort_by(|a, b| rank(b.0).total_cmp(&rank(a.0)).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
+    let mut mate = vec![NONE; count];
+    for (_, t, n) in sides {
+        if mate[t] == NONE && mate[n] == NONE {
+            (mate[t], mate[n]) = (n, t);
+        }
+    }
+    let mut on_path = vec![false; count];
+    for depth in 1..=DEPTH {
+        for t in 0..count {
+            if mate[t] == NONE {
+                augment(t, depth, &partners, &mut mate, &mut on_path);
+            }
+        }
+    }
+    let mut elements = Vec::with_capacity(count / 2 + 8);
+    for t in 0..count {
+        if mate[t] == NONE {
+            let [a, b, c] = triangles.corners[t];
+            elements.push([a, b, c, NONE]);
+        } else if t < mate[t] {
+            let i = (0..3).find(|&i| triangles.across[t][i] == mate[t]).expect("mates share a side");
+            elements.push(joined(triangles, t, i));
+        }
+    }
+    elements
+}
+
+/// The quadrilateral of a triangle and the one across its side i.
+fn joined(triangles: &Triangles, t: usize, i: usize) -> Corners {
+    let own = triangles.corners[t];
+    let n = triangles.across[t][i];
+    let (a, b) = (own[(i + 1) % 3], own[(i + 2) % 3]);
+    let apex = triangles.corners[n].into_iter().find(|&q| q != a && q != b).expect("triangles differ in a corner");
+    [own[i], a, apex, b]
+}
+
+/// Finds a partner for triangle t, exchanging at most `depth` pairs on the way.
+fn augment(t: usize, depth: usize, partners: &[[usize; 3]], mate: &mut [usize], on_path: &mut [bool]) -> bool {
+    on_path[t] = true;
+    let mut found = false;
+    for n in partners[t].into_iter().filter(|&n| n != NONE) {
+        if on_path[n] {
+            continue;
+        }
+        let next = mate[n];
+        if next == NONE
+            || (depth > 0 && !on_path[next] && {
+                on_path[n] = true;
+                let freed = augment(next, depth - 1, partners, mate, on_path);
+                on_path[n] = false;
+                freed
+            })
+        {
+            (mate[t], mate[n]) = (n, t);
+            found = true;
+            break;
+        }
+    }
+    on_path[t] = false;
+    found
+}

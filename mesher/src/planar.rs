@@ -1,0 +1,224 @@
+//! Sides of the outline and lines to follow, cut where they meet: vertices and the pieces between them.
+
+use crate::geometry::{Curve, Point, between, cross, distance, dot, nearest_share};
+use crate::outline::Outline;
+use crate::sizes::Sizes;
+
+/// A part of a curve between two vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece {
+    pub curve: Curve,
+    /// Where on the curve it begins and ends.
+    pub span: [f64; 2],
+    pub ends: [usize; 2],
+    /// The side of the outline it is part of; `None`: a line within the plate.
+    pub side: Option<usize>,
+}
+
+struct Track {
+    curve: Curve,
+    side: Option<usize>,
+    /// Shares of the curve's length, and the vertices there.
+    cuts: Vec<(f64, usize)>,
+}
+
+pub struct Planar<'a> {
+    outline: &'a Outline,
+    sizes: &'a Sizes,
+    vertices: Vec<Point>,
+    tracks: Vec<Track>,
+    /// Points nearer to each other than this are one.
+    same: f64,
+}
+
+/// Shares of the element size within which nothing is followed that is not already there.
+pub const NEAR: f64 = 0.55;
+/// Sine of the least angle at which a line is followed up to another (25°).
+const SLANT: f64 = 0.42;
+
+/// Where a stretch of a new line begins or ends.
+#[derive(Clone, Copy)]
+struct Stop {
+    share: f64,
+    at: Point,
+    vertex: Option<usize>,
+}
+
+impl<'a> Planar<'a> {
+    pub fn new(outline: &'a Outline, sizes: &'a Sizes) -> Planar<'a> {
+        let same = 1e-9 * outline.bounds.extent();
+        let mut tracks = Vec::new();
+        for (index, side) in outline.sides.iter().enumerate() {
+            let cuts = vec![(0.0, index), (1.0, side.neighbours[1])];
+            tracks.push(Track { curve: side.curve, side: Some(index), cuts });
+        }
+        let vertices = outline.sides.iter().map(|side| side.curve.from).collect();
+        Planar { outline, sizes, vertices, tracks, same }
+    }
+
+    /// Follows those parts of a line in the plate that come too near to nothing else.
+    pub fn follow_line(&mut self, [a, b]: [Point; 2]) {
+        let length = distance(a, b);
+        if !(length > self.same) {
+            return;
+        }
+        let mut shares = vec![0.0, 1.0];
+        for side in &self.outline.sides {
+            shares.extend(side.curve.meets(a, b).iter().map(|&t| nearest_share(side.curve.at(t), a, b)));
+            let share = nearest_share(side.curve.from, a, b);
+            if distance(between(a, b, share), side.curve.from) <= self.same {
+                shares.push(share);
+            }
+        }
+        shares.sort_by(f64::total_cmp);
+        shares.dedup_by(|t, s| (*t - *s) * length <= self.same);
+        for w in shares.windows(2) {
+            let middle = between(a, b, 0.5 * (w[0] + w[1]));
+            if self.outline.contains(middle) && !self.is_on_outline(middle) {
+                self.follow(between(a, b, w[0]), between(a, b, w[1]));
+            }
+        }
+    }
+
+    /// Makes a point of the plate a vertex if that is too near to nothing else.
+    pub fn follow_point(&mut self, p: Point) {
+        let on = self.track_at(p);
+        if !(on.is_some() || self.outline.contains(p)) || self.vertex_at(p).is_some() || !self.has_room(p) {
+            return;
+        }
+        self.vertices.push(p);
+        if let Some(track) = on {
+            let t = self.tracks[track].curve.nearest(p);
+            self.tracks[track].cuts.push((t, self.vertices.len() - 1));
+        }
+    }
+
+    /// The vertices, and the pieces between them; a vertex without a piece is a point to follow.
+    pub fn finish(mut self) -> (Vec<Point>, Vec<Piece>) {
+        let mut pieces = Vec::new();
+        for track in &mut self.tracks {
+            track.cuts.sort_by(|s, t| s.0.total_cmp(&t.0));
+            for w in track.cuts.windows(2) {
+                pieces.push(Piece {
+                    curve: track.curve,
+                    span: [w[0].0, w[1].0],
+                    ends: [w[0].1, w[1].1],
+                    side: track.side,
+                });
+            }
+        }
+        (self.vertices, pieces)
+    }
+
+    fn follow(&mut self, p: Point, q: Point) {
+        let mut stops: Vec<Stop> = Vec::new();
+        for at in [p, q] {
+            stops.push(Stop { share: nearest_share(at, p, q), at, vertex: self.vertex_at(at) });
+        }
+        for (vertex, &at) in self.vertices.iter().enumerate() {
+            let share = nearest_share(at, p, q);
+            if distance(between(p, q, share), at) <= self.same {
+                stops.push(Stop { share, at, vertex: Some(vertex) });
+            }
+        }
+        for track in &self.tracks {
+            for t in track.curve.meets(p, q) {
+                let at = track.curve.at(t);
+                stops.push(Stop { share: nearest_share(at, p, q), at, vertex: self.vertex_at(at) });
+            }
+        }
+        // Vertices first, so that of stops at one place the one with a vertex remains.
+        stops.sort_by(|s, t| s.share.total_cmp(&t.share));
+        let mut merged: Vec<Stop> = Vec::new();
+        for stop in stops {
+            match merged.last_mut() {
+                Some(last) if distance(last.at, stop.at) <= 2.0 * self.same => {
+                    last.vertex = last.vertex.or(stop.vertex);
+                }
+                _ => merged.push(stop),
+            }
+        }
+        let fresh: Vec<[Stop; 2]> = merged
+            .windows(2)
+            .filter(|w| self.track_at(between(w[0].at, w[1].at, 0.5)).is_none())
+            .map(|w| [w[0], w[1]])
+            .collect();
+        if !fresh.iter().all(|stretch| self.may_follow(stretch)) {
+            return;
+        }
+        for stretch in fresh {
+            let ends = stretch.map(|stop| self.vertex(stop.at));
+            let curve = Curve::straight(self.vertices[ends[0]], self.vertices[ends[1]]);
+            self.tracks.push(Track { curve, side: None, cuts: vec![(0.0, ends[0]), (1.0, ends[1])] });
+        }
+    }
+
+    /// The vertex at a point, made if need be, on the track that passes there.
+    fn vertex(&mut self, at: Point) -> usize {
+        if let Some(vertex) = self.vertex_at(at) {
+            return vertex;
+        }
+        let vertex = self.vertices.len();
+        if let Some(track) = self.track_at(at) {
+            let t = self.tracks[track].curve.nearest(at);
+            self.tracks[track].cuts.push((t, vertex));
+        }
+        self.vertices.push(at);
+        vertex
+    }
+
+    fn may_follow(&self, [from, to]: &[Stop; 2]) -> bool {
+        let near = |at: Point| NEAR * self.sizes.at(at);
+        if distance(from.at, to.at) < near(between(from.at, to.at, 0.5)) {
+            return false;
+        }
+        for stop in [from, to] {
+            if stop.vertex.is_none() && !self.has_room(stop.at) {
+                return false;
+            }
+        }
+        let apart = self.vertices.iter().all(|&v| {
+            let off = distance(v, between(from.at, to.at, nearest_share(v, from.at, to.at)));
+            off >= near(v) || distance(v, from.at) <= 2.0 * self.same || distance(v, to.at) <= 2.0 * self.same
+        });
+        let along = Curve::straight(from.at, to.at).direction(0.5);
+        apart
+            && [(from.at, along), (to.at, [-along[0], -along[1]])].into_iter().all(|(at, onward)| {
+                self.tracks.iter().all(|track| {
+                    let t = track.curve.nearest(at);
+                    if distance(track.curve.at(t), at) > 2.0 * self.same {
+                        return true;
+                    }
+                    let direction = track.curve.direction(t);
+                    let steep = cross(direction, onward).abs() >= SLANT;
+                    // At the end of a track the new line may go on where the track came from nowhere.
+                    let length = track.curve.length();
+                    steep
+                        || (t * length <= 2.0 * self.same && dot(direction, onward) < 0.0)
+                        || ((1.0 - t) * length <= 2.0 * self.same && dot(direction, onward) > 0.0)
+                })
+            })
+    }
+
+    /// Whether a new vertex would be far enough from other vertices, and from tracks but the one it is on.
+    fn has_room(&self, at: Point) -> bool {
+        let near = NEAR * self.sizes.at(at);
+        self.vertices.iter().all(|&v| distance(v, at) >= near)
+            && self.tracks.iter().all(|track| {
+                let off = distance(track.curve.at(track.curve.nearest(at)), at);
+                off <= self.same || off >= near
+            })
+    }
+
+    fn vertex_at(&self, p: Point) -> Option<usize> {
+        self.vertices.iter().position(|&v| distance(v, p) <= self.same)
+    }
+
+    fn track_at(&self, p: Point) -> Option<usize> {
+        self.tracks.iter().position(|track| distance(track.curve.at(track.curve.nearest(p)), p) <= self.same)
+    }
+
+    fn is_on_outline(&self, p: Point) -> bool {
+        self.track_at(p).is_some_and(|track| self.tracks[track].side.is_some())
+    }
+}

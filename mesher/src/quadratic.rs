@@ -1,0 +1,200 @@
+//! Nodes in the middle of sides, on arcs where these are sides, and the mesh as it is handed out.
+
+use crate::Mesh;
+use crate::geometry::{Point, add, between, cross, scale, sub};
+use crate::outline::{Outline, turned};
+use crate::planar::Piece;
+use crate::quality::{Corners, area, count, least_angle, quality};
+use crate::seeding::Seeds;
+use crate::smoothing::Freedom;
+use crate::triangles::NONE;
+
+pub struct Quadratic {
+    /// Corners of elements, then the middles of their sides.
+    points: Vec<Point>,
+    elements: Vec<[usize; 8]>,
+    sides: Vec<[usize; 3]>,
+    side_of: Vec<[usize; 2]>,
+    /// Of every element the places of its nodes in the frame that it was made in.
+    corners: Vec<Corners>,
+    /// Elements with a curved side.
+    curved: Vec<usize>,
+    back: [f64; 2],
+}
+
+impl Quadratic {
+    pub fn new(
+        given: &Outline,
+        pieces: &[Piece],
+        seeds: &Seeds,
+        elements: &[Corners],
+        freedom: &[Freedom],
+        back: [f64; 2],
+    ) -> Quadratic {
+        // Nodes on the outline are placed by its own numbers, so that turning it there and back costs no digit.
+        let mut places: Vec<Point> = seeds.points.iter().map(|&p| turned(p, back)).collect();
+        for (place, side) in places.iter_mut().zip(&given.sides) {
+            *place = side.curve.from;
+        }
+        let share = |node: usize, vertex: f64| match freedom[node] {
+            Freedom::Along(_, t, _) => t,
+            _ => vertex,
+        };
+        for (node, on) in seeds.on.iter().enumerate() {
+            if let Some(side) = on.and_then(|(piece, _)| pieces[piece].side) {
+                places[node] = given.sides[side].curve.at(share(node, 0.0));
+            }
+        }
+
+        let mut number = vec![NONE; places.len()];
+        elements.iter().flatten().filter(|&&node| node != NONE).for_each(|&node| number[node] = 0);
+        let mut points = Vec::new();
+        for (node, new) in number.iter_mut().enumerate().filter(|(_, new)| **new == 0) {
+            *new = points.len();
+            points.push(places[node]);
+        }
+        let corners: Vec<Corners> =
+            elements.iter().map(|e| e.map(|node| if node == NONE { NONE } else { number[node] })).collect();
+
+        // Sides by their corners, each followed by the element's that has it too.
+        let mut halves: Vec<([usize; 2], usize, usize)> = Vec::with_capacity(4 * corners.len());
+        for (e, own) in corners.iter().enumerate() {
+            let n = count(own);
+            for i in 0..n {
+                let (a, b) = (own[i], own[(i + 1) % n]);
+                halves.push(([a.min(b), a.max(b)], e, i));
+            }
+        }
+        halves.sort_unstable();
+        let mut nodes: Vec<[usize; 8]> = corners
+            .iter()
+            .map(|own| {
+                // Of a triangle the third corner is repeated, and is also the middle of the side from it to itself.
+                let mut all = [own[2]; 8];
+                all[..count(own)].copy_from_slice(&own[..count(own)]);
+                all
+            })
+            .collect();
+        let mut middles: Vec<([usize; 2], usize, usize)> = Vec::with_capacity(halves.len() / 2 + 8);
+        for &(ends, e, i) in &halves {
+            if middles.last().is_none_or(|last| last.0 != ends) {
+                middles.push((ends, points.len(), e));
+                points.push(between(points[ends[0]], points[ends[1]], 0.5));
+            }
+            let place = if i == 2 && corners[e][3] == NONE { 7 } else { 4 + i };
+            nodes[e][place] = middles[middles.len() - 1].1;
+        }
+
+        let (mut sides, mut side_of, mut curved) = (Vec::new(), Vec::new(), Vec::new());
+        for chord in &seeds.chords {
+            let piece = &pieces[chord.piece];
+            let Some(side) = piece.side else {
+                continue;
+            };
+            let [a, b] = chord.ends.map(|end| number[end]);
+            let found = middles
+                .binary_search_by(|middle| middle.0.cmp(&[a.min(b), a.max(b)]))
+                .expect("the outline's chords are sides of elements");
+            let (_, middle, element) = middles[found];
+            let [from, to] = [0, 1].map(|end| share(chord.ends[end], chord.span[end]));
+            let curve = &given.sides[side].curve;
+            if !curve.is_straight() {
+                points[middle] = curve.at(0.5 * (from + to));
+                curved.push(element);
+            }
+            sides.push([a, middle, b]);
+            side_of.push([given.sides[side].ring, given.sides[side].number]);
+        }
+        curved.sort_unstable();
+        curved.dedup();
+        Quadratic { points, elements: nodes, sides, side_of, corners, curved, back }
+    }
+
+    /// Middles, in the frame that the mesh was made in, of elements that an arc folds or all but folds.
+    pub fn folded(&self) -> Vec<Point> {
+        // Share of the straight-sided element's Jacobian that bending a side must leave.
+        const LEFT: f64 = 0.2;
+        let mut found = Vec::new();
+        let flat = (0..self.corners.len()).filter(|&e| !(quality(&self.corners[e], |n| self.points[n]) > 1e-3));
+        let bent = self.curved.iter().copied().filter(|&e| !(self.least_share(e) > LEFT));
+        for e in flat.chain(bent) {
+            let n = count(&self.corners[e]);
+            let sum = self.corners[e][..n].iter().fold([0.0; 2], |s, &node| add(s, self.points[node]));
+            found.push(turned(scale(sum, 1.0 / n as f64), [self.back[0], -self.back[1]]));
+        }
+        found
+    }
+
+    /// The least Jacobian of an element over that of its corners' alone, at corners, middles of sides and between.
+    fn least_share(&self, e: usize) -> f64 {
+        let n = count(&self.corners[e]);
+        let at = |i: usize| self.points[self.elements[e][i]];
+        let middle = |i: usize| at(if n == 3 && i == 2 { 7 } else { 4 + i });
+        let bulge = |i: usize| sub(middle(i), between(at(i), at((i + 1) % n), 0.5));
+        let mut least = f64::INFINITY;
+        let mut station = |u: [Point; 2], v: [Point; 2]| least = least.min(cross(v[0], v[1]) / cross(u[0], u[1]));
+        for i in 0..=4 {
+            for j in 0..=4 {
+                if n == 4 {
+                    let (x, y) = (0.5 * f64::from(i) - 1.0, 0.5 * f64::from(j) - 1.0);
+                    let along = |s: f64, p: Point, q: Point| scale(sub(q, p), 0.25 * (1.0 + s));
+                    let u = [
+                        add(along(-y, at(0), at(1)), along(y, at(3), at(2))),
+                        add(along(-x, at(0), at(3)), along(x, at(1), at(2))),
+                    ];
+                    let (low_x, high_x, low_y, high_y) =
+                        (0.5 * (1.0 - x), 0.5 * (1.0 + x), 0.5 * (1.0 - y), 0.5 * (1.0 + y));
+                    let (bend_x, bend_y) = (1.0 - x * x, 1.0 - y * y);
+                    let by_x = [-2.0 * x * low_y, 0.5 * bend_y, -2.0 * x * high_y, -0.5 * bend_y];
+                    let by_y = [-0.5 * bend_x, -2.0 * y * high_x, 0.5 * bend_x, -2.0 * y * low_x];
+                    let mut v = u;
+                    for k in 0..4 {
+                        v = [add(v[0], scale(bulge(k), by_x[k])), add(v[1], scale(bulge(k), by_y[k]))];
+                    }
+                    station(u, v);
+                } else if i + j <= 4 {
+                    let (x, y) = (0.25 * f64::from(i), 0.25 * f64::from(j));
+                    let z = 1.0 - x - y;
+                    let u = [sub(at(1), at(0)), sub(at(2), at(0))];
+                    let by_x = [4.0 * (z - x), 4.0 * y, -4.0 * y];
+                    let by_y = [-4.0 * x, 4.0 * x, 4.0 * (z - y)];
+                    let mut v = u;
+                    for k in 0..3 {
+                        v = [add(v[0], scale(bulge(k), by_x[k])), add(v[1], scale(bulge(k), by_y[k]))];
+                    }
+                    station(u, v);
+                }
+            }
+        }
+        least
+    }
+
+    /// Share of the area in quadrilaterals, and the smallest angle at a corner, in degrees.
+    pub fn measures(&self) -> (f64, f64) {
+        let at = |n: usize| self.points[n];
+        let (mut whole, mut four, mut least) = (0.0, 0.0, f64::INFINITY);
+        for corners in &self.corners {
+            let own = area(corners, at);
+            whole += own;
+            four += if count(corners) == 4 { own } else { 0.0 };
+            least = least.min(least_angle(corners, at));
+        }
+        (four / whole, least)
+    }
+
+    pub fn len(&self) -> usize {
+        self.elements.len()
+    }
+
+    pub fn finish(self) -> Mesh {
+        let (quadrilaterals, least_angle) = self.measures();
+        Mesh {
+            points: self.points,
+            elements: self.elements,
+            sides: self.sides,
+            side_of: self.side_of,
+            least_angle,
+            quadrilaterals,
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! Nodes to begin with: along the pieces, and within the plate on a lattice that is finer where sizes are.
+
+use crate::geometry::{Curve, Point, add, between, distance};
+use crate::outline::Outline;
+use crate::planar::{NEAR, Piece};
+use crate::sizes::Sizes;
+use crate::tree::{Box2, Segment, Tree};
+
+/// Nodes and the chords of pieces between them.
+pub struct Seeds {
+    pub points: Vec<Point>,
+    /// The first so many points are vertices, which stay where they are.
+    pub fixed_points: usize,
+    /// The piece and the share of its curve of each node that may slide on it.
+    pub on: Vec<Option<(usize, f64)>>,
+    pub chords: Vec<Chord>,
+    /// The chords again, to measure distances from.
+    fixed: Tree,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Chord {
+    pub ends: [usize; 2],
+    pub piece: usize,
+    /// Shares of the piece's curve.
+    pub span: [f64; 2],
+}
+
+/// How much longer than its size the side of an element may be: halves of longer ones are nearer to it.
+const LONG: f64 = 1.42;
+
+/// How nodes within the plate are placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Style {
+    /// On a square lattice.
+    Square,
+    /// On a square lattice, and at one element's depth along pieces across it.
+    Lined,
+    /// On a lattice with an angle, other than 90°, between its lines.
+    Skew(f64),
+}
+
+pub fn seed(outline: &Outline, sizes: &Sizes, vertices: Vec<Point>, pieces: &[Piece], style: Style) -> (Seeds, Grid) {
+    let grid = Grid::new(outline, sizes, pieces, style);
+    let mut seeds = Seeds {
+        on: vec![None; vertices.len()],
+        fixed_points: vertices.len(),
+        points: vertices,
+        chords: Vec::new(),
+        fixed: Tree::new(Vec::new()),
+    };
+    for (index, piece) in pieces.iter().enumerate() {
+        seeds.sample(index, piece, &grid.stations(piece, sizes));
+    }
+    let segment = |chord: &Chord| {
+        let [a, b] = chord.ends.map(|end| seeds.points[end]);
+        Segment { a, b, weight: 0.0, owner: chord.piece }
+    };
+    let mut fixed: Vec<Segment> = seeds.chords.iter().map(segment).collect();
+    fixed.extend(seeds.points.iter().map(|&p| Segment { a: p, b: p, weight: 0.0, owner: usize::MAX }));
+    seeds.fixed = Tree::new(fixed);
+    if style == Style::Lined {
+        seeds.line(outline, sizes, pieces, &grid);
+    }
+    for p in grid.lattice(sizes) {
+        if outline.contains(p) && seeds.is_free(p, sizes.at(p)) {
+            seeds.points.push(p);
+            seeds.on.push(None);
+        }
+    }
+    (seeds, grid)
+}
+
+impl Seeds {
+    /// Whether a point is far enough from all pieces for a node of elements of a size.
+    pub fn is_free(&self, p: Point, size: f64) -> bool {
+        // Lattice lines come as near to lines that they follow as `NEAR` of the size, but for rounding.
+        self.fixed.least(p, 1.0, (NEAR - 1e-6) * size, |_| true).is_none()
+    }
+
+    /// Adds nodes beside those of pieces across the lattice, as far away as these are from each other.
+    fn line(&mut self, outline: &Outline, sizes: &Sizes, pieces: &[Piece], grid: &Grid) {
+        let mut beside: Vec<Point> = Vec::new();
+        for (node, on) in self.on.iter().enumerate() {
+            let Some((piece, t)) = *on else {
+                continue;
+            };
+            let Piece { curve, side, .. } = &pieces[piece];
+            if grid.axis_along(curve).is_some() {
+                continue;
+            }
+            let [x, y] = curve.direction(t);
+            let depth = sizes.at(self.points[node]);
+            for left in if side.is_some() { [1.0].iter() } else { [1.0, -1.0].iter() } {
+                let p = add(self.points[node], [-left * depth * y, left * depth * x]);
+                let crowded = beside.iter().rev().any(|&q| distance(p, q) < 0.7 * depth);
+                if !crowded && outline.contains(p) && self.fixed.least(p, 1.0, 0.8 * depth, |_| true).is_none() {
+                    beside.push(p);
+                }
+            }
+        }
+        let mut fixed = std::mem::take(&mut self.fixed.segments);
+        fixed.extend(beside.iter().map(|&p| Segment { a: p, b: p, weight: 0.0, owner: usize::MAX }));
+        self.fixed = Tree::new(fixed);
+        self.on.resize(self.on.len() + beside.len(), None);
+        self.points.extend(beside);
+    }
+
+    fn sample(&mut self, index: usize, piece: &Piece, stations: &[f64]) {
+        let (mut last, mut from) = (piece.ends[0], piece.span[0]);
+        for &t in stations {
+            self.points.push(piece.curve.at(t));
+            self.on.push(Some((index, t)));
+            let node = self.points.len() - 1;
+            self.chords.push(Chord { ends: [last, node], piece: index, span: [from, t] });
+            (last, from) = (node, t);
+        }
+        self.chords.push(Chord { ends: [last, piece.ends[1]], piece: index, span: [from, piece.span[1]] });
+    }
+}
+
+/// Lattice lines, by the coordinate that each has, in a plane sheared such that they are x = … and y = ….
+pub struct Grid {
+    lines: [Vec<f64>; 2],
+    /// Of the lattice's second direction, cosine and sine.
+    second: [f64; 2],
+    /// Coordinates this near to each other are one.
+    level: f64,
+}
+
+impl Grid {
+    pub fn new(outline: &Outline, sizes: &Sizes, pieces: &[Piece], style: Style) -> Grid {
+        let second = if let Style::Skew(angle) = style { [angle.cos(), angle.sin()] } else { [0.0, 1.0] };
+        let mut grid = Grid { lines: [Vec::new(), Vec::new()], second, level: 1e-9 * outline.bounds.extent() };
+        let bounds = Box2::around(outline.chords.segments.iter().map(|s| grid.flat(s.a)));
+        grid.lines = [0, 1].map(|axis| {
+            // Coordinates of pieces across the axis, with the length that has them.
+            let mut lines: Vec<(f64, f64)> = vec![(bounds.low[axis], 0.0), (bounds.high[axis], 0.0)];
+            for piece in pieces.iter().filter(|piece| grid.axis_along(&piece.curve) == Some(1 - axis)) {
+                let length = piece.curve.length() * (piece.span[1] - piece.span[0]);
+                lines.push((grid.flat(piece.curve.from)[axis], length));
+            }
+            lines.sort_by(|s, t| s.0.total_cmp(&t.0));
+            let mut merged: Vec<(f64, f64)> = Vec::new();
+            for (at, length) in lines {
+                match merged.last_mut() {
+                    Some(last) if at - last.0 <= grid.level => last.1 += length,
+                    _ => merged.push((at, length)),
+                }
+            }
+            merged.sort_by(|s, t| t.1.total_cmp(&s.1).then(s.0.total_cmp(&t.0)));
+            let mut chosen: Vec<f64> = Vec::new();
+            for (at, _) in merged {
+                if chosen.iter().all(|other| (other - at).abs() >= NEAR * sizes.largest) {
+                    chosen.push(at);
+                }
+            }
+            chosen.sort_by(f64::total_cmp);
+            let mut filled = Vec::new();
+            for w in chosen.windows(2) {
+                let count = ((w[1] - w[0]) / sizes.largest - 1e-6).ceil().max(1.0);
+                filled.extend((0..count as usize).map(|i| w[0] + (w[1] - w[0]) * (i as f64 / count)));
+            }
+            filled.extend(chosen.last());
+            filled
+        });
+        grid
+    }
+
+    /// A point in the sheared plane.
+    fn flat(&self, p: Point) -> Point {
+        let [cos, sin] = self.second;
+        [p[0] - p[1] * cos / sin, p[1] / sin]
+    }
+
+    /// A point of the sheared plane.
+    fn real(&self, p: Point) -> Point {
+        let [cos, sin] = self.second;
+        [p[0] + p[1] * cos, p[1] * sin]
+    }
+
+    /// The axis that a straight curve runs along.
+    fn axis_along(&self, curve: &Curve) -> Option<usize> {
+        let (from, to) = (self.flat(curve.from), self.flat(curve.to));
+        (0..2).find(|&axis| curve.is_straight() && (to[1 - axis] - from[1 - axis]).abs() <= self.level)
+    }
+
+    /// Whether two points are on one line of the lattice.
+    pub fn is_along(&self, a: Point, b: Point) -> bool {
+        self.axis_along(&Curve::straight(a, b)).is_some()
+    }
+
+    /// Shares of a piece's curve at which it gets nodes between its ends.
+    fn stations(&self, piece: &Piece, sizes: &Sizes) -> Vec<f64> {
+        let [from, to] = piece.span;
+        let Some(axis) = self.axis_along(&piece.curve) else {
+            return even(&piece.curve, from, to, sizes);
+        };
+        let (a, b) = (self.flat(piece.curve.from)[axis], self.flat(piece.curve.to)[axis]);
+        let share = |x: f64| (x - a) / (b - a);
+        let (low, high) = (a + from * (b - a), a + to * (b - a));
+        let (low, high) = (low.min(high), low.max(high));
+        let mut lines = Vec::new();
+        for w in self.lines[axis].windows(2).filter(|w| w[1] > low && w[0] < high) {
+            halve(w[0], w[1], &|x: f64| sizes.at(piece.curve.at(share(x))), &mut lines);
+        }
+        lines.extend(self.lines[axis].last());
+        let room = |x: f64| NEAR * sizes.at(piece.curve.at(share(x)));
+        lines.retain(|&x| x - low >= room(x) && high - x >= room(x));
+        let mut shares: Vec<f64> = lines.into_iter().map(share).collect();
+        shares.sort_by(f64::total_cmp);
+        let mut stations = Vec::new();
+        let mut last = from;
+        for next in shares.into_iter().chain([to]) {
+            let length = piece.curve.length() * (next - last);
+            if length > LONG * sizes.at(piece.curve.at(0.5 * (last + next))) {
+                stations.extend(even(&piece.curve, last, next, sizes));
+            }
+            stations.push(next);
+            last = next;
+        }
+        stations.pop();
+        stations
+    }
+
+    /// Points of the lattice, of cells halved to the sizes.
+    fn lattice(&self, sizes: &Sizes) -> Vec<Point> {
+        let [x, y] = &self.lines;
+        let mut points = Vec::new();
+        for v in y.windows(2) {
+            for u in x.windows(2) {
+                quarter([u[0], v[0]], [u[1], v[1]], &|p| sizes.at(self.real(p)), &mut points);
+            }
+        }
+        points.sort_by(|p, q| p[1].total_cmp(&q[1]).then(p[0].total_cmp(&q[0])));
+        points.dedup();
+        points.into_iter().map(|p| self.real(p)).collect()
+    }
+}
+
+/// Halves an interval down to the sizes; adds where each part begins.
+fn halve(low: f64, high: f64, size: &impl Fn(f64) -> f64, found: &mut Vec<f64>) {
+    let middle = 0.5 * (low + high);
+    if high - low > LONG * size(middle) {
+        halve(low, middle, size, found);
+        halve(middle, high, size, found);
+    } else {
+        found.push(low);
+    }
+}
+
+fn quarter(low: Point, high: Point, sizes: &impl Fn(Point) -> f64, points: &mut Vec<Point>) {
+    let middle = between(low, high, 0.5);
+    let size = LONG * sizes(middle);
+    match [high[0] - low[0] > size, high[1] - low[1] > size] {
+        [false, false] => points.extend([low, [high[0], low[1]], high, [low[0], high[1]]]),
+        [true, false] => {
+            quarter(low, [middle[0], high[1]], sizes, points);
+            quarter([middle[0], low[1]], high, sizes, points);
+        }
+        [false, true] => {
+            quarter(low, [high[0], middle[1]], sizes, points);
+            quarter([low[0], middle[1]], high, sizes, points);
+        }
+        [true, true] => {
+            quarter(low, middle, sizes, points);
+            quarter([middle[0], low[1]], [high[0], middle[1]], sizes, points);
+            quarter([low[0], middle[1]], [middle[0], high[1]], sizes, points);
+            quarter(middle, high, sizes, points);
+        }
+    }
+}
+
+/// Shares between two of a curve that cut it into parts of one number of elements each, counted by the sizes.
+fn even(curve: &Curve, from: f64, to: f64, sizes: &Sizes) -> Vec<f64> {
+    let at = |t: f64| curve.at(from + t * (to - from));
+    let counts = sizes.counts(at, curve.length() * (to - from));
+    let sum = counts[counts.len() - 1];
+    let parts = (sum - 1e-6).ceil().max(1.0) as usize;
+    let mut stations = Vec::with_capacity(parts);
+    let mut i = 0;
+    for part in 1..parts {
+        let wanted = sum * part as f64 / parts as f64;
+        while counts[i + 1] < wanted {
+            i += 1;
+        }
+        let share = (i as f64 + (wanted - counts[i]) / (counts[i + 1] - counts[i])) / (counts.len() - 1) as f64;
+        stations.push(from + share * (to - from));
+    }
+    stations
+}

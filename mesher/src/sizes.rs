@@ -1,0 +1,108 @@
+//! How large elements may be: from the size asked for, refinements, short sides, arcs and narrow parts.
+
+use crate::geometry::{Point, between, cross, distance, sub};
+use crate::outline::Outline;
+use crate::tree::{Box2, Segment, Tree};
+use std::f64::consts::TAU;
+
+/// Elements of at most `size` along a straight piece, or at a point where both ends are one.
+#[derive(Clone, Copy, Debug)]
+pub struct Refinement {
+    pub from: Point,
+    pub to: Point,
+    pub size: f64,
+}
+
+pub struct Sizes {
+    pub largest: f64,
+    finer: Tree,
+}
+
+/// How much larger elements may be for each unit of length: neighbours differ by this, and less than by 1.3.
+const GROWTH: f64 = 0.25;
+/// Elements around a full circle at least.
+const AROUND: f64 = 12.0;
+
+impl Sizes {
+    pub fn new(outline: &Outline, largest: f64, refinements: &[Refinement]) -> Sizes {
+        let mut finer: Vec<Segment> = refinements
+            .iter()
+            .filter(|r| r.size < largest)
+            .map(|r| Segment { a: r.from, b: r.to, weight: r.size, owner: 0 })
+            .collect();
+        for (index, side) in outline.sides.iter().enumerate() {
+            let points = side.curve.flattened(1e-2 * largest);
+            let own = side.curve.length().min(TAU / AROUND * side.curve.radius());
+            for w in points.windows(2) {
+                if own < largest {
+                    finer.push(Segment { a: w[0], b: w[1], weight: own, owner: 0 });
+                }
+                narrow(outline, index, w[0], w[1], largest, &mut finer);
+            }
+        }
+        Sizes { largest, finer: Tree::new(finer) }
+    }
+
+    pub fn at(&self, p: Point) -> f64 {
+        self.finer.least(p, GROWTH, self.largest, |_| true).map_or(self.largest, |(size, ..)| size)
+    }
+
+    /// About how many elements the sizes make, counted up to `most`.
+    pub fn count(&self, outline: &Outline, most: f64) -> f64 {
+        let Box2 { low, high } = outline.bounds;
+        let mut sum = 0.0;
+        let mut open = vec![(low, high)];
+        while let Some((low, high)) = open.pop().filter(|_| sum <= most) {
+            let middle = between(low, high, 0.5);
+            let size = self.at(middle);
+            let wide = sub(high, low);
+            let cells = wide[0] / size * (wide[1] / size);
+            // Within a box of eight elements sizes are much the same; of one size throughout any box will do.
+            if wide[0].max(wide[1]) <= 8.0 * size || (!self.is_graded() && cells < 1e-4 * most) {
+                sum += if outline.contains(middle) { cells } else { 0.0 };
+            } else if wide[0] > wide[1] {
+                open.extend([(low, [middle[0], high[1]]), ([middle[0], low[1]], high)]);
+            } else {
+                open.extend([(low, [high[0], middle[1]]), ([low[0], middle[1]], high)]);
+            }
+        }
+        sum
+    }
+
+    /// Whether any place wants elements smaller than the largest.
+    pub fn is_graded(&self) -> bool {
+        !self.finer.segments.is_empty()
+    }
+
+    /// The number of elements along a curve, as a sum over `stations` + 1 points of it: to each its share.
+    pub fn counts(&self, at: impl Fn(f64) -> Point, length: f64) -> Vec<f64> {
+        let stations = (4.0 * length / self.least_along(&at)).ceil().clamp(4.0, 1e6) as usize;
+        let step = length / stations as f64;
+        let mut sum = 0.0;
+        let mut counts = vec![0.0];
+        for i in 0..stations {
+            sum += step / self.at(at((i as f64 + 0.5) / stations as f64));
+            counts.push(sum);
+        }
+        counts
+    }
+
+    fn least_along(&self, at: &impl Fn(f64) -> Point) -> f64 {
+        (0..=16).map(|i| self.at(at(f64::from(i) / 16.0))).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Adds the width of the plate along a chord of its outline, where the outline comes near on the other side.
+fn narrow(outline: &Outline, side: usize, a: Point, b: Point, largest: f64, finer: &mut Vec<Segment>) {
+    let (middle, length) = (between(a, b, 0.5), distance(a, b));
+    let other = |s: &Segment| s.owner != side && !outline.are_neighbours(side, s.owner);
+    let Some((width, _, near)) = outline.chords.least(middle, 1.0, largest + 0.5 * length, other) else {
+        return;
+    };
+    if length > width {
+        narrow(outline, side, a, middle, largest, finer);
+        narrow(outline, side, middle, b, largest, finer);
+    } else if width < largest && cross(sub(b, a), sub(near, middle)) > 0.0 {
+        finer.push(Segment { a, b, weight: width, owner: 0 });
+    }
+}
