@@ -155,7 +155,7 @@ def _require_shape(schema: dict[str, Any]) -> None:
 
 
 class Modifiers(Table):
-    """Factors of the plate's stiffness, along the material's axes, or x and y: of cracked, ribbed or hollow sections."""
+    """Factors of the plate's stiffness along the material's axes, or x and y: cracked, ribbed or hollow sections."""
 
     bending: Positive = Field(default=1.0, description="Factor of the rigidities in bending.")
     twist: Positive = Field(default=1.0, description="Factor of the rigidity in twist.")
