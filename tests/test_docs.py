@@ -11,7 +11,7 @@ TEXT = (Path(__file__).parents[1] / "docs" / "input.md").read_text("utf-8")
 SCHEMA = signorini.schema()
 LISTS = {"support", "load", "combination", "moving", "probe"}
 # Tables of the schema that are values of a key, with the section that tells theirs.
-WITHIN = {"Area": "support", "Circle": "support"}
+WITHIN = {"Area": "support", "Circle": "support", "Modifiers": "plate"}
 
 
 def keys_of(node):

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from halving import halved
 from models import rectangular, tables
 
 import signorini
@@ -237,9 +238,11 @@ def test_plates_read_from_a_file_are_divided_on_request(tmp_path: Path) -> None:
     assert found["all"].estimate.elements == tuple(len(mesh.elements) * factor for factor in (16, 4, 1))
 
 
-def test_a_divided_mesh_keeps_its_shape_and_its_edges() -> None:
-    mesh = disc((0.0, 0.0), 1.0, (3, 8), sector=180)
+@pytest.mark.parametrize("part", [0.0, 0.5, 1.0])
+def test_a_divided_mesh_keeps_its_shape_and_its_edges(part: float) -> None:
+    mesh = halved(disc((0.0, 0.0), 1.0, (4, 8), sector=180), part)
     fine = refined(mesh, 2)
+    assert fine.triangles.sum() == 16 * mesh.triangles.sum()
     assert len(fine.elements) == 16 * len(mesh.elements)
     assert fine.element_area.sum() == pytest.approx(mesh.element_area.sum(), rel=1e-12)
     for name, triples in mesh.edges.items():

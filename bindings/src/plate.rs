@@ -180,6 +180,7 @@ impl Plate {
 
     /// distance − row·u (m,) for rows (m + q, 24) over the dofs of elements (m + q,), in extended precision; the last q are
     /// what the rows `further` (q,) have in further elements.
+    #[allow(clippy::too_many_arguments)]
     fn openings<'py>(
         &self,
         py: Python<'py>,

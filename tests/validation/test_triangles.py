@@ -1,10 +1,14 @@
 """Plates of triangles, alone and beside quadrilaterals, against the references that quadrilaterals are held to."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 import tensionless
 from halving import halved
 
+import signorini
 from signorini import Model, contact_problem
 from signorini.analysis.solve import solve_one
 from signorini.discretise import discretise
@@ -31,6 +35,7 @@ def solved(model, part):
         (tensionless.FOOTING, 8, (1e-5, 1e-5)),
         (tensionless.BASE_PLATE, 24, (1e-3, 1e-3, 1e-3)),
         (tensionless.SLAB_A, 20, (2e-3, 2e-3, 2e-3)),
+        (tensionless.THICK_SQUARE, 10, (1e-3, 5e-3, 1e-3)),
     ],
     ids=lambda value: value.title if isinstance(value, tensionless.Case) else None,
 )
@@ -49,6 +54,30 @@ def test_the_clamped_square_does_not_lock(part, thickness, exact):
 
     assert [ratio(n) for n in (4, 8)] == pytest.approx([1.0, 1.0], abs=7e-3)
     assert ratio(8) == pytest.approx(1.0, abs=4e-4)
+
+
+def test_the_equilateral_triangle_that_the_documentation_meshes(tmp_path, monkeypatch):
+    """Timoshenko and Woinowsky-Krieger 1959: hard edges, height a; at the centroid qa⁴/972D and (1 + ν)qa²/54."""
+    monkeypatch.chdir(tmp_path)
+    (recipe,) = re.findall(
+        r"```python\n(.*?)```", Path(__file__).parents[2].joinpath("docs/input.md").read_text(), re.S
+    )
+    errors = []
+    for n in (8, 16):
+        exec(recipe.replace("n, side = 8", f"n, side = {n}"), {})
+        a, thickness = 3 * np.sqrt(3), 0.002
+        model = Model(
+            material={"E": 12 * 0.96 / thickness**3, "nu": 0.2},
+            plate={"shape": "mesh", "file": "triangle.inp", "thickness": thickness},
+            support=[{"name": "base", "edge": "base", "fix": "hard"}, {"edge": "boundary", "fix": "hard"}],
+            load=[{"pressure": 1.0}],
+        )
+        result = signorini.solve(model)["all"]
+        assert result.certificate.passed
+        (probe,) = result.probe([[3.0, a / 3]])
+        errors.append([probe.deflection * 972 / a**4 - 1, *(np.array(probe.moment[:2]) * 54 / 1.2 / a**2 - 1)])
+    assert (np.abs(errors[1]) < [5e-4, 5e-3, 5e-3]).all()
+    assert (np.abs(errors[0]) > 3 * np.abs(errors[1])).all()
 
 
 @PARTS

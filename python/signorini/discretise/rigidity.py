@@ -9,6 +9,7 @@ import numpy as np
 
 from signorini.discretise.rows import Floats
 from signorini.model import Model
+from signorini.model.plate import Modifiers
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,19 +43,33 @@ class Rigidity:
     @classmethod
     def of(cls, model: Model) -> Self:
         """Take those of a model, orthotropic ones turned from the material's axes to x and y."""
-        material, factor = model.material, model.plate.shear_factor
+        material, factor, modifiers = model.material, model.plate.shear_factor, model.plate.modifiers
         if material.E is not None and material.nu is not None:
-            return cls.isotropic(material.E, material.nu, factor)
+            return cls.isotropic(material.E, material.nu, factor).modified(modifiers)
         axes = material.axes
         stiffer = axes.Ey / axes.Ex
         d = axes.Ex / (12 * (1 - axes.nu_xy**2 * stiffer))
         coupled, twist = d * axes.nu_xy * stiffer, axes.Gxy / 12
         bending = np.array([[d, coupled, 0], [coupled, d * stiffer, 0], [0, 0, twist]])
+        own = cls(bending, factor * np.diag([axes.Gxz, axes.Gyz])).modified(modifiers)
         angle = np.radians(axes.angle)
         c, s = np.cos(angle), np.sin(angle)
         turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
         ahead = np.array([[c, s], [-s, c]])
-        return cls(turn.T @ bending @ turn, factor * ahead.T @ np.diag([axes.Gxz, axes.Gyz]) @ ahead)
+        return cls(turn.T @ own.bending @ turn, ahead.T @ own.shear @ ahead)
+
+    def modified(self, by: Modifiers) -> Self:
+        """Multiply by the plate's factors of bending, twist and shear.
+
+        Examples
+        --------
+        >>> from signorini.model.plate import Modifiers
+        >>> Rigidity.isotropic(12.0, 0.0, 0.5).modified(Modifiers(twist=0.1)).for_core.tolist()
+        [1.0, 0.0, 0.0, 1.0, 0.0, 0.05, 3.0, 0.0, 3.0]
+        """
+        bending = by.bending * self.bending
+        bending[2, 2] = by.twist * self.bending[2, 2]
+        return type(self)(bending, by.shear * self.shear)
 
     @property
     def for_core(self) -> Floats:

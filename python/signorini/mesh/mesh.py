@@ -248,7 +248,7 @@ class Mesh(Remade):
         points = np.asarray(points, dtype=np.float64)
         point, element = self._tree.pairs(points)
         xi, found = invert(self.nodes[element], points[point])
-        past = self._past(element, xi)
+        past = self.past(element, xi)
         inside = found & (past <= self._reach[element]).all(axis=1)
         point, element, xi, past = point[inside], element[inside], xi[inside], past[inside]
         order = np.lexsort((element, np.maximum(past, 0.0).max(axis=1, initial=0.0), point))
@@ -265,8 +265,11 @@ class Mesh(Remade):
         reference[point[first]] = xi - 0.5 * over[:, None]
         return Location(elements, reference)
 
-    def _past(self, element: Ints, xi: Floats) -> Floats:
-        """How far (q, 4) reference points lie past the sides of their elements (q,); a triangle's third is never."""
+    def past(self, element: Ints, xi: Floats) -> Floats:
+        """Measure how far (q, 4) reference points (q, 2) lie past the sides of elements (q,).
+
+        No point is past the third side of a triangle.
+        """
         past = np.column_stack([-xi[:, 1], xi[:, 0], xi[:, 1], -xi[:, 0]]) - 1.0
         r, s = xi.T
         of_triangles = np.column_stack([-s, r + s - 1.0, np.full(len(xi), -1.0), -r])

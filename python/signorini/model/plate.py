@@ -127,6 +127,14 @@ def _require_shape(schema: dict[str, Any]) -> None:
     schema["required"] = ["shape", *schema.get("required", [])]
 
 
+class Modifiers(Table):
+    """Factors of the plate's stiffness along the material's axes, or x and y: cracked, ribbed or hollow sections."""
+
+    bending: Positive = Field(default=1.0, description="Factor of the rigidities in bending.")
+    twist: Positive = Field(default=1.0, description="Factor of the rigidity in twist.")
+    shear: Positive = Field(default=1.0, description="Factor of the rigidities in shear.")
+
+
 class _Plate(Table):
     model_config = ConfigDict(json_schema_extra=_require_shape)
 
@@ -136,6 +144,9 @@ class _Plate(Table):
         description="Finite element: mitc9 (free of locking) or q8r (Hinton-Owen, reduced integration).",
     )
     shear_factor: Positive = Field(default=5 / 6, description="Shear correction factor; default 5/6.")
+    modifiers: Modifiers = Field(
+        default=Modifiers(), description="Factors of the stiffness in bending, twist and shear."
+    )
 
 
 class OutlinedPlate(_Plate):
