@@ -146,7 +146,7 @@ def compare(elements, combinations, path, pick):
     import pyarrow.parquet as pq
 
     from signorini import Model, contact_problem
-    from signorini.analysis.solve import solve_one
+    from signorini.analysis.single import solve_one
 
     rows = pq.read_table(path).to_pylist()
     problem = contact_problem(Model(**tables(elements, combinations)))

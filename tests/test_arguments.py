@@ -9,7 +9,7 @@ from models import rectangular
 
 import signorini
 from signorini import InputError, Model, contact_problem, path, solve
-from signorini.analysis.solve import solve_one
+from signorini.analysis.single import solve_one
 from signorini.model import Combination, Support
 
 NAN = float("nan")

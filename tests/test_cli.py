@@ -1,5 +1,6 @@
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -93,14 +94,14 @@ def test_solve_writes_beside_the_input_and_prints_a_table(slab: Path) -> None:
     lines = done.stdout.splitlines()
     assert lines[0] == "Slab [bold]on[/bold] pads"
     (row,) = (line.split() for line in lines if line.startswith("▲  "))
-    assert row == ["▲", "pads", "points,", "pushes", "up", "only,", "rigid", "160", "3", "1"]
+    assert row == ["▲", "pads", "points,", "pushes", "up", "only,", "rigid", "160", "±", "0", "3", "1"]
     assert "reaction [kN]" in done.stdout
     points = [line.split() for line in lines if line.startswith("pads[")]
     assert [(row[0], row[1] + row[2], row[-1]) for row in points] == [
         *(("pads[1]", "[1,1]", "closed"), ("pads[2]", "[3,1]", "open")),
         *(("pads[3]", "[3,3]", "closed"), ("pads[4]", "[1,3]", "closed")),
     ]
-    assert sum(float(row[3]) for row in points) == pytest.approx(160, rel=1e-5)
+    assert sum(float(row[3]) for row in points) == pytest.approx(160, rel=1e-2)
     assert any(line.startswith("certificate passed: penetration") for line in lines)
     assert any(line.startswith("deflection, positive down: max ") for line in lines)
     assert f"Written to {slab.with_name('slab-results')}/" in lines
@@ -125,8 +126,9 @@ def test_the_table_shows_what_kind_each_support_is(slab: Path) -> None:
 def test_probes_are_printed_without_rounding_noise(slab: Path) -> None:
     slab.write_text(SLAB.replace("Q = 1", "Q = 0") + "[[probe]]\nat = [2, 2]\n")
     lines = run("solve", slab).stdout.splitlines()
-    (row,) = (line.split("]")[1].split() for line in lines if line.lstrip().startswith("[2, 2]"))
-    deflection, *slopes, mx, my, mxy, qx, qy = map(float, row)
+    (row,) = (line.split("]")[1] for line in lines if line.lstrip().startswith("[2, 2]"))
+    values = re.findall(r"(\S+) ± \S+", row)
+    deflection, *slopes, mx, my, mxy, qx, qy = map(float, values)
     assert slopes == [0, 0] and (mxy, qx, qy) == (0, 0, 0)
     assert mx == my != 0 != deflection
 

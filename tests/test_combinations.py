@@ -12,7 +12,7 @@ import pytest
 
 import signorini
 from signorini import InputError, Model, NoEquilibriumError, validate
-from signorini.analysis.solve import solve_one
+from signorini.analysis.single import solve_one
 from signorini.model import Combination
 from signorini.output import results_json
 

@@ -12,7 +12,7 @@ import pytest
 import signorini
 from signorini import Model, _core, contact_problem
 from signorini.analysis.batch import mean_load, solve_several
-from signorini.analysis.solve import solve_one
+from signorini.analysis.single import solve_one
 
 SUPPORTS = {
     "soil": [{"name": "soil", "area": "all", "resists": "down", "stiffness": 2e3}],

@@ -59,6 +59,11 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
     support = dict.fromkeys(
         ["name", "kind", "reaction", "closed", "open", "contact_area", "max_pressure", "contact_boundary"]
     )
+    numbers = {
+        "deflection": dict.fromkeys(["max", "max_at", "min", "min_at"]),
+        "supports": [support | {"points": [dict.fromkeys(["at", "reaction", "gap", "state"])]}],
+        "probes": [dict.fromkeys(["at", "deflection", "rotation", "moment", "shear", "pressure"])],
+    }
     assert keys(found) == {
         "schema": None,
         "title": None,
@@ -67,9 +72,20 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         "combinations": [
             {
                 **dict.fromkeys(
-                    ["name", "status", "message", "method", "unsettled", "iterations", "not_unique", "warnings"]
+                    [
+                        "name",
+                        "status",
+                        "message",
+                        "method",
+                        "unsettled",
+                        "iterations",
+                        "not_unique",
+                        "warnings",
+                    ]
                 ),
                 "limit": dict.fromkeys(["case", "factor"]),
+                "plus_minus": numbers,
+                "singular": [dict.fromkeys(["where", "line", "within", "what", "numbers", "source", "advice"])],
                 "certificate": dict.fromkeys(
                     [
                         "penetration",
@@ -85,9 +101,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                         "passed",
                     ]
                 ),
-                "deflection": dict.fromkeys(["max", "max_at", "min", "min_at"]),
-                "supports": [support | {"points": [dict.fromkeys(["at", "reaction", "gap", "state"])]}],
-                "probes": [dict.fromkeys(["at", "deflection", "rotation", "moment", "shear", "pressure"])],
+                **numbers,
             }
         ],
         "governing_reactions": [

@@ -7,7 +7,7 @@ use numpy::{
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use signorini_core::contact::{self, Verdict};
+use signorini_core::contact::{self, Outcome};
 use signorini_core::plate;
 use signorini_core::residual::Displacement;
 use signorini_core::stress::{Strained, smoothed_together};
@@ -79,7 +79,6 @@ fn at_points(response: &Response) -> contact::Response {
         reaction: r.reaction.clone(),
         moved: r.moved.clone(),
         work: r.work.clone(),
-        work_size: r.work_size.clone(),
     }
 }
 
@@ -168,10 +167,10 @@ pub fn combine<'py>(
     let shared = &cases.inner;
     let found = interruptible(py, |watch| problem.inner.combine(shared, &factors, watch))?.map_err(failed)?;
     let count = problem.inner.constraints.rows.len();
-    let verdict = |verdict: Verdict| match verdict {
-        Verdict::Solved => 0,
-        Verdict::NoEquilibrium => 1,
-        Verdict::Doubtful => 2,
+    let verdict = |outcome: Outcome| match outcome {
+        Outcome::Solved => 0,
+        Outcome::NoEquilibrium => 1,
+        Outcome::Unsolved | Outcome::Interrupted => 2,
     };
     let table = |of: fn(&contact::Combined) -> &[f64]| {
         let values = found.iter().flat_map(|combined| of(combined).iter().copied()).collect();
@@ -179,7 +178,7 @@ pub fn combine<'py>(
     };
     let closed = found.iter().flat_map(|combined| combined.closed.iter().copied()).collect();
     Ok((
-        PyArray1::from_vec(py, found.iter().map(|combined| verdict(combined.verdict)).collect()),
+        PyArray1::from_vec(py, found.iter().map(|combined| verdict(combined.outcome)).collect()),
         table(|combined| &combined.factor)?,
         table(|combined| &combined.reaction)?,
         table(|combined| &combined.gap)?,

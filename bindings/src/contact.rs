@@ -335,11 +335,11 @@ impl ContactProblem {
         Ok(PyArray1::from_vec(py, out))
     }
 
-    /// Seconds spent to order, assemble, factor and condense.
+    /// Seconds spent to order, factor and condense.
     #[getter]
-    fn seconds(&self) -> (f64, f64, f64, f64) {
+    fn seconds(&self) -> (f64, f64, f64) {
         let s = self.inner.seconds;
-        (s.order, s.assemble, s.factor, s.condense)
+        (s.order, s.factor, s.condense)
     }
 
     /// Numbers stored for the factor.

@@ -5,7 +5,7 @@ use numpy::{
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use signorini_core::assembly::{Numbering, assemble};
+use signorini_core::assembly::{Assembly, Numbering};
 use signorini_core::element::{DOFS, Kind, Layered, Material, Section, Thickness};
 use signorini_core::plate;
 use signorini_core::residual::{Displacement, internal_magnitudes, openings, residual};
@@ -255,7 +255,8 @@ impl Plate {
     /// Lower triangle of K with springs, in the mesh's own order: column starts, rows, values.
     fn stiffness_matrix<'py>(&self, py: Python<'py>, spring_arrays: SpringArrays<'_>) -> PyResult<Compressed<'py>> {
         let springs = springs(&spring_arrays, self.inner.elements().len())?;
-        let lower = released(py, || assemble(&self.inner, &springs, &[], &Numbering::natural(&self.inner)))?;
+        let numbering = Numbering::natural(&self.inner);
+        let lower = released(py, || Assembly::new(&self.inner, &springs, &[], &numbering).lower_triangle())?;
         let signed = |v: Vec<usize>| v.into_iter().map(|i| i as i64).collect::<Vec<_>>();
         Ok((
             PyArray1::from_vec(py, signed(lower.column_start)),

@@ -1,5 +1,6 @@
 //! Element matrices and springs to the lower triangle of K, already in elimination order.
 
+use crate::cholesky::{Graph, Matrix, Reader};
 use crate::element::packed;
 use crate::ordering::nested_dissection;
 use crate::plate::Plate;
@@ -57,23 +58,11 @@ impl Numbering {
 }
 
 /// Lower triangle by columns; rows within a column are in no particular order.
+#[derive(Default)]
 pub struct LowerTriangle {
     pub column_start: Vec<usize>,
     pub row: Vec<usize>,
     pub value: Vec<f64>,
-}
-
-impl LowerTriangle {
-    /// Adds a part of its own to every diagonal entry.
-    pub fn stiffen_diagonal(&mut self, part: f64) {
-        for column in 0..self.column_start.len() - 1 {
-            for at in self.column_start[column]..self.column_start[column + 1] {
-                if self.row[at] == column {
-                    self.value[at] *= 1.0 + part;
-                }
-            }
-        }
-    }
 }
 
 /// Where a node sits: (element, local node) pairs, compressed by node.
@@ -109,16 +98,116 @@ impl Incidence {
     }
 }
 
-/// The three columns of one node: its neighbours and the 3×3 block that each shares with it.
-struct NodeColumns<'a> {
+/// K: element matrices, springs, and bedding over the deflections of each element (packed; empty without).
+///
+/// It is summed whenever it is read; the sums do not depend on who reads.
+pub struct Assembly<'a> {
     plate: &'a Plate,
     springs: &'a Springs,
-    attached: &'a [Vec<usize>],
-    linked: &'a Linked,
+    /// Springs over single elements, by element; empty where there are none.
+    attached: Vec<Vec<usize>>,
+    linked: Linked,
     bedding: &'a [[f64; 36]],
-    incidence: &'a Incidence,
-    /// Whether thin elements are left out.
+    numbering: &'a Numbering,
+    incidence: Incidence,
     thick_only: bool,
+    firmer: f64,
+}
+
+impl<'a> Assembly<'a> {
+    pub fn new(plate: &'a Plate, springs: &'a Springs, bedding: &'a [[f64; 36]], numbering: &'a Numbering) -> Self {
+        let mut attached = Vec::new();
+        if !springs.rows.is_empty() {
+            attached.resize(plate.elements().len(), Vec::new());
+        }
+        for (spring, &e) in springs.rows.element.iter().enumerate() {
+            if !springs.rows.further.contains_key(&spring) {
+                attached[e].push(spring);
+            }
+        }
+        let (incidence, linked) = (Incidence::new(plate), Linked::new(plate, springs));
+        Self { plate, springs, attached, linked, bedding, numbering, incidence, thick_only: false, firmer: 0.0 }
+    }
+
+    /// Without thin elements; where those are the entries stand, as zeros.
+    pub fn thick_only(self) -> Self {
+        Self { thick_only: true, ..self }
+    }
+
+    /// With every dof stiffer by a part of its own.
+    pub fn firmer(self, part: f64) -> Self {
+        Self { firmer: part, ..self }
+    }
+
+    /// All of it, summed in parallel.
+    pub fn lower_triangle(&self) -> LowerTriangle {
+        const CHUNK: usize = 4096;
+        let columns = self.numbering.len();
+        let chunks: Vec<LowerTriangle> = (0..columns.div_ceil(CHUNK))
+            .into_par_iter()
+            .map_init(
+                || (self.reader(), Vec::new()),
+                |(read, entries), chunk| {
+                    let mut part = LowerTriangle::default();
+                    for column in chunk * CHUNK..columns.min((chunk + 1) * CHUNK) {
+                        read(column, entries);
+                        part.row.extend(entries.iter().map(|entry| entry.0));
+                        part.value.extend(entries.iter().map(|entry| entry.1));
+                        part.column_start.push(part.row.len());
+                    }
+                    part
+                },
+            )
+            .collect();
+        let total = chunks.iter().map(|part| part.row.len()).sum();
+        let mut all =
+            LowerTriangle { column_start: vec![0], row: Vec::with_capacity(total), value: Vec::with_capacity(total) };
+        for part in chunks {
+            let before = all.row.len();
+            all.column_start.extend(part.column_start.iter().map(|end| before + end));
+            all.row.extend(part.row);
+            all.value.extend(part.value);
+        }
+        all
+    }
+}
+
+impl Matrix for Assembly<'_> {
+    fn graph(&self) -> Graph {
+        let Numbering { column, dof, .. } = self.numbering;
+        let mut columns = NodeColumns::new(self);
+        let first = (0..dof.len()).filter(|&c| c == 0 || dof[c] / 3 != dof[c - 1] / 3).chain([dof.len()]).collect();
+        Graph::new(first, |c, rows| {
+            columns.meet(dof[c] / 3);
+            let all = columns.neighbours.iter().flat_map(|&n| &column[3 * n..3 * n + 3]);
+            rows.extend(all.filter(|&&row| row != HELD));
+        })
+    }
+
+    fn reader(&self) -> Reader<'_> {
+        let mut columns = NodeColumns::new(self);
+        Box::new(move |column, entries| {
+            let dof = self.numbering.dof[column];
+            if columns.node != dof / 3 {
+                columns.sum(dof / 3);
+            }
+            entries.clear();
+            for (&n, block) in columns.neighbours.iter().zip(&columns.block) {
+                for (&row, values) in self.numbering.column[3 * n..3 * n + 3].iter().zip(block) {
+                    if row == column {
+                        entries.push((row, values[dof % 3] * (1.0 + self.firmer)));
+                    } else if row > column && row != HELD {
+                        entries.push((row, values[dof % 3]));
+                    }
+                }
+            }
+        })
+    }
+}
+
+/// The three columns of one node: its neighbours and the 3×3 block that each shares with it.
+struct NodeColumns<'a> {
+    of: &'a Assembly<'a>,
     node: usize,
     slot: Vec<usize>,
     neighbours: Vec<usize>,
@@ -126,29 +215,9 @@ struct NodeColumns<'a> {
 }
 
 impl<'a> NodeColumns<'a> {
-    fn new(
-        plate: &'a Plate,
-        springs: &'a Springs,
-        attached: &'a [Vec<usize>],
-        linked: &'a Linked,
-        bedding: &'a [[f64; 36]],
-        incidence: &'a Incidence,
-        thick_only: bool,
-    ) -> Self {
-        let slot = vec![usize::MAX; plate.node_count()];
-        Self {
-            plate,
-            springs,
-            attached,
-            linked,
-            bedding,
-            incidence,
-            thick_only,
-            node: usize::MAX,
-            slot,
-            neighbours: Vec::new(),
-            block: Vec::new(),
-        }
+    fn new(of: &'a Assembly<'a>) -> Self {
+        let slot = vec![usize::MAX; of.plate.node_count()];
+        Self { of, node: usize::MAX, slot, neighbours: Vec::new(), block: Vec::new() }
     }
 
     /// Finds a node's neighbours, itself among them.
@@ -158,8 +227,8 @@ impl<'a> NodeColumns<'a> {
         }
         self.neighbours.clear();
         self.node = node;
-        let of_elements = self.incidence.of(node).iter().flat_map(|&(e, _)| self.plate.elements()[e]);
-        let of_links = self.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n));
+        let of_elements = self.of.incidence.of(node).iter().flat_map(|&(e, _)| self.of.plate.elements()[e]);
+        let of_links = self.of.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n));
         for n in of_elements.chain(of_links) {
             if self.slot[n] == usize::MAX {
                 self.slot[n] = self.neighbours.len();
@@ -171,31 +240,32 @@ impl<'a> NodeColumns<'a> {
     /// Sums the blocks of a node's columns.
     fn sum(&mut self, node: usize) {
         self.meet(node);
+        let Assembly { plate, springs, attached, linked, bedding, incidence, thick_only, .. } = self.of;
         self.block.clear();
         self.block.resize(self.neighbours.len(), [[0.0; 3]; 3]);
-        for &(e, local) in self.incidence.of(node) {
-            if self.thick_only && self.plate.is_thin(e) {
+        for &(e, local) in incidence.of(node) {
+            if *thick_only && plate.is_thin(e) {
                 continue;
             }
-            let lower = self.plate.element_stiffness(e);
-            for (i, &n) in self.plate.elements()[e].iter().enumerate() {
+            let lower = plate.element_stiffness(e);
+            for (i, &n) in plate.elements()[e].iter().enumerate() {
                 let block = &mut self.block[self.slot[n]];
                 for a in 0..3 {
                     for b in 0..3 {
                         block[a][b] += lower[packed(3 * i + a, 3 * local + b)];
                     }
                 }
-                if let Some(bed) = self.bedding.get(e) {
+                if let Some(bed) = bedding.get(e) {
                     block[0][0] += bed[packed(i, local)];
                 }
             }
         }
-        if self.plate.has_frames() {
+        if plate.has_frames() {
             for (block, &n) in self.block.iter_mut().zip(&self.neighbours) {
-                into_frames(block, self.plate.frame(n), self.plate.frame(node));
+                into_frames(block, plate.frame(n), plate.frame(node));
             }
         }
-        for (at, link) in self.linked.of(node) {
+        for (at, link) in linked.of(node) {
             let own = link.row[at].1;
             for (n, row) in &link.row {
                 let block = &mut self.block[self.slot[*n]];
@@ -206,13 +276,13 @@ impl<'a> NodeColumns<'a> {
                 }
             }
         }
-        if self.attached.is_empty() {
+        if attached.is_empty() {
             return;
         }
-        for &(e, local) in self.incidence.of(node) {
-            for &spring in &self.attached[e] {
-                let (row, k) = (&self.springs.rows.coefficient[spring], self.springs.stiffness[spring]);
-                for (i, &n) in self.plate.elements()[e].iter().enumerate() {
+        for &(e, local) in incidence.of(node) {
+            for &spring in &attached[e] {
+                let (row, k) = (&springs.rows.coefficient[spring], springs.stiffness[spring]);
+                for (i, &n) in plate.elements()[e].iter().enumerate() {
                     let block = &mut self.block[self.slot[n]];
                     for a in 0..3 {
                         for b in 0..3 {
@@ -241,89 +311,6 @@ fn into_frames(block: &mut [[f64; 3]; 3], row: Option<[f64; 2]>, column: Option<
             values[2] = c * y - s * x;
         }
     }
-}
-
-/// Assembles K with springs and bedding added (over the deflections of each element, packed; empty without), in parallel over columns; the sums do not depend on the number of threads.
-pub fn assemble(plate: &Plate, springs: &Springs, bedding: &[[f64; 36]], numbering: &Numbering) -> LowerTriangle {
-    assemble_some(plate, springs, bedding, numbering, false)
-}
-
-/// As [`assemble`], without thin elements and bedding; where those are the entries stand, as zeros.
-pub fn assemble_thick(plate: &Plate, springs: &Springs, numbering: &Numbering) -> LowerTriangle {
-    assemble_some(plate, springs, &[], numbering, true)
-}
-
-fn assemble_some(
-    plate: &Plate,
-    springs: &Springs,
-    bedding: &[[f64; 36]],
-    numbering: &Numbering,
-    thick_only: bool,
-) -> LowerTriangle {
-    const CHUNK: usize = 4096;
-    let incidence = Incidence::new(plate);
-    let attached = attached_springs(plate, springs);
-    let linked = Linked::new(plate, springs);
-    let columns = numbering.len();
-    let start = || NodeColumns::new(plate, springs, &attached, &linked, bedding, &incidence, thick_only);
-    let below = |node: usize, column: usize| {
-        (0..3).filter(move |&a| {
-            let row = numbering.column[3 * node + a];
-            row != HELD && row >= column
-        })
-    };
-
-    let counts: Vec<Vec<usize>> = (0..columns.div_ceil(CHUNK))
-        .into_par_iter()
-        .map_init(start, |node_columns, chunk| {
-            (chunk * CHUNK..columns.min((chunk + 1) * CHUNK))
-                .map(|column| {
-                    let node = numbering.dof[column] / 3;
-                    if node_columns.node != node {
-                        node_columns.meet(node);
-                    }
-                    node_columns.neighbours.iter().map(|&n| below(n, column).count()).sum()
-                })
-                .collect()
-        })
-        .collect();
-    let mut column_start = Vec::with_capacity(columns + 1);
-    column_start.push(0);
-    let mut total = 0;
-    for count in counts.into_iter().flatten() {
-        total += count;
-        column_start.push(total);
-    }
-
-    let mut row = vec![0; total];
-    let mut value = vec![0.0; total];
-    let mut pieces = Vec::new();
-    let (mut row_rest, mut value_rest) = (row.as_mut_slice(), value.as_mut_slice());
-    for first in (0..columns).step_by(CHUNK) {
-        let last = columns.min(first + CHUNK);
-        let size = column_start[last] - column_start[first];
-        let (row_piece, row_tail) = row_rest.split_at_mut(size);
-        let (value_piece, value_tail) = value_rest.split_at_mut(size);
-        pieces.push((first..last, row_piece, value_piece));
-        (row_rest, value_rest) = (row_tail, value_tail);
-    }
-    pieces.into_par_iter().for_each_init(start, |node_columns, (range, row_piece, value_piece)| {
-        let mut next = 0;
-        for column in range {
-            let dof = numbering.dof[column];
-            if node_columns.node != dof / 3 {
-                node_columns.sum(dof / 3);
-            }
-            for (&n, block) in node_columns.neighbours.iter().zip(&node_columns.block) {
-                for a in below(n, column) {
-                    row_piece[next] = numbering.column[3 * n + a];
-                    value_piece[next] = block[a][dof % 3];
-                    next += 1;
-                }
-            }
-        }
-    });
-    LowerTriangle { column_start, row, value }
 }
 
 /// A spring over several elements: its row by nodes.
@@ -360,18 +347,4 @@ impl Linked {
     fn of(&self, node: usize) -> impl Iterator<Item = (usize, &Link)> {
         self.at.get(&node).into_iter().flatten().map(|&(link, place)| (place, &self.links[link]))
     }
-}
-
-/// Springs over single elements, by element; empty where there are none.
-fn attached_springs(plate: &Plate, springs: &Springs) -> Vec<Vec<usize>> {
-    if springs.rows.is_empty() {
-        return Vec::new();
-    }
-    let mut attached = vec![Vec::new(); plate.elements().len()];
-    for (spring, &e) in springs.rows.element.iter().enumerate() {
-        if !springs.rows.further.contains_key(&spring) {
-            attached[e].push(spring);
-        }
-    }
-    attached
 }

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from signorini import InputError, Model, NotCertifiedError
 from signorini.analysis.combinations import combine
-from signorini.analysis.solve import solve_one
+from signorini.analysis.single import solve_one
 from signorini.contact.problem import contact_problem
 
 

@@ -2,6 +2,7 @@
 
 use super::layout::{PANEL, ROWS};
 use pulp::{Arch, Simd, WithSimd};
+use std::marker::PhantomData;
 
 /// Right-hand sides that stand side by side.
 pub const LANES: usize = 8;
@@ -27,11 +28,11 @@ impl Entry for f64 {
     }
 
     fn eliminate(columns: &[f64], count: usize, vector: &mut [Self]) {
-        Arch::new().dispatch(EliminateOne { columns, count, vector });
+        Run::<_, Eliminate>::dispatch(columns, count, vector);
     }
 
     fn substitute(columns: &[f64], count: usize, vector: &mut [Self]) {
-        Arch::new().dispatch(SubstituteOne { columns, count, vector });
+        Run::<_, Substitute>::dispatch(columns, count, vector);
     }
 }
 
@@ -48,39 +49,58 @@ impl Entry for Lanes {
     }
 
     fn eliminate(columns: &[f64], count: usize, vector: &mut [Self]) {
-        Arch::new().dispatch(Eliminate { columns, count, vector });
+        Run::<_, Eliminate>::dispatch(columns, count, vector);
     }
 
     fn substitute(columns: &[f64], count: usize, vector: &mut [Self]) {
-        Arch::new().dispatch(Substitute { columns, count, vector });
+        Run::<_, Substitute>::dispatch(columns, count, vector);
     }
 }
 
-/// Columns of a supernode, as `layout` stores them, and one or several vectors, of which `N` registers hold a row.
-struct Eliminate<'a> {
+/// A kernel's work on some columns of a supernode, as `layout` stores them, and a vector.
+struct Run<'a, E, K> {
     columns: &'a [f64],
     count: usize,
-    vector: &'a mut [Lanes],
+    vector: &'a mut [E],
+    kernel: PhantomData<K>,
 }
 
-impl WithSimd for Eliminate<'_> {
+/// With N registers for eight numbers, and a count that the compiler may know.
+trait Kernel<E> {
+    fn run<S: Simd, const N: usize>(simd: S, columns: &[f64], count: usize, vector: &mut [E]);
+}
+
+impl<'a, E, K: Kernel<E>> Run<'a, E, K> {
+    fn dispatch(columns: &'a [f64], count: usize, vector: &'a mut [E]) {
+        Arch::new().dispatch(Self { columns, count, vector, kernel: PhantomData });
+    }
+}
+
+impl<E, K: Kernel<E>> WithSimd for Run<'_, E, K> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        match LANES / S::F64_LANES {
-            1 => self.run::<S, 1>(simd),
-            2 => self.run::<S, 2>(simd),
-            4 => self.run::<S, 4>(simd),
-            _ => self.run::<S, LANES>(simd),
+        const { assert!(ROWS == 8 && LANES == 8) }
+        let Self { columns, count, vector, .. } = self;
+        match (8 / S::F64_LANES, count) {
+            (1, PANEL) => K::run::<S, 1>(simd, columns, PANEL, vector),
+            (1, _) => K::run::<S, 1>(simd, columns, count, vector),
+            (2, PANEL) => K::run::<S, 2>(simd, columns, PANEL, vector),
+            (2, _) => K::run::<S, 2>(simd, columns, count, vector),
+            (4, _) => K::run::<S, 4>(simd, columns, count, vector),
+            _ => K::run::<S, 8>(simd, columns, count, vector),
         }
     }
 }
 
-impl Eliminate<'_> {
+struct Eliminate;
+
+struct Substitute;
+
+impl Kernel<Lanes> for Eliminate {
     #[inline(always)]
-    fn run<S: Simd, const N: usize>(self, simd: S) {
-        let Self { columns, count, vector } = self;
+    fn run<S: Simd, const N: usize>(simd: S, columns: &[f64], count: usize, vector: &mut [Lanes]) {
         let (own, tail) = columns.split_at(count * count);
         let (solved, below) = vector.split_at_mut(count);
         let mut x = [[simd.splat_f64s(0.0); N]; PANEL];
@@ -133,30 +153,9 @@ impl Eliminate<'_> {
     }
 }
 
-struct Substitute<'a> {
-    columns: &'a [f64],
-    count: usize,
-    vector: &'a mut [Lanes],
-}
-
-impl WithSimd for Substitute<'_> {
-    type Output = ();
-
+impl Kernel<Lanes> for Substitute {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        match LANES / S::F64_LANES {
-            1 => self.run::<S, 1>(simd),
-            2 => self.run::<S, 2>(simd),
-            4 => self.run::<S, 4>(simd),
-            _ => self.run::<S, LANES>(simd),
-        }
-    }
-}
-
-impl Substitute<'_> {
-    #[inline(always)]
-    fn run<S: Simd, const N: usize>(self, simd: S) {
-        let Self { columns, count, vector } = self;
+    fn run<S: Simd, const N: usize>(simd: S, columns: &[f64], count: usize, vector: &mut [Lanes]) {
         let (own, tail) = columns.split_at(count * count);
         let (solved, below) = vector.split_at_mut(count);
         let mut sums = [[simd.splat_f64s(0.0); N]; PANEL];
@@ -209,35 +208,11 @@ impl Substitute<'_> {
 /// Columns whose part of several vectors stays in registers.
 const HALF: usize = PANEL / 2;
 
-struct EliminateOne<'a> {
-    columns: &'a [f64],
-    count: usize,
-    vector: &'a mut [f64],
-}
-
-impl WithSimd for EliminateOne<'_> {
-    type Output = ();
-
+impl Kernel<f64> for Eliminate {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let count = self.count;
-        match (ROWS / S::F64_LANES, count) {
-            (1, PANEL) => self.run::<S, 1>(simd, PANEL),
-            (1, _) => self.run::<S, 1>(simd, count),
-            (2, PANEL) => self.run::<S, 2>(simd, PANEL),
-            (2, _) => self.run::<S, 2>(simd, count),
-            (4, _) => self.run::<S, 4>(simd, count),
-            _ => self.run::<S, ROWS>(simd, count),
-        }
-    }
-}
-
-impl EliminateOne<'_> {
-    /// With N registers for the rows at a time, and a count that the compiler may know.
-    #[inline(always)]
-    fn run<S: Simd, const N: usize>(self, simd: S, count: usize) {
-        let (own, tail) = self.columns.split_at(count * count);
-        let (solved, below) = self.vector.split_at_mut(count);
+    fn run<S: Simd, const N: usize>(simd: S, columns: &[f64], count: usize, vector: &mut [f64]) {
+        let (own, tail) = columns.split_at(count * count);
+        let (solved, below) = vector.split_at_mut(count);
         let mut x = [simd.splat_f64s(0.0); PANEL];
         for k in 0..count {
             let l = &own[k * count..(k + 1) * count];
@@ -270,35 +245,11 @@ impl EliminateOne<'_> {
     }
 }
 
-struct SubstituteOne<'a> {
-    columns: &'a [f64],
-    count: usize,
-    vector: &'a mut [f64],
-}
-
-impl WithSimd for SubstituteOne<'_> {
-    type Output = ();
-
+impl Kernel<f64> for Substitute {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let count = self.count;
-        match (ROWS / S::F64_LANES, count) {
-            (1, PANEL) => self.run::<S, 1>(simd, PANEL),
-            (1, _) => self.run::<S, 1>(simd, count),
-            (2, PANEL) => self.run::<S, 2>(simd, PANEL),
-            (2, _) => self.run::<S, 2>(simd, count),
-            (4, _) => self.run::<S, 4>(simd, count),
-            _ => self.run::<S, ROWS>(simd, count),
-        }
-    }
-}
-
-impl SubstituteOne<'_> {
-    /// With N registers for the rows at a time, and a count that the compiler may know.
-    #[inline(always)]
-    fn run<S: Simd, const N: usize>(self, simd: S, count: usize) {
-        let (own, tail) = self.columns.split_at(count * count);
-        let (solved, below) = self.vector.split_at_mut(count);
+    fn run<S: Simd, const N: usize>(simd: S, columns: &[f64], count: usize, vector: &mut [f64]) {
+        let (own, tail) = columns.split_at(count * count);
+        let (solved, below) = vector.split_at_mut(count);
         let (blocks, rest) = tail.split_at(below.len() / ROWS * ROWS * count);
         let rows = below.chunks_exact(ROWS);
         let last = rows.remainder();

@@ -1,5 +1,7 @@
 //! Why there is no factor.
 
+use crate::dense;
+
 /// Why there is no factor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FactorError {
@@ -19,3 +21,9 @@ impl std::fmt::Display for FactorError {
 }
 
 impl std::error::Error for FactorError {}
+
+impl From<dense::OutOfMemory> for FactorError {
+    fn from(_: dense::OutOfMemory) -> Self {
+        Self::OutOfMemory
+    }
+}

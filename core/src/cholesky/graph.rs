@@ -1,12 +1,10 @@
 //! The graph of a matrix, its columns of the same pattern taken as one, and their elimination tree.
 
-use crate::assembly::LowerTriangle;
-
 /// Marks a root of a forest.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Blocks of consecutive columns, such as the dofs of a node, that have all rows in common.
-pub(super) struct Graph {
+pub struct Graph {
     /// First column of each block; the number of columns at the end.
     pub(super) first: Vec<usize>,
     /// Where each block's neighbours begin in `below`.
@@ -15,25 +13,22 @@ pub(super) struct Graph {
 }
 
 impl Graph {
-    pub(super) fn new(matrix: &LowerTriangle) -> Self {
-        let n = matrix.column_start.len() - 1;
-        let rows = |column: usize| &matrix.row[matrix.column_start[column]..matrix.column_start[column + 1]];
-        let alike = |column: usize, next: usize| {
-            rows(column).len() == rows(next).len() + 1
-                && rows(column).iter().filter(|&&row| row != column).eq(rows(next).iter())
-        };
-        let mut first: Vec<usize> = (0..n).filter(|&column| column == 0 || !alike(column - 1, column)).collect();
-        let count = first.len();
-        first.push(n);
-        let mut block_of = vec![0; n];
+    /// Of blocks with the given first columns, the number of columns behind them; `rows` appends the rows of a block's first
+    /// column, with or without those above it.
+    pub fn new(first: Vec<usize>, mut rows: impl FnMut(usize, &mut Vec<usize>)) -> Self {
+        let count = first.len() - 1;
+        let mut block_of = vec![0; first[count]];
         for block in 0..count {
             block_of[first[block]..first[block + 1]].fill(block as u32);
         }
         let mut met = vec![NONE; count];
         let mut start = vec![0];
         let mut below = Vec::new();
+        let mut found = Vec::new();
         for block in 0..count {
-            for &row in rows(first[block]) {
+            found.clear();
+            rows(first[block], &mut found);
+            for &row in &found {
                 let other = block_of[row];
                 if other as usize > block && met[other as usize] != block as u32 {
                     met[other as usize] = block as u32;

@@ -7,18 +7,21 @@ mod error;
 mod front;
 mod graph;
 mod layout;
+mod matrix;
 mod merge;
 mod numeric;
 mod parts;
 mod substitution;
 mod tree;
 
-use crate::assembly::LowerTriangle;
+use crate::dense;
 pub use entry::LANES;
 use entry::{Entry, Lanes};
 pub use error::FactorError;
 use faer::Mat;
-use numeric::Plan;
+pub use graph::Graph;
+pub use matrix::{Matrix, Reader};
+use numeric::{Plan, WeakestPivot};
 use parts::Parts;
 use std::sync::Arc;
 use substitution::Schedule;
@@ -40,8 +43,8 @@ struct Pattern {
 
 impl Analysis {
     /// Errors: `OutOfMemory` if there are more columns than 32 bits can number.
-    pub fn new(matrix: &LowerTriangle) -> Result<Self, FactorError> {
-        let tree = Tree::new(matrix)?;
+    pub fn new(matrix: &impl Matrix) -> Result<Self, FactorError> {
+        let tree = Tree::new(&matrix.graph())?;
         let parts = Parts::new(&tree.parent, &tree.work(), LEAST);
         let plan = Plan::new(&tree, &parts);
         let schedule = Schedule::new(&tree, &parts);
@@ -49,10 +52,10 @@ impl Analysis {
     }
 
     /// K = L Lᵀ on all threads; the bits do not depend on their number.
-    pub fn factorize(&self, matrix: &LowerTriangle) -> Result<Factor, FactorError> {
+    pub fn factorize(&self, matrix: &impl Matrix) -> Result<Factor, FactorError> {
         let Pattern { tree, parts, plan, .. } = &*self.0;
-        let values = numeric::factorize(tree, parts, plan, matrix)?;
-        Ok(Factor { pattern: self.0.clone(), values })
+        let (values, weakest_pivot) = numeric::factorize(tree, parts, plan, matrix)?;
+        Ok(Factor { pattern: self.0.clone(), values, weakest_pivot })
     }
 }
 
@@ -61,6 +64,7 @@ pub struct Factor {
     pattern: Arc<Pattern>,
     /// The numbers of L by parts.
     values: Vec<Vec<f64>>,
+    weakest_pivot: WeakestPivot,
 }
 
 impl Factor {
@@ -75,24 +79,8 @@ impl Factor {
     /// The column whose pivot is the smallest part of its diagonal entry, and that part.
     ///
     /// Near the unit roundoff the pivot is rounding: the matrix is singular to working precision.
-    pub fn weakest_pivot(&self, matrix: &LowerTriangle) -> (usize, f64) {
-        let mut diagonal = vec![0.0; self.len()];
-        for column in 0..self.len() {
-            for at in matrix.column_start[column]..matrix.column_start[column + 1] {
-                if matrix.row[at] == column {
-                    diagonal[column] += matrix.value[at];
-                }
-            }
-        }
-        let mut weakest = (0, f64::INFINITY);
-        self.each_column(|places, values| {
-            let column = places.next().map_or(0, |column| column);
-            let part = values[0].powi(2) / diagonal[column];
-            if part < weakest.1 || (part == weakest.1 && column < weakest.0) {
-                weakest = (column, part);
-            }
-        });
-        weakest
+    pub fn weakest_pivot(&self) -> WeakestPivot {
+        self.weakest_pivot
     }
 
     /// Entries stored for L.
@@ -103,28 +91,6 @@ impl Factor {
     /// Multiplications and additions that the factorization takes; zeros that are stored for speed are not counted.
     pub fn flops(&self) -> f64 {
         self.pattern.tree.flops
-    }
-
-    /// Every column of L: the columns of the matrix that its rows are, itself first, and their values.
-    fn each_column(&self, mut visit: impl FnMut(&mut dyn Iterator<Item = usize>, &[f64])) {
-        let Pattern { tree, parts, .. } = &*self.pattern;
-        let mut column = Vec::new();
-        for (part, values) in parts.0.iter().zip(&self.values) {
-            let mut stored = 0;
-            for s in part.supernodes.clone() {
-                let (begin, width, height) = (tree.begin[s], tree.width(s), tree.height(s));
-                for panel in layout::panels(width, height) {
-                    let numbers = &values[stored + panel.at..][..panel.count * panel.height];
-                    for k in 0..panel.count {
-                        panel.column(numbers, k, &mut column);
-                        let places = (begin + panel.first + k..begin + width)
-                            .chain(tree.below(s).iter().map(|&place| place as usize));
-                        visit(&mut places.map(|place| tree.column[place] as usize), &column);
-                    }
-                }
-                stored += layout::size(width, height);
-            }
-        }
     }
 
     /// Overwrites `rhs`, one vector or several one after the other, with L⁻¹ times each.
@@ -184,16 +150,33 @@ impl Factor {
     }
 
     /// The last `size` rows and columns of L: the Cholesky factor of the Schur complement onto them.
-    pub fn trailing_block(&self, size: usize) -> Mat<f64> {
+    pub fn trailing_block(&self, size: usize) -> Result<Mat<f64>, FactorError> {
+        let Pattern { tree, parts, .. } = &*self.pattern;
         let first = self.len() - size;
-        let mut block = Mat::zeros(size, size);
-        self.each_column(|rows, values| {
-            let mut rows = rows.peekable();
-            let Some(column) = rows.peek().and_then(|column| column.checked_sub(first)) else { return };
-            for (row, &value) in rows.zip(values) {
-                block[(row - first, column)] = value;
+        let mut block = dense::matrix(size, size, |_, _| 0.0)?;
+        let mut values = Vec::new();
+        for (part, numbers) in parts.0.iter().zip(&self.values) {
+            let mut stored = 0;
+            for s in part.supernodes.clone() {
+                let (places, width, height) = (tree.begin[s]..tree.begin[s + 1], tree.width(s), tree.height(s));
+                for panel in layout::panels(width, height) {
+                    for k in 0..panel.count {
+                        let rows = places.clone().skip(panel.first + k);
+                        let mut rows = rows.chain(tree.below(s).iter().map(|&place| place as usize)).peekable();
+                        let Some(column) = rows.peek().and_then(|&at| (tree.column[at] as usize).checked_sub(first))
+                        else {
+                            continue;
+                        };
+                        let numbers = &numbers[stored + panel.at..][..panel.count * panel.height];
+                        panel.column(numbers, k, &mut values);
+                        for (place, &value) in rows.zip(&values) {
+                            block[(tree.column[place] as usize - first, column)] = value;
+                        }
+                    }
+                }
+                stored += layout::size(width, height);
             }
-        });
-        block
+        }
+        Ok(block)
     }
 }

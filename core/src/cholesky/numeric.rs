@@ -2,11 +2,11 @@
 
 use super::buffer::Buffer;
 use super::error::FactorError;
+use super::matrix::{Matrix, Reader};
 use super::merge::{Child, Run, triangle};
 use super::parts::Parts;
 use super::tree::Tree;
 use super::{front, layout};
-use crate::assembly::LowerTriangle;
 use faer::dyn_stack::MemBuffer;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -65,15 +65,25 @@ fn left(tree: &Tree, s: usize) -> usize {
     triangle(tree.below(s).len())
 }
 
-/// The numbers of L by parts.
+/// A column, and what part of its diagonal entry its pivot is.
+pub(super) type WeakestPivot = (usize, f64);
+
+const NO_PIVOT: WeakestPivot = (0, f64::INFINITY);
+
+/// The smaller part of two; of the same the first column.
+fn weaker(one: WeakestPivot, other: WeakestPivot) -> WeakestPivot {
+    if one.1 < other.1 || (one.1 == other.1 && one.0 <= other.0) { one } else { other }
+}
+
+/// The numbers of L by parts, and the weakest pivot.
 ///
 /// Fails with the first column in the order of elimination whose pivot is not positive, of the first part that has one.
 pub(super) fn factorize(
     tree: &Tree,
     parts: &Parts,
     plan: &Plan,
-    matrix: &LowerTriangle,
-) -> Result<Vec<Vec<f64>>, FactorError> {
+    matrix: &dyn Matrix,
+) -> Result<(Vec<Vec<f64>>, WeakestPivot), FactorError> {
     let job = Job {
         tree,
         parts,
@@ -89,15 +99,18 @@ pub(super) fn factorize(
     });
     let done = job.done.into_iter().map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner));
     let mut failed = None;
-    let mut all = Vec::new();
+    let (mut all, mut weakest) = (Vec::new(), NO_PIVOT);
     for result in done {
         match result {
-            Some(Ok(done)) => all.push(done.values),
+            Some(Ok(done)) => {
+                weakest = weaker(weakest, done.weakest);
+                all.push(done.values);
+            }
             Some(Err(error)) => failed = Some(worse(failed, error)),
             None => {}
         }
     }
-    failed.map_or(Ok(all), Err)
+    failed.map_or(Ok((all, weakest)), Err)
 }
 
 /// Of two errors the one to tell, whichever came first.
@@ -118,12 +131,18 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// A part whose columns are eliminated.
 struct Done {
     values: Vec<f64>,
+    weakest: WeakestPivot,
     /// What its roots leave, one after the other.
     left: Buffer,
 }
 
 /// What one thread works with.
-struct Desk {
+struct Desk<'a> {
+    read: Reader<'a>,
+    /// Entries of a column.
+    entries: Vec<(usize, f64)>,
+    /// The matrix's own diagonal entries of the supernode at hand.
+    diagonal: Vec<f64>,
     /// Row of a place in the supernode at hand.
     local: Vec<u32>,
     stacks: [Buffer; 2],
@@ -136,15 +155,15 @@ struct Job<'a> {
     tree: &'a Tree,
     parts: &'a Parts,
     plan: &'a Plan,
-    matrix: &'a LowerTriangle,
-    desks: Mutex<Vec<Desk>>,
+    matrix: &'a dyn Matrix,
+    desks: Mutex<Vec<Desk<'a>>>,
     /// Buffers whose numbers have been added to a parent's.
     spare: Mutex<Vec<Buffer>>,
     done: Vec<Mutex<Option<Result<Done, FactorError>>>>,
 }
 
-impl Job<'_> {
-    fn desk(&self) -> Result<Desk, FactorError> {
+impl<'a> Job<'a> {
+    fn desk(&self) -> Result<Desk<'a>, FactorError> {
         if let Some(desk) = lock(&self.desks).pop() {
             return Ok(desk);
         }
@@ -154,7 +173,16 @@ impl Job<'_> {
         let [even, odd] = self.plan.stacks;
         let stacks = [Buffer::new(even)?, Buffer::new(odd)?];
         let scratch = front::scratch().ok_or(FactorError::OutOfMemory)?;
-        Ok(Desk { local, stacks, panel: Buffer::new(self.plan.panel)?, scratch, runs: Vec::new() })
+        Ok(Desk {
+            read: self.matrix.reader(),
+            entries: Vec::new(),
+            diagonal: Vec::new(),
+            local,
+            stacks,
+            panel: Buffer::new(self.plan.panel)?,
+            scratch,
+            runs: Vec::new(),
+        })
     }
 
     /// The smallest buffer that is large enough, whatever stands in it.
@@ -182,7 +210,7 @@ impl Job<'_> {
             return Err(error);
         }
         let mut desk = self.desk()?;
-        let mut done = Done { values: Vec::new(), left: self.buffer(self.plan.left[index])? };
+        let mut done = Done { values: Vec::new(), weakest: NO_PIVOT, left: self.buffer(self.plan.left[index])? };
         done.values.try_reserve_exact(self.plan.entries[index]).map_err(|_| FactorError::OutOfMemory)?;
         let result = self.supernodes(index, &given, &mut desk, &mut done);
         lock(&self.desks).push(desk);
@@ -190,9 +218,15 @@ impl Job<'_> {
         result.map(|()| done)
     }
 
-    fn supernodes(&self, index: usize, given: &[Buffer], desk: &mut Desk, done: &mut Done) -> Result<(), FactorError> {
+    fn supernodes(
+        &self,
+        index: usize,
+        given: &[Buffer],
+        desk: &mut Desk<'_>,
+        done: &mut Done,
+    ) -> Result<(), FactorError> {
         let (tree, part) = (self.tree, &self.parts.0[index]);
-        let Desk { local, stacks, panel, scratch, runs } = desk;
+        let Desk { read, entries, diagonal, local, stacks, panel, scratch, runs } = desk;
         let (mut tops, mut out) = ([0; 2], 0);
         for s in part.supernodes.clone() {
             let (width, height) = (tree.width(s), tree.height(s));
@@ -226,10 +260,22 @@ impl Job<'_> {
                 }
             }
             let panel = &mut panel[..width * height];
-            self.gather(s, local, panel);
+            panel.fill(0.0);
+            diagonal.clear();
+            let columns = &tree.column[tree.begin[s]..tree.begin[s + 1]];
+            for (k, (&column, values)) in columns.iter().zip(panel.chunks_exact_mut(height)).enumerate() {
+                read(column as usize, entries);
+                for &(row, value) in &*entries {
+                    values[local[tree.place[row] as usize] as usize] += value;
+                }
+                diagonal.push(values[k]);
+            }
             children.iter().for_each(|child| child.add_to_panel(runs, panel, height));
             front::eliminate(panel, height, scratch)
-                .map_err(|at| FactorError::NotPositiveDefinite { column: tree.column[tree.begin[s] + at] as usize })?;
+                .map_err(|at| FactorError::NotPositiveDefinite { column: columns[at] as usize })?;
+            for (k, (&column, diagonal)) in columns.iter().zip(&*diagonal).enumerate() {
+                done.weakest = weaker(done.weakest, (column as usize, panel[k * (height + 1)].powi(2) / diagonal));
+            }
             let size = left(tree, s);
             let rest = if part.roots.contains(&s) {
                 out += size;
@@ -243,17 +289,5 @@ impl Job<'_> {
             layout::store(panel, height, &mut done.values);
         }
         Ok(())
-    }
-
-    /// The matrix's own entries of a supernode's columns.
-    fn gather(&self, s: usize, local: &[u32], panel: &mut [f64]) {
-        panel.fill(0.0);
-        let columns = &self.tree.column[self.tree.begin[s]..self.tree.begin[s + 1]];
-        for (&column, values) in columns.iter().zip(panel.chunks_exact_mut(self.tree.height(s))) {
-            let entries = self.matrix.column_start[column as usize]..self.matrix.column_start[column as usize + 1];
-            for (&row, &value) in self.matrix.row[entries.clone()].iter().zip(&self.matrix.value[entries]) {
-                values[local[self.tree.place[row] as usize] as usize] += value;
-            }
-        }
     }
 }

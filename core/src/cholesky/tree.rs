@@ -2,7 +2,6 @@
 
 use super::error::FactorError;
 use super::graph::{Graph, NONE};
-use crate::assembly::LowerTriangle;
 
 /// The pattern of L. A place is a column's position in the order of elimination.
 pub(super) struct Tree {
@@ -25,18 +24,17 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    pub(super) fn new(matrix: &LowerTriangle) -> Result<Self, FactorError> {
-        if matrix.column_start.len() > NONE as usize {
+    pub(super) fn new(graph: &Graph) -> Result<Self, FactorError> {
+        if graph.first[graph.len()] >= NONE as usize {
             return Err(FactorError::OutOfMemory);
         }
-        let graph = Graph::new(matrix);
         let (parent, rows) = graph.elimination_tree();
-        let mut groups = Groups::fundamental(&graph, &parent, &rows);
+        let mut groups = Groups::fundamental(graph, &parent, &rows);
         groups.amalgamate();
         let flops = (0..graph.len())
             .map(|block| (1..=graph.weight(block)).map(|k| ((rows[block] + k) as f64).powi(2)).sum::<f64>())
             .sum();
-        Ok(Self { flops, ..groups.in_order(&graph) })
+        Ok(Self { flops, ..groups.in_order(graph) })
     }
 
     /// Number of columns of the matrix.

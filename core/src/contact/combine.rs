@@ -6,33 +6,26 @@
 
 mod on_set;
 
-use super::condense::{Form, FreeMotions, InterfaceResidual, PosedLcp};
+use super::condense::{Form, FreeMotions, InterfaceResidual, PosedLcp, Work};
 use super::lcp::in_memory;
 use super::problem::ContactProblem;
 use super::responses::Response;
+use super::solution::Outcome;
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
-use crate::lcp::{Lcp, LcpFamily, LcpStatus, LemkeOptions, lemke_watched};
+use crate::lcp::{Lcp, LcpFamily, LcpStatus};
 use on_set::OnSet;
 use rayon::prelude::*;
 
 /// Combinations between two looks at whoever watches.
 const TOGETHER: usize = 256;
 
-/// How a combination ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    Solved,
-    /// Lemke's ray: no reactions balance the load, or the gaps contradict each other.
-    NoEquilibrium,
-    /// To be solved by itself: a sign is within rounding, or the pivot limit was reached.
-    Doubtful,
-}
-
 /// One combination at the contact points.
 #[derive(Clone, Debug)]
 pub struct Combined {
-    pub verdict: Verdict,
+    /// Without equilibrium also where the gaps contradict each other; unsolved are those to be solved by themselves, whose
+    /// signs are within rounding or whose pivots came to their limit.
+    pub outcome: Outcome,
     /// Factors x of the points' responses.
     pub factor: Vec<f64>,
     pub reaction: Vec<f64>,
@@ -44,9 +37,10 @@ pub struct Combined {
 /// What the combinations of some load cases share.
 pub struct CombinedCases {
     form: Form,
-    /// The LCP of the plate at rest, q before its free motions are imposed, and the part of q of each case.
+    /// The LCP of all cases together, and q, before its free motions are imposed, of the plate at rest and of each case.
     lcp: PosedLcp,
     motions: FreeMotions,
+    q_at_rest: Vec<f64>,
     q: Vec<Vec<f64>>,
     /// Nothing if there is no basis to begin with.
     family: Option<LcpFamily>,
@@ -73,8 +67,7 @@ impl ContactProblem {
         let still = vec![0.0; count];
         let distance = self.constraints.distance.clone();
         let pose = |response: &Response, remaining: &[f64]| {
-            let sum = Sum { moved: response.moved.clone(), reaction: response.reaction.clone(), ..Sum::default() };
-            self.base.condensed.posed(form, &sum.interface(form, remaining), &still)
+            self.base.condensed.posed(form, &interface(form, response, remaining), &still)
         };
         let mut lcp = pose(&rest, &distance)?;
         let mut q = Vec::with_capacity(cases.len());
@@ -86,19 +79,18 @@ impl ContactProblem {
         }
         let motions = self.base.condensed.impose_motions(&mut lcp)?;
         let on_set = OnSet::new(&self.base.condensed, form, points)?;
-        let mut shared = CombinedCases { form, lcp, motions, q, family: None, on_set, distance, rest, cases };
-        let (_, q) = shared.pose(&vec![1.0; shared.cases.len()]);
-        let covering = self.covering(&shared.lcp.point, &shared.lcp.gap_is_z);
-        let options = LemkeOptions { covering: Some(&covering), ..LemkeOptions::default() };
-        let Some(lcp) = in_memory(Lcp::new(&shared.lcp.matrix, &q))? else { return Ok(Some(shared)) };
-        let Some(all) = in_memory(lemke_watched(&lcp, &options, None, &mut |_, _| watch()))? else {
-            return Ok(Some(shared));
+        let q_at_rest = lcp.q.clone();
+        let mut shared =
+            CombinedCases { form, lcp, motions, q_at_rest, q, family: None, on_set, distance, rest, cases };
+        shared.lcp.q = shared.pose(&vec![1.0; shared.cases.len()]).1;
+        let basis = match self.solve_lcp(&shared.lcp, None, &mut 0, &mut |_| watch())? {
+            Ok(basis) => basis,
+            Err(Outcome::Interrupted) => return Ok(None),
+            Err(_) => vec![false; shared.lcp.q.len()],
         };
-        if all.status == LcpStatus::Interrupted {
-            return Ok(None);
-        }
-        shared.family = in_memory(LcpFamily::new(&lcp, &all.basis))?.flatten();
-        shared.on_set.begin_with(self.base.condensed.closed_points(&shared.lcp, &all.basis))?;
+        let Some(lcp) = in_memory(Lcp::new(&shared.lcp.matrix, &shared.lcp.q))? else { return Ok(Some(shared)) };
+        shared.family = in_memory(LcpFamily::new(&lcp, &basis))?.flatten();
+        shared.on_set.begin_with(self.base.condensed.closed_points(&shared.lcp, &basis))?;
         Ok(Some(shared))
     }
 
@@ -127,19 +119,19 @@ impl ContactProblem {
         let count = sum.moved.len();
         let mut pivots = 0;
         let mut basis = Vec::new();
-        let ended = |verdict, pivots| {
+        let ended = |outcome, pivots| {
             let nan = vec![f64::NAN; count];
             let (factor, reaction, gap) = (nan.clone(), nan.clone(), nan);
-            Ok(Combined { verdict, factor, reaction, gap, closed: vec![false; count], pivots })
+            Ok(Combined { outcome, factor, reaction, gap, closed: vec![false; count], pivots })
         };
         if !q.is_empty() {
-            let Some(family) = &shared.family else { return ended(Verdict::Doubtful, 0) };
-            let Some(found) = in_memory(family.solve(&q))? else { return ended(Verdict::Doubtful, 0) };
+            let Some(family) = &shared.family else { return ended(Outcome::Unsolved, 0) };
+            let Some(found) = in_memory(family.solve(&q))? else { return ended(Outcome::Unsolved, 0) };
             pivots = found.pivots;
             match found.status {
                 LcpStatus::Solved => basis = found.basis,
-                LcpStatus::Ray => return ended(Verdict::NoEquilibrium, pivots),
-                LcpStatus::PivotLimit | LcpStatus::Interrupted => return ended(Verdict::Doubtful, pivots),
+                LcpStatus::Ray => return ended(Outcome::NoEquilibrium, pivots),
+                LcpStatus::PivotLimit | LcpStatus::Interrupted => return ended(Outcome::Unsolved, pivots),
             }
         }
         let closed = self.base.condensed.closed_points(&shared.lcp, &basis);
@@ -150,10 +142,10 @@ impl ContactProblem {
         match shared.on_set.solve(&closed, &shared.distance, &sum.moved, &sum.reaction)? {
             Some((factor, reaction, gap)) => {
                 let settled = self.certain(&reaction, &gap, travel);
-                let verdict = if settled { Verdict::Solved } else { Verdict::Doubtful };
-                Ok(Combined { verdict, factor, reaction, gap, closed, pivots })
+                let outcome = if settled { Outcome::Solved } else { Outcome::Unsolved };
+                Ok(Combined { outcome, factor, reaction, gap, closed, pivots })
             }
-            None => ended(Verdict::Doubtful, pivots),
+            None => ended(Outcome::Unsolved, pivots),
         }
     }
 
@@ -174,40 +166,29 @@ impl ContactProblem {
     }
 }
 
-/// The cases of one combination together, before any point pushes.
-#[derive(Default)]
-struct Sum {
-    moved: Vec<f64>,
-    reaction: Vec<f64>,
-    work: Vec<f64>,
-    work_size: Vec<f64>,
-}
-
-impl Sum {
-    fn interface(&self, form: Form, remaining: &[f64]) -> InterfaceResidual {
-        let zeros = || vec![0.0; self.moved.len()];
-        let (displacement, force) = match form {
-            Form::Dual => (self.moved.clone(), zeros()),
-            Form::Stiffness => (Vec::new(), self.reaction.clone()),
-        };
-        let (work, work_size) = (self.work.clone(), self.work_size.clone());
-        InterfaceResidual { displacement, force, work, work_size, remaining: remaining.to_vec() }
-    }
+/// What a response does at the points, past no reaction.
+fn interface(form: Form, response: &Response, remaining: &[f64]) -> InterfaceResidual {
+    let (displacement, force) = match form {
+        Form::Dual => (response.moved.clone(), vec![0.0; response.moved.len()]),
+        Form::Stiffness => (Vec::new(), response.reaction.clone()),
+    };
+    InterfaceResidual { displacement, force, remaining: remaining.to_vec() }
 }
 
 impl CombinedCases {
     /// The cases of a combination together, and the q of its LCP.
-    fn pose(&self, factors: &[f64]) -> (Sum, Vec<f64>) {
+    fn pose(&self, factors: &[f64]) -> (Response, Vec<f64>) {
         let sum = self.sum(factors);
-        let mut q = self.lcp.q.clone();
+        let mut q = self.q_at_rest.clone();
         for (part, &factor) in self.q.iter().zip(factors).filter(|(_, factor)| **factor != 0.0) {
             q.iter_mut().zip(part).for_each(|(total, value)| *total += factor * value);
         }
-        self.motions.balance(&mut q, &sum.interface(self.form, &self.distance));
+        self.motions.balance(&mut q, &interface(self.form, &sum, &self.distance), &sum.work);
         (sum, q)
     }
 
-    fn sum(&self, factors: &[f64]) -> Sum {
+    /// Their sum, but for the displacement.
+    fn sum(&self, factors: &[f64]) -> Response {
         let of = |part: fn(&Response) -> &[f64], size: fn(f64) -> f64| {
             let mut total = part(&self.rest).to_vec();
             for (case, &factor) in self.cases.iter().zip(factors).filter(|(_, factor)| **factor != 0.0) {
@@ -215,11 +196,11 @@ impl CombinedCases {
             }
             total
         };
-        Sum {
+        Response {
             moved: of(|r| &r.moved, |factor| factor),
             reaction: of(|r| &r.reaction, |factor| factor),
-            work: of(|r| &r.work, |factor| factor),
-            work_size: of(|r| &r.work_size, f64::abs),
+            work: Work { sum: of(|r| &r.work.sum, |factor| factor), size: of(|r| &r.work.size, f64::abs) },
+            ..Response::default()
         }
     }
 }

@@ -20,5 +20,5 @@ mod flexibility;
 mod rigid;
 mod stiffness;
 
-pub use condensed::{Condensed, ContactState, Form, InterfaceResidual, PosedLcp, Response};
+pub use condensed::{Condensed, ContactState, Form, InterfaceResidual, PosedLcp, Work};
 pub(super) use rigid::FreeMotions;

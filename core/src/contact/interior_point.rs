@@ -8,13 +8,12 @@
 mod program;
 
 use super::problem::{Constraints, ContactProblem};
-use super::solution::{ContactSolution, Outcome, Progress};
-use super::start::Start;
+use super::solution::{ContactSolution, Outcome, Progress, Start, held_at};
 use crate::assembly::Numbering;
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
 use crate::plate::Plate;
-use crate::residual::{Displacement, Springs};
+use crate::residual::Springs;
 use clarabel::solver::implementations::default::{DefaultInfo, DefaultSolution};
 use clarabel::solver::{
     DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, SupportedConeT, ZeroConeT,
@@ -24,25 +23,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
-/// What the interior point method found; NaN and all open unless solved.
-#[derive(Clone, Debug)]
-pub struct InteriorPoint {
-    pub outcome: Outcome,
-    /// Over all dofs.
-    pub displacement: Vec<f64>,
-    /// Force of every contact point, against its row.
-    pub reaction: Vec<f64>,
-    /// Points whose reaction outweighs their gap.
-    pub closed: Vec<bool>,
-    pub iterations: usize,
-}
-
 /// So little added needs refinement for as long as each step leaves less than the one before: Clarabel's own 10 steps, each
 /// to a fifth, end the last iterations before a proof of infeasibility is sharp.
 const REFINEMENTS: u32 = 50;
 
 /// Solves for one load with the held dofs at `held_value` (both over all dofs); `constraints` has every contact point.
 ///
+/// Points are closed whose reaction outweighs their gap; no gaps are told.
 /// [`Outcome::NoEquilibrium`] is returned on a proof that was checked: either a motion that no support resists and on
 /// which the load works, or forces at rigid points that balance each other and that their gaps cannot do without.
 pub fn interior_point(
@@ -53,13 +40,18 @@ pub fn interior_point(
     constraints: &Constraints,
     load: &[f64],
     watch: &mut dyn FnMut(Progress) -> bool,
-) -> InteriorPoint {
+) -> ContactSolution {
     let numbering = Numbering::new(plate, held, &vec![false; held.len()]);
-    let mut displacement = Displacement::zeros(held.len());
-    for dof in (0..held.len()).filter(|&dof| held[dof]) {
-        displacement.hi[dof] = held_value[dof];
-    }
+    let m = constraints.rows.len();
+    let displacement = held_at(held, held_value);
     let program = Program::pose(plate, springs, &numbering, constraints, load, &displacement);
+    let mut solution = ContactSolution {
+        displacement,
+        reaction: vec![0.0; m],
+        gap: vec![f64::NAN; m],
+        closed: vec![false; m],
+        ..Default::default()
+    };
     let settings = DefaultSettings {
         verbose: false,
         tol_gap_abs: 0.0,
@@ -74,11 +66,11 @@ pub fn interior_point(
     };
     let cones = [ZeroConeT(program.equations), NonnegativeConeT(program.right.len() - program.equations)];
     let Some((found, interrupted)) = solved(&program, &cones, settings, watch) else {
-        return unsolved(held.len(), constraints, Outcome::Unsolved, 0);
+        return solution.failed(Outcome::Unsolved);
     };
-    let iterations = found.iterations as usize;
+    solution.iterations = found.iterations as usize;
     if interrupted {
-        return unsolved(held.len(), constraints, Outcome::Interrupted, iterations);
+        return solution.failed(Outcome::Interrupted);
     }
     let no_equilibrium = match found.status {
         SolverStatus::PrimalInfeasible => program.gaps_contradict(&found.z),
@@ -86,23 +78,19 @@ pub fn interior_point(
         _ => false,
     };
     if no_equilibrium {
-        return unsolved(held.len(), constraints, Outcome::NoEquilibrium, iterations);
+        return solution.failed(Outcome::NoEquilibrium);
     }
     let is_infeasible = matches!(found.status, SolverStatus::PrimalInfeasible | SolverStatus::DualInfeasible)
         || matches!(found.status, SolverStatus::AlmostPrimalInfeasible | SolverStatus::AlmostDualInfeasible);
     if is_infeasible || found.x.iter().chain(&found.z).any(|value| !value.is_finite()) {
-        return unsolved(held.len(), constraints, Outcome::Unsolved, iterations);
+        return solution.failed(Outcome::Unsolved);
     }
     for (column, &dof) in numbering.dof.iter().enumerate() {
-        displacement.hi[dof] = program.displacement_unit[column] * found.x[column];
+        solution.displacement.hi[dof] = program.displacement_unit[column] * found.x[column];
     }
-    InteriorPoint {
-        outcome: Outcome::Solved,
-        displacement: displacement.hi,
-        reaction: program.row_of.iter().map(|&row| program.force_unit[row] * found.z[row]).collect(),
-        closed: program.closed(&found.x, &found.z, &found.s),
-        iterations,
-    }
+    solution.reaction = program.row_of.iter().map(|&row| program.force_unit[row] * found.z[row]).collect();
+    solution.closed = program.closed(&found.x, &found.z, &found.s);
+    ContactSolution { outcome: Outcome::Solved, ..solution }
 }
 
 /// Solves in a thread of its own, since clarabel keeps whom it tells of its iterations, and whether it was interrupted;
@@ -139,24 +127,6 @@ fn solved(
     Some((solution, stopped.load(Ordering::Relaxed)))
 }
 
-fn unsolved(dofs: usize, constraints: &Constraints, outcome: Outcome, iterations: usize) -> InteriorPoint {
-    let m = constraints.rows.len();
-    let (displacement, reaction) = (vec![f64::NAN; dofs], vec![f64::NAN; m]);
-    InteriorPoint { outcome, displacement, reaction, closed: vec![false; m], iterations }
-}
-
-impl InteriorPoint {
-    fn as_start(&self) -> Start<'_> {
-        Start {
-            displacement: &self.displacement,
-            reaction: &self.reaction,
-            closed: &self.closed,
-            factored: None,
-            balanced: None,
-        }
-    }
-}
-
 impl ContactProblem {
     /// As [`ContactProblem::solve`], with the contact set of an interior point method to begin with.
     ///
@@ -169,12 +139,13 @@ impl ContactProblem {
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
         let all = self.all_constraints();
-        let start = interior_point(&self.plate, &self.springs, &self.held, held_value, &all, load, watch);
-        let mut solution = match start.outcome {
-            Outcome::Solved => self.solve_from(load, held_value, &start.as_start(), watch)?,
+        let found = interior_point(&self.plate, &self.springs, &self.held, held_value, &all, load, watch);
+        let start = Start { solution: &found, factored: None, reference: None };
+        let mut solution = match found.outcome {
+            Outcome::Solved => self.solve_from(load, held_value, None, Some(&start), watch)?,
             outcome => self.at_rest(held_value).failed(outcome),
         };
-        solution.iterations += start.iterations;
+        solution.iterations += found.iterations;
         Ok(solution)
     }
 }

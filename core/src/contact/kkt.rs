@@ -12,26 +12,22 @@
 
 mod active_factor;
 mod conjugate_gradients;
-mod direction;
 mod floating;
 mod interface;
 mod penalized;
 mod refinement;
-mod regularized;
 mod residual;
 mod saddle;
 mod set;
 mod shears;
 mod uncondensed;
 
-pub(super) use active_factor::ActiveFactor;
+pub(super) use active_factor::{ActiveFactor, Direction};
 pub(super) use conjugate_gradients::{ConjugateGradients, Followed};
-pub(super) use direction::{Direction, dot};
 pub(super) use floating::Floating;
 pub(super) use interface::{Interface, Reduced};
 pub(super) use refinement::{Correction, KktSolver};
-pub(super) use regularized::Regularized;
 pub(super) use residual::Residual;
-pub(super) use saddle::{Saddle, TOGETHER};
+pub(super) use saddle::{Regularized, Saddle, TOGETHER};
 pub(super) use set::OnSet;
 pub(super) use uncondensed::Uncondensed;

@@ -3,10 +3,9 @@
 use super::condense::Condensed;
 use super::points::ActivePoints;
 use super::scale::Scale;
-use crate::assembly::{HELD, Numbering, assemble};
+use crate::assembly::{Assembly, HELD, Numbering};
 use crate::cholesky::{Analysis, Factor, FactorError};
 use crate::contact::tolerances;
-use crate::dense::OutOfMemory;
 use crate::element::Kind;
 use crate::plate::Plate;
 use crate::residual::{Rows, Springs};
@@ -40,7 +39,6 @@ pub struct PointOrder {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seconds {
     pub order: f64,
-    pub assemble: f64,
     pub factor: f64,
     pub condense: f64,
 }
@@ -75,7 +73,7 @@ pub struct ContactProblem {
 }
 
 impl ContactProblem {
-    /// Orders with the condensed dofs last, assembles, factors, and condenses.
+    /// Orders with the condensed dofs last, factors, and condenses.
     ///
     /// With `by_active_set` the one-sided points are the active set's instead of an LCP's: the factor carries them all.
     pub fn new(
@@ -98,12 +96,26 @@ impl ContactProblem {
 
         let first_limit = Self::first_limit(&plate, &active);
         let all_closed = active.penalized(first_limit).stiffness;
-        let mut seconds = Seconds { order: ordering, ..Seconds::default() };
-        let parts = Parts { plate: &plate, springs: &springs, constraints: &constraints, active: &active };
+        let mut parts = Parts {
+            plate: &plate,
+            springs: &springs,
+            constraints: &constraints,
+            active: &active,
+            numbering: &numbering,
+            analysis: None,
+            seconds: Seconds { order: ordering, ..Seconds::default() },
+        };
+        // Of a plate that may float, where what holds it is lost in rounding, the factor is a little firmer. Rigid motions are
+        // found apart from it, exactly, and solves with care take back what it adds. Beside held dofs they would be rounded,
+        // and elements with motions of their own that nothing resists are no such plate.
         let may_float = plate.kind == Kind::Mitc9 && !held.contains(&true);
-        let mut analysis = None;
-        let base = parts.factored_or_firmer(&numbering, all_closed, may_float, &mut analysis, &mut seconds)?;
-        let Some(analysis) = analysis else { unreachable!("a factor has its analysis") };
+        let base = match parts.factored(all_closed.clone(), 0.0) {
+            Err(FactorError::NotPositiveDefinite { .. }) if may_float => {
+                parts.factored(all_closed, tolerances::FIRMER)?
+            }
+            found => found?,
+        };
+        let Parts { analysis: Some(analysis), seconds, .. } = parts else { unreachable!("a factor has its analysis") };
         let scale = Scale::of(&plate);
         let levers = (0..constraints.rows.len()).map(|row| scale.lever(&constraints.rows, row)).collect();
         Ok(Self {
@@ -125,9 +137,16 @@ impl ContactProblem {
 
     /// The factor with other stiffnesses at the points of the active set; the analysis is kept.
     pub(super) fn refactored(&self, carried: Vec<f64>) -> Result<Factored, FactorError> {
-        let parts =
-            Parts { plate: &self.plate, springs: &self.springs, constraints: &self.constraints, active: &self.active };
-        parts.factored(&self.numbering, carried, 0.0, &mut Some(self.analysis.clone()), &mut Seconds::default())
+        let mut parts = Parts {
+            plate: &self.plate,
+            springs: &self.springs,
+            constraints: &self.constraints,
+            active: &self.active,
+            numbering: &self.numbering,
+            analysis: Some(self.analysis.clone()),
+            seconds: Seconds::default(),
+        };
+        parts.factored(carried, 0.0)
     }
 
     /// Every contact point, in the caller's order; the factor's part left out.
@@ -186,75 +205,40 @@ impl ContactProblem {
     }
 }
 
-impl From<OutOfMemory> for FactorError {
-    fn from(_: OutOfMemory) -> Self {
-        Self::OutOfMemory
-    }
-}
-
-/// What a factor is made of.
+/// What a factor is made of, and the seconds that making it takes.
 struct Parts<'a> {
     plate: &'a Plate,
     springs: &'a Springs,
     constraints: &'a Constraints,
     active: &'a ActivePoints,
+    numbering: &'a Numbering,
+    /// Of the first factor, for those after it.
+    analysis: Option<Analysis>,
+    seconds: Seconds,
 }
 
 impl Parts<'_> {
-    /// The factor, or of a plate that may float, where what holds it is lost in rounding, one a little firmer.
-    ///
-    /// Rigid motions are found apart from it, exactly, and solves with care take back what it adds. Beside held dofs they
-    /// would be rounded, and elements with motions of their own that nothing resists are no such plate.
-    fn factored_or_firmer(
-        &self,
-        numbering: &Numbering,
-        carried: Vec<f64>,
-        may_float: bool,
-        analysis: &mut Option<Analysis>,
-        seconds: &mut Seconds,
-    ) -> Result<Factored, FactorError> {
-        match self.factored(numbering, carried.clone(), 0.0, analysis, seconds) {
-            Err(FactorError::NotPositiveDefinite { .. }) if may_float => {
-                self.factored(numbering, carried, tolerances::FIRMER, analysis, seconds)
-            }
-            found => found,
-        }
-    }
-
     /// The factor with every dof stiffer by a part of its own.
-    fn factored(
-        &self,
-        numbering: &Numbering,
-        carried: Vec<f64>,
-        firmer: f64,
-        analysis: &mut Option<Analysis>,
-        seconds: &mut Seconds,
-    ) -> Result<Factored, FactorError> {
-        let (plate, constraints) = (self.plate, self.constraints);
+    fn factored(&mut self, carried: Vec<f64>, firmer: f64) -> Result<Factored, FactorError> {
+        let &mut Self { plate, springs, constraints, numbering, .. } = self;
         let clock = Instant::now();
         let bedding = self.active.stiffness_by_element(plate, &carried);
-        let mut springs = with_regularization(self.springs, constraints);
+        let mut springs = with_regularization(springs, constraints);
         self.active.add_footprint_springs(&carried, &mut springs);
-        let mut matrix = assemble(plate, &springs, &bedding, numbering);
-        drop(bedding);
-        matrix.stiffen_diagonal(firmer);
-        seconds.assemble += clock.elapsed().as_secs_f64();
-
-        let clock = Instant::now();
-        let known = match analysis.take() {
+        let matrix = Assembly::new(plate, &springs, &bedding, numbering).firmer(firmer);
+        let known = match self.analysis.take() {
             Some(known) => known,
             None => Analysis::new(&matrix)?,
         };
-        let factor = analysis.insert(known).factorize(&matrix)?;
+        let factor = self.analysis.insert(known).factorize(&matrix)?;
         // Elements of q8r bend in some shapes without resistance, and not all supports hold them.
         if carried.contains(&0.0) || plate.kind == Kind::Q8r {
-            let (column, part) = factor.weakest_pivot(&matrix);
+            let (column, part) = factor.weakest_pivot();
             if part < tolerances::LOOSE_PIVOT {
                 return Err(FactorError::NotPositiveDefinite { column });
             }
         }
-        drop(matrix);
-        seconds.factor += clock.elapsed().as_secs_f64();
+        self.seconds.factor += clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
         let rows = &constraints.rows;
@@ -269,14 +253,14 @@ impl Parts<'_> {
             .collect();
         let moves = |motion: &Vec<f64>| (0..rows.len()).map(|row| rows.dot(plate, row, motion)).collect();
         let condensed = Condensed::new(
-            factor.trailing_block(numbering.trailing),
+            factor.trailing_block(numbering.trailing)?,
             entries,
             constraints.regularization.clone(),
             constraints.compliance.clone(),
             constraints.two_sided.clone(),
             &constraints.free_motions.iter().map(moves).collect::<Vec<_>>(),
         )?;
-        seconds.condense += clock.elapsed().as_secs_f64();
+        self.seconds.condense += clock.elapsed().as_secs_f64();
         Ok(Factored { factor, condensed, carried, firmer: firmer > 0.0 })
     }
 }

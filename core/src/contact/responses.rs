@@ -4,35 +4,23 @@
 //! equilibrium by itself: Ku + Gᵀ·reaction = f. Where the rows pick single dofs, x is the points' displacement and the
 //! cases act with all points held; else x is the force δ·Gu − reaction, and the cases act on K̃.
 
-use super::condense::Form;
-use super::problem::{ContactProblem, with_regularization};
+use super::condense::{Form, Work};
+use super::problem::{ContactProblem, Factored, with_regularization};
+use super::solution::held_at;
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
 use crate::residual::{Displacement, Springs, residual};
 use rayon::prelude::*;
 
 /// One term of the sum, refined with the double-double residual.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Response {
     pub displacement: Displacement,
     /// Force of every contact point, against its row.
     pub reaction: Vec<f64>,
     /// Displacement Gu of every contact point.
     pub moved: Vec<f64>,
-    /// Work of the load in each free rigid motion, and the sum of the magnitudes it is made of.
-    pub work: Vec<f64>,
-    pub work_size: Vec<f64>,
-}
-
-/// What acts.
-#[derive(Clone, Copy)]
-enum Action<'a> {
-    /// No load: held dofs at their values (3n,), springs on their bases.
-    Rest(&'a [f64]),
-    /// A nodal load (3n,), held dofs and bases at zero.
-    Load(&'a [f64]),
-    /// x_i = 1.
-    Point(usize),
+    pub work: Work,
 }
 
 /// Responses refined together, so that the factor is read once for all of them.
@@ -42,9 +30,13 @@ const CORRECTIONS: usize = 8;
 
 /// A response that is being refined.
 struct Draft<'a> {
-    action: Action<'a>,
-    displacement: Displacement,
-    reaction: Vec<f64>,
+    /// Nodal forces, and the largest that acts.
+    force: Vec<f64>,
+    acting: f64,
+    springs: &'a Springs,
+    /// The point whose x is 1.
+    point: Option<usize>,
+    response: Response,
     imbalance: Vec<f64>,
     /// What is left of the displacements to be imposed on the points; empty where none are.
     remaining: Vec<f64>,
@@ -53,9 +45,15 @@ struct Draft<'a> {
 }
 
 impl ContactProblem {
-    /// The response to no load, with the held dofs at `held_value` (3n,).
+    /// The response to no load, with the held dofs at `held_value` (3n,) and the springs on their bases.
     pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, FactorError> {
-        Ok(self.responses(&[Action::Rest(held_value)], &mut || true)?.remove(0))
+        let springs = self.springs_of_responses(true);
+        let draft = |_| {
+            let mut draft = self.draft(vec![0.0; self.plate.dof_count()], &springs);
+            draft.response.displacement = held_at(&self.held, held_value);
+            draft
+        };
+        Ok(self.responses(1, draft, &mut || true)?.remove(0))
     }
 
     /// The responses to nodal loads (3n,) each. `watch` is asked now and then and ends it by returning false; then
@@ -65,7 +63,14 @@ impl ContactProblem {
         loads: &[Vec<f64>],
         watch: &mut dyn FnMut() -> bool,
     ) -> Result<Vec<Response>, FactorError> {
-        self.responses(&loads.iter().map(|load| Action::Load(load)).collect::<Vec<_>>(), watch)
+        let springs = self.springs_of_responses(false);
+        let draft = |i: usize| {
+            let mut draft = self.draft(loads[i].clone(), &springs);
+            draft.acting = self.scale.largest(&loads[i]);
+            draft.response.work = self.work(&loads[i]);
+            draft
+        };
+        self.responses(loads.len(), draft, watch)
     }
 
     /// The responses of some contact points; `watch` as for [`ContactProblem::load_responses`].
@@ -74,80 +79,86 @@ impl ContactProblem {
         points: std::ops::Range<usize>,
         watch: &mut dyn FnMut() -> bool,
     ) -> Result<Vec<Response>, FactorError> {
-        self.responses(&points.map(Action::Point).collect::<Vec<_>>(), watch)
-    }
-
-    fn responses(&self, actions: &[Action], watch: &mut dyn FnMut() -> bool) -> Result<Vec<Response>, FactorError> {
-        let mut found = Vec::with_capacity(actions.len());
-        for actions in actions.chunks(TOGETHER * rayon::current_num_threads()) {
-            if !watch() {
-                break;
+        let springs = self.springs_of_responses(false);
+        let draft = |i: usize| {
+            let mut draft = self.draft(vec![0.0; self.plate.dof_count()], &springs);
+            draft.point = Some(points.start + i);
+            if !self.imposed() {
+                draft.acting = 1.0;
+                self.constraints.rows.scatter(&self.plate, points.start + i, 1.0, &mut draft.force);
             }
-            let blocks: Result<Vec<_>, _> = actions.par_chunks(TOGETHER).map(|block| self.refined(block)).collect();
-            found.extend(blocks?.into_iter().flatten());
-        }
-        Ok(found)
+            draft
+        };
+        self.responses(points.len(), draft, watch)
     }
 
+    /// Whether x is the points' displacement.
     fn imposed(&self) -> bool {
         self.base.condensed.better_form() == Form::Stiffness
     }
 
-    fn refined(&self, actions: &[Action]) -> Result<Vec<Response>, FactorError> {
-        let springs =
+    /// Springs on their bases, or with these at zero.
+    fn springs_of_responses(&self, on_bases: bool) -> Springs {
+        let mut springs =
             if self.imposed() { self.springs.clone() } else { with_regularization(&self.springs, &self.constraints) };
-        let still = Springs { base: vec![0.0; springs.base.len()], ..springs.clone() };
-        let own = |action: Action| if matches!(action, Action::Rest(_)) { &springs } else { &still };
-        let mut drafts: Vec<Draft> = actions.iter().map(|&action| self.draft(action, own(action))).collect();
+        springs.base.iter_mut().filter(|_| !on_bases).for_each(|base| *base = 0.0);
+        springs
+    }
+
+    fn draft<'a>(&self, force: Vec<f64>, springs: &'a Springs) -> Draft<'a> {
+        let response = Response {
+            displacement: Displacement::zeros(force.len()),
+            reaction: vec![0.0; self.constraints.rows.len()],
+            moved: Vec::new(),
+            work: self.work(&[]),
+        };
+        let (imbalance, remaining) = (Vec::new(), Vec::new());
+        Draft { force, acting: 0.0, springs, point: None, response, imbalance, remaining, worst: 0.0, settled: false }
+    }
+
+    fn responses<'a>(
+        &self,
+        count: usize,
+        draft: impl Fn(usize) -> Draft<'a> + Sync,
+        watch: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<Response>, FactorError> {
+        let mut found = Vec::with_capacity(count);
+        while found.len() < count && watch() {
+            let last = count.min(found.len() + TOGETHER * rayon::current_num_threads());
+            let blocks = (found.len()..last).into_par_iter().chunks(TOGETHER);
+            let refined = |block: Vec<usize>| self.refined(block.into_iter().map(&draft).collect());
+            found.extend(blocks.map(refined).collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
+        }
+        Ok(found)
+    }
+
+    fn refined(&self, mut drafts: Vec<Draft>) -> Result<Vec<Response>, FactorError> {
+        for draft in &mut drafts {
+            self.judge(draft);
+            draft.settled = draft.worst == 0.0 && draft.remaining.iter().all(|&left| left == 0.0);
+        }
         for round in 0..CORRECTIONS {
             if drafts.iter().all(|draft| draft.settled) {
                 break;
             }
-            self.correct_together(&mut drafts, round, &own)?;
+            self.correct_together(&mut drafts, round)?;
         }
         Ok(drafts.into_iter().map(|draft| self.response(draft)).collect())
     }
 
-    fn draft<'a>(&self, action: Action<'a>, springs: &Springs) -> Draft<'a> {
-        let count = self.constraints.rows.len();
-        let mut displacement = Displacement::zeros(self.plate.dof_count());
-        if let Action::Rest(held_value) = action {
-            for (dof, _) in self.held.iter().enumerate().filter(|(_, held)| **held) {
-                displacement.hi[dof] = held_value[dof];
-            }
-        }
-        let mut draft = Draft {
-            action,
-            displacement,
-            reaction: vec![0.0; count],
-            imbalance: Vec::new(),
-            remaining: Vec::new(),
-            worst: 0.0,
-            settled: false,
-        };
-        self.judge(&mut draft, springs);
-        draft.settled = draft.worst == 0.0 && draft.remaining.iter().all(|&left| left == 0.0);
-        draft
-    }
-
     /// What is out of balance, and what is left to impose.
-    fn judge(&self, draft: &mut Draft, springs: &Springs) {
-        let mut force = match draft.action {
-            Action::Load(load) => load.to_vec(),
-            _ => vec![0.0; self.plate.dof_count()],
-        };
-        if let (Action::Point(i), false) = (draft.action, self.imposed()) {
-            self.constraints.rows.scatter(&self.plate, i, 1.0, &mut force);
-        }
+    fn judge(&self, draft: &mut Draft) {
+        let Response { displacement, reaction, .. } = &draft.response;
         // Before the first correction nothing has moved but what is held.
-        let moved = draft.displacement.hi.iter().any(|&u| u != 0.0) || springs.base.iter().any(|&base| base != 0.0);
-        let mut out = if moved { residual(&self.plate, springs, &force, &draft.displacement) } else { force };
+        let moved = displacement.hi.iter().chain(&draft.springs.base).any(|&u| u != 0.0);
+        let mut out =
+            if moved { residual(&self.plate, draft.springs, &draft.force, displacement) } else { draft.force.clone() };
         if self.imposed() {
-            let downward: Vec<f64> = draft.reaction.iter().map(|r| -r).collect();
+            let downward: Vec<f64> = reaction.iter().map(|r| -r).collect();
             self.spread(&downward, &mut out);
-            let target = |i: usize| if matches!(draft.action, Action::Point(j) if j == i) { 1.0 } else { 0.0 };
-            let left = |i: usize| -self.constraints.rows.beyond(&self.plate, i, &draft.displacement, target(i));
-            draft.remaining = (0..draft.reaction.len()).map(left).collect();
+            let target = |i: usize| f64::from(draft.point == Some(i));
+            let left = |i: usize| -self.constraints.rows.beyond(&self.plate, i, displacement, target(i));
+            draft.remaining = (0..reaction.len()).map(left).collect();
         }
         self.release_held(&mut out);
         draft.worst = self.scale.largest(&out);
@@ -155,73 +166,46 @@ impl ContactProblem {
     }
 
     /// One correction of every draft that is not settled.
-    fn correct_together<'s>(
-        &self,
-        drafts: &mut [Draft],
-        round: usize,
-        springs: &impl Fn(Action) -> &'s Springs,
-    ) -> Result<(), FactorError> {
-        let open: Vec<usize> = (0..drafts.len()).filter(|&d| !drafts[d].settled).collect();
-        let size = self.base.factor.len();
-        let leading = size - self.numbering.trailing;
-        let mut block: Vec<f64> = open.iter().flat_map(|&d| self.gather(&drafts[d].imbalance)).collect();
-        self.base.factor.forward(&mut block)?;
-        let mut increments = Vec::new();
+    fn correct_together(&self, drafts: &mut [Draft], round: usize) -> Result<(), FactorError> {
+        let Factored { factor, condensed, .. } = &self.base;
+        let mut open: Vec<&mut Draft> = drafts.iter_mut().filter(|draft| !draft.settled).collect();
+        let leading = factor.len() - self.numbering.trailing;
+        let mut block: Vec<f64> = open.iter().flat_map(|draft| self.gather(&draft.imbalance)).collect();
+        factor.forward(&mut block)?;
+        let mut increments = vec![Vec::new(); open.len()];
         if self.imposed() {
-            for (column, &d) in block.chunks_exact_mut(size).zip(&open) {
-                let force = self.base.condensed.condensed_force(&column[leading..]);
-                increments.push(self.base.condensed.holding_forces(&force, &drafts[d].remaining));
-                column[leading..].copy_from_slice(&self.base.condensed.prescribing(&drafts[d].remaining));
+            for ((column, draft), increment) in block.chunks_exact_mut(factor.len()).zip(&open).zip(&mut increments) {
+                let force = condensed.condensed_force(&column[leading..]);
+                *increment = condensed.holding_forces(&force, &draft.remaining);
+                column[leading..].copy_from_slice(&condensed.prescribing(&draft.remaining));
             }
         }
-        self.base.factor.backward(&mut block)?;
-        for (at, (column, &d)) in block.chunks_exact(size).zip(&open).enumerate() {
-            let draft = &mut drafts[d];
-            let before = (draft.displacement.clone(), draft.reaction.clone(), draft.worst);
+        factor.backward(&mut block)?;
+        for ((column, draft), increment) in block.chunks_exact(factor.len()).zip(&mut open).zip(&increments) {
+            let (before, worst) = (draft.response.clone(), draft.worst);
             for (&dof, &value) in self.numbering.dof.iter().zip(column) {
-                draft.displacement.add(dof, value);
+                draft.response.displacement.add(dof, value);
             }
-            if let Some(increment) = increments.get(at) {
-                draft.reaction.iter_mut().zip(increment).for_each(|(total, part)| *total += part);
-            }
-            self.judge(draft, springs(draft.action));
-            if round > 0 && !(draft.worst < before.2) {
-                (draft.displacement, draft.reaction, draft.worst) = before;
-                draft.settled = true;
+            draft.response.reaction.iter_mut().zip(increment).for_each(|(total, part)| *total += part);
+            self.judge(draft);
+            if round > 0 && !(draft.worst < worst) {
+                (draft.response, draft.worst, draft.settled) = (before, worst, true);
             } else {
-                let force = self.size(draft);
+                let force = self.largest_force(&[], &draft.response.reaction).max(draft.acting);
                 draft.settled = draft.worst <= tolerances::RESPONSE * force
-                    || (round > 0 && draft.worst > tolerances::PROGRESS * before.2);
+                    || (round > 0 && draft.worst > tolerances::PROGRESS * worst);
             }
         }
         Ok(())
     }
 
-    fn response(&self, draft: Draft) -> Response {
+    fn response(&self, Draft { mut response, point, .. }: Draft) -> Response {
         let rows = &self.constraints.rows;
-        let moved = (0..rows.len()).map(|i| rows.beyond(&self.plate, i, &draft.displacement, 0.0));
-        let moved: Vec<f64> = moved.collect();
-        let mut reaction = draft.reaction;
+        response.moved = (0..rows.len()).map(|i| rows.beyond(&self.plate, i, &response.displacement, 0.0)).collect();
         if !self.imposed() {
-            let push = |i: usize| if matches!(draft.action, Action::Point(j) if j == i) { 1.0 } else { 0.0 };
-            let carried = &self.base.condensed.regularization;
-            reaction = (0..rows.len()).map(|i| carried[i] * moved[i] - push(i)).collect();
+            let carried = self.base.condensed.regularization.iter().zip(&response.moved).enumerate();
+            response.reaction = carried.map(|(i, (k, moved))| k * moved - f64::from(point == Some(i))).collect();
         }
-        let motions = self.constraints.free_motions.len();
-        let (work, work_size) = match draft.action {
-            Action::Load(load) => self.works(load),
-            _ => (vec![0.0; motions], vec![0.0; motions]),
-        };
-        Response { displacement: draft.displacement, reaction, moved, work, work_size }
-    }
-
-    /// The largest force of a draft.
-    fn size(&self, draft: &Draft) -> f64 {
-        let load = match draft.action {
-            Action::Load(load) => load,
-            _ => &[],
-        };
-        let pushed = if matches!(draft.action, Action::Point(_)) && draft.remaining.is_empty() { 1.0 } else { 0.0 };
-        self.largest_force(load, &draft.reaction).max(pushed)
+        response
     }
 }

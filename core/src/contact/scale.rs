@@ -50,3 +50,12 @@ impl Scale {
         if rows.coefficient[row].iter().step_by(3).all(|&value| value == 0.0) { self.size } else { 1.0 }
     }
 }
+
+/// The largest magnitude.
+pub(super) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}

@@ -1,6 +1,6 @@
-//! What a contact problem is answered with.
+//! What a contact problem is answered with, and answers to begin with.
 
-use super::problem::ContactProblem;
+use super::problem::{ContactProblem, Factored};
 use crate::residual::Displacement;
 
 /// One step of a solve, to whoever watches.
@@ -14,19 +14,20 @@ pub struct Progress {
 }
 
 /// How a contact problem ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Outcome {
     Solved,
     /// Lemke's ray: no reactions balance the load.
     NoEquilibrium,
     /// The pivot limit was reached, or the contact state is beyond the arithmetic.
+    #[default]
     Unsolved,
     /// Whoever watched wanted no more.
     Interrupted,
 }
 
 /// Displacements, reactions and gaps; NaN unless solved.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ContactSolution {
     pub outcome: Outcome,
     pub displacement: Displacement,
@@ -36,7 +37,7 @@ pub struct ContactSolution {
     pub gap: Vec<f64>,
     pub closed: Vec<bool>,
     pub pivots: usize,
-    /// Newton steps of the active set.
+    /// Newton steps of the active set, and steps of the interior point method.
     pub iterations: usize,
     /// Conjugate gradient steps in them.
     pub gradients: usize,
@@ -84,28 +85,36 @@ impl ContactSolution {
     }
 }
 
+/// Where to begin: at an answer in the caller's order, with a factor, if not the problem's own.
+pub(super) struct Start<'a> {
+    pub solution: &'a ContactSolution,
+    pub factored: Option<&'a Factored>,
+    /// Where the answer is known to balance a load.
+    pub reference: Option<&'a Reference>,
+}
+
+/// One load's solution and the factor of its contact set, for loads not unlike it to begin with.
+pub struct Reference {
+    pub solution: ContactSolution,
+    pub(super) factored: Factored,
+    pub(super) load: Vec<f64>,
+    /// How far the points of the active set overlap in it.
+    pub(super) overlap: Vec<f64>,
+}
+
+impl Reference {
+    pub(super) fn start(&self) -> Start<'_> {
+        Start { solution: &self.solution, factored: Some(&self.factored), reference: Some(self) }
+    }
+}
+
 impl ContactProblem {
     /// Without a load or a reaction, and with the condensed points alone.
     pub(super) fn at_rest(&self, held_value: &[f64]) -> ContactSolution {
         let m = self.constraints.rows.len();
-        let mut displacement = Displacement::zeros(self.plate.dof_count());
-        for (dof, &held) in self.held.iter().enumerate() {
-            if held {
-                displacement.hi[dof] = held_value[dof];
-            }
-        }
-        ContactSolution {
-            outcome: Outcome::Unsolved,
-            displacement,
-            reaction: vec![0.0; m],
-            gap: vec![0.0; m],
-            closed: self.constraints.two_sided.clone(),
-            pivots: 0,
-            iterations: 0,
-            gradients: 0,
-            factorizations: 0,
-            corrections: 0,
-        }
+        let displacement = held_at(&self.held, held_value);
+        let closed = self.constraints.two_sided.clone();
+        ContactSolution { displacement, reaction: vec![0.0; m], gap: vec![0.0; m], closed, ..Default::default() }
     }
 
     /// The same on a contact set, given in the caller's order: every point, in the problem's order.
@@ -143,6 +152,12 @@ impl ContactProblem {
         }
         any
     }
+}
+
+/// The held dofs at their values, the others at zero.
+pub(super) fn held_at(held: &[bool], held_value: &[f64]) -> Displacement {
+    let hi: Vec<f64> = held.iter().zip(held_value).map(|(&held, &value)| if held { value } else { 0.0 }).collect();
+    Displacement { lo: vec![0.0; hi.len()], hi }
 }
 
 /// Points whose states differ.

@@ -1,11 +1,10 @@
 //! From a load to displacements, reactions and gaps.
 
-use super::condense::{Form, PosedLcp};
+use super::condense::{Form, PosedLcp, Work};
 use super::kkt::{Interface, Reduced};
-use super::lcp::Asked;
 use super::problem::ContactProblem;
-use super::solution::{ContactSolution, Outcome, Progress};
-use super::start::{Reference, Start};
+use super::scale::largest;
+use super::solution::{ContactSolution, Outcome, Progress, Start};
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
 
@@ -25,33 +24,12 @@ impl ContactProblem {
         form: Option<Form>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
-        self.solve_beginning(load, held_value, form, None, watch)
+        self.solve_from(load, held_value, form, None, watch)
     }
 
     /// As [`ContactProblem::solve`], beginning with the contact set, and for an active set with the displacement and the
-    /// reactions, of an answer.
+    /// reactions, of an answer if there is one.
     pub(super) fn solve_from(
-        &self,
-        load: &[f64],
-        held_value: &[f64],
-        start: &Start<'_>,
-        watch: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<ContactSolution, FactorError> {
-        self.solve_beginning(load, held_value, None, Some(start), watch)
-    }
-
-    /// As [`ContactProblem::solve`], beginning with the solution of another load.
-    pub fn solve_near(
-        &self,
-        reference: &Reference,
-        load: &[f64],
-        held_value: &[f64],
-        watch: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<ContactSolution, FactorError> {
-        self.solve_from(load, held_value, &reference.start(), watch)
-    }
-
-    fn solve_beginning(
         &self,
         load: &[f64],
         held_value: &[f64],
@@ -65,12 +43,13 @@ impl ContactProblem {
         let with = &self.base;
         let form = form.unwrap_or(with.condensed.better_form());
         let mut solution = self.at_rest(held_value);
-        let mut first = start.map(|start| start.closed);
+        let mut first = start.map(|start| &start.solution.closed[..]);
         let mut step = self.residual(load, &solution);
-        let mut reduced = self.reduced(with, &step, form)?;
-        let travel = reduced.interface.displacement.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let work = self.work(load);
+        let mut reduced = self.reduced(with, &step.imbalance, &step.remaining, form)?;
+        let travel = largest(&reduced.interface.displacement);
         for _ in 0..STATES {
-            let closed = match self.contact_set(&reduced, &mut solution, form, first.take(), watch)? {
+            let closed = match self.contact_set(&reduced, &work, &mut solution, form, first.take(), watch)? {
                 Ok(closed) => closed,
                 Err(outcome) => return Ok(solution.failed(outcome)),
             };
@@ -82,7 +61,7 @@ impl ContactProblem {
                 };
                 if self.release_open(&mut solution) {
                     step = self.residual(load, &solution);
-                    reduced = self.reduced(with, &step, form)?;
+                    reduced = self.reduced(with, &step.imbalance, &step.remaining, form)?;
                 }
                 let with = &self.base;
                 let mut interface = Interface { problem: self, with, state: &state, reduced: Some(reduced) };
@@ -95,7 +74,7 @@ impl ContactProblem {
             if settled || self.signs_hold(load, tolerances::RESIDUAL * travel, &solution) {
                 return Ok(solution.solved());
             }
-            reduced = self.reduced(with, &step, form)?;
+            reduced = self.reduced(with, &step.imbalance, &step.remaining, form)?;
         }
         Ok(solution.failed(Outcome::Unsolved))
     }
@@ -104,8 +83,9 @@ impl ContactProblem {
     pub fn lcp(&self, load: &[f64], held_value: &[f64], form: Option<Form>) -> Result<PosedLcp, FactorError> {
         let rest = self.at_rest(held_value);
         let form = form.unwrap_or(self.base.condensed.better_form());
-        let reduced = self.reduced(&self.base, &self.residual(load, &rest), form)?;
-        Ok(self.base.condensed.lcp(form, &reduced.interface, &rest.reaction)?)
+        let step = self.residual(load, &rest);
+        let reduced = self.reduced(&self.base, &step.imbalance, &step.remaining, form)?;
+        Ok(self.base.condensed.lcp(form, &reduced.interface, &self.work(load), &rest.reaction)?)
     }
 
     /// Poses the LCP from where the solution stands and solves it, beginning with a contact set if there is one; the set
@@ -113,6 +93,7 @@ impl ContactProblem {
     fn contact_set(
         &self,
         reduced: &Reduced,
+        work: &Work,
         solution: &mut ContactSolution,
         form: Form,
         first: Option<&[bool]>,
@@ -122,18 +103,15 @@ impl ContactProblem {
             return Ok(Ok(self.constraints.two_sided.clone()));
         }
         let condensed = &self.base.condensed;
-        let posed = condensed.lcp(form, &reduced.interface, &solution.reaction)?;
-        let PosedLcp { matrix, q, point: points, gap_is_z } = &posed;
+        let posed = condensed.lcp(form, &reduced.interface, work, &solution.reaction)?;
         let basis = first.map(|closed| condensed.basis(&posed, closed));
-        let asked = Asked { matrix, q, points, gap_is_z, basis: basis.as_deref() };
-        let found = self.solve_lcp(&asked, &mut solution.pivots, watch)?;
+        let found = self.solve_lcp(&posed, basis.as_deref(), &mut solution.pivots, watch)?;
         Ok(found.map(|basis| condensed.closed_points(&posed, &basis)))
     }
 
     /// Whether no reaction pulls and no gap is negative, points in the problem's order; lengths up to `nil` are none.
     pub(super) fn signs_hold(&self, load: &[f64], nil: f64, solution: &ContactSolution) -> bool {
         let c = &self.constraints;
-        let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         // Without a load, reactions are what the plate's stiffness makes of gaps.
         let load = match self.scale.largest(load) {
             0.0 => largest(&c.regularization) * largest(&c.distance),

@@ -112,7 +112,7 @@ fn follow(
     let mut from = 0.0;
     let mut tied = Vec::new();
     loop {
-        let leaving = match choose(&mut tableau, &problem, entering, &mut tied) {
+        let leaving = match choose(&mut tableau, entering, &mut tied) {
             Ok(leaving) => leaving,
             Err(Stuck::Singular) => return Ok(ParametricEnd::Stopped),
             Err(Stuck::OutOfMemory) => return Err(OutOfMemory),
@@ -134,7 +134,7 @@ fn follow(
         if path.pivots == limit {
             return Ok(ParametricEnd::Stopped);
         }
-        let left = tableau.exchange(leaving, entering);
+        let left = tableau.exchange(leaving, entering)?;
         path.pivots += 1;
         if path.pivots % WATCHED == 0 && !watch(path.pivots) {
             return Ok(ParametricEnd::Interrupted);

@@ -4,7 +4,6 @@
 //! falls at every pivot and no basis returns. The coefficients of ε, ε², … in the basic variables are the columns of
 //! the initial basis: minus the tableau's column where slack j is nonbasic, a unit vector where it is basic.
 use super::kernels::{LANES, largest_size, vectorized};
-use super::scaling::CoveredLcp;
 use super::tableau::Tableau;
 use super::tolerances;
 use crate::dense::OutOfMemory;
@@ -66,12 +65,7 @@ impl From<OutOfMemory> for Stuck {
 
 /// Chooses the variable that enters and the row that leaves; None if nothing stops it. A pivot that is small, or the end
 /// of a path, is believed only of a tableau computed lately.
-pub(super) fn choose(
-    tableau: &mut Tableau,
-    problem: &CoveredLcp,
-    entering: usize,
-    tied: &mut Vec<usize>,
-) -> Result<Option<usize>, Stuck> {
+pub(super) fn choose(tableau: &mut Tableau, entering: usize, tied: &mut Vec<usize>) -> Result<Option<usize>, Stuck> {
     loop {
         tableau.choose(entering);
         let leaving = leaving_row(tableau, tied);
@@ -83,12 +77,13 @@ pub(super) fn choose(
         if tableau.age < trusted_age {
             return Ok(leaving.map(|leaving| leaving.row));
         }
-        *tableau = tableau.recomputed(problem)?.ok_or(Stuck::Singular)?;
+        *tableau = tableau.recomputed()?.ok_or(Stuck::Singular)?;
     }
 }
 
 fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usize> {
     let column = &tableau.column;
+    let mut of_slack = Vec::new();
     for slack in 0..tableau.artificial() / 2 {
         if tied.len() == 1 {
             break;
@@ -96,7 +91,9 @@ fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usi
         match tableau.row_of(slack) {
             Some(basic) => tied.retain(|&i| i != basic),
             None => {
-                let ratios: Vec<f64> = tied.iter().map(|&i| tableau.entry(i, slack) / column[i]).collect();
+                of_slack.resize(column.len(), 0.0);
+                tableau.form_column(slack, &mut of_slack);
+                let ratios: Vec<f64> = tied.iter().map(|&i| of_slack[i] / column[i]).collect();
                 let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
                 let bound = least + tolerances::TIE * least.abs().max(1.0);
                 let mut ratio = ratios.iter();

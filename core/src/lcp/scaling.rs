@@ -34,18 +34,17 @@ impl CoveredLcp<'_> {
         })
     }
 
-    /// Row i of M′.
-    pub(super) fn copy_row(&self, i: usize, target: &mut [f64]) {
-        let row = &self.matrix[i * self.order()..(i + 1) * self.order()];
-        let unit = self.units[i];
-        vectorized(
-            #[inline(always)]
-            || {
-                for ((t, a), u) in target.iter_mut().zip(row).zip(self.units.iter()) {
-                    *t = a * unit * u;
-                }
-            },
-        );
+    /// Column j of M′, or behind its last one the covering vector.
+    pub(super) fn copy_column(&self, j: usize, target: &mut [f64]) {
+        let order = self.order();
+        if j == order {
+            target[..order].copy_from_slice(&self.covering);
+            return;
+        }
+        let column = self.matrix[j..].iter().step_by(order);
+        for ((target, entry), unit) in target.iter_mut().zip(column).zip(self.units.iter()) {
+            *target = entry * unit * self.units[j];
+        }
     }
 }
 

@@ -1,33 +1,48 @@
 //! The condensed tableau of Lemke's algorithm: nonbasic columns only, m × (m + 1) and the values.
 //!
-//! It is kept as the dictionary `basic = value + T · nonbasic`. An exchange of basic variable r and nonbasic variable s
-//! zeroes row r and column s of T and then subtracts one rank-one term. The terms are collected, T = base − U V, and
-//! subtracted from the base BLOCK at a time as one matrix product, so that the base is read and written once a block
-//! instead of once a pivot; in between, only the columns and rows that a pivot asks for are formed.
+//! It is the dictionary `basic = value + T · nonbasic`. An exchange of basic variable r and nonbasic variable s zeroes row r
+//! and column s of T and then subtracts one rank-one term. The terms are collected, T = base − U V, and subtracted from the
+//! base a block at a time as one matrix product. In between only the columns that a pivot asks for are formed, V included:
+//! a term's own row is what the terms before it have left of the base's, so that V is L⁻¹ times rows of the base, with L,
+//! unit lower triangular, of the entries of U in the rows exchanged.
 use faer::linalg::matmul::matmul;
-use faer::{Accum, MatMut, MatRef};
+use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
+use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-use super::kernels::{LANES, subtract_multiples};
+use super::kernels::{LANES, subtract_multiples, vectorized};
 use super::scaling::CoveredLcp;
 use super::tolerances;
-use crate::dense::{Lu, OutOfMemory, PARALLEL_ORDER, matrix, parallelism, room, row_major, zeros};
+use crate::dense::{Lu, OutOfMemory, PARALLEL_ORDER, matrix, parallelism, room, zeros};
 
-/// Rank-one terms that are collected before the base is touched.
-const BLOCK: usize = 32;
+/// Rank-one terms that are collected before the base is touched: at least and at most so many, and between them an eighth of
+/// the order. With fewer the product is bound by reading the base, with more forming columns takes as long as the product.
+const LEAST: usize = 40;
+const MOST: usize = 128;
+
+/// Columns of the base that a thread takes at a time.
+const TOGETHER: usize = 128;
+
+/// One exchange since the base was last touched.
+struct Term {
+    row: usize,
+    column: usize,
+}
 
 /// Variables are numbered: slack i is i, its complement is m + i, the artificial variable is 2m.
-pub(super) struct Tableau {
+pub(super) struct Tableau<'a> {
+    problem: &'a CoveredLcp<'a>,
     order: usize,
-    /// Columns of the base, and the distance from one row to the next, to which all its vectors are padded.
-    columns: usize,
+    /// Length to which all columns are padded.
     stride: usize,
+    block: usize,
+    /// By columns; empty while it is what the problem has, M and the covering vector.
     base: Vec<f64>,
-    /// U by columns and V by rows, one term after the other.
+    terms: Vec<Term>,
+    /// U by columns, each zero in the rows of later terms.
     left: Vec<f64>,
-    right: Vec<f64>,
-    /// Columns of the base that count as zero until the pending terms are subtracted, one a term.
-    cleared: Vec<usize>,
+    /// L by columns.
+    lower: Vec<f64>,
     pub(super) values: Vec<f64>,
     /// T's column of the variable that enters next.
     pub(super) column: Vec<f64>,
@@ -39,23 +54,13 @@ pub(super) struct Tableau {
     pub(super) age: usize,
 }
 
-impl Tableau {
+impl<'a> Tableau<'a> {
     /// The tableau whose basis is the slacks: w = q + Mz + d z₀. The artificial variable enters next.
-    pub(super) fn new(problem: &CoveredLcp) -> Result<Self, OutOfMemory> {
+    pub(super) fn new(problem: &'a CoveredLcp) -> Result<Self, OutOfMemory> {
         let order = problem.order();
-        let columns = order + 1;
-        // An odd number of cache lines, so that a column's entries do not fall into a few cache sets.
-        let stride = (columns.div_ceil(LANES) | 1) * LANES;
-        let mut base = zeros(order.checked_mul(stride).ok_or(OutOfMemory)?)?;
-        let fill = |(i, row): (usize, &mut [f64])| {
-            problem.copy_row(i, &mut row[..order]);
-            row[order] = problem.covering[i];
-        };
-        if order < PARALLEL_ORDER {
-            base.chunks_exact_mut(stride).enumerate().for_each(fill);
-        } else {
-            base.par_chunks_exact_mut(stride).enumerate().for_each(fill);
-        }
+        // An odd number of cache lines, so that a row's entries do not fall into a few cache sets.
+        let stride = (order.div_ceil(LANES) | 1) * LANES;
+        let block = (order / 8).clamp(LEAST, MOST);
         let padded = |entries: &[f64]| {
             let mut vector = Vec::with_capacity(stride);
             vector.extend_from_slice(entries);
@@ -63,13 +68,14 @@ impl Tableau {
             vector
         };
         Ok(Self {
+            problem,
             order,
-            columns,
             stride,
-            base,
-            left: room(BLOCK * stride)?,
-            right: room(BLOCK * stride)?,
-            cleared: Vec::with_capacity(BLOCK),
+            block,
+            base: Vec::new(),
+            terms: Vec::with_capacity(block),
+            left: room(block * stride)?,
+            lower: vec![0.0; block * block],
             values: padded(&problem.q),
             column: padded(&problem.covering),
             row_variable: (0..order).collect(),
@@ -79,12 +85,12 @@ impl Tableau {
         })
     }
 
-    /// The tableau of `problem` at the basis of `self`, computed by a fresh factorization; None if that is singular.
-    pub(super) fn recomputed(&self, problem: &CoveredLcp) -> Result<Option<Self>, OutOfMemory> {
+    /// The tableau at the same basis, computed by a fresh factorization; None if that is singular.
+    pub(super) fn recomputed(&self) -> Result<Option<Self>, OutOfMemory> {
         let order = self.order;
         let leaving: Vec<usize> = (0..order).filter(|&i| !self.is_basic(i)).collect();
         let entering: Vec<usize> = (order..=2 * order).filter(|&v| self.is_basic(v)).map(|v| v - order).collect();
-        let mut fresh = Self::new(problem)?;
+        let mut fresh = Self::new(self.problem)?;
         Ok(fresh.exchange_block(&leaving, &entering)?.then_some(fresh))
     }
 
@@ -110,63 +116,68 @@ impl Tableau {
         self.place[variable] - self.order
     }
 
-    /// T's entry in row i and the column of a nonbasic variable.
-    pub(super) fn entry(&self, i: usize, nonbasic: usize) -> f64 {
+    /// Entry of the base.
+    fn base_entry(&self, i: usize, j: usize) -> f64 {
+        self.base[j * self.stride + i]
+    }
+
+    /// Forms T's column of a nonbasic variable.
+    pub(super) fn form_column(&self, nonbasic: usize, column: &mut [f64]) {
         let j = self.column_of(nonbasic);
-        let terms = (0..self.cleared.len()).map(|k| self.left[k * self.stride + i] * self.right[k * self.stride + j]);
-        let base = if self.cleared.contains(&j) { 0.0 } else { self.base[i * self.stride + j] };
-        base - terms.sum::<f64>()
+        match self.base.get(j * self.stride..(j + 1) * self.stride) {
+            Some(base) => column.copy_from_slice(base),
+            None => self.problem.copy_column(j, column),
+        }
+        let mut factors = [0.0; MOST];
+        let count = self.terms.len();
+        for (factor, term) in factors.iter_mut().zip(&self.terms) {
+            *factor = std::mem::take(&mut column[term.row]);
+        }
+        if let Some(last) = self.terms.iter().rposition(|term| term.column == j) {
+            column.fill(0.0);
+            factors[..count].fill(0.0);
+            factors[last] = -1.0;
+        }
+        vectorized(
+            #[inline(always)]
+            || {
+                for (k, lower) in self.lower.chunks_exact(self.block).take(count).enumerate() {
+                    let (known, rest) = factors[..count].split_at_mut(k + 1);
+                    rest.iter_mut().zip(&lower[k + 1..]).for_each(|(rest, l)| *rest -= l * known[k]);
+                }
+            },
+        );
+        subtract_multiples(column, &factors, &self.left);
     }
 
     /// Chooses the nonbasic variable that enters next.
     pub(super) fn choose(&mut self, entering: usize) {
-        let j = self.column_of(entering);
-        if self.cleared.contains(&j) {
-            self.column.fill(0.0);
-        } else {
-            for (x, row) in self.column.iter_mut().zip(self.base.chunks_exact(self.stride)) {
-                *x = row[j];
-            }
-        }
-        let mut factors = [0.0; BLOCK];
-        for (factor, row) in factors.iter_mut().zip(self.right.chunks_exact(self.stride)) {
-            *factor = row[j];
-        }
-        subtract_multiples(&mut self.column, &factors, &self.left);
+        let mut column = std::mem::take(&mut self.column);
+        self.form_column(entering, &mut column);
+        self.column = column;
     }
 
     /// Makes `entering`, the variable of `column`, basic in row `r`, and returns the variable that leaves.
-    pub(super) fn exchange(&mut self, r: usize, entering: usize) -> usize {
-        if self.cleared.len() == BLOCK {
-            self.flush();
+    pub(super) fn exchange(&mut self, r: usize, entering: usize) -> Result<usize, OutOfMemory> {
+        if self.terms.len() == self.block {
+            self.flush()?;
         }
-        let s = self.column_of(entering);
-        let (stride, reciprocal) = (self.stride, self.column[r].recip());
+        let (s, k, reciprocal) = (self.column_of(entering), self.terms.len(), self.column[r].recip());
         // Row r, the terms' own row r and column s are zero from now on; the new term restores them.
-        let mut factors = [0.0; BLOCK];
-        for (factor, column) in factors.iter_mut().zip(self.left.chunks_exact_mut(stride)) {
-            *factor = std::mem::take(&mut column[r]);
+        for (l, column) in self.left.chunks_exact_mut(self.stride).enumerate() {
+            self.lower[l * self.block + k] = std::mem::take(&mut column[r]);
         }
-        let base_row = &mut self.base[r * stride..(r + 1) * stride];
-        let from = self.right.len();
-        self.right.extend_from_slice(base_row);
-        base_row.fill(0.0);
-        let (used, row) = self.right.split_at_mut(from);
-        self.cleared.iter().for_each(|&j| row[j] = 0.0);
-        subtract_multiples(row, &factors, used);
-        used.chunks_exact_mut(stride).for_each(|used| used[s] = 0.0);
-        row.iter_mut().for_each(|x| *x *= reciprocal);
-        row[s] = -reciprocal;
-        self.cleared.push(s);
+        self.terms.push(Term { row: r, column: s });
 
         let step = -self.values[r] * reciprocal;
         subtract_multiples(&mut self.values, &[-step], &self.column);
         self.values[r] = step;
         self.column[r] = 1.0;
         self.left.extend_from_slice(&self.column);
+        self.left[k * self.stride..].iter_mut().for_each(|a| *a *= reciprocal);
         self.swap_variables(r, s);
         self.age += 1;
-        self.column_variable[s]
+        Ok(self.column_variable[s])
     }
 
     /// The direction of all variables but the artificial one as `entering`, the variable of `column`, grows.
@@ -182,36 +193,78 @@ impl Tableau {
     }
 
     /// base ← base − U V.
-    fn flush(&mut self) {
-        let (order, columns, stride) = (self.order, self.columns, self.stride);
-        for row in self.base.chunks_exact_mut(stride) {
-            self.cleared.iter().for_each(|&j| row[j] = 0.0);
+    fn flush(&mut self) -> Result<(), OutOfMemory> {
+        let (order, stride, count) = (self.order, self.stride, self.terms.len());
+        self.fill_base()?;
+        let mut right = zeros(count * (order + 1))?;
+        for (column, rows) in self.base.chunks_exact_mut(stride).zip(right.chunks_exact_mut(count)) {
+            rows.iter_mut().zip(&self.terms).for_each(|(entry, term)| *entry = std::mem::take(&mut column[term.row]));
         }
-        matmul(
-            row_major_mut(&mut self.base, order, columns, stride),
-            Accum::Add,
-            MatRef::from_column_major_slice_with_stride(&self.left, order, self.cleared.len(), stride),
-            MatRef::from_row_major_slice_with_stride(&self.right, self.cleared.len(), columns, stride),
-            -1.0,
-            parallelism(order),
-        );
-        self.cleared.clear();
+        for (k, &Term { column: j, .. }) in self.terms.iter().enumerate() {
+            self.base[j * stride..][..stride].fill(0.0);
+            right[j * count..][..count].fill(0.0);
+            right[j * count + k] = -1.0;
+        }
+        let lower = MatRef::from_column_major_slice_with_stride(&self.lower, count, count, self.block);
+        let left = MatRef::from_column_major_slice_with_stride(&self.left, order, count, stride);
+        let update = |(base, right): (&mut [f64], &mut [f64])| {
+            let columns = base.len() / stride;
+            let base = MatMut::from_column_major_slice_with_stride_mut(base, order, columns, stride);
+            let mut right = MatMut::from_column_major_slice_mut(right, count, columns);
+            solve_unit_lower_triangular_in_place(lower, right.as_mut(), Par::Seq);
+            matmul(base, Accum::Add, left, right, -1.0, Par::Seq);
+        };
+        if order < PARALLEL_ORDER {
+            update((&mut self.base, &mut right));
+        } else {
+            self.base.par_chunks_mut(TOGETHER * stride).zip(right.par_chunks_mut(TOGETHER * count)).for_each(update);
+        }
+        self.terms.clear();
         self.left.clear();
-        self.right.clear();
+        Ok(())
+    }
+
+    /// Makes the base what the problem has, unless it is more already.
+    fn fill_base(&mut self) -> Result<(), OutOfMemory> {
+        let (problem, order, stride) = (self.problem, self.order, self.stride);
+        if !self.base.is_empty() {
+            return Ok(());
+        }
+        self.base = zeros((order + 1).checked_mul(stride).ok_or(OutOfMemory)?)?;
+        // As many columns at a time as a cache line of M has entries.
+        let fill = |(block, columns): (usize, &mut [f64])| {
+            let first = block * LANES;
+            for (i, row) in problem.matrix.chunks_exact(order).enumerate() {
+                let entries = row[first..].iter().zip(&problem.units[first..]);
+                for (column, (entry, unit)) in columns.chunks_exact_mut(stride).zip(entries) {
+                    column[i] = entry * problem.units[i] * unit;
+                }
+            }
+            if let Some(column) = columns.chunks_exact_mut(stride).nth(order - first) {
+                column[..order].copy_from_slice(&problem.covering);
+            }
+        };
+        if order < PARALLEL_ORDER {
+            self.base.chunks_mut(LANES * stride).enumerate().for_each(fill);
+        } else {
+            self.base.par_chunks_mut(LANES * stride).enumerate().for_each(fill);
+        }
+        Ok(())
     }
 
     /// Makes column variables `entering` basic in rows `leaving`, pairwise and all at once, by one LU factorization.
     /// False, with the tableau spoilt, if their block of T is singular. Meant for a tableau with no exchange pending.
     pub(super) fn exchange_block(&mut self, leaving: &[usize], entering: &[usize]) -> Result<bool, OutOfMemory> {
-        let (order, columns, stride) = (self.order, self.columns, self.stride);
+        let (order, columns, stride) = (self.order, self.order + 1, self.stride);
         let count = leaving.len();
+        self.fill_base()?;
         if count == 0 {
             return Ok(true);
         }
-        let block = matrix(count, count, |i, j| self.base[leaving[i] * stride + entering[j]])?;
+        let block = matrix(count, count, |i, j| self.base_entry(leaving[i], entering[j]))?;
         // The new rows: block⁻¹ [I on the entering columns, −T on the others | −values].
         let mut rows = matrix(count, columns + 1, |i, j| {
-            -if j == columns { self.values[leaving[i]] } else { self.base[leaving[i] * stride + j] }
+            -if j == columns { self.values[leaving[i]] } else { self.base_entry(leaving[i], j) }
         })?;
         for (k, &s) in entering.iter().enumerate() {
             rows.col_mut(s).fill(0.0);
@@ -226,12 +279,10 @@ impl Tableau {
             return Ok(false);
         }
 
-        let multipliers = matrix(order, count, |i, k| self.base[i * stride + entering[k]])?;
-        for base_row in self.base.chunks_exact_mut(stride) {
-            entering.iter().for_each(|&s| base_row[s] = 0.0);
-        }
+        let multipliers = matrix(order, count, |i, k| self.base_entry(i, entering[k]))?;
+        entering.iter().for_each(|&s| self.base[s * stride..][..stride].fill(0.0));
         matmul(
-            row_major_mut(&mut self.base, order, columns, stride),
+            MatMut::from_column_major_slice_with_stride_mut(&mut self.base, order, columns, stride),
             Accum::Add,
             &multipliers,
             rows.get(.., ..columns),
@@ -243,7 +294,7 @@ impl Tableau {
         }
         for (k, (&r, &s)) in leaving.iter().zip(entering).enumerate() {
             for j in 0..columns {
-                self.base[r * stride + j] = rows[(k, j)];
+                self.base[j * stride + r] = rows[(k, j)];
             }
             self.values[r] = rows[(k, columns)];
             self.swap_variables(r, s);
@@ -256,13 +307,20 @@ impl Tableau {
         (0..self.order).map(|slack| !self.is_basic(slack)).collect()
     }
 
-    /// T without the artificial variable's column, row-major, that column, and the values; meant for a tableau with no
-    /// exchange pending.
+    /// T without the artificial variable's column, row-major, that column, and the values; meant for a tableau right after
+    /// [`Self::exchange_block`].
     pub(super) fn into_parts(mut self) -> Result<Parts, OutOfMemory> {
-        self.values.truncate(self.order);
-        let entry = |i: usize, j: usize| self.base[i * self.stride + j];
-        let matrix = row_major(self.order, self.order, entry)?;
-        let covering = (0..self.order).map(|i| entry(i, self.order)).collect();
+        let (order, stride) = (self.order, self.stride);
+        self.values.truncate(order);
+        let mut matrix = zeros(order * order)?;
+        for (block, rows) in matrix.chunks_mut((LANES * order).max(1)).enumerate() {
+            for (j, column) in self.base.chunks_exact(stride).take(order).enumerate() {
+                for (row, entry) in rows.chunks_exact_mut(order).zip(&column[block * LANES..]) {
+                    row[j] = *entry;
+                }
+            }
+        }
+        let covering = self.base[order * stride..][..order].to_vec();
         Ok(Parts { matrix, covering, q: self.values })
     }
 
@@ -278,9 +336,4 @@ pub(super) struct Parts {
     pub(super) matrix: Vec<f64>,
     pub(super) covering: Vec<f64>,
     pub(super) q: Vec<f64>,
-}
-
-/// faer 0.24.4's own `from_row_major_slice_with_stride_mut` takes its stride for that of the columns.
-fn row_major_mut(entries: &mut [f64], rows: usize, columns: usize, stride: usize) -> MatMut<'_, f64> {
-    MatMut::from_column_major_slice_with_stride_mut(entries, columns, rows, stride).transpose_mut()
 }

@@ -22,6 +22,7 @@ from signorini.mesh.quality import Quality
 from signorini.model import Combination, Model
 from signorini.results.marks import load_marks, support_marks
 from signorini.results.warnings import model_warnings, no_resultant
+from signorini.singularities.named import Singularity, singularities
 
 _NO_FORCE = 1e-12
 _FORMATS = (".png", ".svg", ".pdf")
@@ -85,6 +86,16 @@ class Check:
         """How well the elements are shaped, in words."""
         found = Quality.of(self.discretisation.mesh)
         return f"smallest angle {found.angle:.3g}°, {100 * found.quadrilaterals:.4g} % of the area in quadrilaterals"
+
+    @property
+    def singular(self) -> tuple[Singularity, ...]:
+        """Where numbers have no limit as the mesh is refined, under the load cases that some combination takes."""
+        model = self.discretisation.model
+        combinations = model.effective_combinations
+        acting = combinations.cases
+        if not model.tabulated:
+            acting = {case for one in combinations for case, factor in (one.factors or {}).items() if factor != 0.0}
+        return singularities(self.discretisation, acting)
 
     @property
     def balanced(self) -> bool:

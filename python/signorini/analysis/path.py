@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
+from functools import partial
 
 import numpy as np
 
 from signorini import _core
 from signorini.analysis.path_check import confirmed
+from signorini.analysis.twins import Twins
+from signorini.analysis.twins.paths import PathTwins
 from signorini.base import arguments
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.answer import Answer
@@ -95,6 +98,15 @@ def path(
         raise InputError(f'the load "{add}" is zero; it must be one that grows. Name another.', place="add")
     watcher(Progress(stage="factor"))
     problem = contact_problem(found)
+    traced = _followed(problem, watcher, start, add, until)
+    following = partial(_followed, start=start, add=add, until=until)
+    return replace(traced, estimator=PathTwins(Twins(found.model, found.mesh, watcher), following))
+
+
+def _followed(problem: ContactProblem, watcher: Watcher, start: str | None, add: str, until: float | None) -> LoadPath:
+    """Follow the path of a problem."""
+    found = problem.discretisation
+    loads = _load(found, start, "start"), _load(found, add, "add")
     message = explain(found, imbalance(found, problem.freedom, loads[0].weighing))
     if message:
         raise NoEquilibriumError(f"{start or 'without load'}: {message}")

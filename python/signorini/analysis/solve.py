@@ -7,23 +7,27 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path as FilePath
 
 from signorini.analysis.batch import mean_load, solve_several
 from signorini.analysis.combinations import Combined, Sink, combine
-from signorini.base.arguments import known, made_by, watching
+from signorini.analysis.single import solve_one, timed
+from signorini.analysis.twins import Twins
+from signorini.analysis.twins.columns import column_widths
+from signorini.analysis.twins.compared import Meshes
+from signorini.base.arguments import known, watching
 from signorini.base.on_demand import OnDemand
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import ContactProblem, contact_problem
-from signorini.contact.refusal import refusal, uncertain
-from signorini.contact.strategy import answered
 from signorini.discretise import discretise
-from signorini.equilibrium.limits import CONTRADICTION, imbalance_of, nearest_limit
-from signorini.equilibrium.words import explain
-from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, UnknownNameError
+from signorini.discretise.rows import Floats
+from signorini.equilibrium.limits import nearest_limit
+from signorini.errors import InputError, NoEquilibriumError, UnknownNameError
+from signorini.mesh import Mesh
 from signorini.model import Combination, Model
 from signorini.results.columns import Column, together
 from signorini.results.envelope import Envelope
-from signorini.results.result import Result, unsolved_result
+from signorini.results.result import Result
 from signorini.results.states import States
 
 _KEPT = 12
@@ -43,6 +47,8 @@ class Results(States[str], Mapping[str, Result]):
         Results that are there already: of every combination or, where these are rows of a table, of those that
         ``output.fields`` asks for.
     seconds : mapping of float
+    twins : Twins
+        The plate on other meshes, for half-widths.
 
     Examples
     --------
@@ -64,6 +70,7 @@ class Results(States[str], Mapping[str, Result]):
     problem: ContactProblem
     full: Mapping[str, Result]
     seconds: Mapping[str, float]
+    twins: Twins
     _combined: Combined | None = None
 
     def __getitem__(self, name: str) -> Result:
@@ -88,7 +95,11 @@ class Results(States[str], Mapping[str, Result]):
 
     @cached_property
     def _others(self) -> Mapping[str, Result]:
-        return OnDemand(self._numbers, lambda name: solve_one(self.problem, self._combination(name)), _KEPT)
+        return OnDemand(self._numbers, self._solved, _KEPT)
+
+    def _solved(self, name: str) -> Result:
+        combination = self._combination(name)
+        return self.twins.follow(solve_one(self.problem, combination), combination)
 
     def _combination(self, name: str) -> Combination:
         return self.model.effective_combinations[self._numbers[name]]
@@ -135,6 +146,51 @@ class Results(States[str], Mapping[str, Result]):
         """
         found, freedom = self.discretisation, self.problem.freedom
         return OnDemand(self._numbers, lambda name: nearest_limit(found, freedom, self._combination(name)))
+
+    def compare(self, table: str | os.PathLike[str] | None = None) -> None:
+        """Solve the plate on other meshes for all results that are there, if the model asks for it (``mesh.error``).
+
+        The table, as `signorini.solve` has written it, gains the half-widths of its columns.
+        """
+        for result in self.full.values():
+            _ = result.asked_estimate
+        if self.model.estimated and self.model.tabulated:
+            self.__dict__["others"] = self._on_other_meshes(table)
+
+    @cached_property
+    def others(self) -> tuple[tuple[Combined, Mesh], ...]:
+        """What is known of all combinations together on other meshes, and these; none where none are asked for."""
+        return self._on_other_meshes(None) if self.model.estimated else ()
+
+    def _on_other_meshes(self, table: str | os.PathLike[str] | None) -> tuple[tuple[Combined, Mesh], ...]:
+        files: list[FilePath] = []
+
+        def solved(problem: ContactProblem, watcher: Watcher) -> tuple[Combined, Mesh]:
+            file = None if table is None else FilePath(f"{table}-{len(problem.mesh.elements)}")
+            found = _solve_table(problem, watcher, file), problem.mesh
+            files.extend([] if file is None else [file])
+            return found
+
+        try:
+            found, _ = self.twins.others(solved, several=True)
+            if table is not None and found:
+                self._widen(FilePath(table), files, [mesh for _, mesh in found])
+        finally:
+            for file in files:
+                file.unlink()
+        return tuple(found)
+
+    def _widen(self, table: FilePath, files: Sequence[FilePath], others: Sequence[Mesh]) -> None:
+        # Only this function needs pyarrow.
+        from signorini.formats.parquet import widen
+
+        meshes = Meshes.of(self.discretisation.mesh, others)
+        order = [[self.discretisation.mesh, *others].index(mesh) for mesh in meshes.every]
+
+        def more(blocks: Sequence[Mapping[str, Floats]]) -> Mapping[str, Floats]:
+            return dict(column_widths([blocks[place] for place in order], meshes, self.model))
+
+        widen(table, files, more)
 
     @property
     def unbalanced(self) -> Mapping[str, str]:
@@ -203,6 +259,7 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
     found = discretise(model)
     watcher(Progress(stage="factor"))
     problem = contact_problem(found)
+    twins = Twins(found.model, found.mesh, watcher)
     results: dict[str, Result] = {}
     combined = None
     contact = recover = 0.0
@@ -212,8 +269,8 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
         contact -= sum(problem.seconds.values())
     for combination in _with_all_results(model, combined):
         watcher(Progress(combination.name))
-        result, spent = _solve_one(problem, combination, watcher)
-        results[combination.name] = result
+        result, spent = timed(problem, combination, watcher)
+        results[combination.name] = twins.follow(result, combination)
         contact += spent
         recover += result.seconds
     if combined is None and all(result.status == "no_equilibrium" for result in results.values()):
@@ -221,7 +278,7 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
     part = problem.seconds
     seconds = {
         "mesh": found.seconds["mesh"],
-        "assemble": found.seconds["assemble"] + part["assemble"],
+        "assemble": found.seconds["assemble"],
         "order": part["order"],
         "factor": part["factor"],
         "contact": part["condense"] + contact,
@@ -229,32 +286,7 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
         "total": time.perf_counter() - begun,
     }
     # Without a table no more is to be solved, and whoever keeps many results does not keep as many factors.
-    return Results(problem if combined is not None else problem.without_factor(), results, seconds, combined)
-
-
-def solve_one(problem: ContactProblem, combination: Combination, progress: Watcher | None = None) -> Result:
-    """Solve one combination by itself.
-
-    Raises
-    ------
-    NotCertifiedError
-        If the answer fails its certificate; it is refused.
-
-    Examples
-    --------
-    >>> from signorini import Model, contact_problem
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-    ...     support=[{"name": "bearings", "at": [[1, 1], [9, 1], [1, 9], [9, 9]], "resists": "down"}],
-    ...     load=[{"case": "G", "pressure": 2e3}],
-    ... )
-    >>> (combination,) = model.effective_combinations
-    >>> round(solve_one(contact_problem(model), combination).reactions["bearings"], 3)
-    200000.0
-    """
-    made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
-    return _solve_one(problem, combination, watching(progress, "progress"))[0]
+    return Results(problem if combined is not None else problem.without_factor(), results, seconds, twins, combined)
 
 
 def _combined(problem: ContactProblem, watcher: Watcher, sink: Sink | None) -> Combined:
@@ -308,30 +340,3 @@ def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combi
         yield from (combinations[row] for row in sorted(combined.envelope.rows))
     elif asked != "none":
         yield from (combination for combination in combinations if combination.name in asked)
-
-
-def _solve_one(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:
-    """One combination, and the seconds its contact problem took."""
-    found = problem.discretisation
-    load = found.load(combination)
-
-    def steps(step: int, changing: int, residual: float) -> None:
-        watcher(Progress(combination.name, step, changing, residual))
-
-    begun = time.perf_counter()
-    message = explain(found, imbalance_of(found, problem.freedom, combination))
-    if message:
-        return unsolved_result(found, combination.name, message), time.perf_counter() - begun
-    tried = answered(problem, load, steps)
-    spent = time.perf_counter() - begun
-    if tried.contradiction:
-        # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
-        return unsolved_result(found, combination.name, CONTRADICTION), spent
-    if tried.certificate is None:
-        raise NotCertifiedError(
-            f'Combination "{combination.name}" has no answer that could be certified. {uncertain(found)}'
-        )
-    if not tried.passed:
-        why = refusal(combination.name, found, load, tried.answer, tried.certificate)
-        raise NotCertifiedError(f"Combination {why}")
-    return Result.of(found, combination.name, tried.methods, load, tried.answer, tried.certificate), spent

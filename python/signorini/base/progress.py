@@ -25,6 +25,8 @@ class Progress:
         first step.
     stage : {"mesh", "factor", "contact"}
         What begins: meshing, assembling and factoring, once each, and then the contact problem of every combination.
+    twin : str
+        The other mesh that is being solved, such as "twice its size", to see how far this one is from the plate.
 
     Examples
     --------
@@ -37,9 +39,14 @@ class Progress:
     changing: int = 0
     residual: float = 1.0
     stage: Literal["mesh", "factor", "contact"] = "contact"
+    twin: str = ""
 
     def __str__(self) -> str:
         """Say it in a line."""
+        return f"{self._said}, on a mesh of {self.twin}" if self.twin else self._said
+
+    @property
+    def _said(self) -> str:
         if self.stage != "contact":
             return {"mesh": "meshing", "factor": "assembling and factoring"}[self.stage]
         if self.step == 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -41,6 +42,35 @@ def number(value: float, largest: float = 0.0, digits: int = 6) -> str:
         return "0"
     # Forces in newtons pass six digits soon; an exponent would be harder to read than some more of them.
     return f"{value:.0f}" if 1e5 <= abs(value) < 1e10 else f"{value:.{digits}g}"
+
+
+def estimated(value: float, width: float | None, largest: float = 0.0, digits: int = 6) -> str:
+    """Write a number with its half-width, to the digits that this leaves; None: it has no limit.
+
+    Examples
+    --------
+    >>> estimated(714.8123, 0.37), estimated(0.00422472, 4.71e-6), estimated(200000.0, 1e-8, largest=2e5)
+    ('714.8 ± 0.4', '0.004225 ± 0.000005', '200000 ± 0')
+    >>> estimated(-1.93456e-7, 3.1e-9), estimated(12.3, None), estimated(5.0, 21.3), estimated(1e-9, 3e-8)
+    ('-1.93e-07 ± 4e-09', '12.3 ± ?', '5 ± 22', '0 ± 3e-08')
+    """
+    shown = number(value, largest, digits)
+    if width is None:
+        return f"{shown} ± ?"
+    if width <= 10 * ROUNDING * largest:
+        return f"{shown} ± 0"
+    size = math.floor(math.log10(width))
+    size -= width < 3 * 10**size
+    finest = math.floor(math.log10(abs(value))) - digits + 1 if shown != "0" else size
+    place = max(size, finest)
+    up = math.ceil(width / 10.0**place - 1e-9) * 10.0**place
+    if "e" in shown:
+        power = math.floor(math.log10(abs(value)))
+        return f"{value:.{max(0, power - place)}e} ± {up:.0e}"
+    rounded = round(value, -place) if shown != "0" else 0.0
+    if rounded == 0:
+        return f"0 ± {up:.2g}"
+    return f"{rounded + 0.0:.{max(0, -place)}f} ± {up:.{max(0, -place)}f}"
 
 
 def point(at: Sequence[float], size: float = 0.0) -> str:

@@ -107,6 +107,7 @@ def solve(
                 table = room / TABLE if model.tabulated else None
                 with interrupts.at_once(room):
                     results = signorini.solve(model, progress=show, table=table)
+                    results.compare(table)
                 show("writing the results")
                 write(results, directory, table)
         except SignoriniError:
@@ -185,6 +186,8 @@ def path(
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
         with room_for_path(directory) as room, transient_line() as show, interrupts.at_once(room):
             found = signorini.path(model, start, add, until, progress=show)
+            if model.estimated:
+                _ = found.estimate
         write_path(found, directory)
         print_path(streams.stdout(), found)
         streams.stdout().print(f"Written to {visible(directory)}{os.sep}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 from rich.text import Text
 
-from signorini.cli.cells import in_unit, number, size_of
+from signorini.cli.cells import estimated, in_unit, number, size_of
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.results.load_path import LoadPath
 
@@ -39,7 +39,7 @@ def print_path(console: Console, path: LoadPath) -> None:
             continue
         largest = size_of(stop.reactions)
         shown = [number(value, largest) for value in stop.reactions.tolist()[: len(names)]]
-        rows.add(f"{stop.t:.9g}", path.words(index), number(stop.utmost, farthest), *shown)
+        rows.add(_at(path, index), path.words(index), number(stop.utmost, farthest), *shown)
     rows.show(console)
     say(console, _ending(path))
     for begin, end, one in path.not_unique[:_MOST_STRETCHES]:
@@ -48,6 +48,20 @@ def print_path(console: Console, path: LoadPath) -> None:
         say(console, f"So on {len(path.not_unique) - _MOST_STRETCHES} more stretches, all in path.json.")
     say(console, "reactions positive up" if names else "reactions of the supports, positive up, are in path.csv")
     say(console, f"certificate, the worst of {len(path.stops)} stops: {path.certificate}")
+    counts = path.estimate.elements if path.model.estimated else ()
+    compared = f"± by {', '.join(map(str, counts[:-1]))} and {counts[-1]} elements" if counts else "not known, no ±"
+    say(console, f"of the equations; of the mesh: {compared}")
+    for sentence in path.estimate.warnings if path.model.estimated else ():
+        say(console, f"Warning: {sentence}", style="yellow")
+
+
+def _at(path: LoadPath, index: int) -> str:
+    """The t of a stop, within the widest that its events show."""
+    t, widths = path.stops[index].t, path.estimate.stops[index] if path.model.estimated else ()
+    told = [width for width in widths if width is not None]
+    if not widths or not path.estimate.elements:
+        return f"{t:.9g}"
+    return estimated(t, max(told) if len(told) == len(widths) else None, t)
 
 
 def _ending(path: LoadPath) -> str:

@@ -18,7 +18,7 @@ _LONGEST_WORD = 32
 """Signs of a word from which on it may be broken."""
 _GLUE = "\ue000"
 """Stands, while lines are broken, for a space at which none may be."""
-_TOGETHER = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=[+−-]) (?=\d)|\[[^\[\]]{1,40}\]")
+_TOGETHER = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=[±+−-]) (?=[\d?])|\[[^\[\]]{1,40}\]")
 """The space between a number and its unit, or its sign; a point, or a unit behind a title."""
 _LEAST, _SPARE = 16, 24
 """Widths that a column of words keeps where it has them, or the table is turned; and a spare one, or it is dropped."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -10,7 +11,7 @@ from rich.text import Text
 
 from signorini.analysis.check import Check
 from signorini.analysis.solve import Results
-from signorini.cli.cells import in_unit, number, per_area, point, size_of, unit_of
+from signorini.cli.cells import estimated, in_unit, number, per_area, point, size_of, unit_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.discretise import Discretisation
@@ -20,6 +21,7 @@ from signorini.output.governing import governing_reactions
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 from signorini.results.support_words import MEANINGS, SYMBOLS, describe, kinds
+from signorini.singularities.named import Singularity, singularities
 
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _SEVERAL = 8
@@ -55,6 +57,10 @@ def print_results(console: Console, results: Results) -> None:
             say(console, f"{result.name}: no equilibrium", style="bold red")
     console.print()
     _print_warnings(console, warnings, len(results))
+    named = [one for result in results.full.values() for one in result.singular]
+    if results.model.tabulated:
+        named = [*singularities(found, results.model.effective_combinations.cases)]
+    _print_singular(console, named)
     _print_legend(console, found.model.support)
 
 
@@ -93,6 +99,7 @@ def print_check(console: Console, check: Check) -> None:
         say(console, f"and {left} more; of all {len(check.resultants)} combinations {unbalanced} cannot be balanced")
     console.print()
     _print_warnings(console, dict.fromkeys(check.warnings, ()))
+    _print_singular(console, check.singular)
     _print_legend(console, model.support)
 
 
@@ -125,9 +132,15 @@ def _print_summary(console: Console, results: Results) -> None:
         if result.status != "solved":
             shown.add(Text(result.name, style="bold red"), "", "", "", *[""] * len(names))
             continue
-        ends = (number(float(end), size) for end in (result.deflection.max(), result.deflection.min()))
-        load = _load(result)
-        reactions = (number(found.reaction, load) for found in result.supports)
+        widths, load = result.asked_estimate.plus_minus, _load(result)
+        ends = (
+            _cell(float(end), widths, ("deflection", name), size)
+            for name, end in (("max", result.deflection.max()), ("min", result.deflection.min()))
+        )
+        reactions = (
+            _cell(found.reaction, widths, ("supports", index, "reaction"), load)
+            for index, found in enumerate(result.supports)
+        )
         shown.add(result.name, *ends, str(sum(found.open_count for found in result.supports)), *reactions)
     shown.show(console)
     if results.unbalanced:
@@ -137,14 +150,16 @@ def _print_summary(console: Console, results: Results) -> None:
 
 def _print_result(console: Console, result: Result) -> None:
     units, load = result.model.units, _load(result)
+    widths = result.asked_estimate.plus_minus
     before = f" after {' and '.join(result.unsettled)} did not settle" if result.unsettled else ""
     how = f": solved by {result.method}{before}, {result.iterations} {result.counted}"
     say(console, Text(result.name, style="bold") + Text(how))
     columns = [Column(""), Column("support"), Column("kind", spare=True)]
     rows = Grid([*columns, *numbers(f"reaction{in_unit(units.force)}", "closed", "open")], heads=2)
-    for support, found in zip(result.model.support, result.supports, strict=True):
+    for index, (support, found) in enumerate(zip(result.model.support, result.supports, strict=True)):
         counts = (str(found.closed_count), str(found.open_count))
-        rows.add(_symbol(support, console), found.name, found.kind, number(found.reaction, load), *counts)
+        reaction = _cell(found.reaction, widths, ("supports", index, "reaction"), load)
+        rows.add(_symbol(support, console), found.name, found.kind, reaction, *counts)
     if len(result.supports) > 1:
         rows.last_apart = True
         total = sum(found.reaction for found in result.supports)
@@ -153,16 +168,39 @@ def _print_result(console: Console, result: Result) -> None:
         rows.add("", "all", "", number(total, load), str(closed), str(opened))
     rows.show(console)
     _print_points(console, result)
-    for found in result.supports:
+    for index, found in enumerate(result.supports):
         if found.contact_area is not None and found.max_pressure is not None:
-            area = f"{number(found.contact_area)}{unit_of(units.length, 2)}"
-            pressure = f"{number(found.max_pressure)} {per_area(units)}".rstrip()
+            within = _cell(found.contact_area, widths, ("supports", index, "contact_area"))
+            area = f"{within}{unit_of(units.length, 2)}"
+            largest = _cell(found.max_pressure, widths, ("supports", index, "max_pressure"))
+            pressure = f"{largest} {per_area(units)}".rstrip()
             say(console, f"{found.name}, in contact: {area}, largest pressure {pressure}")
     _print_deflection(console, result)
     say(console, f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red")
+    say(console, f"of the equations; of the mesh: {_compared(result)}")
     if result.probes:
         console.print()
         _print_probes(console, result, units)
+
+
+def _compared(result: Result) -> str:
+    """Where half-widths come from."""
+    counts = result.asked_estimate.elements
+    if not counts:
+        return "not known, no ±" if result.model.estimated else "not asked, no ± (mesh.error)"
+    return f"± by {', '.join(map(str, counts[:-1]))} and {counts[-1]} elements"
+
+
+def _cell(
+    value: float, widths: Mapping[str, Any] | None, path: Sequence[str | int], largest: float = 0.0, digits: int = 6
+) -> str:
+    """Write a number, with its half-width where there are any."""
+    if widths is None:
+        return number(value, largest, digits)
+    found: Any = widths
+    for part in path:
+        found = found[part]
+    return estimated(value, found, largest, digits)
 
 
 def _load(result: Result) -> float:
@@ -178,6 +216,8 @@ def _print_points(console: Console, result: Result) -> None:
     if not every:
         return
     units, load, size = result.model.units, _load(result), result.mesh.size
+    widths = result.asked_estimate.plus_minus
+    number_of = {id(found): index for index, found in enumerate(result.supports)}
     most = sorted(every, key=lambda one: -abs(one[0].reactions[one[1]]))[:_MOST_POINTS]
     kept = {(id(found), index) for found, index in most}
     titles = (f"at{in_unit(units.length)}", f"reaction{in_unit(units.force)}", f"gap{in_unit(units.length)}")
@@ -185,8 +225,9 @@ def _print_points(console: Console, result: Result) -> None:
     for found, index in every:
         if (id(found), index) in kept:
             at = point(found.positions[index].tolist(), size)
-            gap = number(float(found.gaps[index]), size_of(result.deflection))
-            reaction = number(float(found.reactions[index]), load)
+            of_point = ("supports", number_of[id(found)], "points", index)
+            gap = _cell(float(found.gaps[index]), widths, (*of_point, "gap"), size_of(result.deflection))
+            reaction = _cell(float(found.reactions[index]), widths, (*of_point, "reaction"), load)
             shown.add(_named(found, index), at, reaction, gap, "closed" if found.closed[index] else "open")
     console.print()
     shown.show(console)
@@ -205,9 +246,10 @@ def _named(found: SupportResult, index: int) -> str:
 
 def _print_deflection(console: Console, result: Result) -> None:
     unit, largest = unit_of(result.model.units.length), size_of(result.deflection)
+    widths = result.asked_estimate.plus_minus
     ends = (("max", int(result.deflection.argmax())), ("min", int(result.deflection.argmin())))
     parts = (
-        f"{name} {number(float(result.deflection[node]), largest)}{unit} "
+        f"{name} {_cell(float(result.deflection[node]), widths, ('deflection', name), largest)}{unit} "
         f"at {point(result.mesh.points[node].tolist(), result.mesh.size)}"
         for name, node in ends
     )
@@ -224,10 +266,19 @@ def _print_probes(console: Console, result: Result, units: Units) -> None:
     rows = Grid(numbers(f"probe{in_unit(units.length)}", *titles))
     kinds = ("deflection",), ("rotation_x", "rotation_y"), ("mx", "my", "mxy"), ("qx", "qy")
     largest = [max(size_of(result.fields[name]) for name in kind) for kind in kinds for _ in kind]
-    for probe in result.probes:
+    widths = result.asked_estimate.plus_minus
+    keys: list[tuple[str | int, ...]] = [("deflection",)]
+    keys += [(key, place) for key, count in (("rotation", 2), ("moment", 3), ("shear", 2)) for place in range(count)]
+    for index, probe in enumerate(result.probes):
         values = (probe.deflection, *probe.rotation, *probe.moment, *probe.shear)
-        shown = (number(value, size, 5) for value, size in zip(values, largest, strict=True))
-        pressure = pressed * ["" if probe.pressure is None else number(probe.pressure, digits=5)]
+        of_probe = ("probes", index)
+        shown = (
+            _cell(value, widths, (*of_probe, *key), size, 5)
+            for value, key, size in zip(values, keys, largest, strict=True)
+        )
+        pressure = pressed * [
+            "" if probe.pressure is None else _cell(probe.pressure, widths, (*of_probe, "pressure"), digits=5)
+        ]
         rows.add(point(probe.at, result.mesh.size), *shown, *pressure)
     rows.show(console)
 
@@ -236,7 +287,7 @@ def _by_sentence(results: Results) -> dict[str, list[str]]:
     """Every warning once, with the combinations that it is about."""
     found: dict[str, list[str]] = {}
     for result in results.full.values():
-        for sentence in result.warnings:
+        for sentence in (*result.warnings, *result.asked_estimate.warnings):
             found.setdefault(sentence, []).append(result.name)
     return found
 
@@ -250,6 +301,17 @@ def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], of:
     if (left := len(warnings) - _MOST_WARNINGS) > 0:
         say(console, f"And {left} more warnings, all in results.json.", style="yellow")
     if warnings:
+        console.print()
+
+
+def _print_singular(console: Console, named: Iterable[Singularity]) -> None:
+    """Say what has no limit as the mesh is refined, each once."""
+    sentences = list(dict.fromkeys(map(str, named)))
+    for sentence in sentences[:_MOST_WARNINGS]:
+        say(console, f"No limit: {sentence}", style="yellow")
+    if (left := len(sentences) - _MOST_WARNINGS) > 0:
+        say(console, f"And {left} more without a limit.", style="yellow")
+    if sentences:
         console.print()
 
 

@@ -472,9 +472,9 @@ class ContactProblem(Remade):
 
     @property
     def seconds(self) -> Mapping[str, float]:
-        """Seconds spent to assemble, order, factor and condense."""
-        order, assemble, factor, condense = self.core.seconds
-        return {"order": order, "assemble": assemble, "factor": factor, "condense": condense}
+        """Seconds spent to order, factor and condense."""
+        order, factor, condense = self.core.seconds
+        return {"order": order, "factor": factor, "condense": condense}
 
 
 def contact_problem(model: Model | Discretisation) -> ContactProblem:

@@ -40,12 +40,15 @@ class CaseLoad:
         Couples on the centre rotations of the elements.
     weighing: (3n,) array
         Of ``nodal`` what has a resultant: without stress-free curvatures, and without loads that balance themselves.
+    acting : frozenset of str
+        The load cases that it is made of.
     """
 
     nodal: Floats
     curvature: Floats
     couples: Floats
     weighing: Floats
+    acting: frozenset[str] = frozenset()
 
     @classmethod
     def none(cls, nodes: int, elements: int) -> CaseLoad:
@@ -66,13 +69,15 @@ class CaseLoad:
             _sum(self.curvature, other.curvature),
             _sum(self.couples, other.couples),
             nodal if self.all_weighs and other.all_weighs else _sum(self.weighing, other.weighing),
+            self.acting | other.acting,
         )
 
     def __rmul__(self, factor: float) -> CaseLoad:
         """Multiply by a factor."""
         nodal = factor * self.nodal
         weighing = nodal if self.all_weighs else factor * self.weighing
-        return CaseLoad(nodal, factor * self.curvature, factor * self.couples, weighing)
+        acting = self.acting if factor else frozenset()
+        return CaseLoad(nodal, factor * self.curvature, factor * self.couples, weighing, acting)
 
 
 def _sum(a: Floats, b: Floats) -> Floats:
@@ -89,7 +94,7 @@ def case_loads(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, problem
         with problems.collected():
             found = _weighed(motions, _load(model, mesh, plate, footprints, load, ("load", index)))
             cases[load.case] = cases[load.case] + found if load.case in cases else found
-    return {case: _weighed(motions, load) for case, load in cases.items()}
+    return {case: replace(_weighed(motions, load), acting=frozenset([case])) for case, load in cases.items()}
 
 
 def _weighed(motions: Floats, load: CaseLoad) -> CaseLoad:

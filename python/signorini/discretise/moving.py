@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -38,7 +39,7 @@ class Cases(Mapping[str, CaseLoad]):
         if case in self._still:
             return self._still[case]
         load, travelled = self._places[case]
-        return _position(self._mesh, load.wheels(travelled), load.patch)
+        return replace(_position(self._mesh, load.wheels(travelled), load.patch), acting=frozenset([case]))
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Protocol
 
@@ -14,6 +14,7 @@ import pyarrow.parquet as pq
 from signorini.base.files import replacing
 
 Column = Sequence[str] | npt.NDArray[Any]
+Blocks = Mapping[str, npt.NDArray[Any]]
 
 
 class Sink(Protocol):
@@ -21,6 +22,66 @@ class Sink(Protocol):
 
     def __call__(self, columns: Iterable[tuple[str, Column]]) -> None:
         """Write a block, a row group of the file."""
+
+
+def widen(
+    path: str | os.PathLike[str], others: Sequence[str | os.PathLike[str]], more: Callable[[Sequence[Blocks]], Blocks]
+) -> None:
+    """Add columns to a Parquet file that follow from its own and those of other files with the same rows.
+
+    ``more`` gives them of the numbers of a block: of the file, and of every other one.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import numpy as np
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     files = [pathlib.Path(place, name) for name in ("own.parquet", "other.parquet")]
+    ...     for number, file in enumerate(files):
+    ...         with writing(file) as sink:
+    ...             sink([("w", np.array([1.0, 2.0]) + number)])
+    ...     widen(files[0], files[1:], lambda blocks: {"change": blocks[1]["w"] - blocks[0]["w"]})
+    ...     pq.read_table(files[0]).to_pydict()
+    {'w': [1.0, 2.0], 'change': [1.0, 1.0]}
+    """
+    own = pq.ParquetFile(path)
+    readers = [_Rows(pq.ParquetFile(other)) for other in others]
+    with replacing(path) as beside:
+        writer: pq.ParquetWriter | None = None
+        try:
+            for group in range(own.num_row_groups):
+                block = own.read_row_group(group)
+                blocks = [block, *(reader.take(len(block)) for reader in readers)]
+                for name, values in more([_numbers(one) for one in blocks]).items():
+                    block = block.append_column(name, pa.array(values, from_pandas=True))
+                if writer is None:
+                    writer = pq.ParquetWriter(beside, block.schema)
+                writer.write_table(block)
+        finally:
+            if writer is not None:
+                writer.close()
+
+
+class _Rows:
+    """Rows of a file in blocks of any size."""
+
+    def __init__(self, file: pq.ParquetFile) -> None:
+        self._groups = (file.read_row_group(group) for group in range(file.num_row_groups))
+        self._left: Any = None
+
+    def take(self, count: int) -> Any:
+        """The next rows."""
+        while self._left is None or len(self._left) < count:
+            more = next(self._groups)
+            self._left = more if self._left is None else pa.concat_tables([self._left, more])
+        found, self._left = self._left.slice(0, count), self._left.slice(count)
+        return found
+
+
+def _numbers(block: Any) -> Blocks:
+    """Columns of numbers, absent ones NaN."""
+    columns = zip(block.schema.names, block.schema.types, strict=True)
+    return {name: block.column(name).to_numpy() for name, kind in columns if pa.types.is_floating(kind)}
 
 
 @contextmanager

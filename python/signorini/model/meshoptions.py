@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated
 
-from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import BeforeValidator, ConfigDict, Field, StrictBool, WithJsonSchema
 
 from signorini.model.area import AnyArea, Circle
 from signorini.model.base import Complaint, Count, Edges, Points, Polyline, Positive, Table, listed
@@ -50,6 +50,11 @@ class MeshOptions(Table):
         description="Numbers of elements: [along x, along y] of a rectangle, [radial, around] of a disc or annulus.",
     )
     size: Positive | None = Field(default=None, description="Largest side of an element.")
+    error: StrictBool | None = Field(
+        default=None,
+        description="Say of every number how far the mesh is from the plate, by the plate's answers on other meshes; "
+        "by default where the mesh is not read from a file.",
+    )
     refine: tuple[Refinement, ...] = Field(default=(), description="Places with smaller elements.")
 
     def _complaints(self) -> Iterator[Complaint]:

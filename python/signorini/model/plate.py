@@ -158,6 +158,20 @@ class OutlinedPlate(_Plate):
         """Names of the edges, those of holes last."""
         return tuple(dict.fromkeys(name for contour in self.contours for name in contour.names))
 
+    def is_regular(self, mesh: MeshOptions) -> bool:
+        """Whether the mesh is one of rows and columns, or of rings and rays, whose elements are counted."""
+        return False
+
+    def along(self, mesh: MeshOptions) -> float:
+        """Elements along the plate where it is shortest."""
+        x0, y0, x1, y1 = self.outline.bounds
+        return min(x1 - x0, y1 - y0) / self.element_size(mesh)
+
+    def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
+        """Mesh options for elements larger by a factor, as far as there are enough of them."""
+        refine = tuple(one.model_copy(update={"size": one.size * factor}) for one in mesh.refine)
+        return MeshOptions(size=self.element_size(mesh) * factor, refine=refine)
+
     def element_size(self, mesh: MeshOptions) -> float:
         """Size of elements that the mesh options ask for, where they are not counted."""
         return mesh.size if mesh.size is not None else self._longer_side() / _DEFAULT_ALONG
@@ -179,6 +193,24 @@ class _PatternedPlate(OutlinedPlate):
         counts = (math.ceil(min(length / size, 1e9) - 1e-9) for length in lengths)
         first, second = (max(count, least) for count, least in zip(counts, self.fewest, strict=True))
         return first, second
+
+    def is_regular(self, mesh: MeshOptions) -> bool:
+        """Whether the mesh is one of rows and columns, or of rings and rays, whose elements are counted."""
+        return not self.holes and not mesh.refine
+
+    def along(self, mesh: MeshOptions) -> float:
+        """Elements along the plate where it is shortest."""
+        return min(self.divisions(mesh)) if self.is_regular(mesh) else super().along(mesh)
+
+    def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
+        """Mesh options for elements larger by a factor, as far as there are enough of them."""
+        if not self.is_regular(mesh):
+            return super().scaled(mesh, factor)
+        first, second = (
+            max(math.ceil(count / factor), least)
+            for count, least in zip(self.divisions(mesh), self.fewest, strict=True)
+        )
+        return MeshOptions(divisions=(first, second))
 
     @property
     def fewest(self) -> tuple[int, int]:
@@ -272,6 +304,24 @@ class AnnulusPlate(_PatternedPlate):
         """The outer circle, the inner one and the outlines of the holes; of a sector its outline and the holes."""
         inner = (circle(self.center, self.inner, "inner"),) if self.sector == 360 else ()
         return (self.outline, *inner, *self.hole_contours)
+
+    def is_regular(self, mesh: MeshOptions) -> bool:
+        """Whether the mesh is one of rows and columns, or of rings and rays, whose elements are counted."""
+        return not self.holes and not mesh.refine
+
+    def along(self, mesh: MeshOptions) -> float:
+        """Elements along the plate where it is shortest."""
+        return min(self.divisions(mesh)) if self.is_regular(mesh) else super().along(mesh)
+
+    def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
+        """Mesh options for elements larger by a factor, as far as there are enough of them."""
+        if not self.is_regular(mesh):
+            return super().scaled(mesh, factor)
+        first, second = (
+            max(math.ceil(count / factor), least)
+            for count, least in zip(self.divisions(mesh), self.fewest, strict=True)
+        )
+        return MeshOptions(divisions=(first, second))
 
     @property
     def fewest(self) -> tuple[int, int]:

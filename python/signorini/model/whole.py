@@ -109,6 +109,11 @@ class Model(Table):
         asked = self.output.combinations
         return asked == "table" or (asked == "auto" and len(self.effective_combinations) > FEW)
 
+    @property
+    def estimated(self) -> bool:
+        """Whether the command says of every number how far the mesh is from the plate."""
+        return not isinstance(self.plate, MeshPlate) if self.mesh.error is None else self.mesh.error
+
     def _complaints(self) -> Iterator[Complaint]:
         yield from self._mesh_complaints()
         yield from _repeated("support", [support.name for support in self.support])
@@ -129,7 +134,7 @@ class Model(Table):
             for key in [*self.mesh.given(("divisions", "size")), *(["refine"] if self.mesh.refine else [])]:
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
             return
-        if isinstance(self.plate, PolygonPlate) or self.plate.holes or self.mesh.refine:
+        if isinstance(self.plate, PolygonPlate) or not self.plate.is_regular(self.mesh):
             if self.mesh.divisions is not None:
                 why = "a polygon" if isinstance(self.plate, PolygonPlate) else "holes" if self.plate.holes else "refine"
                 yield ("mesh", "divisions"), f"divisions count the elements of a regular mesh; with {why} give size."

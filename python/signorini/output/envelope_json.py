@@ -10,8 +10,11 @@ import numpy as np
 
 from signorini.analysis.combinations import Combined
 from signorini.analysis.solve import Results
+from signorini.analysis.twins.compared import Meshes, compared
+from signorini.analysis.twins.leaves import with_numbers
 from signorini.discretise.rows import Floats
 from signorini.formats.vtk import write_vtu
+from signorini.mesh import Mesh
 from signorini.results.columns import Layout
 from signorini.results.envelope import NONE, Extremes
 from signorini.results.result import FIELDS
@@ -48,20 +51,31 @@ def table_warnings(results: Results) -> Iterator[str]:
 
 def envelope_json(results: Results) -> dict[str, Any]:
     """Give the key "envelope" of results.json."""
-    found, combined = results.discretisation, results.combined
+    mesh, others = results.discretisation.mesh, dict((mesh, combined) for combined, mesh in results.others)
+    own = _envelope(results.combined, mesh)
+    plus_minus = None
+    if others:
+        meshes = Meshes.of(mesh, list(others))
+        trees = [own if one is mesh else _envelope(others[one], one) for one in meshes.every]
+        numbers, _ = compared(trees, meshes, results.model, lambda path, value: abs(value))
+        plus_minus = with_numbers({key: own[key] for key in ("fields", "supports", "probes")}, numbers)
+    return own | {"plus_minus": plus_minus}
+
+
+def _envelope(combined: Combined, mesh: Mesh) -> dict[str, Any]:
     envelope, layout = combined.envelope, combined.layout
     fields = {}
     for name, extremes in envelope.fields.items():
-        high, low = int(extremes.largest.argmax()), int(extremes.smallest.argmin())
+        high, low = envelope.peaks(name)
         fields[name] = {
             **_side(combined, "max", extremes, high),
-            "max_at": found.mesh.points[high].tolist(),
+            "max_at": mesh.points[high].tolist(),
             **_side(combined, "min", extremes, low),
-            "min_at": found.mesh.points[low].tolist(),
+            "min_at": mesh.points[low].tolist(),
         }
     for name, (places, extremes) in envelope.pressures.items():
         elastic = name == "contact_pressure"
-        at = found.mesh.points[places] if elastic else found.mesh.points[found.mesh.elements[places]].mean(axis=1)
+        at = mesh.points[places] if elastic else mesh.points[mesh.elements[places]].mean(axis=1)
         high, low = int(extremes.largest.argmax()), int(extremes.smallest.argmin())
         fields[name] = {
             **_side(combined, "max", extremes, high),

@@ -18,6 +18,7 @@ from signorini.base.files import replacing_together
 from signorini.output.cells import name_cell
 from signorini.output.directory import cannot_write, former_path
 from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE
+from signorini.results.estimate import PathEstimate
 from signorini.results.load_path import LoadPath
 from signorini.results.path_stop import PathStop
 
@@ -41,7 +42,7 @@ def path_json(path: LoadPath) -> dict[str, Any]:
     >>> found["ending"], round(found["end"], 9), found["events"]
     ('no_equilibrium', 16.0, [])
     """
-    model = path.model
+    model, estimate = path.model, path.estimate if path.model.estimated else None
     return {
         "schema": SCHEMA,
         "title": model.title,
@@ -60,6 +61,19 @@ def path_json(path: LoadPath) -> dict[str, Any]:
             for switch in stop.switched
         ],
         "stops": [_stop(path, stop) for stop in path.stops],
+        "plus_minus": None if estimate is None else _half_widths(path, estimate),
+    }
+
+
+def _half_widths(path: LoadPath, estimate: PathEstimate) -> dict[str, Any]:
+    """Half-widths of the end and of every event's t; the limit is of the supports' outlines, and has none."""
+    return {
+        "end": estimate.end,
+        "events": [
+            {"t": width, "support": switch.support, "at": None, "change": switch.change}
+            for stop, widths in zip(path.stops, estimate.stops, strict=True)
+            for switch, width in zip(stop.switched, widths or (None,) * len(stop.switched), strict=True)
+        ],
     }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -13,15 +13,17 @@ from signorini.output.cells import name_cell
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
 from signorini.output.names import files
-from signorini.results.probe_result import ProbeResult
+from signorini.results.figures import figures, point_figures, total
 from signorini.results.result import Result
-from signorini.results.support_result import SupportResult
+from signorini.singularities.named import Singularity
 
 SCHEMA = 2
 _COLUMNS = (
     *("combination", "support", "kind", "point", "x", "y", "reaction", "gap", "state"),
     *("closed", "open", "contact_area", "max_pressure"),
+    *("reaction_plus_minus", "gap_plus_minus", "contact_area_plus_minus", "max_pressure_plus_minus"),
 )
+_ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure")
 
 
 def results_json(results: Results) -> dict[str, Any]:
@@ -105,52 +107,28 @@ def _combination(result: Result, limit: tuple[str, float] | None) -> dict[str, A
         "unsettled": list(result.unsettled),
         "iterations": result.iterations,
         "not_unique": [asdict(one) | {"supports": list(one.supports)} for one in result.not_unique],
-        "warnings": list(result.warnings),
+        "warnings": [*result.warnings, *result.asked_estimate.warnings],
+        "singular": singular_json(result.singular),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
-        "deflection": _extremes(result) if solved else None,
-        "supports": [_support(support) for support in result.supports],
-        "probes": [_probe(probe) for probe in result.probes],
+        **figures(result),
+        "plus_minus": result.asked_estimate.plus_minus,
     }
 
 
-def _extremes(result: Result) -> dict[str, Any]:
-    highest, lowest = int(result.deflection.argmax()), int(result.deflection.argmin())
-    return {
-        "max": float(result.deflection[highest]),
-        "max_at": result.mesh.points[highest].tolist(),
-        "min": float(result.deflection[lowest]),
-        "min_at": result.mesh.points[lowest].tolist(),
-    }
-
-
-def _support(support: SupportResult) -> dict[str, Any]:
-    found = {"name": support.name, "kind": support.kind, **_total(support)}
-    found["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
-    if support.area is not None:
-        return found
-    return found | {"points" if support.place == "at" else "nodes": list(_points(support))}
-
-
-def _total(support: SupportResult) -> dict[str, Any]:
-    """What a support does as a whole."""
-    return {
-        "reaction": support.reaction,
-        "closed": support.closed_count,
-        "open": support.open_count,
-        "contact_area": support.contact_area,
-        "max_pressure": support.max_pressure,
-    }
-
-
-def _points(support: SupportResult) -> Iterator[dict[str, Any]]:
-    """What it does at each of its points; of a held edge the consistent nodal forces."""
-    columns = (support.positions, support.reactions, support.gaps, support.closed)
-    for at, reaction, gap, closed in zip(*(column.tolist() for column in columns), strict=True):
-        yield {"at": at, "reaction": reaction, "gap": gap, "state": "closed" if closed else "open"}
-
-
-def _probe(probe: ProbeResult) -> dict[str, Any]:
-    return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(probe).items()}
+def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
+    """Give the key "singular" of a combination."""
+    return [
+        {
+            "where": [list(at) for at in one.where],
+            "line": one.line,
+            "within": one.within,
+            "what": one.what,
+            "numbers": list(one.numbers),
+            "source": one.source,
+            "advice": one.advice,
+        }
+        for one in named
+    ]
 
 
 def _rows(result: Result) -> Iterator[dict[str, Any]]:
@@ -158,11 +136,17 @@ def _rows(result: Result) -> Iterator[dict[str, Any]]:
         for asked in result.model.support:
             names = {"combination": name_cell(result.name), "support": name_cell(asked.name)}
             yield names | {"point": "total", "state": result.status}
-    for support in result.supports:
+    widths = (result.asked_estimate.plus_minus or {}).get("supports", [{}] * len(result.supports))
+    for support, width in zip(result.supports, widths, strict=True):
         names = {"combination": name_cell(result.name), "support": name_cell(support.name)}
         row = names | {"kind": support.kind}
-        yield row | {"point": "total"} | _total(support)
+        yield row | {"point": "total"} | total(support) | _half_widths(width)
         if support.area is None:
-            for number, point in enumerate(_points(support), start=1):
+            for number, point in enumerate(point_figures(support), start=1):
                 x, y = point.pop("at")
-                yield row | {"point": number, "x": x, "y": y} | point
+                at_point = width["points"][number - 1] if "points" in width else {}
+                yield row | {"point": number, "x": x, "y": y} | point | _half_widths(at_point)
+
+
+def _half_widths(widths: Mapping[str, Any]) -> dict[str, Any]:
+    return {f"{name}_plus_minus": widths[name] for name in _ESTIMATED if name in widths}

@@ -14,9 +14,11 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
 from signorini.results.contact_field import AreaContact, Pressures
+from signorini.results.panels import NUMBERS
 from signorini.results.result import FIELDS, Result
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_contact
+from signorini.singularities.named import away_from, singularities
 
 _MOST_BEARINGS = 100
 """Points of one support beyond which its reaction is looked at as a whole."""
@@ -43,6 +45,8 @@ class Layout:
     at_rest: Mapping[int, AreaContact]
     fields: tuple[str, ...]
     probes: Floats
+    away: Mapping[str, Bools]
+    """Of every field which nodes (n,) are away from where it has no limit, under whatever load."""
 
     @classmethod
     def of(cls, found: Discretisation, fields: Sequence[str]) -> Layout:
@@ -50,7 +54,9 @@ class Layout:
         points = tuple(SupportPoints.of(found, index) for index in range(len(found.model.support)))
         areas = [index for index, support in enumerate(found.model.support) if support.area is not None]
         at_rest = {index: _at_rest(found, index, points[index]) for index in areas}
-        return cls(found.model, points, at_rest, tuple(fields), found.probe_positions)
+        named = singularities(found)
+        away = {name: away_from(found.mesh, named, NUMBERS.get(name, "")) for name in fields}
+        return cls(found.model, points, at_rest, tuple(fields), found.probe_positions, away)
 
     @property
     def point_count(self) -> int:

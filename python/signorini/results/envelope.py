@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from signorini import _core
-from signorini.discretise.rows import Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.results.columns import Block, Layout
 from signorini.results.result import FIELDS, Result
@@ -124,6 +125,8 @@ class Envelope:
         Of every field at every probe, (8q,).
     bearings : Concurrent
         Of the bearings' reactions, in the order of the layout.
+    away : dict
+        Of moments and shears which nodes (n,) are away from where they have no limit: peaks elsewhere count.
     """
 
     fields: dict[str, Extremes]
@@ -131,6 +134,7 @@ class Envelope:
     supports: tuple[SupportEnvelope, ...]
     probes: Extremes
     bearings: Concurrent
+    away: Mapping[str, Bools]
 
     @classmethod
     def none(cls, layout: Layout, mesh: Mesh) -> Envelope:
@@ -145,6 +149,7 @@ class Envelope:
             tuple(_nothing_of(layout, index) for index in range(len(layout.supports))),
             Extremes.none(len(FIELDS) * len(layout.probes)),
             Concurrent.none(len(layout.bearings)),
+            layout.away,
         )
 
     def take_fields(self, result: Result, who: Ints) -> None:
@@ -183,6 +188,12 @@ class Envelope:
             deflection = block.on_areas[np.ix_(rows, np.searchsorted(layout.around_areas, nodes))]
             extremes.take(pressures.at_nodes(deflection, forces), who)
 
+    def peaks(self, field: str) -> tuple[int, int]:
+        """Nodes of a field's largest and smallest value, away from where it has no limit."""
+        extremes, away = self.fields[field], self.away.get(field, np.bool_(True))
+        high = np.where(away, extremes.largest, -np.inf).argmax()
+        return int(high), int(np.where(away, extremes.smallest, np.inf).argmin())
+
     def governing(self) -> dict[str, tuple[float, int, float, int]]:
         """Largest value, by which result, smallest value, and by which; of fields and of supports' reactions.
 
@@ -190,7 +201,7 @@ class Envelope:
         """
         found = {}
         for name, extremes in self.fields.items():
-            high, low = int(extremes.largest.argmax()), int(extremes.smallest.argmin())
+            high, low = self.peaks(name)
             found[name] = (
                 float(extremes.largest[high]),
                 int(extremes.largest_by[high]),

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -22,8 +22,10 @@ from signorini.contact.strategy import answered
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError, NotCertifiedError, point
+from signorini.mesh import Mesh
 from signorini.results.columns import Block, Column, Layout, together
 from signorini.results.envelope import Envelope
+from signorini.results.estimate import PathEstimate, PathEstimator
 from signorini.results.notebook import path_table
 from signorini.results.path_stop import PathStop
 from signorini.results.result import FIELDS, Result
@@ -82,6 +84,8 @@ class LoadPath(States[float]):
         The same for reactions at the contact points of this mesh, which are within the supports' outlines.
     certificate : Certificate
         The worst of every figure over all stops.
+    estimator : PathEstimator or None
+        Who says how far its mesh is from the plate.
     """
 
     start: str | None
@@ -96,6 +100,19 @@ class LoadPath(States[float]):
     _first: Bools
     _doubtful: tuple[int, ...] = ()
     """Segments on which more answers than one may be right."""
+    estimator: PathEstimator | None = None
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh."""
+        return self.discretisation.mesh
+
+    @cached_property
+    def estimate(self) -> PathEstimate:
+        """Half-widths of the t of every event and of the end; the path is followed on other meshes for them."""
+        if self.estimator is None:
+            return PathEstimate(None, ((),) * len(self.stops), (), ())
+        return self.estimator.estimate(self)
 
     @property
     def name(self) -> str:
@@ -243,7 +260,8 @@ class LoadPath(States[float]):
         open_ended = self.ending == "no_more_events"
         if not (0 <= t <= self.end or (open_ended and self.end < t < np.inf)):
             raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{self.end:.12g}'}.")
-        return self._at(t, int(np.searchsorted([stop.t for stop in self.stops[1:-1]], t, side="left")))
+        found = self._at(t, int(np.searchsorted([stop.t for stop in self.stops[1:-1]], t, side="left")))
+        return found if self.estimator is None else replace(found, estimator=partial(self.estimator.estimate_at, t))
 
     def _at(self, t: float, segment: int) -> Result:
         """Every result at some t of a segment."""

@@ -13,6 +13,7 @@ from signorini.model import Support
 from signorini.model.whole import Units
 from signorini.results.marks import pressure_layer, support_mark
 from signorini.results.support_result import SupportResult
+from signorini.singularities.named import Singularity, away_from
 
 if TYPE_CHECKING:
     from signorini.plot import Panel, SupportMark
@@ -39,6 +40,10 @@ def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[Suppo
     return [support_mark(mesh, one, found.positions, found.closed, found.contact_boundary) for one, found in pairs]
 
 
+NUMBERS = {"mx": "moment", "my": "moment", "mxy": "moment", "qx": "shear", "qy": "shear"}
+"""What singularities call the fields that have peaks at them. Deflections grow too slowly for one."""
+
+
 def field_range(field: str, fields: Mapping[str, Floats], supports: Sequence[SupportResult]) -> tuple[float, float]:
     """Smallest and largest value of a field; of the pressure with 0."""
     if field != PRESSURE:
@@ -54,8 +59,9 @@ def panel(
     supports: Sequence[SupportResult],
     units: Units,
     limits: tuple[float, float] | None,
+    singular: Sequence[Singularity] = (),
 ) -> Panel:
-    """Draw a field, or the pressure, in the colours of its quantity, its extremes with their values."""
+    """Draw a field, or the pressure, in the colours of its quantity, its extremes away from ``singular`` places."""
     from signorini.plot import Panel
 
     label, colours = quantity(field, units), _COLOURS[field[0]]
@@ -66,7 +72,8 @@ def panel(
         extremes = [("max", value, at.tolist())] if value > 0 else []
         return Panel([pressure_layer(area) for area in areas], label, colours, limits, extremes)
     values = fields[field]
-    ends = {"max": int(np.argmax(values)), "min": int(np.argmin(values))}
+    away = np.flatnonzero(away_from(mesh, singular, NUMBERS.get(field, "")))
+    ends = {"max": int(away[np.argmax(values[away])]), "min": int(away[np.argmin(values[away])])}
     named = [(name, float(values[node]), mesh.points[node].tolist()) for name, node in ends.items()]
     return Panel(values, label, colours, limits, named)
 

@@ -8,7 +8,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias
 
 import numpy as np
 
@@ -24,11 +24,13 @@ from signorini.formats.vtk import displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
 from signorini.model import Model
 from signorini.results.contact_field import Pressures
+from signorini.results.estimate import NONE, Estimate, Estimator
 from signorini.results.notebook import supports_table
 from signorini.results.panels import panel, support_marks
 from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
 from signorini.results.support_result import SupportResult, support_result
 from signorini.results.warnings import model_warnings, result_warnings
+from signorini.singularities.named import Singularity, singularities
 
 if TYPE_CHECKING:
     from signorini.plot import Axes
@@ -68,6 +70,10 @@ class Result(Remade):
         least reactions, and then the least deflection, are given. Empty where this is the only answer.
     warnings : tuple of str
         What of the model and of this answer is seldom meant, in sentences.
+    singular : tuple of Singularity
+        Where numbers have no limit as the mesh is refined, and which.
+    estimator : Estimator or None
+        Who says how far its mesh is from the plate.
     """
 
     name: str
@@ -89,6 +95,8 @@ class Result(Remade):
     probes: tuple[ProbeResult, ...]
     seconds: float
     warnings: tuple[str, ...]
+    singular: tuple[Singularity, ...]
+    estimator: Estimator | None = None
 
     @classmethod
     def of(
@@ -145,6 +153,7 @@ class Result(Remade):
             tuple(probe_results(fields, found.mesh, supports, found.probes, found.probe_positions)),
             time.perf_counter() - begun,
             result_warnings(found, load, nodal[:, 0], answer.not_unique),
+            singularities(found, load.acting),
         )
 
     @property
@@ -168,6 +177,41 @@ class Result(Remade):
         values = np.column_stack([self.deflection, self.rotation, self.moment, self.shear])
         values.flags.writeable = False
         return dict(zip(FIELDS, values.T, strict=True))
+
+    @cached_property
+    def estimate(self) -> Estimate:
+        """What other meshes say of these numbers; the plate is solved on them when this is first asked for.
+
+        What stands in the way, such as memory, is said in its ``warnings``.
+        """
+        return NONE if self.estimator is None else self.estimator(self)
+
+    @property
+    def asked_estimate(self) -> Estimate:
+        """The estimate where the model asks for one (``mesh.error``); else nothing is solved."""
+        return self.estimate if self.model.estimated else NONE
+
+    @property
+    def plus_minus(self) -> Mapping[str, Any] | None:
+        """Half-widths within which refining the mesh is expected to move every number: of the mesh, not the equations.
+
+        The same structure as the keys deflection, supports and probes of results.json (docs/results.md). None in place
+        of a number that has none, and where nothing is known: without equilibrium, or of reactions that were given.
+
+        Examples
+        --------
+        >>> from signorini import Model, solve
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        ...     support=[{"name": "walls", "edge": ["left", "right"], "resists": "down"}],
+        ...     load=[{"pressure": 5e3, "area": {"rectangle": [0, 0, 1, 1]}}],
+        ... )
+        >>> result = solve(model)["all"]
+        >>> print(f"{1e6 * result.deflection.max():.1f} ± {1e6 * result.plus_minus['deflection']['max']:.1f}")
+        61.9 ± 0.3
+        """
+        return self.estimate.plus_minus
 
     def probe(self, points: Points) -> list[ProbeResult]:
         """Results at points (q, 2) of the plate.
@@ -243,7 +287,7 @@ class Result(Remade):
             raise InputError('There is no "pressure": no support of this model is an area.', place="field")
         plan, units = Plan.of(self.mesh.points, self.mesh.elements), self.model.units
         marks = support_marks(self.mesh, self.model.support, self.supports)
-        drawn = panel(field, self.mesh, self.fields, self.supports, units, limits)
+        drawn = panel(field, self.mesh, self.fields, self.supports, units, limits, self.singular)
         if ax is None:
             return field_picture(plan, [drawn], marks, title=self.heading, length=units.length).axes[0]
         draw_legend(ax, draw_panel(ax, plan, drawn, marks))
@@ -333,4 +377,5 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
         (),
         0.0,
         model_warnings(found),
+        (),
     )

@@ -3,8 +3,7 @@
 use crate::cholesky::FactorError;
 use crate::contact::kkt::{ActiveFactor, Direction, Floating, Interface, KktSolver, Residual};
 use crate::contact::problem::ContactProblem;
-use crate::contact::solution::ContactSolution;
-use crate::contact::start::Balanced;
+use crate::contact::solution::{ContactSolution, Reference};
 use crate::double_double::DoubleDouble;
 
 /// A solution on its way.
@@ -55,12 +54,12 @@ impl Descent<'_> {
     }
 
     /// From the solution under another load, what is out of balance is what the loads differ by.
-    pub(super) fn depart(&mut self, from: Balanced) {
-        self.solution.displacement.lo.copy_from_slice(from.low);
+    pub(super) fn depart(&mut self, from: &Reference) {
+        self.solution.displacement.lo.copy_from_slice(&from.solution.displacement.lo);
         let softened = self.factor.penalty.series.iter().zip(&self.multiplier);
         self.stretch = from.overlap.iter().zip(softened).map(|(overlap, (s, force))| overlap + s * force).collect();
-        let imbalance = self.load.iter().zip(from.load).map(|(load, balanced)| load - balanced).collect();
-        self.residual = self.problem.residual_of(imbalance, self.load, &self.solution);
+        let imbalance = self.load.iter().zip(&from.load).map(|(load, balanced)| load - balanced).collect();
+        self.residual = self.problem.residual_of(imbalance, &self.solution);
     }
 
     /// Stretches and imbalance anew, in double-double; two-sided points are brought back to where they belong.
@@ -96,7 +95,7 @@ impl Descent<'_> {
                 points.scatter(&problem.plate, i, -self.factor.penalty.stiffness[i] * pushing, &mut imbalance);
             }
         }
-        self.residual = problem.residual_of(imbalance, self.load, &self.solution);
+        self.residual = problem.residual_of(imbalance, &self.solution);
     }
 
     /// The solution with every point in the caller's order.

@@ -1,7 +1,8 @@
 //! The least energy along a direction.
 
 use super::descent::Descent;
-use crate::contact::kkt::{Direction, dot};
+use crate::contact::kkt::Direction;
+use crate::contact::scale::dot;
 use crate::contact::tolerances;
 use crate::residual::twice_the_energy;
 use crate::superposition::sum_in_order;

@@ -16,13 +16,12 @@ mod together;
 use super::kkt::{ActiveFactor, Residual};
 use super::points::ActivePoints;
 use super::problem::ContactProblem;
-use super::solution::{ContactSolution, Outcome, Progress};
-use super::start::{Reference, Start};
+use super::solution::{ContactSolution, Outcome, Progress, Reference, Start};
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
 use crate::plate::Plate;
 use descent::{Afloat, Descent};
-use newton::Newton;
+use newton::{Newton, Next};
 
 impl ContactProblem {
     /// The limit that the active set begins with: springs that bend the plate over many elements find the set in few
@@ -50,7 +49,7 @@ impl ContactProblem {
         let Some(mut newton) = self.newton(load, held_value, start, false)? else {
             return Ok(self.at_rest(held_value).failed(Outcome::Unsolved));
         };
-        let outcome = newton.run(watch)?;
+        let Next::End(outcome) = newton.go_on(None, watch)? else { unreachable!("the factor is not shared") };
         let fell_short = newton.fell_short;
         let found = newton.ended(outcome);
         if !fell_short {
@@ -82,8 +81,8 @@ impl ContactProblem {
         };
         let mut solution = self.at_rest(held_value);
         let mut multiplier = vec![0.0; self.active.len()];
-        if let Some(start) = start {
-            solution.displacement.hi.copy_from_slice(start.displacement);
+        if let Some(Start { solution: start, .. }) = start {
+            solution.displacement.hi.copy_from_slice(&start.displacement.hi);
             for (multiplier, &i) in multiplier.iter_mut().zip(&self.order.active) {
                 *multiplier = if start.closed[i] { start.reaction[i] } else { 0.0 };
             }
@@ -99,15 +98,24 @@ impl ContactProblem {
             afloat: Afloat::under(self, load),
             rounding: 0.0,
         };
-        match start.and_then(|start| start.balanced) {
-            Some(balanced) if self.constraints.rows.is_empty() => descent.depart(balanced),
+        match start.and_then(|start| start.reference) {
+            Some(reference) if self.constraints.rows.is_empty() => descent.depart(reference),
             _ => descent.refine()?,
         }
         Ok(Some(Newton::new(descent, start.is_some())))
     }
-}
 
-impl ContactProblem {
+    /// As [`ContactProblem::solve`], beginning with the solution of another load.
+    pub fn solve_near(
+        &self,
+        reference: &Reference,
+        load: &[f64],
+        held_value: &[f64],
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<ContactSolution, FactorError> {
+        self.solve_active(load, held_value, Some(&reference.start()), watch)
+    }
+
     /// Solves one load and factors the contact set found; `None` where there is no active set, no solution, or the set
     /// does not hold the plate. `watch` as for [`ContactProblem::solve`].
     pub fn reference(

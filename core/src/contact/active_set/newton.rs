@@ -75,23 +75,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Goes on to the end, asking the factor itself.
-    pub(super) fn run(&mut self, watch: &mut dyn FnMut(Progress) -> bool) -> Result<Outcome, FactorError> {
-        let mut answer = None;
-        loop {
-            match self.go_on(answer.take(), watch)? {
-                Next::End(outcome) => return Ok(outcome),
-                Next::Solve(mut vector) => {
-                    let factor = &self.descent.factor.factored().factor;
-                    factor.forward(&mut vector)?;
-                    factor.backward(&mut vector)?;
-                    answer = Some(vector);
-                }
-            }
-        }
-    }
-
-    /// Goes on with the answer to what was asked for, if anything was.
+    /// Goes on with the answer to what was asked for, if anything was; one that does not share its factor goes on to the end.
     pub(super) fn go_on(
         &mut self,
         mut answer: Option<Vec<f64>>,

@@ -5,8 +5,7 @@
 use super::newton::{Newton, Next};
 use crate::cholesky::{FactorError, LANES};
 use crate::contact::problem::ContactProblem;
-use crate::contact::solution::{ContactSolution, Outcome};
-use crate::contact::start::{Reference, Start};
+use crate::contact::solution::{ContactSolution, Outcome, Reference, Start};
 use rayon::prelude::*;
 
 /// Loads that are under way at once.

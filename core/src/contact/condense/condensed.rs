@@ -39,18 +39,21 @@ pub struct InterfaceResidual {
     pub displacement: Vec<f64>,
     /// r condensed onto the contact points; zero where the flexibility serves.
     pub force: Vec<f64>,
-    /// Work of the whole load in each free rigid motion, in which the plate's own forces do none, and the sum of the
-    /// magnitudes it is made of.
-    pub work: Vec<f64>,
-    pub work_size: Vec<f64>,
     /// What is left of each gap.
     pub remaining: Vec<f64>,
+}
+
+/// Work of a load in each free rigid motion, in which the plate's own forces do none, and the sum of the magnitudes it is
+/// made of.
+#[derive(Clone, Debug, Default)]
+pub struct Work {
+    pub sum: Vec<f64>,
+    pub size: Vec<f64>,
 }
 
 /// What the points do in one contact state.
 pub struct Response {
     pub reaction: Vec<f64>,
-    pub gap: Vec<f64>,
     pub moved: Vec<f64>,
 }
 
@@ -164,10 +167,16 @@ impl Condensed {
     }
 
     /// The LCP past `reaction`s already acting, with the free motions imposed.
-    pub fn lcp(&self, form: Form, interface: &InterfaceResidual, reaction: &[f64]) -> Result<PosedLcp, OutOfMemory> {
+    pub fn lcp(
+        &self,
+        form: Form,
+        interface: &InterfaceResidual,
+        work: &Work,
+        reaction: &[f64],
+    ) -> Result<PosedLcp, OutOfMemory> {
         let mut lcp = self.posed(form, interface, reaction)?;
         let motions = self.impose_motions(&mut lcp)?;
-        motions.balance(&mut lcp.q, interface);
+        motions.balance(&mut lcp.q, interface, work);
         Ok(lcp)
     }
 
@@ -207,7 +216,7 @@ impl Condensed {
         }
     }
 
-    /// Increments of the reactions of closed points, gaps of open ones, and displacements of all, in one contact state.
+    /// Increments of the reactions of closed points, and displacements of all, in one contact state.
     pub fn solve_state(&self, state: &ContactState, interface: &InterfaceResidual) -> Result<Response, OutOfMemory> {
         match &self.stiffness {
             Some(stiffness) => Ok(self.solve_stiffness_state(stiffness, state, interface)),

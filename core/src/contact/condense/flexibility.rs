@@ -170,6 +170,6 @@ impl Condensed {
         }
         let moved =
             (0..self.len()).map(|i| interface.remaining[i] - gap[i] + self.compliance[i] * reaction[i]).collect();
-        Ok(Response { reaction, gap, moved })
+        Ok(Response { reaction, moved })
     }
 }

@@ -4,7 +4,7 @@
 //! every gap and no reaction, so M_JJ N_J = 0 and M_OJ N_J = N_O; and the reactions of the posed state balance the
 //! load, N_Jᵀ q_J = work. Left as rounding, these decide at random whether equilibrium exists where it is marginal.
 
-use super::condensed::{Condensed, InterfaceResidual, PosedLcp};
+use super::condensed::{Condensed, InterfaceResidual, PosedLcp, Work};
 use crate::contact::tolerances;
 use crate::dense::{self, OutOfMemory};
 use faer::linalg::matmul::matmul;
@@ -90,7 +90,7 @@ impl Condensed {
 
 impl FreeMotions {
     /// Imposes on q that the reactions of the posed state balance the load; what is rounding of either becomes zero.
-    pub(crate) fn balance(&self, q: &mut [f64], interface: &InterfaceResidual) {
+    pub(crate) fn balance(&self, q: &mut [f64], interface: &InterfaceResidual, work: &Work) {
         let (inside, free) = (self.moves.nrows(), self.moves.ncols());
         let length = interface.displacement.iter().chain(&interface.remaining).fold(0.0, |a: f64, b| a.max(b.abs()));
         q[inside..]
@@ -100,15 +100,13 @@ impl FreeMotions {
         if free == 0 {
             return;
         }
-        let mut missing = interface.work.clone();
-        for (k, missing) in missing.iter_mut().enumerate() {
-            *missing -= (0..inside).map(|r| self.moves[(r, k)] * q[r]).sum::<f64>();
-        }
+        let done = |k: usize| (0..inside).map(|r| self.moves[(r, k)] * q[r]).sum::<f64>();
+        let missing: Vec<f64> = (0..free).map(|k| work.sum[k] - done(k)).collect();
         for r in 0..inside {
             if self.projected {
                 q[r] += (0..free).map(|k| self.dual[(r, k)] * missing[k]).sum::<f64>();
             }
-            let size: f64 = (0..free).map(|k| self.dual[(r, k)].abs() * interface.work_size[k]).sum();
+            let size: f64 = (0..free).map(|k| self.dual[(r, k)].abs() * work.size[k]).sum();
             if q[r].abs()
                 <= tolerances::interface::POSED * size + tolerances::interface::POSED_SUM * self.held[r] * length
             {

@@ -77,16 +77,12 @@ impl Condensed {
             }
         }
         let mut reaction = vec![0.0; m];
-        let mut gap = vec![0.0; m];
-        for i in 0..m {
-            if !state.closed[i] {
-                gap[i] = interface.remaining[i] - moved[i];
-            } else if rigid(i) {
-                reaction[i] = interface.force[i] - held(i, &moved);
-            } else {
-                reaction[i] = (moved[i] - interface.remaining[i]) / self.compliance[i];
-            }
+        for i in (0..m).filter(|&i| state.closed[i]) {
+            reaction[i] = match rigid(i) {
+                true => interface.force[i] - held(i, &moved),
+                false => (moved[i] - interface.remaining[i]) / self.compliance[i],
+            };
         }
-        Response { reaction, gap, moved }
+        Response { reaction, moved }
     }
 }

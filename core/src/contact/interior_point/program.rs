@@ -1,7 +1,8 @@
 //! The contact problem as a quadratic program, and what proves that it has no solution.
 
 use super::super::problem::Constraints;
-use crate::assembly::{HELD, Numbering, assemble};
+use crate::assembly::{Assembly, HELD, Numbering};
+use crate::contact::scale::largest;
 use crate::contact::tolerances;
 use crate::plate::Plate;
 use crate::residual::{Displacement, Springs, residual};
@@ -32,7 +33,7 @@ impl Program {
         load: &[f64],
         held: &Displacement,
     ) -> Self {
-        let matrix = assemble(plate, springs, &[], numbering);
+        let matrix = Assembly::new(plate, springs, &[], numbering).lower_triangle();
         let (n, m) = (numbering.len(), constraints.rows.len());
         let lower = || (0..n).flat_map(|j| (matrix.column_start[j]..matrix.column_start[j + 1]).map(move |at| (j, at)));
         let mut unit = vec![1.0; n];
@@ -172,8 +173,4 @@ impl Triplets {
     fn compressed(self, rows: usize, columns: usize) -> CscMatrix<f64> {
         CscMatrix::new_from_triplets(rows, columns, self.row, self.column, self.value)
     }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |a: f64, b| a.max(b.abs()))
 }

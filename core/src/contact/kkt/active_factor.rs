@@ -1,12 +1,35 @@
 //! The factor by which an active set finds its directions: the one it was given, or that of its own set.
 
-use super::direction::Direction;
-use super::residual::Residual;
 use crate::cholesky::FactorError;
 use crate::contact::condense::ContactState;
 use crate::contact::points::Penalty;
 use crate::contact::problem::{ContactProblem, Factored};
 use crate::residual::twice_the_energy;
+
+/// A displacement, the force that the factored matrix has for it, and what it adds to two-sided points' reactions.
+#[derive(Default)]
+pub(crate) struct Direction {
+    pub nodal: Vec<f64>,
+    pub force: Vec<f64>,
+    pub reaction: Vec<f64>,
+    /// Whether the closed points let the plate move along it freely: then it has no length of its own.
+    pub free: bool,
+}
+
+impl Direction {
+    pub(crate) fn zeros(size: usize, reactions: usize) -> Self {
+        Self { nodal: vec![0.0; size], force: vec![0.0; size], reaction: vec![0.0; reactions], free: false }
+    }
+
+    /// self ← beta·self + alpha·other
+    pub(super) fn combine(&mut self, beta: f64, alpha: f64, other: &Self) {
+        for (mine, others) in
+            [(&mut self.nodal, &other.nodal), (&mut self.force, &other.force), (&mut self.reaction, &other.reaction)]
+        {
+            mine.iter_mut().zip(others).for_each(|(a, b)| *a = beta * *a + alpha * b);
+        }
+    }
+}
 
 /// A factor of K with the springs of some points, and the springs that closed points have.
 pub(crate) struct ActiveFactor<'a> {
@@ -116,18 +139,10 @@ impl<'a> ActiveFactor<'a> {
     /// it has for that.
     pub(crate) fn response(&self, imbalance: &[f64], remaining: &[f64]) -> Result<Direction, FactorError> {
         let problem = self.problem;
-        let motions = problem.constraints.free_motions.len();
-        let still = Residual {
-            imbalance: imbalance.to_vec(),
-            remaining: remaining.to_vec(),
-            worst: 0.0,
-            work: vec![0.0; motions],
-            work_size: vec![0.0; motions],
-        };
         let with = self.factored();
-        let reduced = problem.reduced(with, &still, with.condensed.better_form())?;
+        let reduced = problem.reduced(with, imbalance, remaining, with.condensed.better_form())?;
         let (nodal, reaction) = problem.respond(with, &self.state, reduced)?;
-        let mut force = still.imbalance;
+        let mut force = imbalance.to_vec();
         let back: Vec<f64> = reaction.iter().map(|r| -r).collect();
         problem.spread(&back, &mut force);
         problem.release_held(&mut force);

@@ -3,10 +3,9 @@
 //!
 //! Gould, Hribar & Nocedal (2001) for the preconditioner with two-sided points held.
 
-use super::active_factor::ActiveFactor;
-use super::direction::{Direction, dot};
+use super::active_factor::{ActiveFactor, Direction};
 use crate::cholesky::FactorError;
-use crate::contact::scale::Scale;
+use crate::contact::scale::{Scale, dot};
 use crate::contact::tolerances;
 
 /// Conjugate gradients on their way to a direction.
@@ -116,7 +115,7 @@ impl ActiveFactor<'_> {
             return Followed::Found(std::mem::take(&mut gradients.total));
         }
         let ahead = &mut gradients.ahead;
-        ahead.renew(next / gradients.product, &along);
+        ahead.combine(next / gradients.product, 1.0, &along);
         gradients.product = next;
         let difference = self.difference(&gradients.differing, &ahead.nodal);
         let stiff = dot(&ahead.nodal, &ahead.force);
@@ -131,7 +130,7 @@ impl ActiveFactor<'_> {
             return Followed::Found(along);
         }
         let alpha = next / curvature;
-        gradients.total.add(alpha, ahead);
+        gradients.total.combine(1.0, alpha, ahead);
         for (residual, (force, difference)) in gradients.residual.iter_mut().zip(ahead.force.iter().zip(&difference)) {
             *residual -= alpha * (force + difference);
         }

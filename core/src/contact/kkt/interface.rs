@@ -31,7 +31,10 @@ impl KktSolver for Interface<'_> {
     ) -> Result<Option<Correction>, FactorError> {
         let reduced = match self.reduced.take() {
             Some(reduced) => reduced,
-            None => self.problem.reduced(self.with, step, self.with.condensed.better_form())?,
+            None => {
+                let form = self.with.condensed.better_form();
+                self.problem.reduced(self.with, &step.imbalance, &step.remaining, form)?
+            }
         };
         let (nodal, reaction) = self.problem.respond(self.with, self.state, reduced)?;
         Ok(Some(Correction::of(nodal, reaction)))
@@ -39,16 +42,22 @@ impl KktSolver for Interface<'_> {
 }
 
 impl ContactProblem {
-    pub(crate) fn reduced(&self, with: &Factored, step: &Residual, form: Form) -> Result<Reduced, FactorError> {
-        let mut forward = self.gather(&step.imbalance);
+    pub(crate) fn reduced(
+        &self,
+        with: &Factored,
+        imbalance: &[f64],
+        remaining: &[f64],
+        form: Form,
+    ) -> Result<Reduced, FactorError> {
+        let mut forward = self.gather(imbalance);
         with.factor.forward(&mut forward)?;
         let trailing = &forward[forward.len() - self.numbering.trailing..];
         let force = with.condensed.condensed_force(trailing);
         let needs_flexibility = form == Form::Dual || with.condensed.better_form() == Form::Dual;
         let displacement =
             if needs_flexibility && !with.condensed.is_empty() { with.condensed.moved(trailing) } else { Vec::new() };
-        let (work, work_size, remaining) = (step.work.clone(), step.work_size.clone(), step.remaining.clone());
-        Ok(Reduced { forward, interface: InterfaceResidual { displacement, force, work, work_size, remaining } })
+        let remaining = remaining.to_vec();
+        Ok(Reduced { forward, interface: InterfaceResidual { displacement, force, remaining } })
     }
 
     /// Motion of the plate and increments of the reactions in one contact state.

@@ -4,10 +4,10 @@
 //! to the equations makes that slow, they become directions of generalized conjugate residuals (Eisenstat, Elman & Schultz
 //! 1983; refinement by a Krylov method as of Carson & Higham 2017).
 
-use super::direction::dot;
 use super::residual::Residual;
 use crate::cholesky::FactorError;
 use crate::contact::problem::ContactProblem;
+use crate::contact::scale::dot;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 use crate::residual::Displacement;

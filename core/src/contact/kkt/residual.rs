@@ -2,8 +2,9 @@
 //!
 //! Inside the methods points stand in the problem's order, the condensed ones before those of the active set.
 
-use super::direction::dot;
+use crate::contact::condense::Work;
 use crate::contact::problem::ContactProblem;
+use crate::contact::scale::dot;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 use crate::residual::{Displacement, internal_magnitudes, residual};
@@ -17,9 +18,6 @@ pub(crate) struct Residual {
     pub(crate) remaining: Vec<f64>,
     /// Largest imbalance as a force.
     pub(crate) worst: f64,
-    /// Work of the load in each free rigid motion, and the sum of the magnitudes it is made of.
-    pub(crate) work: Vec<f64>,
-    pub(crate) work_size: Vec<f64>,
 }
 
 /// What a residual is measured by: forces, couples, and what is left of the gap of every point.
@@ -31,16 +29,14 @@ pub(super) struct Sizes {
 
 impl ContactProblem {
     pub(crate) fn residual(&self, load: &[f64], solution: &ContactSolution) -> Residual {
-        self.residual_of(self.imbalance(load, &solution.displacement, &solution.reaction), load, solution)
+        self.residual_of(self.imbalance(load, &solution.displacement, &solution.reaction), solution)
     }
 
     /// The residual from what is out of balance at every dof, those held included.
-    pub(crate) fn residual_of(&self, mut imbalance: Vec<f64>, load: &[f64], solution: &ContactSolution) -> Residual {
+    pub(crate) fn residual_of(&self, mut imbalance: Vec<f64>, solution: &ContactSolution) -> Residual {
         self.release_held(&mut imbalance);
         let worst = self.scale.largest(&imbalance);
-        let (work, work_size) = self.works(load);
-        let remaining = self.remaining(&solution.displacement, &solution.reaction);
-        Residual { imbalance, remaining, worst, work, work_size }
+        Residual { imbalance, remaining: self.remaining(&solution.displacement, &solution.reaction), worst }
     }
 
     /// f − Ku − springs − Gᵀ·reaction at every dof: out of balance where free, the support's upward force where held.
@@ -71,13 +67,14 @@ impl ContactProblem {
         remaining
     }
 
-    /// Work of a load in each free rigid motion, and the sum of the magnitudes it is made of.
-    pub(crate) fn works(&self, load: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let of = |reduced: &Vec<f64>| {
-            let terms = reduced.iter().zip(load).map(|(u, f)| u * f);
+    /// Work of a load in each free rigid motion.
+    pub(crate) fn work(&self, load: &[f64]) -> Work {
+        let of = |motion: &Vec<f64>| {
+            let terms = motion.iter().zip(load).map(|(u, f)| u * f);
             (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>())
         };
-        self.constraints.free_motions.iter().map(of).unzip()
+        let (sum, size) = self.constraints.free_motions.iter().map(of).unzip();
+        Work { sum, size }
     }
 
     /// Zeroes a nodal vector at the dofs held.

@@ -8,9 +8,8 @@
 //! Condensed onto points that nearly repeat each other, P = GK⁻¹Gᵀ holds what tells them apart squared; here it stands
 //! as it is (Benzi, Golub & Liesen 2005, section 5). So are the shear forces of thin elements ([`Shears`]).
 
-use super::regularized::Regularized;
 use super::shears::Shears;
-use crate::assembly::{HELD, assemble_thick};
+use crate::assembly::{Assembly, HELD};
 use crate::contact::problem::ContactProblem;
 use crate::contact::tolerances;
 use crate::dense::OutOfMemory;
@@ -27,6 +26,28 @@ pub(crate) const TOGETHER: usize = 16;
 
 /// Solves with one right-hand side, each of what the one before left.
 const REFINEMENTS: usize = 4;
+
+/// A contact problem with what increments meet.
+pub(crate) struct Regularized<'a> {
+    pub(crate) problem: &'a ContactProblem,
+    /// Compliance of every point's support, and at least what its increments meet.
+    pub(crate) compliance: Vec<f64>,
+    /// Stiffness that an increment of deflection meets at every node.
+    bed: f64,
+}
+
+impl<'a> Regularized<'a> {
+    /// Increments of reaction meet at least `part` of the plate's own compliance.
+    pub(crate) fn of(problem: &'a ContactProblem, part: f64) -> Self {
+        assert!(problem.active.is_empty(), "all points are condensed");
+        let stiffness = problem.scale.stiffness;
+        let least = |i: usize| part / (problem.lever(i) * problem.lever(i) * stiffness);
+        let own = problem.constraints.compliance.iter().enumerate();
+        let compliance = own.map(|(i, own)| own.max(least(i))).collect();
+        let kept = (tolerances::proximal::STIFFNESS * part.sqrt()).max(tolerances::proximal::LEAST_STIFFNESS);
+        Self { problem, compliance, bed: kept * stiffness / problem.plate.node_count() as f64 }
+    }
+}
 
 /// The system of one contact state, factored.
 pub(crate) struct Saddle {
@@ -47,7 +68,7 @@ impl Saddle {
         let points: Vec<usize> = (0..closed.len()).filter(|&i| closed[i]).collect();
         let free = numbering.len();
         let behind = free + points.len();
-        let stiffness = assemble_thick(plate, &problem.springs, numbering);
+        let stiffness = Assembly::new(plate, &problem.springs, &[], numbering).thick_only().lower_triangle();
         let shears = Shears::of(plate, numbering, behind);
         let mut unit = vec![1.0; behind];
         unit.extend(shears.unit);

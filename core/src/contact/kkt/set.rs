@@ -3,7 +3,7 @@
 use super::interface::Interface;
 use super::penalized::Penalized;
 use super::refinement::KktSolver;
-use super::regularized::Regularized;
+use super::saddle::Regularized;
 use crate::cholesky::FactorError;
 use crate::contact::problem::{ContactProblem, Factored};
 use crate::contact::solution::{ContactSolution, Outcome};

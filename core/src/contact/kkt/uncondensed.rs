@@ -2,9 +2,8 @@
 
 use super::floating::{Held, after_rigid};
 use super::refinement::{Correction, KktSolver};
-use super::regularized::Regularized;
 use super::residual::Residual;
-use super::saddle::Saddle;
+use super::saddle::{Regularized, Saddle};
 use crate::cholesky::FactorError;
 use crate::contact::problem::ContactProblem;
 use crate::contact::rigid::rigid_part;

@@ -1,12 +1,13 @@
-//! Who follows a path: what solves it from one line to the next, and is watched.
+//! Who follows a path from its first solution on: what solves it from one line to the next, and is watched.
 
-use super::line::Line;
-use super::load::PathLoad;
+use super::line::{Line, largest_length};
+use super::load::{PathEnd, PathLoad, Stop};
+use super::trail::Trail;
 use crate::cholesky::FactorError;
 use crate::contact::kkt::OnSet;
 use crate::contact::problem::ContactProblem;
-use crate::contact::solution::{ContactSolution, Outcome, Progress};
-use crate::contact::start::Start;
+use crate::contact::scale::largest;
+use crate::contact::solution::{ContactSolution, Outcome, Progress, Start};
 use crate::contact::tolerances;
 
 /// Who follows the path of one load.
@@ -42,21 +43,12 @@ impl<'a> Follower<'a> {
         let PathLoad { held_value, proximal, .. } = *self.load;
         let (problem, load) = (self.problem, self.load.at(t));
         let own = self.how.own.take();
-        let start = near.map(|near| Start {
-            displacement: &near.displacement.hi,
-            reaction: &near.reaction,
-            closed: &near.closed,
-            factored: own.as_ref(),
-            balanced: None,
-        });
+        let start = near.map(|near| Start { solution: near, factored: own.as_ref(), reference: None });
         let mut watch = |now| self.goes_on(now);
-        let found = match &start {
-            _ if proximal => {
-                let part = tolerances::proximal::COMPLIANCE;
-                problem.solve_by_proximal_steps(&load, held_value, part, None, &mut watch)
-            }
-            Some(start) => problem.solve_from(&load, held_value, start, &mut watch),
-            None => problem.solve(&load, held_value, None, &mut watch),
+        let found = if proximal {
+            problem.solve_by_proximal_steps(&load, held_value, tolerances::proximal::COMPLIANCE, None, &mut watch)
+        } else {
+            problem.solve_from(&load, held_value, None, start.as_ref(), &mut watch)
         };
         self.how.own = own;
         found
@@ -85,7 +77,9 @@ impl<'a> Follower<'a> {
             force => force.max(tolerances::path::UNSEEN * self.load.size(at[0])),
         };
         let length = loads.iter().map(|load| self.problem.least_length(load)).fold(0.0, f64::max);
-        Ok(Some(Line::between(at, [from, to], counts, length)))
+        let force = counts(f64::max(largest(&from.reaction), largest(&to.reaction)));
+        let length = largest_length(&from).max(largest_length(&to)).max(length);
+        Ok(Some(Line { at, ends: [from, to], force, length }))
     }
 
     /// The solution on a set at one end of a line.
@@ -113,5 +107,42 @@ impl<'a> Follower<'a> {
         let condensed = problem.order.condensed.iter().zip(&problem.constraints.two_sided);
         let of_lcp = condensed.filter(|(_, two_sided)| !**two_sided).map(|(&i, _)| i);
         of_lcp.chain(problem.order.active.iter().copied())
+    }
+}
+
+impl ContactProblem {
+    /// Follows the path, and shows every stop on it to `visit`, which may end it by returning false, as `watch` may between
+    /// them, which sees the steps of all solves.
+    ///
+    /// The first stop is the solution at t = 0; if there is none, `visit` is not called.
+    pub fn path(
+        &self,
+        load: &PathLoad,
+        visit: &mut dyn FnMut(Stop) -> bool,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<PathEnd, FactorError> {
+        let mut follower = Follower::new(self, load, watch);
+        let end = follower.follow(visit)?;
+        Ok(if follower.interrupted { PathEnd::Interrupted } else { end })
+    }
+}
+
+impl Follower<'_> {
+    fn follow(&mut self, visit: &mut dyn FnMut(Stop) -> bool) -> Result<PathEnd, FactorError> {
+        let first = self.solution(0.0, None)?;
+        match first.outcome {
+            Outcome::Solved => {}
+            Outcome::NoEquilibrium => return Ok(PathEnd::NoEquilibrium),
+            _ => return Ok(PathEnd::Unsolved),
+        }
+        let mut trail = Trail::new(first, visit);
+        if self.load.end <= 0.0 {
+            return Ok(trail.end(0.0, None, PathEnd::Reached));
+        }
+        if self.problem.active.is_empty() && !self.load.proximal {
+            self.pivot_along(&mut trail)
+        } else {
+            self.step_along(0.0, &mut trail)
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! A stretch of the path: the plate on one contact set, linear in t.
 
+use crate::contact::scale::largest;
 use crate::contact::solution::{ContactSolution, differing};
 use crate::contact::tolerances;
 
@@ -13,15 +14,6 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Between solutions at two t on one set; what reactions count over is made of the largest, what gaps count over is at
-    /// least a length.
-    pub fn between(at: [f64; 2], ends: [ContactSolution; 2], counts: impl FnOnce(f64) -> f64, length: f64) -> Self {
-        let [from, to] = &ends;
-        let force = counts(f64::max(largest(&from.reaction), largest(&to.reaction)));
-        let length = largest_length(from).max(largest_length(to)).max(length);
-        Self { at, ends, force, length }
-    }
-
     /// What counts for a point: its reaction where closed, else its gap, at an end and over the largest of its kind.
     pub fn value(&self, end: usize, i: usize) -> f64 {
         let solution = &self.ends[end];
@@ -72,12 +64,8 @@ impl Line {
     }
 }
 
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
-}
-
 /// The largest deflection or gap.
-fn largest_length(of: &ContactSolution) -> f64 {
+pub(super) fn largest_length(of: &ContactSolution) -> f64 {
     of.displacement.hi.iter().step_by(3).fold(largest(&of.gap), |most, w| most.max(w.abs()))
 }
 

@@ -1,5 +1,6 @@
 //! The load of a path, its stops and its ends.
 
+use crate::contact::scale::largest;
 use crate::contact::solution::ContactSolution;
 
 /// The loads f₀ + t f₁ and the dofs held, over all dofs, and the largest t wanted; it may be infinite.
@@ -50,14 +51,12 @@ impl PathLoad<'_> {
 
     /// Largest part of the load where the two that it is made of do not cancel, and both count.
     pub(super) fn size(&self, t: f64) -> f64 {
-        let largest = |f: &[f64]| f.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         largest(self.start) + self.span(t) * largest(self.add)
     }
 
     /// A step of t that changes the load about as much as there is of it.
     pub(super) fn span(&self, t: f64) -> f64 {
-        let size = |f: &[f64]| f.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        match size(self.start) / size(self.add) {
+        match largest(self.start) / largest(self.add) {
             span if span > 0.0 && span.is_finite() => span.max(t),
             _ => t.max(1.0),
         }

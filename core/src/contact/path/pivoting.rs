@@ -6,9 +6,7 @@ use super::load::PathEnd;
 use super::trail::Trail;
 use crate::cholesky::FactorError;
 use crate::contact::condense::PosedLcp;
-use crate::contact::kkt::Residual;
 use crate::contact::lcp::in_memory;
-use crate::contact::problem::ContactProblem;
 use crate::contact::solution::{Progress, differing};
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
@@ -59,10 +57,10 @@ impl Follower<'_> {
                     true => (load.end, PathEnd::Reached),
                     false => (t, PathEnd::Unbounded),
                 };
-                return Ok(trail.end(last, &line.at(last), end));
+                return Ok(trail.end(last, Some(&line.at(last)), end));
             }
             if t >= load.end {
-                return Ok(trail.end(load.end, &line.at(load.end), PathEnd::Reached));
+                return Ok(trail.end(load.end, Some(&line.at(load.end)), PathEnd::Reached));
             }
             trail.arrive(&line, t);
         }
@@ -77,12 +75,16 @@ impl Follower<'_> {
         let condensed = &problem.base.condensed;
         let form = condensed.better_form();
         let rest = problem.at_rest(load.held_value);
-        let posed = |step: &Residual| -> Result<PosedLcp, FactorError> {
-            let reduced = problem.reduced(&problem.base, step, form)?;
-            Ok(condensed.lcp(form, &reduced.interface, &rest.reaction)?)
+        let posed = |load: &[f64], imbalance: &[f64], remaining: &[f64]| -> Result<PosedLcp, FactorError> {
+            let reduced = problem.reduced(&problem.base, imbalance, remaining, form)?;
+            Ok(condensed.lcp(form, &reduced.interface, &problem.work(load), &rest.reaction)?)
         };
-        let begin = posed(&problem.residual(load.start, &rest))?;
-        let along = posed(&problem.without_travel(load.add))?.q;
+        let first = problem.residual(load.start, &rest);
+        let begin = posed(load.start, &first.imbalance, &first.remaining)?;
+        // What is added, by itself: no gaps, nothing held elsewhere than at zero.
+        let mut added = load.add.to_vec();
+        problem.release_held(&mut added);
+        let along = posed(load.add, &added, &vec![0.0; rest.reaction.len()])?.q;
         let basis = condensed.basis(&begin, closed);
         let mut watch = |step| self.goes_on(Progress { step, changing: 0, residual: 0.0 });
         let solved =
@@ -91,14 +93,5 @@ impl Follower<'_> {
             let sets = found.segments.iter().map(|segment| condensed.closed_points(&begin, &segment.basis)).collect();
             (found, sets)
         }))
-    }
-}
-
-impl ContactProblem {
-    /// A load by itself: no gaps, nothing held elsewhere than at zero.
-    fn without_travel(&self, load: &[f64]) -> Residual {
-        let rest = self.at_rest(&vec![0.0; load.len()]);
-        let step = self.residual_of(load.to_vec(), load, &rest);
-        Residual { remaining: vec![0.0; rest.reaction.len()], ..step }
     }
 }

@@ -18,7 +18,7 @@ impl Follower<'_> {
         let mut closed = trail.here().closed.clone();
         for _ in 0..=MOST_EVENTS {
             let Some(mut line) = self.leaving(t, &closed, trail.here())? else {
-                return Ok(trail.stuck(t, PathEnd::Unsolved));
+                return Ok(trail.end(t, None, PathEnd::Unsolved));
             };
             if !trail.leave(t, &line) {
                 return Ok(PathEnd::Interrupted);
@@ -37,7 +37,7 @@ impl Follower<'_> {
                     true => (load.end, PathEnd::Reached),
                     false => (line.at[1], PathEnd::Unbounded),
                 };
-                return Ok(trail.end(last, &line.at(last), end));
+                return Ok(trail.end(last, Some(&line.at(last)), end));
             }
             trail.arrive(&line, to);
             closed.clone_from(&trail.here().closed);

@@ -55,14 +55,9 @@ impl<'a> Trail<'a> {
             && (self.visit)(Stop { t, switched: &differing(&between, &begin.closed), solution: &begin })
     }
 
-    /// The last stop.
-    pub fn end(&mut self, t: f64, solution: &ContactSolution, end: PathEnd) -> PathEnd {
-        if (self.visit)(Stop { t, switched: &[], solution }) { end } else { PathEnd::Interrupted }
-    }
-
-    /// Where no line leaves, what it came with is the end.
-    pub fn stuck(&mut self, t: f64, end: PathEnd) -> PathEnd {
-        let solution = &self.arrived.solution;
+    /// The last stop: a solution on the last line, or where no line leaves, what it came with.
+    pub fn end(&mut self, t: f64, solution: Option<&ContactSolution>, end: PathEnd) -> PathEnd {
+        let solution = solution.unwrap_or(&self.arrived.solution);
         if (self.visit)(Stop { t, switched: &[], solution }) { end } else { PathEnd::Interrupted }
     }
 }

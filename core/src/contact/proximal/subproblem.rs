@@ -1,8 +1,8 @@
 //! The complementarity problem of one proximal step.
 
 use crate::cholesky::FactorError;
+use crate::contact::condense::PosedLcp;
 use crate::contact::kkt::{Regularized, Residual, Saddle, TOGETHER};
-use crate::contact::lcp::Asked;
 use crate::contact::solution::{ContactSolution, Outcome, Progress};
 use crate::dense::{OutOfMemory, zeros};
 use rayon::prelude::*;
@@ -10,8 +10,8 @@ use rayon::prelude::*;
 /// What one-sided points do to each other where the two-sided ones hold: the proximal step's M.
 pub(super) struct Subproblem {
     held: Saddle,
-    points: Vec<usize>,
-    matrix: Vec<f64>,
+    /// Its q is that of the last step.
+    lcp: PosedLcp,
 }
 
 impl Subproblem {
@@ -41,7 +41,8 @@ impl Subproblem {
                 line[at] += regularized.compliance[points[at]];
             }
         });
-        Ok(Some(Self { held, points, matrix }))
+        let gap_is_z = vec![false; points.len()];
+        Ok(Some(Self { held, lcp: PosedLcp { matrix, q: Vec::new(), point: points, gap_is_z } }))
     }
 
     /// The contact set of one proximal step; M is made when it is first asked for.
@@ -60,20 +61,20 @@ impl Subproblem {
         if made.is_none() {
             *made = Self::of(regularized)?;
         }
-        let Some(Self { held, points, matrix }) = made else {
+        let Some(Self { held, lcp }) = made else {
             return Ok(Err(Outcome::Unsolved));
         };
+        let (points, matrix) = (&lcp.point, &lcp.matrix);
         let (nodal, _) = held.response(problem, &step.imbalance, &step.remaining);
         let gap = |(row, &point): (usize, &usize)| {
             let acting = matrix[row * points.len()..].iter().zip(points.iter());
             let pushed_by: f64 = acting.map(|(m, &other)| m * near.reaction[other]).sum();
             step.remaining[point] - problem.constraints.rows.dot(&problem.plate, point, &nodal) - pushed_by
         };
-        let q: Vec<f64> = points.iter().enumerate().map(gap).collect();
-        let basis: Vec<bool> = points.iter().map(|&point| near.closed[point]).collect();
-        let asked = Asked { matrix, q: &q, points, gap_is_z: &vec![false; points.len()], basis: Some(&basis) };
-        Ok(problem.solve_lcp(&asked, &mut near.pivots, watch)?.map(|basis| {
-            points.iter().zip(&basis).for_each(|(&point, &basic)| closed[point] = basic);
+        lcp.q = points.iter().enumerate().map(gap).collect();
+        let basis: Vec<bool> = lcp.point.iter().map(|&point| near.closed[point]).collect();
+        Ok(problem.solve_lcp(lcp, Some(&basis), &mut near.pivots, watch)?.map(|basis| {
+            lcp.point.iter().zip(&basis).for_each(|(&point, &basic)| closed[point] = basic);
             closed
         }))
     }

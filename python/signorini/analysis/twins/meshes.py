@@ -1,0 +1,72 @@
+"""Which meshes a mesh is compared with: of twice and four times its size or, if it is coarse, half and a quarter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini.mesh import Mesh
+from signorini.mesh.refined import refined
+from signorini.model import MeshPlate, Model
+
+_LEAST_ALONG, _LEAST = 16, 1000
+"""Elements along a side, and in all, from which on a mesh of four times the size still shows the plate: it has a
+sixteenth of them."""
+
+_LEAST_ALONG_OF_SEVERAL, _LEAST_OF_SEVERAL = 8, 100
+"""The same where the cost is that of many loads."""
+
+_CHEAP = 5_000
+"""Elements of a finer mesh that is affordable: it takes a second or two."""
+
+
+@dataclass(frozen=True)
+class Twin:
+    """The same plate on another mesh.
+
+    Parameters
+    ----------
+    model : Model
+    mesh : Mesh or None
+        None where the model says all.
+    words : str
+    """
+
+    model: Model
+    mesh: Mesh | None
+    words: str
+
+
+def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[Twin, ...]]:
+    """Yield pairs of meshes to compare with, the nearest one first in each; the best pair first.
+
+    Where several loads are to be solved, coarser ones are preferred on smaller plates too.
+    """
+    count = len(mesh.elements)
+    if isinstance(model.plate, MeshPlate):
+        yield tuple(_twin(model, mesh, factor) for factor in (0.5, 0.25) if factor == 0.5 or 16 * count <= _CHEAP)
+        return
+    along = model.plate.along(model.mesh)
+    least_along, least = (_LEAST_ALONG_OF_SEVERAL, _LEAST_OF_SEVERAL) if several else (_LEAST_ALONG, _LEAST)
+    coarse = along < least_along or count < least
+    if coarse and 16 * count <= _CHEAP:
+        yield _twin(model, mesh, 0.5), _twin(model, mesh, 0.25)
+    if coarse and 4 * count <= _CHEAP:
+        yield (_twin(model, mesh, 0.5), *(_twin(model, mesh, 2.0) for _ in range(along > 1)))
+    if along > 1:
+        yield _twin(model, mesh, 2.0), _twin(model, mesh, 4.0)
+
+
+def _twin(model: Model, mesh: Mesh, factor: float) -> Twin:
+    words = {0.25: "a quarter of its size", 0.5: "half its size", 2.0: "twice its size", 4.0: "four times its size"}
+    if isinstance(model.plate, MeshPlate):
+        return Twin(model, refined(mesh, round(math.log2(1 / factor))), words[factor])
+    return Twin(model.model_copy(update={"mesh": model.plate.scaled(model.mesh, factor)}), None, words[factor])
+
+
+def side(mesh: Mesh) -> float:
+    """Mean side of a mesh's elements."""
+    return float(np.sqrt(mesh.element_area.mean()))

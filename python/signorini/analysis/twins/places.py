@@ -1,0 +1,53 @@
+"""Half-widths of places: of edges of contact, and of where the deflection is largest and smallest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from signorini.analysis.twins.compared import rounded
+from signorini.analysis.twins.leaves import Path
+from signorini.analysis.twins.meshes import side
+from signorini.discretise.rows import Floats
+from signorini.results.result import Result
+
+
+def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
+    """Half-widths of every coordinate of edges of contact: the way to the edge on the other mesh, along each axis."""
+    found: dict[Path, float | None] = {}
+    for index, (mine, others) in enumerate(zip(result.supports, other.supports, strict=True)):
+        segments = [np.stack([line[:-1], line[1:]], axis=1) for line in others.contact_boundary if len(line) > 1]
+        for line, vertices in enumerate(mine.contact_boundary if segments else ()):
+            ways = _ways(vertices, segments)
+            for vertex, way in enumerate(np.abs(ways).tolist()):
+                for axis in (0, 1):
+                    found[("supports", index, "contact_boundary", line, vertex, axis)] = rounded(way[axis])
+    return found
+
+
+def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> dict[Path, float | None]:
+    """Half-widths of the places of extremes: how far nodes reach that may hold the extreme, within its half-width."""
+    found: dict[Path, float | None] = {}
+    spacing = 0.5 * side(result.mesh)
+    for name, sign in (("max", 1.0), ("min", -1.0)):
+        width = numbers[("deflection", name)]
+        value = sign * result.deflection
+        near = np.zeros((0, 2)) if width is None else result.mesh.points[value >= value.max() - 2.0 * width]
+        far = np.abs(near - result.mesh.points[value.argmax()]).max(axis=0, initial=0.0) + spacing
+        for axis in (0, 1):
+            found[("deflection", f"{name}_at", axis)] = None if width is None else rounded(far[axis])
+    return found
+
+
+def _ways(points: Floats, lines: Sequence[Floats]) -> Floats:
+    """Vectors (q, 2) from points to the nearest place of lines of segments (k, 2, 2)."""
+    a, b = np.concatenate(lines).transpose(1, 0, 2)
+    along = b - a
+    squared = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
+    found = np.empty_like(points)
+    for number, at in enumerate(points):
+        share = np.clip(((at - a) * along).sum(axis=1) / squared, 0.0, 1.0)
+        ways = a + share[:, None] * along - at
+        found[number] = ways[np.argmin((ways**2).sum(axis=1))]
+    return found

@@ -1,0 +1,113 @@
+"""The plate on other meshes: half-widths for results, solved when they are first asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from types import MappingProxyType
+from typing import TypeVar
+
+from signorini.analysis.single import solve_one
+from signorini.analysis.twins.compared import Meshes, compared
+from signorini.analysis.twins.leaves import kind_of, largest_of, named, with_numbers
+from signorini.analysis.twins.meshes import Twin, twins_of
+from signorini.analysis.twins.places import boundary_widths, places_of_extremes
+from signorini.base.arguments import watching
+from signorini.base.progress import Progress, Watcher
+from signorini.base.remade import Remade
+from signorini.contact.problem import ContactProblem, contact_problem
+from signorini.discretise import discretise
+from signorini.errors import SignoriniError
+from signorini.mesh import Mesh
+from signorini.model import Combination, Model
+from signorini.results.estimate import NONE, Estimate
+from signorini.results.figures import figures
+from signorini.results.result import Result
+
+_T = TypeVar("_T")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Twins(Remade):
+    """The same model on other meshes, each factored once.
+
+    Parameters
+    ----------
+    model : Model
+    mesh : Mesh
+        The mesh that others are compared with.
+    watcher : callable
+        Called with a `Progress`; what it raises ends what is being solved and reaches the caller.
+    """
+
+    model: Model
+    mesh: Mesh
+    watcher: Watcher
+    _problems: dict[str, ContactProblem] = field(default_factory=dict)
+
+    _made = MappingProxyType({"watcher": lambda twins: watching(None, ""), "_problems": lambda twins: {}})
+
+    def follow(self, result: Result, combination: Combination) -> Result:
+        """Give a result of a combination this as its estimator."""
+        return replace(result, estimator=partial(self.estimate, combination))
+
+    def estimate(self, combination: Combination, result: Result) -> Estimate:
+        """Compare a result of a combination with those on other meshes."""
+        if result.status != "solved":
+            return NONE
+
+        def solved(problem: ContactProblem, watch: Watcher) -> Result:
+            watch(Progress(combination.name))
+            found = solve_one(problem, combination, watch)
+            if found.status != "solved":
+                raise SignoriniError(found.message)
+            return found
+
+        found, warning = self.others(solved)
+        return compare(result, found) if found else Estimate(None, (), (warning,))
+
+    def others(self, solved: Callable[[ContactProblem, Watcher], _T], several: bool = False) -> tuple[list[_T], str]:
+        """Solve something on one or two other meshes, and say why where there is none; of several loads on coarser."""
+        whys: list[str] = []
+        for pair in twins_of(self.model, self.mesh, several):
+            found: list[_T] = []
+            for twin in pair:
+                try:
+                    found.append(self._on(twin, solved))
+                except (SignoriniError, MemoryError) as error:
+                    whys.append(f"on a mesh of {twin.words}: {error or 'not enough memory.'}")
+                    break
+            if found:
+                return found, ""
+        why = " ".join(whys) or "a finer mesh would take too long."
+        return [], f"No half-width (±) says how far the mesh is from the plate; {why}"
+
+    def _on(self, twin: Twin, solved: Callable[[ContactProblem, Watcher], _T]) -> _T:
+        def watch(now: Progress) -> None:
+            self.watcher(replace(now, twin=twin.words))
+
+        if twin.words not in self._problems:
+            watch(Progress(stage="mesh"))
+            discretised = discretise(twin.model, twin.mesh)
+            watch(Progress(stage="factor"))
+            self._problems[twin.words] = contact_problem(discretised)
+        return solved(self._problems[twin.words], watch)
+
+
+def compare(result: Result, others: list[Result]) -> Estimate:
+    """Compare a result with those on one or two other meshes."""
+    meshes = Meshes.of(result.mesh, [one.mesh for one in others])
+    every = [next(one for one in (result, *others) if one.mesh is mesh) for mesh in meshes.every]
+    trees = [figures(one) for one in every]
+    largest = largest_of(result)
+    numbers, growing = compared(trees, meshes, result.model, lambda path, value: largest[kind_of(path)])
+    numbers |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
+    numbers |= places_of_extremes(result, numbers)
+    warnings = []
+    if growing:
+        warnings.append(
+            f"As the mesh is refined these grow and show no limit: {named(growing, trees[meshes.own])}. What acts at a "
+            "point or ends in a corner is infinite there; spread it over the area it has, or read the number beside it."
+        )
+    return Estimate(with_numbers(trees[meshes.own], numbers), meshes.elements, tuple(warnings))

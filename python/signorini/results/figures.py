@@ -1,0 +1,60 @@
+"""What results.json says of one combination in numbers: deflection, supports and probes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any
+
+from signorini.results.probe_result import ProbeResult
+from signorini.results.result import Result
+from signorini.results.support_result import SupportResult
+
+
+def figures(result: Result) -> dict[str, Any]:
+    """Give the keys deflection, supports and probes of a combination; docs/results.md describes them."""
+    return {
+        "deflection": _extremes(result) if result.status == "solved" else None,
+        "supports": [_support(support) for support in result.supports],
+        "probes": [_probe(probe) for probe in result.probes],
+    }
+
+
+def _extremes(result: Result) -> dict[str, Any]:
+    highest, lowest = int(result.deflection.argmax()), int(result.deflection.argmin())
+    return {
+        "max": float(result.deflection[highest]),
+        "max_at": result.mesh.points[highest].tolist(),
+        "min": float(result.deflection[lowest]),
+        "min_at": result.mesh.points[lowest].tolist(),
+    }
+
+
+def _support(support: SupportResult) -> dict[str, Any]:
+    found = {"name": support.name, "kind": support.kind, **total(support)}
+    found["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
+    if support.area is not None:
+        return found
+    return found | {"points" if support.place == "at" else "nodes": list(point_figures(support))}
+
+
+def total(support: SupportResult) -> dict[str, Any]:
+    """Say what a support does as a whole."""
+    return {
+        "reaction": support.reaction,
+        "closed": support.closed_count,
+        "open": support.open_count,
+        "contact_area": support.contact_area,
+        "max_pressure": support.max_pressure,
+    }
+
+
+def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
+    """Say what a support does at each of its points; of a held edge the consistent nodal forces."""
+    columns = (support.positions, support.reactions, support.gaps, support.closed)
+    for at, reaction, gap, closed in zip(*(column.tolist() for column in columns), strict=True):
+        yield {"at": at, "reaction": reaction, "gap": gap, "state": "closed" if closed else "open"}
+
+
+def _probe(probe: ProbeResult) -> dict[str, Any]:
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(probe).items()}

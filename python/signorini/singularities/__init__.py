@@ -1,0 +1,1 @@
+"""Where a plate's numbers have no limit as the mesh is refined, known before it is solved."""

@@ -1,0 +1,135 @@
+"""The boundary of a plate: what its edges hold, its corners, and where points are on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini.discretise import Discretisation
+from signorini.discretise.places import curve, quadratic_tangents
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.mesh import Mesh
+from signorini.model import Support
+from signorini.singularities.corners import Slopes, moments_grow, shears_grow, slopes_held
+
+_STRAIGHT = np.radians(1.0)
+"""Turning at a node below which an edge runs on smoothly."""
+_OF_ROUND = 0.2
+"""Part of what two round sides turn themselves by which they may turn between them: parabolas stand for an arc."""
+_ON_EDGE = 1e-6
+"""Distance from a side, in reference coordinates, at which a point is on it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Boundary:
+    """The sides of elements along the boundary, the plate on their left.
+
+    Parameters
+    ----------
+    sides : (k, 3) array
+        Nodes: corner, midside, corner.
+    following : (k,) array
+        The next side.
+    angles : (k,) array
+        Angle of the plate between each side and the next; π where they run on smoothly.
+    held : (k,) array
+        Whether the deflection is held, or may be: by a rigid support of any kind.
+    slope, twist : (k,) arrays
+        Whether the slopes across and along the side are held.
+    """
+
+    mesh: Mesh
+    sides: Ints
+    following: Ints
+    angles: Floats
+    held: Bools
+    slope: Bools
+    twist: Bools
+
+    @classmethod
+    def of(cls, found: Discretisation) -> Boundary:
+        """The boundary with what the model's supports hold along it."""
+        mesh = found.mesh
+        sides = mesh.boundary
+        held, slope, twist = np.zeros((3, len(sides)), np.bool_)
+        for support in found.model.support:
+            on = np.isin(sides[:, 1], _middles(mesh, support))
+            if support.stiffness is None:
+                held |= on & (support.resists is not None or "w" in support.fixed)
+            slope |= on & ("slope" in support.fixed)
+            twist |= on & ("twist" in support.fixed)
+        first = {node: number for number, node in enumerate(sides[:, 0].tolist())}
+        following = np.array([first[node] for node in sides[:, 2].tolist()])
+        tangents = quadratic_tangents(mesh, sides)
+        own = _turn(tangents[:, 0], tangents[:, 2])
+        turn = _turn(tangents[:, 2], tangents[following, 0])
+        slack = np.maximum(_STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
+        angles = np.pi - np.where(np.abs(turn) > slack, turn, 0.0)
+        return cls(mesh, sides, following, angles, held, slope, twist)
+
+    def slopes(self, side: int) -> Slopes:
+        """What a side holds of the slopes."""
+        return slopes_held(bool(self.slope[side]), bool(self.twist[side]))
+
+    def corners(self, poisson: float) -> list[tuple[tuple[float, float], float, tuple[str, ...]]]:
+        """Corners without a limit of some number: where, the angle in degrees, and the numbers."""
+        found = []
+        keys = np.column_stack([self.held, self.slope, self.twist])
+        changes = (keys != keys[self.following]).any(axis=1)
+        for side in np.flatnonzero(changes | (self.angles != np.pi)).tolist():
+            other, angle = int(self.following[side]), float(self.angles[side])
+            numbers = []
+            if moments_grow(angle, self.slopes(side), self.slopes(other), poisson):
+                numbers.append("moment")
+            along = bool(self.twist[side] if self.held[side] else self.twist[other])
+            if shears_grow(angle, bool(self.held[side]), bool(self.held[other]), along):
+                numbers.append("shear")
+            if numbers:
+                x, y = self.mesh.points[self.sides[side, 2]].tolist()
+                found.append(((x, y), float(np.degrees(angle)), tuple(numbers)))
+        return found
+
+    def at(self, point: Floats) -> Ints:
+        """Sides that a point (2,) is on: none inside, two at a node between them."""
+        where = self.mesh.locate(point[None])
+        if not where.inside[0]:
+            return np.zeros(0, np.int64)
+        ends = self.mesh.points[self.sides[:, [0, 2]]]
+        near = np.hypot(*np.moveaxis(ends - point, 2, 0)) <= _ON_EDGE * self.mesh.size
+        if near.any():
+            return np.flatnonzero(near.any(axis=1))
+        element, (x, y) = int(where.elements[0]), where.xi[0]
+        on = np.array([y < -1 + _ON_EDGE, x > 1 - _ON_EDGE, y > 1 - _ON_EDGE, x < -1 + _ON_EDGE])
+        outer = self.mesh.sides[element, on & self.mesh.on_boundary[element], 1]
+        return np.flatnonzero(np.isin(self.sides[:, 1], outer))
+
+    def tangent(self, side: int) -> Floats:
+        """Direction (2,) of a side, from end to end."""
+        a, b = self.mesh.points[self.sides[side, [0, 2]]]
+        return np.asarray((b - a) / np.hypot(*(b - a)))
+
+    def rays(self, point: Floats) -> list[tuple[int, Floats]]:
+        """Sides that go on from a point on the boundary, with their directions (2,) from there; none inside."""
+        found = []
+        for side in self.at(point).tolist():
+            tangent = self.tangent(side)
+            first, last = (np.hypot(*(self.mesh.points[self.sides[side, k]] - point)) for k in (0, 2))
+            slack = _ON_EDGE * self.mesh.size
+            found += [(side, tangent)] if last > slack else []
+            found += [(side, -tangent)] if first > slack else []
+        return found
+
+
+def _middles(mesh: Mesh, support: Support) -> Ints:
+    """Nodes in the middles of the sides along a support's edge, line or circle; none where the mesh does not follow."""
+    if support.edge is not None:
+        return np.concatenate([mesh.edges[name] for name in support.edge])[:, 1]
+    along = curve(support)
+    sides = None if along is None else mesh.edges_along(along)
+    return np.zeros(0, np.int64) if sides is None else sides[:, 1]
+
+
+def _turn(a: Floats, b: Floats) -> Floats:
+    """Angles (k,) from directions (k, 2) to others, to the left."""
+    return np.asarray(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))

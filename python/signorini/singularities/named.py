@@ -1,0 +1,333 @@
+"""Singularities by name: what of a combination has no limit as the mesh is refined, where, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from signorini.discretise import Discretisation
+from signorini.discretise.places import curve, region
+from signorini.discretise.rows import Bools, Floats
+from signorini.mesh import Mesh
+from signorini.model import Load, Support
+from signorini.model.footprint import KEYS as FOOTPRINT
+from signorini.shapes import Circle, Polyline, Ring
+from signorini.singularities.boundary import Boundary
+from signorini.singularities.corners import moments_grow, slopes_held
+
+_STRAIGHT = np.radians(1.0)
+_ENDS = 1e-9
+"""Part of a line load's size at its points below which it has come to nothing at its end."""
+_TURN = 72
+"""Points of a circle that is named."""
+
+
+@dataclass(frozen=True)
+class Singularity:
+    """Numbers that have no limit as the mesh is refined.
+
+    Parameters
+    ----------
+    where : tuple of (x, y)
+        Points; or, if ``line``, the vertices of a line all along which it is so.
+    what : str
+        What it is, in words.
+    numbers : tuple of str
+        What has no limit there: "deflection", "rotation", "moment", "shear", "pressure" (per area, or along a line per
+        length) or "reaction" (of a support at points).
+    advice : str
+        What to do about it.
+    source : str
+        The support's name, the load case, or "plate".
+    line : bool
+    within : float
+        How far from there numbers are taken for its peak: the plate's thickness.
+    """
+
+    where: tuple[tuple[float, float], ...]
+    what: str
+    numbers: tuple[str, ...]
+    advice: str
+    source: str
+    line: bool = False
+    within: float = 0.0
+
+    def __str__(self) -> str:
+        """Say it in a sentence."""
+        grow = "grow" if len(self.numbers) > 1 else "grows"
+        return f"{self.what}: {_listed(self.numbers)} {grow} for ever as the mesh is refined. {self.advice}"
+
+
+_FOOTPRINT = "Give it a footprint, patch or radius."
+
+
+def singularities(found: Discretisation, cases: Collection[str] | None = None) -> tuple[Singularity, ...]:
+    """Name the singularities under some load cases, under all if none are given.
+
+    Supports are there whether they act or not: that is known only when it is solved.
+
+    Examples
+    --------
+    >>> from signorini import Model
+    >>> from signorini.discretise import discretise
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     support=[{"edge": ["left", "right"], "fix": "hard"}],
+    ...     load=[{"force": 20e3, "at": [2, 1.5]}, {"force": 20e3, "at": [2, 2.5], "patch": [0.3, 0.3]}],
+    ... )
+    >>> for one in singularities(discretise(model)):
+    ...     print(one.where, one)
+    ((2.0, 1.5),) Force at a point of load[1]: deflection, moment and shear grow for ever as the mesh is refined. ...
+    """
+    known = _KNOWN.setdefault(found, {})
+    if "" not in known:
+        known[""] = _measured(found, (*_of_supports(found), *_of_corners(found)))
+    acting = [case for case in found.cases if cases is None or case in cases]
+    return (*(one for case in acting for one in _of_case(found, known, case)), *known[""])
+
+
+def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
+    """Which nodes (n,) are no part of a peak of "moment", "shear" or another number without a limit.
+
+    They are farther than ``within`` from where it has none, and in no element there. Where no node is left, all are.
+    """
+    from scipy.spatial import KDTree
+
+    away = np.ones(mesh.node_count, np.bool_)
+    for one in named:
+        if number in one.numbers and one.where and not one.line:
+            places = np.array(one.where)
+            away &= KDTree(places).query(mesh.points)[0] > one.within
+            where = mesh.locate(places)
+            away[mesh.elements[where.elements[where.inside]]] = False
+    return away if away.any() else np.ones_like(away)
+
+
+def _of_case(found: Discretisation, known: dict[str, tuple[Singularity, ...]], case: str) -> tuple[Singularity, ...]:
+    name = f"case {case}"
+    if name not in known:
+        known[name] = _measured(found, _of_loads(found, case))
+    return known[name]
+
+
+def _measured(found: Discretisation, named: Iterable[Singularity]) -> tuple[Singularity, ...]:
+    within = float(found.thickness.max())
+    return tuple(replace(one, within=within) for one in named)
+
+
+def _of_loads(found: Discretisation, case: str) -> Iterator[Singularity]:
+    for index, load in enumerate(found.model.load):
+        if load.case != case:
+            continue
+        place = f"load[{index + 1}]"
+        if load.at is not None and not load.given(FOOTPRINT):
+            couple = load.couple is not None
+            if (any(load.couple or ()) if couple else load.force) and load.at:
+                kind = "Couple" if couple else "Force"
+                numbers = ("deflection", *(("rotation",) if couple else ()), "moment", "shear")
+                yield Singularity(load.at, f"{kind} at a point of {place}", numbers, _FOOTPRINT, case)
+        elif load.line_load is not None and (ends := _ends_of_load(found, load)):
+            what = f"End or corner of the line load of {place}"
+            yield Singularity(ends, what, ("shear",), "Take shears from beside it.", case)
+    for moving in found.model.moving:
+        travelled = moving.positions.get(case)
+        if travelled is not None and moving.patch is None:
+            wheels = np.array([at for at, _, _ in moving.wheels(travelled)])
+            on = found.mesh.locate(wheels).inside
+            if on.any():
+                places = _points(wheels[on])
+                numbers = ("deflection", "moment", "shear")
+                yield Singularity(places, f"Wheels of {moving.case}", numbers, "Give them a patch.", case)
+
+
+def _of_supports(found: Discretisation) -> Iterator[Singularity]:
+    determinate = _determinate(found)
+    for support in found.model.support:
+        if support.at is not None:
+            if not support.given(FOOTPRINT):
+                slopes = "slope" in support.fixed
+                numbers = ("deflection", *(("rotation",) if slopes else ()), "moment", "shear")
+                numbers += () if determinate else ("reaction",)
+                advice = "Clamp an edge or a line." if slopes else _FOOTPRINT
+                yield Singularity(support.at, f"{support.name} at a point", numbers, advice, support.name)
+            continue
+        yield from _of_outline(found, support)
+        steps = any(level.jumps for one in (support.settlement, support.gap) for level in one.levels)
+        if steps and _rigid(support):
+            what = f"Step of the settlement or gap of {support.name}"
+            numbers = ("moment", "shear", "pressure", "reaction")
+            yield Singularity((), what, numbers, "Give it a ramp, or the support a stiffness.", support.name)
+
+
+def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity]:
+    """Ends and corners of lines, and outlines of rigid areas."""
+    rigid = _rigid(support)
+    along, shape = curve(support), region(support.area)
+    if isinstance(along, Polyline):
+        for numbers, ends in _ends_of_line(found, along, support).items():
+            advice = "Give it a stiffness, or take values from beside it." if rigid else "Take values from beside it."
+            yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
+    if rigid and shape is not None and not shape.contains(found.mesh.points).all():
+        drawn = _around(shape.center, shape.radius) if isinstance(shape, Circle) else shape.outline.segments[:, 0]
+        closed = _points(np.concatenate([drawn, drawn[:1]]))
+        advice = "Give the area a stiffness."
+        yield Singularity(
+            closed, f"Outline of the rigid area of {support.name}", ("pressure",), advice, support.name, True
+        )
+        if not isinstance(shape, Circle):
+            corners = [at for at in drawn if found.mesh.locate(at[None]).inside[0] and not len(_boundary(found).at(at))]
+            if corners:
+                what = f"Corner of the rigid area of {support.name}"
+                yield Singularity(_points(np.array(corners)), what, ("shear",), advice, support.name)
+
+
+def _rigid(support: Support) -> bool:
+    return support.stiffness is None and (support.resists is not None or "w" in support.fixed)
+
+
+def _of_corners(found: Discretisation) -> Iterator[Singularity]:
+    for at, degrees, numbers in _boundary(found).corners(found.model.material.nu):
+        straight = abs(degrees - 180) < 1
+        what = "Change of the edge's support" if straight else f"Corner of {degrees:.4g}° of the plate"
+        yield Singularity(
+            (at,), f"{what} at [{at[0]:.6g}, {at[1]:.6g}]", numbers, "Take values from beside it.", "plate"
+        )
+
+
+def _determinate(found: Discretisation) -> bool:
+    """Whether three points are all that holds the deflection, so that reactions follow from equilibrium."""
+    holding = [support for support in found.model.support if support.resists is not None or "w" in support.fixed]
+    slopes = any({"slope", "twist"} & set(support.fixed) for support in found.model.support)
+    return not slopes and all(s.at is not None for s in holding) and sum(len(s.at or ()) for s in holding) == 3
+
+
+def _ends_of_load(found: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
+    """Ends and corners of a line load at which shears grow as the logarithm of the distance."""
+    assert load.line_load is not None
+    edge = _boundary(found)
+    along = curve(load)
+    if along is None:
+        return _ends_on_edges(found, load)
+    if isinstance(along, Ring):
+        return ()
+    points = np.array(along.points)
+    value = np.abs(load.line_load(*points.T))
+    acts = value > _ENDS * value.max(initial=0.0)
+    chosen = []
+    for at, directions, act in zip(points, _directions(points), acts, strict=True):
+        ends = _bends(*directions) if len(directions) == 2 else _load_ends(edge, at, directions[0])
+        if act and ends:
+            chosen.append(at)
+    return _points(np.array(chosen).reshape(-1, 2))
+
+
+def _load_ends(edge: Boundary, at: Floats, into: Floats) -> bool:
+    """Whether shears grow at the end of a line load that runs on in a direction (2,)."""
+    sides = edge.at(at)
+    if not len(sides):
+        return True
+    along = np.abs([edge.tangent(int(side)) @ into for side in sides])
+    mine = sides[along > np.cos(_STRAIGHT)]
+    if len(mine):
+        beside = np.setdiff1d(sides, mine)
+        return _grows_on_edge(edge, int(mine[0]), int(beside[0]) if len(beside) else int(mine[0]))
+    # Mirrored at a free edge a load across it runs on straight; at a held one its sign changes.
+    return bool(edge.held[sides].any() or (along > np.sin(_STRAIGHT)).any())
+
+
+def _grows_on_edge(edge: Boundary, mine: int, beside: int) -> bool:
+    """Whether shears grow where a load on a side ends and another, or the same, goes on without."""
+    if edge.held[mine]:
+        return False
+    angle = np.pi
+    if mine != beside:
+        angle = edge.angles[mine if edge.following[mine] == beside else beside]
+    return bool(angle >= 0.5 * np.pi - _STRAIGHT if edge.held[beside] else abs(angle - np.pi) <= _STRAIGHT)
+
+
+def _ends_on_edges(found: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
+    """Ends of a load on edges where the edge runs on straight, or into one that is held at a right angle."""
+    assert load.line_load is not None
+    edge, mesh = _boundary(found), found.mesh
+    middles = np.concatenate([mesh.edges[name] for name in load.edge or ()])[:, 1]
+    loaded = np.isin(edge.sides[:, 1], middles)
+    other = edge.following
+    ends = np.flatnonzero(loaded != loaded[other])
+    pairs = [(side, int(other[side])) if loaded[side] else (int(other[side]), side) for side in ends.tolist()]
+    grows = np.array([_grows_on_edge(edge, *pair) for pair in pairs], np.bool_)
+    at = mesh.points[edge.sides[ends, 2]]
+    value = np.abs(load.line_load(*at.T)) if len(at) else np.zeros(0)
+    return _points(at[grows & (value > _ENDS * value.max(initial=0.0))])
+
+
+def _ends_of_line(
+    found: Discretisation, along: Polyline, support: Support
+) -> dict[tuple[str, ...], tuple[tuple[float, float], ...]]:
+    """Ends and corners of a line that supports the plate, by the numbers that have no limit there."""
+    edge, points = _boundary(found), np.array(along.points)
+    own = slopes_held("slope" in support.fixed, "twist" in support.fixed)
+    rigid, acts = _rigid(support), support.resists is not None or "w" in support.fixed
+    of_deflection = ("shear", "pressure") if rigid else ("shear",) if acts else ()
+    places: dict[tuple[str, ...], list[Floats]] = {}
+    for at, directions in zip(points, _directions(points), strict=True):
+        rays = edge.rays(at) if len(directions) == 1 else []
+        within = [float(np.arccos(np.clip(ray @ directions[0], -1.0, 1.0))) for _, ray in rays]
+        if any(min(angle, np.pi - angle) <= _STRAIGHT for angle in within) or not (
+            rays or len(directions) == 1 or _bends(*directions)
+        ):
+            continue  # along an edge, which has corners of its own, or straight on
+        if not rays:
+            numbers = (("moment",) if own != "free" else ()) + of_deflection
+        else:
+            held = np.array([edge.held[side] for side, _ in rays])
+            askew = any(abs(angle - 0.5 * np.pi) > _STRAIGHT for angle in within)
+            sides = zip(within, rays, strict=True)
+            bends = any(moments_grow(a, own, edge.slopes(side), found.model.material.nu) for a, (side, _) in sides)
+            # A rigid line and an edge are a corner; an elastic one acts as a line load does.
+            grows = not held.all() and (askew or "twist" not in support.fixed) if rigid else held.any() or askew
+            numbers = (("moment",) if own != "free" and bends else ()) + (of_deflection if grows else ())
+        if numbers:
+            places.setdefault(numbers, []).append(at)
+    return {numbers: _points(np.array(those)) for numbers, those in places.items()}
+
+
+def _directions(points: Floats) -> list[list[Floats]]:
+    """Directions from every point of a polyline along it; both pieces' where it begins and ends if it is closed."""
+    steps = np.diff(points, axis=0)
+    units = steps / np.hypot(*steps.T)[:, None]
+    found = [[units[0]], *([-a, b] for a, b in pairwise(units)), [-units[-1]]]
+    if (points[0] == points[-1]).all():
+        found[0] = found[-1] = [-units[-1], units[0]]
+    return found
+
+
+def _bends(back: Floats, on: Floats) -> bool:
+    return bool(-back @ on < np.cos(_STRAIGHT))
+
+
+def _around(center: tuple[float, float], radius: float) -> Floats:
+    turn = 2 * np.pi * np.arange(_TURN) / _TURN
+    return np.asarray(center + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
+
+
+def _points(places: Floats) -> tuple[tuple[float, float], ...]:
+    return tuple((float(x), float(y)) for x, y in places)
+
+
+def _listed(words: tuple[str, ...]) -> str:
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else list(words))
+
+
+def _boundary(found: Discretisation) -> Boundary:
+    if found not in _BOUNDARIES:
+        _BOUNDARIES[found] = Boundary.of(found)
+    return _BOUNDARIES[found]
+
+
+_KNOWN: WeakKeyDictionary[Discretisation, dict[str, tuple[Singularity, ...]]] = WeakKeyDictionary()
+_BOUNDARIES: WeakKeyDictionary[Discretisation, Boundary] = WeakKeyDictionary()

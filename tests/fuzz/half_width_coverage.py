@@ -1,0 +1,72 @@
+"""Do half-widths cover? A random plate against the same plate on a mesh of a quarter of the size."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from random import Random
+
+import random_models
+
+from signorini import SignoriniError, solve, validate
+from signorini.analysis.twins.leaves import kind_of, largest_of, leaves
+from signorini.model import Model
+from signorini.results.figures import figures
+from signorini.results.result import Result
+
+_ROUNDING = 1e-9
+"""Part of the largest number of its kind in a result that is no error of the mesh."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A number, the half-width that it was given, None for no limit, and its true change."""
+
+    what: str
+    kind: str
+    width: float | None
+    change: float
+    rounding: float
+
+    @property
+    def covered(self) -> bool:
+        """Whether the half-width covers the change."""
+        return self.width is None or self.change <= self.width + self.rounding
+
+
+def plate(seed: int, least: int = 8, most: int = 16) -> Model:
+    """Draw a plate with so many elements along a side, and three probes."""
+    rng, others = Random(seed), Random(-seed - 1)
+    tables = random_models.model(rng)
+    if "divisions" in tables["mesh"]:
+        scale = others.choice([3, 4, 5])
+        tables["mesh"] = {"divisions": [min(max(least, scale * n), most) for n in tables["mesh"]["divisions"]]}
+    tables["probe"] = [{"at": [random_models.point(others, tables["plate"]) for _ in range(3)]}]
+    tables["output"] = {"combinations": "each"}
+    return validate(tables)
+
+
+def judged(seed: int, least: int = 8, most: int = 16) -> list[Judged]:
+    """Judge the numbers of up to two combinations; none where there is no such plate, or no answer."""
+    try:
+        model = plate(seed, least, most)
+        names = list(model.effective_combinations.names())[:2]
+        only = {"combination": tuple(one for one in model.effective_combinations if one.name in names)}
+        model = model.model_copy(update=only)
+        fine = model.model_copy(update={"mesh": model.plate.scaled(model.mesh, 0.25)})
+        ours, truth = solve(model), solve(fine)
+        return [one for name in names for one in _compared(ours[name], truth[name])]
+    except SignoriniError:
+        return []
+
+
+def _compared(ours: Result, truth: Result) -> Iterator[Judged]:
+    if ours.status != "solved" or truth.status != "solved" or ours.plus_minus is None:
+        return
+    values, widths, true = (leaves(tree) for tree in (figures(ours), ours.plus_minus, figures(truth)))
+    largest = largest_of(ours)
+    for path, value in values.items():
+        kind = kind_of(path)
+        if path in true and kind not in ("closed", "open"):
+            name = f"{ours.name}: {'.'.join(map(str, path))}"
+            yield Judged(name, kind, widths.get(path), abs(value - true[path]), _ROUNDING * largest[kind])

@@ -1,0 +1,320 @@
+"""Half-widths: how far the mesh is from the plate, as other meshes show it."""
+
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from models import rectangular, tables
+
+import signorini
+from signorini import Model, Result, solve
+from signorini.analysis.check import check
+from signorini.analysis.twins import twins as twins_module
+from signorini.analysis.twins.half_width import half_widths
+from signorini.analysis.twins.meshes import twins_of
+from signorini.errors import InputError
+from signorini.mesh.meshers import disc
+from signorini.mesh.refined import refined
+from signorini.output import path_json, reactions_csv, results_json
+from signorini.results.figures import figures
+
+POINTS = [[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0]]
+EDGES = ["left", "right", "bottom", "top"]
+
+
+def slab(**others: Any) -> Model:
+    """A slab on bearings and on soil under a corner."""
+    given: dict[str, Any] = {
+        "support": [
+            {"name": "feet", "at": POINTS, "resists": "down"},
+            {"name": "soil", "area": {"rectangle": [0, 0, 2, 2]}, "resists": "down", "stiffness": 1e7},
+            {"name": "wall", "edge": "right", "resists": "down"},
+        ],
+        "load": [{"pressure": 5e3}, {"force": 1e3, "at": [3.5, 2.0]}],
+        "probe": [{"at": [[2.0, 2.0], [0.5, 0.5]]}],
+    }
+    return rectangular(**given | others)
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return solve(slab())["all"]
+
+
+def same_shape(value: Any, width: Any) -> bool:
+    """Whether a tree of half-widths is built like that of the numbers."""
+    match value:
+        case dict():
+            return value.keys() == width.keys() and all(same_shape(value[key], width[key]) for key in value)
+        case list():
+            return len(value) == len(width) and all(map(same_shape, value, width))
+        case str() | None:
+            return bool(value == width)
+        case _:
+            return width is None or (isinstance(width, float) and width >= 0)
+
+
+def test_half_widths_are_built_like_the_numbers_they_are_of(result: Result) -> None:
+    assert result.plus_minus is not None
+    assert same_shape(figures(result), result.plus_minus)
+
+
+def test_what_the_input_gives_has_none_and_what_is_of_the_mesh_has_no_half_width(result: Result) -> None:
+    assert result.plus_minus is not None
+    feet, soil, wall = result.plus_minus["supports"]
+    assert feet["points"][0]["at"] == [0.0, 0.0] == result.plus_minus["probes"][0]["at"]
+    assert feet["closed"] is not None
+    assert soil["closed"] is None
+    assert all(node["reaction"] is None for node in wall["nodes"])
+    assert soil["contact_area"] == pytest.approx(0, abs=1e-8)
+    assert soil["max_pressure"] > 0
+
+
+def test_the_edge_of_contact_has_half_widths_along_both_axes() -> None:
+    model = rectangular(
+        divisions=(12, 12),
+        support=[{"name": "soil", "area": "all", "resists": "down", "stiffness": 1e7}],
+        load=[{"pressure": 1e3}, {"force": 60e3, "at": [0.5, 2.0]}],
+    )
+    found = solve(model)["all"]
+    assert found.plus_minus is not None
+    (line,) = found.supports[0].contact_boundary
+    (widths,) = found.plus_minus["supports"][0]["contact_boundary"]
+    assert np.shape(widths) == line.shape
+    assert 0 < np.max(widths) < 0.1
+    assert 0 < found.plus_minus["supports"][0]["contact_area"] < 0.3
+
+
+@pytest.mark.parametrize("divisions", [(4, 4), (12, 12), (20, 20), (40, 40)])
+def test_half_widths_cover_the_plate(divisions: tuple[int, int]) -> None:
+    """Hard simply supported, h/a = 0.1: the series of DESIGN's reference, w D/qa⁴ = 0.00427284."""
+    model = Model(
+        material={"E": 12 * 0.91 / 1e-3, "nu": 0.3},
+        plate={"shape": "rectangle", "size": [1, 1], "thickness": 0.1},
+        mesh={"divisions": divisions},
+        support=[{"name": "edges", "edge": EDGES, "fix": "hard"}],
+        load=[{"pressure": 1.0}],
+    )
+    solved = solve(model)["all"]
+    assert solved.plus_minus is not None
+    width, error = solved.plus_minus["deflection"]["max"], abs(solved.deflection.max() - 0.00427284)
+    assert error <= width <= 0.02 * 0.00427284 * (20 / divisions[0]) ** 2
+    assert solved.plus_minus["supports"][0]["reaction"] < 1e-8
+
+
+def test_a_moment_under_a_point_force_has_no_half_width_and_is_named() -> None:
+    model = rectangular(
+        divisions=(16, 16),
+        support=[{"edge": EDGES, "fix": "simple"}],
+        load=[{"force": 1e3, "at": [2, 2]}],
+        probe=[{"at": [[2, 2], [1, 2]]}],
+    )
+    solved = solve(model)["all"]
+    assert solved.plus_minus is not None
+    at, beside = solved.plus_minus["probes"]
+    assert at["moment"][:2] == [None, None]
+    assert None not in beside["moment"]
+    (sentence,) = solved.estimate.warnings
+    assert "the probe at [2, 2] mx, my" in sentence
+    assert sentence in results_json(signorini.solve(model))["combinations"][0]["warnings"]
+
+
+def test_no_number_of_a_plate_without_singularities_is_said_to_have_no_limit() -> None:
+    for divisions in ((2, 2), (3, 3), (5, 4), (20, 20)):
+        model = rectangular(
+            divisions=divisions,
+            support=[{"edge": EDGES, "resists": "down"}],
+            load=[{"pressure": 1e3}, {"pressure": 40e3, "area": {"rectangle": [1.5, 1.5, 2.5, 2.5]}}],
+            probe=[{"at": [[2, 2], [1, 2], [0.3, 0.3]]}],
+        )
+        assert solve(model)["all"].estimate.warnings == ()
+
+
+def test_a_solve_and_a_check_solve_no_other_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(*given: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(twins_module, "discretise", refused)
+    check(slab())
+    found = solve(slab())
+    assert "feet" in found["all"].reactions
+    with pytest.raises(AssertionError):
+        _ = found["all"].plus_minus
+
+
+def test_error_false_asks_for_none() -> None:
+    model = slab(mesh={"divisions": [4, 4], "error": False})
+    found = solve(model)
+    (written,) = results_json(found)["combinations"]
+    assert written["plus_minus"] is None
+    assert ",,,\n" in reactions_csv(found)
+    assert found["all"].plus_minus is not None
+
+
+@pytest.mark.parametrize("error", [InputError("A mesh of 64 elements takes 3 GB."), MemoryError()])
+def test_a_twin_that_cannot_be_solved_leaves_a_warning(monkeypatch: pytest.MonkeyPatch, error: Exception) -> None:
+    def refused(*given: object) -> None:
+        raise error
+
+    monkeypatch.setattr(twins_module, "discretise", refused)
+    found = solve(slab())["all"]
+    assert found.plus_minus is None
+    assert "half its size" in found.estimate.warnings[0]
+
+
+def test_a_twin_that_cannot_be_solved_gives_way_to_the_other_pair(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = twins_module.discretise
+
+    def coarser_only(model: Model, mesh: object) -> object:
+        if model.mesh.divisions is not None and model.mesh.divisions > (4, 4):
+            raise InputError("too fine")
+        return whole(model, mesh)
+
+    monkeypatch.setattr(twins_module, "discretise", coarser_only)
+    assert solve(slab())["all"].estimate.elements == (16, 4, 1)
+
+
+def test_who_watches_can_end_what_other_meshes_take() -> None:
+    seen = []
+
+    def watch(now: signorini.Progress) -> None:
+        seen.append(str(now))
+        if now.twin:
+            raise KeyboardInterrupt
+
+    result = solve(slab(), progress=watch)["all"]
+    with pytest.raises(KeyboardInterrupt):
+        _ = result.plus_minus
+    assert seen[-1] == "meshing, on a mesh of half its size"
+
+
+def test_half_widths_survive_pickling(result: Result) -> None:
+    assert pickle.loads(pickle.dumps(result)).plus_minus == result.plus_minus
+
+
+def test_a_combination_without_equilibrium_has_none() -> None:
+    model = slab(
+        support=[{"at": POINTS, "resists": "down"}],
+        load=[{"case": "G", "pressure": 1.0}, {"case": "W", "pressure": -2.0}],
+        combination=[{"name": "up", "factors": {"G": 1, "W": 1}}, {"name": "down", "factors": {"G": 1}}],
+    )
+    found = solve(model)
+    assert found["up"].plus_minus is None
+    assert found["up"].estimate.warnings == ()
+    assert found["down"].plus_minus is not None
+
+
+def test_the_sizes_of_other_meshes() -> None:
+    def others(*divisions: int) -> list[list[object]]:
+        model = rectangular(divisions=divisions, support=[{"edge": EDGES, "fix": "simple"}], load=[{"pressure": 1.0}])
+        mesh = solve(model)["all"].mesh
+        return [[twin.model.mesh.divisions for twin in pair] for pair in twins_of(model, mesh)]
+
+    assert others(4, 6) == [[(8, 12), (16, 24)], [(8, 12), (2, 3)], [(2, 3), (1, 2)]]
+    assert others(24, 24) == [[(48, 48), (12, 12)], [(12, 12), (6, 6)]]
+    assert others(33, 40) == [[(17, 20), (9, 10)]]
+    assert others(1, 3) == [[(2, 6), (4, 12)], [(2, 6)]]
+
+
+def test_plates_read_from_a_file_are_divided_on_request(tmp_path: Path) -> None:
+    import meshio
+
+    mesh = disc((0.0, 0.0), 1.0, (2, 8))
+    meshio.Mesh(np.column_stack([mesh.points, np.zeros(len(mesh.points))]), [("quad8", mesh.elements)]).write(
+        tmp_path / "disc.vtu"
+    )
+    given = tables(support=[{"at": [[0, 0.9], [0.8, -0.5], [-0.8, -0.5]]}], load=[{"pressure": 1.0}])
+    given |= {"plate": {"shape": "mesh", "file": str(tmp_path / "disc.vtu"), "thickness": 0.1}, "mesh": {}}
+    found = solve(Model(**given))
+    assert results_json(found)["combinations"][0]["plus_minus"] is None
+    found = solve(Model(**given | {"mesh": {"error": True}}))
+    width = results_json(found)["combinations"][0]["plus_minus"]["deflection"]["max"]
+    assert 0 < width < 0.2 * found["all"].deflection.max()
+    assert found["all"].estimate.elements == tuple(len(mesh.elements) * factor for factor in (16, 4, 1))
+
+
+def test_a_divided_mesh_keeps_its_shape_and_its_edges() -> None:
+    mesh = disc((0.0, 0.0), 1.0, (3, 8), sector=180)
+    fine = refined(mesh, 2)
+    assert len(fine.elements) == 16 * len(mesh.elements)
+    assert fine.element_area.sum() == pytest.approx(mesh.element_area.sum(), rel=1e-12)
+    for name, triples in mesh.edges.items():
+        divided = fine.edges[name]
+        assert len(divided) == 4 * len(triples)
+        assert (divided[1:, 0] == divided[:-1, 2]).all()
+
+
+def test_changes_that_do_not_shrink_widen_a_half_width() -> None:
+    values = np.array([[1.0, 1.0], [1.1, 1.1], [1.5, 1.2]])
+    widths, _ = half_widths(values, [1, 2, 4], 0, 0.9, np.zeros(2), np.ones(2), np.ones(2, bool))
+    assert 0.1 < widths[0] < 0.5 * widths[1]
+
+
+def test_the_terminal_prints_half_widths_and_what_they_are_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from rich.console import Console
+
+    from signorini.cli.tables import print_results
+
+    print_results(Console(width=100), solve(slab()))
+    shown = capsys.readouterr().out
+    assert "±" in shown
+    assert "of the equations; of the mesh: ± by 256, 64 and 16 elements" in shown
+
+
+def test_rows_of_a_table_and_its_envelope_have_half_widths(tmp_path: Path) -> None:
+    import pyarrow.parquet as pq
+
+    loads = [{"case": "G", "pressure": 5e3}, {"case": "Q", "force": 1e4, "at": [3.5, 2.0]}]
+    rows = {f"c{i}": [1.0, i / 4] for i in range(14)}
+    table = {"name": "all", "generate": "table", "columns": ["G", "Q"], "rows": rows}
+    model = slab(load=loads, combination=[table])
+    results = solve(model, table=tmp_path / "t.parquet")
+    before = pq.read_table(tmp_path / "t.parquet").to_pydict()
+    results.compare(tmp_path / "t.parquet")
+    found = pq.read_table(tmp_path / "t.parquet").to_pydict()
+    assert [path.name for path in tmp_path.iterdir()] == ["t.parquet"]
+    assert {name: found[name] for name in before} == before
+    single = results["c7"].plus_minus
+    assert single is not None
+    for name, width in (
+        ("reaction:wall", single["supports"][2]["reaction"]),
+        ("contact_area:soil", single["supports"][1]["contact_area"]),
+        ("probe[1]:deflection", single["probes"][0]["deflection"]),
+        ("max:deflection", single["deflection"]["max"]),
+    ):
+        assert found[f"{name}:plus_minus"][7] == pytest.approx(width, rel=0.01, abs=1e-8)
+    assert "closed:wall:plus_minus" not in found
+    envelope = results_json(results)["envelope"]
+    widths = envelope["plus_minus"]
+    assert widths["supports"][2]["reaction"]["max"] == pytest.approx(max(found["reaction:wall:plus_minus"]), rel=0.5)
+    assert all(same_shape(envelope[key], widths[key]) for key in ("fields", "supports", "probes"))
+
+
+def test_every_event_of_a_path_and_its_end_have_half_widths() -> None:
+    def propped(along: int) -> Model:
+        return rectangular(
+            divisions=(along, along),
+            support=[
+                {"edge": EDGES, "fix": "clamped"},
+                {"name": "prop", "at": [2, 2], "resists": "down", "gap": 1e-4},
+                {"name": "bolt", "at": [1, 2], "resists": "up", "gap": 1e-5},
+            ],
+            load=[{"case": "Q", "pressure": 10e3}],
+        )
+
+    found = signorini.path(propped(8), None, "Q", until=20.0)
+    written = path_json(found)
+    fine = path_json(signorini.path(propped(24), None, "Q", until=20.0))
+    widths = [event["t"] for event in written["plus_minus"]["events"]]
+    changes = [abs(one["t"] - other["t"]) for one, other in zip(written["events"], fine["events"], strict=True)]
+    assert len(widths) > 0
+    assert all(0 < change <= width < 0.5 for change, width in zip(changes, widths, strict=True))
+    assert written["plus_minus"]["end"] == 0.0
+    at = found.at(10.0)
+    assert at.plus_minus is not None
+    assert 0 < at.plus_minus["supports"][1]["reaction"] < 0.1 * at.reactions["prop"]
+    assert pickle.loads(pickle.dumps(found)).estimate == found.estimate

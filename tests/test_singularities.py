@@ -1,0 +1,270 @@
+"""Where numbers have no limit as the mesh is refined is said before anything is solved, and nowhere else."""
+
+import json
+
+import numpy as np
+import pytest
+from models import rectangular
+
+from signorini import Model, solve
+from signorini.analysis.check import check
+from signorini.discretise import discretise
+from signorini.output.tables import results_json
+from signorini.singularities.corners import exponents_below_one, moments_grow
+from signorini.singularities.named import away_from, singularities
+
+HARD = {"edge": ["left", "right", "bottom", "top"], "fix": "hard"}
+PRESSURE = {"pressure": 5e3}
+THREE_HARD = {"edge": ["left", "bottom", "top"], "fix": "hard"}
+BOX = {"rectangle": [1, 1, 3, 3]}
+DISC = {"circle": {"center": [2, 2], "radius": 1}}
+
+NOTHING = {
+    "hard edges": {"support": [HARD]},
+    "soft edges": {"support": [{**HARD, "fix": "simple"}]},
+    "clamped edges": {"support": [{**HARD, "fix": "clamped"}]},
+    "two hard edges": {"support": [{"edge": ["left", "right"], "fix": "hard"}]},
+    "edges that let go": {"support": [{"edge": ["left", "right", "bottom", "top"], "resists": "down"}]},
+    "a quarter": {
+        "support": [{"edge": ["left", "bottom"], "fix": "symmetry"}, {"edge": ["right", "top"], "fix": "hard"}]
+    },
+    "a clamped quarter": {
+        "support": [{"edge": ["left", "bottom"], "fix": "symmetry"}, {"edge": ["right", "top"], "fix": "clamped"}]
+    },
+    "soil": {"support": [{"area": "all", "resists": "down", "stiffness": 1e7}]},
+    "soil within": {"support": [{"area": BOX, "resists": "down", "stiffness": 1e7}]},
+    "all on a floor": {"support": [{"area": "all", "resists": "down"}]},
+    "footprints": {
+        "support": [{"at": [[1, 1], [3, 1], [1, 3], [3, 3]], "resists": "down", "radius": 0.3}],
+        "load": [{"force": 1e4, "at": [2, 2], "patch": [0.3, 0.4]}, {"moment": [1, 2], "at": [1, 2], "radius": 0.2}],
+    },
+    "a patch of pressure": {"support": [HARD], "load": [{"pressure": 1e4, "area": DISC}]},
+    "a line load to free edges": {
+        "support": [{"edge": ["left", "right"], "fix": "hard"}],
+        "load": [{"line_load": 1e4, "line": [[2, 0], [2, 4]]}],
+    },
+    "a line load that fades": {"support": [THREE_HARD], "load": [{"line_load": "x - 1", "line": [[1, 2], [4, 2]]}]},
+    "a round line load": {"support": [HARD], "load": [{"line_load": 1e4, "circle": {"center": [2, 2], "radius": 1}}]},
+    "a loaded free edge": {
+        "support": [{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down", "radius": 0.3}],
+        "load": [{"line_load": 1, "edge": "right"}],
+    },
+    "a hard line to free edges": {
+        "support": [{"edge": ["left", "right"], "fix": "hard"}, {"line": [[2, 0], [2, 4]], "fix": "hard"}]
+    },
+    "a load that is none": {"support": [HARD], "load": [{"force": 0, "at": [2, 2]}, PRESSURE]},
+}
+NAMED = {
+    "a force": ({"load": [{"force": 1e4, "at": [2, 2]}]}, [[2, 2]], "deflection moment shear"),
+    "a couple": ({"load": [{"moment": [1, 0], "at": [2, 2]}]}, [[2, 2]], "deflection rotation moment shear"),
+    "a couple about": (
+        {"load": [{"couple_about": {"x": 1}, "at": [2, 2]}]},
+        [[2, 2]],
+        "deflection rotation moment shear",
+    ),
+    "a rigid point": ({"support": [HARD, {"at": [2, 2]}]}, [[2, 2]], "deflection moment shear reaction"),
+    "an elastic point": (
+        {"support": [HARD, {"at": [2, 2], "stiffness": 1e6}]},
+        [[2, 2]],
+        "deflection moment shear reaction",
+    ),
+    "a clamped point": (
+        {"support": [{"at": [2, 2], "fix": "clamped"}]},
+        [[2, 2]],
+        "deflection rotation moment shear reaction",
+    ),
+    "a statically determinate plate": (
+        {"support": [{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}]},
+        [[1, 1], [3, 1], [2, 3]],
+        "deflection moment shear",
+    ),
+    "ends of a line load": ({"load": [{"line_load": 1, "line": [[1, 2], [3, 2]]}]}, [[1, 2], [3, 2]], "shear"),
+    "a bend of a line load": (
+        {"support": [THREE_HARD], "load": [{"line_load": 1, "line": [[4, 1], [2, 1], [2, 3], [4, 3]]}]},
+        [[2, 1], [2, 3]],
+        "shear",
+    ),
+    "a line load to a held edge": ({"load": [{"line_load": 1, "line": [[2, 2], [4, 2]]}]}, [[2, 2], [4, 2]], "shear"),
+    "ends of a rigid line": (
+        {"support": [HARD, {"line": [[1, 2], [3, 2]], "resists": "down"}]},
+        [[1, 2], [3, 2]],
+        "shear pressure",
+    ),
+    "ends of an elastic line": (
+        {"support": [HARD, {"line": [[1, 2], [3, 2]], "stiffness": 1e6}]},
+        [[1, 2], [3, 2]],
+        "shear",
+    ),
+    "a clamped line": (
+        {"support": [HARD, {"line": [[1, 2], [3, 2]], "fix": "clamped"}]},
+        [[1, 2], [3, 2]],
+        "moment shear pressure",
+    ),
+    "a rigid disc": ({"support": [HARD, {"area": DISC, "resists": "down"}]}, None, "pressure"),
+    "corners of a rigid area": (
+        {"support": [HARD, {"area": BOX, "resists": "down"}]},
+        [[1, 1], [3, 1], [3, 3], [1, 3]],
+        "shear",
+    ),
+    "corners between clamped and free": (
+        {"support": [{"edge": "left", "fix": "clamped"}]},
+        [[0, 0], [0, 4]],
+        "moment",
+    ),
+    "corners between soft and free": (
+        {"support": [{"edge": ["left", "right"], "fix": "simple"}]},
+        [[0, 0], [4, 0], [4, 4], [0, 4]],
+        "shear",
+    ),
+    "where a wall ends at the edge": (
+        {"support": [{"edge": "left", "fix": "hard"}, {"line": [[4, 0], [4, 2]], "fix": "simple"}]},
+        [[4, 0], [4, 2]],
+        "shear",
+    ),
+    "a soft line to free edges": (
+        {"support": [{"edge": ["left", "right"], "fix": "hard"}, {"line": [[2, 0], [2, 4]], "fix": "simple"}]},
+        [[2, 0], [2, 4]],
+        "shear pressure",
+    ),
+    "the end of a load on an edge": (
+        {"support": [{"edge": "left", "fix": "hard"}], "load": [{"line_load": 1, "line": [[4, 0], [4, 2]]}]},
+        [[4, 2]],
+        "shear",
+    ),
+}
+
+
+def named(**tables):
+    found = discretise(rectangular(**{"divisions": [8, 8], "support": [HARD], "load": [PRESSURE]} | tables))
+    return found, singularities(found)
+
+
+@pytest.mark.parametrize("plate", NOTHING)
+def test_plates_without_singular_numbers_have_none_named(plate):
+    _, found = named(**NOTHING[plate])
+    assert found == ()
+
+
+@pytest.mark.parametrize("plate", NAMED)
+def test_singular_numbers_are_named_with_their_place(plate):
+    tables, where, numbers = NAMED[plate]
+    _, found = named(**tables)
+    those = [one for one in found if one.numbers == tuple(numbers.split())]
+    assert those
+    assert all(one.advice and one.what and one.within == pytest.approx(0.2) for one in those)
+    if where is not None:
+        np.testing.assert_allclose(
+            sorted(at for one in those for at in one.where), sorted(map(tuple, where)), atol=1e-9
+        )
+
+
+def test_corners_have_the_exponents_of_the_literature():
+    # Free re-entrant corner 0.5445; clamped beside free in plane stress, ν = 0.3: 0.7583 (Williams 1952); critical
+    # angles of Rössle & Sändig (2011): 61.7 degrees clamped beside free for ν = 0.29, 90 hard, 128.7 hard beside free.
+    assert exponents_below_one(1.5 * np.pi, "free", "free", 0.3) == 2
+    assert [moments_grow(np.radians(a), "clamped", "free", 0.3) for a in (60, 65)] == [False, True]
+    assert [moments_grow(np.radians(a), "twist", "free", 0.3) for a in (128, 132)] == [False, True]
+    assert [moments_grow(np.radians(a), "twist", "twist", 0.3) for a in (89.5, 92)] == [False, True]
+    assert [moments_grow(np.radians(a), "slope", "twist", 0.3) for a in (44.5, 47, 90)] == [False, True, False]
+
+
+def test_a_corner_inwards_of_a_mesh_file_is_named(tmp_path):
+    # An L of three squares of two by two elements.
+    n = 4
+    grid = {}
+    cells = [(i, j) for i in range(n) for j in range(n) if not (i >= n // 2 and j >= n // 2)]
+    points, elements = [], []
+
+    def node(i, j):
+        if (i, j) not in grid:
+            grid[i, j] = len(points)
+            points.append([0.5 * i, 0.5 * j])
+        return grid[i, j]
+
+    around = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
+    for i, j in cells:
+        elements.append([node(2 * i + a, 2 * j + b) for a, b in around])
+    from signorini.mesh import Mesh
+
+    mesh = Mesh(np.array(points), np.array(elements), {})
+    import meshio
+
+    meshio.write(tmp_path / "l.vtu", meshio.Mesh(np.c_[mesh.points, np.zeros(len(points))], {"quad8": mesh.elements}))
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "mesh", "file": str(tmp_path / "l.vtu"), "thickness": 0.2},
+        support=[{"area": "all", "stiffness": 1e7}],
+        load=[PRESSURE],
+    )
+    (corner,) = singularities(discretise(model))
+    assert corner.where == ((2.0, 2.0),)
+    assert corner.numbers == ("moment", "shear")
+    assert "270°" in str(corner)
+
+
+@pytest.mark.parametrize("shape", [{"shape": "disc", "radius": 2}, {"shape": "annulus", "inner": 1, "outer": 2}])
+def test_round_edges_have_no_corners(shape):
+    rim = "rim" if shape["shape"] == "disc" else "outer"
+    for divisions in ([3, 4], [4, 16]):
+        model = Model(
+            material={"E": 30e9, "nu": 0.2},
+            plate={**shape, "thickness": 0.2},
+            mesh={"divisions": [max(3, divisions[0]), max(8, divisions[1])]},
+            support=[{"edge": rim, "fix": "hard"}],
+            load=[PRESSURE],
+        )
+        assert singularities(discretise(model)) == ()
+
+
+def test_only_what_acts_is_named():
+    load = [{"case": "G", "pressure": 1e3}, {"case": "Q", "force": 1e4, "at": [2, 2]}]
+    combination = [{"factors": {"G": 1}}, {"factors": {"G": 1, "Q": 0}}, {"factors": {"G": 1, "Q": 1.5}}]
+    results = solve(rectangular(support=[HARD], load=load, combination=combination))
+    assert [[one.source for one in result.singular] for result in results.values()] == [[], [], ["Q"]]
+    written = json.loads(json.dumps(results_json(results)))["combinations"][2]["singular"]
+    (one,) = written
+    assert (one["where"], one["numbers"], one["line"]) == ([[2.0, 2.0]], ["deflection", "moment", "shear"], False)
+    assert one["what"] == "Force at a point of load[2]"
+    assert "footprint" in one["advice"]
+    assert len(check(results.model).singular) == 1
+
+
+def test_wheels_are_named_where_they_stand():
+    moving = {"case": "truck", "line": [[0, 2], [4, 2]], "step": 2, "axles": [0, 1e4]}
+    model = rectangular(support=[HARD], load=[PRESSURE], moving=[moving])
+    found = discretise(model)
+    (one,) = singularities(found, {"truck@2"})
+    assert one.where == ((2.0, 2.0),)
+    patched = rectangular(support=[HARD], load=[PRESSURE], moving=[{**moving, "patch": [0.3, 0.3]}])
+    assert singularities(discretise(patched)) == ()
+
+
+def test_peaks_leave_singular_places_out():
+    """The envelope's largest moment stays where it is under finer meshes; under the force it grows."""
+    load = [{"case": "G", "pressure": 5e3}, {"case": "Q", "force": 1e4, "at": [1, 1]}]
+    combination = [{"factors": {"G": 1, "Q": q}} for q in (0.5, 1)]
+    tables = {"support": [HARD], "load": load, "combination": combination, "output": {"combinations": "table"}}
+    largest = []
+    for n in (8, 16, 32):
+        results = solve(rectangular(divisions=[n, n], **tables))
+        high, _ = results.envelope.peaks("mx")
+        found = results.discretisation
+        away = away_from(found.mesh, singularities(found), "moment")
+        assert away[high]
+        assert (~away).sum() > 0
+        largest.append(results.envelope.fields["mx"].largest[high])
+        json_peak = results_json(results)["envelope"]["fields"]["mx"]
+        assert json_peak["max_at"] == found.mesh.points[high].tolist()
+    assert np.ptp(largest[1:]) < 0.05 * largest[-1]
+
+
+@pytest.mark.parametrize(("plate", "number"), [("ends of a line load", "shear"), ("a force", "moment")])
+def test_what_is_named_grows_with_every_finer_mesh(plate, number):
+    tables, where, _ = NAMED[plate]
+    peaks = []
+    for n in (8, 16, 32):
+        result = solve(rectangular(**{"divisions": [n, n], "thickness": 0.5, "support": [HARD]} | tables))["all"]
+        near = np.hypot(*(result.mesh.points - where[0]).T) < 0.3
+        peaks.append(np.abs(getattr(result, number)[near]).max())
+    first, second = np.diff(peaks)
+    assert second > 0.9 * first > 0
