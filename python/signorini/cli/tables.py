@@ -56,12 +56,27 @@ def print_results(console: Console, results: Results) -> None:
         else:
             say(console, f"{result.name}: no equilibrium", style="bold red")
     console.print()
+    _print_refinement(console, results)
     _print_warnings(console, warnings, len(results))
     named = [one for result in results.full.values() for one in result.singular]
     if results.model.tabulated:
         named = [*singularities(found, results.model.effective_combinations.cases)]
     _print_singular(console, named)
     _print_legend(console, found.model.support)
+
+
+def _print_refinement(console: Console, results: Results) -> None:
+    """Print the meshes on the way to an accuracy that was asked for."""
+    if not results.refinement:
+        return
+    shown = Grid([*numbers("elements", "dofs", "largest ±"), Column("of")], heads=1)
+    for step in results.refinement:
+        shown.add(str(step.elements), str(step.dofs), f"{step.worst:.2g}", step.what)
+    say(console, f"refined to ± {results.model.mesh.accuracy:g} of the largest value of every field")
+    shown.show(console)
+    console.print()
+    if results.accuracy_warning:
+        say(console, f"Warning: {results.accuracy_warning}", style="yellow")
 
 
 def print_check(console: Console, check: Check) -> None:

@@ -117,7 +117,8 @@ def _patterned(model: Model, plate: RectanglePlate | DiscPlate | AnnulusPlate) -
             shapes = [*_shapes(model), *(drawing for drawing, _ in _steps(model, (x, y, x + a, y + b)))]
             x_lines = [line for shape in shapes for line in shape.x_lines]
             y_lines = [line for shape in shapes for line in shape.y_lines]
-            return rectangle(plate.origin, plate.size, plate.divisions(model.mesh), x_lines, y_lines)
+            refined = [(box, one.size) for one in model.mesh.refine for box in one.boxes((x, y, x + a, y + b))]
+            return rectangle(plate.origin, plate.size, plate.divisions(model.mesh), x_lines, y_lines, refined)
         case DiscPlate():
             radii = _radii(model, plate.center, plate.radius)
             return disc(plate.center, plate.radius, plate.divisions(model.mesh), plate.sector, radii)

@@ -8,15 +8,20 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from signorini.base.memory import require_memory
 from signorini.errors import InputError
 from signorini.mesh import Mesh
+from signorini.mesh.grading import graded
 from signorini.mesh.subdivision import subdivide
 from signorini.shapes.contours import directions
-from signorini.shapes.outlines import Point
+from signorini.shapes.outlines import Box, Point
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+Refined = tuple[Box, float]
+
+_SAME = 1e-9
 SECTORS = (90, 180, 360)
 _ROUNDNESS = 0.3
 
@@ -27,6 +32,7 @@ def rectangle(
     divisions: tuple[int, int],
     x_lines: Sequence[float] = (),
     y_lines: Sequence[float] = (),
+    refined: Sequence[Refined] = (),
 ) -> Mesh:
     """Mesh a rectangle along the axes.
 
@@ -40,6 +46,9 @@ def rectangle(
         Elements along x and along y; the numbers are kept.
     x_lines, y_lines : sequence of float
         Coordinates that grid lines should have; see `signorini.mesh.subdivision.subdivide` for which are followed.
+    refined : sequence of (box, size)
+        Boxes (x0, y0, x1, y1) in which elements are smaller, and how small; one that reaches from side to side asks
+        for it across alone. Then there are more elements than the divisions say (`signorini.mesh.grading.graded`).
 
     Returns
     -------
@@ -59,8 +68,9 @@ def rectangle(
     """
     _require_positive("The rectangle's size", size)
     _require_divisions(divisions, ("x", "y"))
-    x = _with_middles(subdivide(origin[0], origin[0] + size[0], divisions[0], x_lines))
-    y = _with_middles(subdivide(origin[1], origin[1] + size[1], divisions[1], y_lines))
+    x = _with_middles(_joints(0, origin, size, divisions, x_lines, refined))
+    y = _with_middles(_joints(1, origin, size, divisions, y_lines, refined))
+    require_memory(len(x) // 2 * (len(y) // 2), ("mesh",))
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     index = np.arange(len(points)).reshape(len(y), len(x))
     edges = {
@@ -70,6 +80,27 @@ def rectangle(
         "top": _triples(index[-1, ::-1]),
     }
     return _mesh(points, _quads(index), edges)
+
+
+def _joints(
+    axis: int,
+    origin: Point,
+    size: tuple[float, float],
+    divisions: tuple[int, int],
+    lines: Sequence[float],
+    refined: Sequence[Refined],
+) -> Floats:
+    """Joints of a rectangle's elements along an axis."""
+    start, length, across = origin[axis], size[axis], size[1 - axis]
+    caps = []
+    for box, most in refined:
+        low, high, below, above = box[axis], box[2 + axis], box[1 - axis], box[3 - axis]
+        spans = high - low >= length * (1 - _SAME)
+        if not spans or above - below >= across * (1 - _SAME):
+            caps.append((low, high, most))
+    if not caps:
+        return subdivide(start, start + length, divisions[axis], lines)
+    return graded(start, start + length, length / divisions[axis], caps, lines)
 
 
 def annulus(

@@ -7,8 +7,10 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, ConfigDict, Field, StrictBool, WithJsonSchema
 
-from signorini.model.area import AnyArea, Circle
-from signorini.model.base import Complaint, Count, Edges, Points, Polyline, Positive, Table, listed
+from signorini.model.area import AnyArea, Area, Circle
+from signorini.model.base import Complaint, Count, Edges, Points, Polyline, Positive, Table, listed, number
+from signorini.shapes import Ring
+from signorini.shapes.outlines import Box, bounds_of
 
 _PLACES = ("at", "edge", "line", "circle", "area")
 
@@ -39,6 +41,20 @@ class Refinement(Table):
         if self.area == "all":
             yield ("area",), 'found "all"; that is what the size of [mesh] is for.'
 
+    def boxes(self, plate: Box) -> list[Box]:
+        """Boxes [x0, y0, x1, y1] around the places, of a rectangle with that box."""
+        x0, y0, x1, y1 = plate
+        sides = {"left": (x0, y0, x0, y1), "right": (x1, y0, x1, y1), "bottom": (x0, y0, x1, y0)}
+        sides["top"] = (x0, y1, x1, y1)
+        found = [sides[name] for name in self.edge or ()] + [(x, y, x, y) for x, y in self.at or ()]
+        if self.line is not None:
+            found.append(bounds_of(self.line))
+        if self.circle is not None:
+            found.append(Ring(self.circle.center, self.circle.radius).bounds)
+        if isinstance(self.area, Area):
+            found.append(self.area.region.bounds)
+        return found
+
 
 class MeshOptions(Table):
     """How finely the plate is meshed: by counts or by element size; by default 20 elements along the longer side."""
@@ -50,6 +66,10 @@ class MeshOptions(Table):
         description="Numbers of elements: [along x, along y] of a rectangle, [radial, around] of a disc or annulus.",
     )
     size: Positive | None = Field(default=None, description="Largest side of an element.")
+    accuracy: Annotated[float, Field(gt=0, lt=1), BeforeValidator(number)] | None = Field(
+        default=None,
+        description="Refine until every half-width is at most this part of the largest value of its field.",
+    )
     error: StrictBool | None = Field(
         default=None,
         description="Say of every number how far the mesh is from the plate, by the plate's answers on other meshes; "
@@ -57,6 +77,12 @@ class MeshOptions(Table):
     )
     refine: tuple[Refinement, ...] = Field(default=(), description="Places with smaller elements.")
 
+    def refined(self, factor: float) -> tuple[Refinement, ...]:
+        """Refinements to sizes larger by a factor."""
+        return tuple(one.model_copy(update={"size": one.size * factor}) for one in self.refine)
+
     def _complaints(self) -> Iterator[Complaint]:
         if self.divisions is not None and self.size is not None:
             yield ("size",), "found both divisions and size; give one of them."
+        if self.accuracy is not None and self.error is False:
+            yield ("error",), "found false; an accuracy that is asked for needs half-widths. Leave it out."

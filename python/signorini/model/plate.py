@@ -87,6 +87,11 @@ class Material(Table):
         return self.E if self.E is not None else max(self.axes.Ex, self.axes.Ey)
 
     @property
+    def poisson(self) -> float:
+        """Poisson's ratio, of an orthotropic material the geometric mean of the two."""
+        return self.nu if self.nu is not None else self.axes.nu_xy * math.sqrt(self.axes.Ey / self.axes.Ex)
+
+    @property
     def axes(self) -> Axes:
         """What an orthotropic material is."""
         Ex, Ey, nu_xy, Gxy = (getattr(self, key) for key in _NEEDED)
@@ -169,8 +174,7 @@ class OutlinedPlate(_Plate):
 
     def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
         """Mesh options for elements larger by a factor, as far as there are enough of them."""
-        refine = tuple(one.model_copy(update={"size": one.size * factor}) for one in mesh.refine)
-        return MeshOptions(size=self.element_size(mesh) * factor, refine=refine)
+        return MeshOptions(size=self.element_size(mesh) * factor, refine=mesh.refined(factor))
 
     def element_size(self, mesh: MeshOptions) -> float:
         """Size of elements that the mesh options ask for, where they are not counted."""
@@ -210,7 +214,8 @@ class _PatternedPlate(OutlinedPlate):
             max(math.ceil(count / factor), least)
             for count, least in zip(self.divisions(mesh), self.fewest, strict=True)
         )
-        return MeshOptions(divisions=(first, second))
+        refine = tuple(one.model_copy(update={"size": one.size * factor}) for one in mesh.refine)
+        return MeshOptions(divisions=(first, second), refine=refine)
 
     @property
     def fewest(self) -> tuple[int, int]:
@@ -239,6 +244,10 @@ class RectanglePlate(_PatternedPlate):
         (x, y), (a, b) = self.origin, self.size
         corners = ((x, y), (x + a, y), (x + a, y + b), (x, y + b))
         return straight(corners, ("bottom", "right", "top", "left"))
+
+    def is_regular(self, mesh: MeshOptions) -> bool:
+        """Whether the mesh is one of rows and columns, refined or not."""
+        return not self.holes
 
     def _lengths(self) -> tuple[float, float]:
         return self.size
@@ -321,7 +330,7 @@ class AnnulusPlate(_PatternedPlate):
             max(math.ceil(count / factor), least)
             for count, least in zip(self.divisions(mesh), self.fewest, strict=True)
         )
-        return MeshOptions(divisions=(first, second))
+        return MeshOptions(divisions=(first, second), refine=mesh.refined(factor))
 
     @property
     def fewest(self) -> tuple[int, int]:

@@ -131,8 +131,13 @@ class Model(Table):
 
     def _mesh_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):
-            for key in [*self.mesh.given(("divisions", "size")), *(["refine"] if self.mesh.refine else [])]:
+            for key in self.mesh.given(("divisions", "size", "accuracy")):
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
+            if self.mesh.refine:
+                yield (
+                    ("mesh", "refine"),
+                    "refine does not go with a plate read from a mesh file, which is meshed already.",
+                )
             return
         if isinstance(self.plate, PolygonPlate) or not self.plate.is_regular(self.mesh):
             if self.mesh.divisions is not None:
@@ -224,14 +229,15 @@ class Model(Table):
         names = self.plate.edge_names
         if names is None:
             return
-        edges = [("support", index, support.edge or ()) for index, support in enumerate(self.support)]
-        edges += [("load", index, load.edge or ()) for index, load in enumerate(self.load)]
-        edges += [("refine", index, part.edge or ()) for index, part in enumerate(self.mesh.refine)]
-        for key, index, listed in edges:
+        places: list[tuple[tuple[str | int, ...], tuple[str, ...]]] = [
+            *((("support", index), support.edge or ()) for index, support in enumerate(self.support)),
+            *((("load", index), load.edge or ()) for index, load in enumerate(self.load)),
+            *((("mesh", "refine", index), one.edge or ()) for index, one in enumerate(self.mesh.refine)),
+        ]
+        for place, listed in places:
             for position, edge in enumerate(listed):
                 if edge not in names:
-                    place = ("mesh", "refine") if key == "refine" else (key,)
-                    yield (*place, index, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
+                    yield (*place, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
 
     def _node_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):
