@@ -162,19 +162,16 @@ def test_elements_are_smaller_where_that_is_asked_for(where):
     assert Quality.of(mesh).angle > 30
 
 
-def test_a_rectangle_may_be_refined():
-    plate = {"shape": "rectangle", "size": [4, 3], "thickness": 0.2}
-    refined = {"size": 0.5, "refine": [{"edge": "left", "size": 0.1}]}
-    mesh = meshed(
-        Model(
-            material={"E": 1.0, "nu": 0.0},
-            plate=plate,
-            mesh=refined,
-            support=[{"edge": "left", "fix": "clamped"}],
-            load=[{"pressure": 1.0}],
-        )
-    )
-    assert len(mesh.edges["left"]) >= 3 / 0.142 > 2 * len(mesh.edges["right"])
+@pytest.mark.parametrize(
+    "plate", [{"shape": "disc", "radius": 2.0}, {"shape": "annulus", "inner": 0.5, "outer": 2.0, "sector": 90}]
+)
+def test_discs_and_annuli_may_be_refined(plate):
+    refined = {"size": 0.5, "refine": [{"at": [1.2, 1.0], "size": 0.05}]}
+    tables = {"material": {"E": 1.0, "nu": 0.0}, "mesh": refined, "load": [{"pressure": 1.0}]}
+    support = [{"edge": "rim" if plate["shape"] == "disc" else "outer", "fix": "clamped"}]
+    mesh = meshed(Model(plate=plate | {"thickness": 0.1}, support=support, **tables))
+    assert mesh.element_area[mesh.locate(np.array([[1.21, 1.01]])).elements[0]] < 2 * 0.05**2
+    assert mesh.element_area.max() > 0.1
 
 
 def test_check_tells_how_well_elements_are_shaped():
