@@ -121,6 +121,15 @@ def test_bad_tables_are_told_with_their_place(given, says):
     assert says in str(error.value)
 
 
+def test_q8r_takes_quadrilaterals_alone():
+    assert len(meshed(model(plate={"element": "q8r"})).elements) == 192
+    with pytest.raises(
+        InputError, match=r"plate.element: The mesh has \d+ triangles, and q8r is a quadrilateral alone"
+    ):
+        hole = {"circle": {"center": [2, 2], "radius": 0.7}}
+        meshed(model(plate={"element": "q8r", "holes": [hole]}))
+
+
 def test_areas_pass_over_holes_and_lines_do_not():
     holes = [{"circle": {"center": [2, 2], "radius": 0.5}}]
     load = [{"pressure": 3.0, "area": {"rectangle": [1, 1, 3, 3]}}]
