@@ -171,6 +171,22 @@ def test_elements_are_smaller_where_that_is_asked_for(where):
     assert Quality.of(mesh).angle > 30
 
 
+def test_a_rectangle_with_a_hole_may_be_refined():
+    holes = [{"circle": {"center": [2, 1.5], "radius": 0.5}}]
+    plate = {"shape": "rectangle", "size": [4, 3], "thickness": 0.2, "holes": holes}
+    refined = {"size": 0.5, "refine": [{"edge": "left", "size": 0.1}]}
+    mesh = meshed(
+        Model(
+            material={"E": 1.0, "nu": 0.0},
+            plate=plate,
+            mesh=refined,
+            support=[{"edge": "left", "fix": "clamped"}],
+            load=[{"pressure": 1.0}],
+        )
+    )
+    assert len(mesh.edges["left"]) >= 3 / 0.142 > 2 * len(mesh.edges["right"])
+
+
 @pytest.mark.parametrize(
     "plate", [{"shape": "disc", "radius": 2.0}, {"shape": "annulus", "inner": 0.5, "outer": 2.0, "sector": 90}]
 )

@@ -74,7 +74,10 @@ def test_other_meshes_of_a_refined_one_are_refined_alike() -> None:
 @pytest.mark.parametrize(
     ("refine", "said"),
     [
-        ({"size": 0.1}, "mesh.refine[1]: found none; exactly one of at, edge, line, circle, area says where"),
+        (
+            {"size": 0.1},
+            "mesh.refine[1]: found none; exactly one of at, edge, line, circle, area says where elements are smaller.",
+        ),
         ({"edge": "lef", "size": 0.1}, "mesh.refine[1].edge: Unknown edge 'lef'."),
         ({"at": [1, 1]}, "mesh.refine[1].size"),
     ],

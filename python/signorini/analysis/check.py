@@ -82,12 +82,6 @@ class Check:
         )
 
     @property
-    def quality(self) -> str:
-        """How well the elements are shaped, in words."""
-        found = Quality.of(self.discretisation.mesh)
-        return f"smallest angle {found.angle:.3g}°, {100 * found.quadrilaterals:.4g} % of the area in quadrilaterals"
-
-    @property
     def singular(self) -> tuple[Singularity, ...]:
         """Where numbers have no limit as the mesh is refined, under the load cases that some combination takes."""
         model = self.discretisation.model
@@ -96,6 +90,12 @@ class Check:
         if not model.tabulated:
             acting = {case for one in combinations for case, factor in (one.factors or {}).items() if factor != 0.0}
         return singularities(self.discretisation, acting)
+
+    @property
+    def quality(self) -> str:
+        """How well the elements are shaped, in words."""
+        found = Quality.of(self.discretisation.mesh)
+        return f"smallest angle {found.angle:.3g}°, {100 * found.quadrilaterals:.4g} % of the area in quadrilaterals"
 
     @property
     def balanced(self) -> bool:

@@ -51,7 +51,7 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
         return _read(model, plate, mesh)
     if mesh is not None:
         return mesh, model
-    if isinstance(plate, PolygonPlate) or not plate.is_regular(model.mesh):
+    if isinstance(plate, PolygonPlate) or plate.freely_meshed(model.mesh):
         made = _outlined(model, plate)
         require_memory(len(made.elements), ("mesh",))
         _require_element(plate, made)

@@ -7,10 +7,9 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, ConfigDict, Field, StrictBool, WithJsonSchema
 
-from signorini.model.area import AnyArea, Area, Circle
+from signorini.model.area import AnyArea, Area, Box, Circle
 from signorini.model.base import Complaint, Count, Edges, Points, Polyline, Positive, Table, listed, number
-from signorini.shapes import Ring
-from signorini.shapes.outlines import Box, bounds_of
+from signorini.shapes.outlines import bounds_of
 
 _PLACES = ("at", "edge", "line", "circle", "area")
 
@@ -50,7 +49,8 @@ class Refinement(Table):
         if self.line is not None:
             found.append(bounds_of(self.line))
         if self.circle is not None:
-            found.append(Ring(self.circle.center, self.circle.radius).bounds)
+            (x, y), radius = self.circle.center, self.circle.radius
+            found.append((x - radius, y - radius, x + radius, y + radius))
         if isinstance(self.area, Area):
             found.append(self.area.region.bounds)
         return found
@@ -66,6 +66,7 @@ class MeshOptions(Table):
         description="Numbers of elements: [along x, along y] of a rectangle, [radial, around] of a disc or annulus.",
     )
     size: Positive | None = Field(default=None, description="Largest side of an element.")
+    refine: tuple[Refinement, ...] = Field(default=(), description="Places with smaller elements.")
     accuracy: Annotated[float, Field(gt=0, lt=1), BeforeValidator(number)] | None = Field(
         default=None,
         description="Refine until every half-width is at most this part of the largest value of its field.",
@@ -75,11 +76,6 @@ class MeshOptions(Table):
         description="Say of every number how far the mesh is from the plate, by the plate's answers on other meshes; "
         "by default where the mesh is not read from a file.",
     )
-    refine: tuple[Refinement, ...] = Field(default=(), description="Places with smaller elements.")
-
-    def refined(self, factor: float) -> tuple[Refinement, ...]:
-        """Refinements to sizes larger by a factor."""
-        return tuple(one.model_copy(update={"size": one.size * factor}) for one in self.refine)
 
     def _complaints(self) -> Iterator[Complaint]:
         if self.divisions is not None and self.size is not None:

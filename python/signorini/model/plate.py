@@ -88,7 +88,7 @@ class Material(Table):
 
     @property
     def poisson(self) -> float:
-        """Poisson's ratio, of an orthotropic material the geometric mean of the two."""
+        """Poisson's ratio, of an orthotropic material the geometric mean of its two."""
         return self.nu if self.nu is not None else self.axes.nu_xy * math.sqrt(self.axes.Ey / self.axes.Ex)
 
     @property
@@ -163,22 +163,18 @@ class OutlinedPlate(_Plate):
         """Names of the edges, those of holes last."""
         return tuple(dict.fromkeys(name for contour in self.contours for name in contour.names))
 
-    def is_regular(self, mesh: MeshOptions) -> bool:
-        """Whether the mesh is one of rows and columns, or of rings and rays, whose elements are counted."""
-        return False
-
-    def along(self, mesh: MeshOptions) -> float:
-        """Elements along the plate where it is shortest."""
-        x0, y0, x1, y1 = self.outline.bounds
-        return min(x1 - x0, y1 - y0) / self.element_size(mesh)
-
-    def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
-        """Mesh options for elements larger by a factor, as far as there are enough of them."""
-        return MeshOptions(size=self.element_size(mesh) * factor, refine=mesh.refined(factor))
-
     def element_size(self, mesh: MeshOptions) -> float:
         """Size of elements that the mesh options ask for, where they are not counted."""
         return mesh.size if mesh.size is not None else self._longer_side() / _DEFAULT_ALONG
+
+    def freely_meshed(self, mesh: MeshOptions) -> bool:
+        """Whether elements of about one size fill the outline, instead of a number of them in rows."""
+        return True
+
+    def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
+        """Mesh options for elements larger by a factor, as far as there are enough of them."""
+        refine = tuple(one.model_copy(update={"size": one.size * factor}) for one in mesh.refine)
+        return MeshOptions(size=self.element_size(mesh) * factor, refine=refine)
 
     def _longer_side(self) -> float:
         x0, y0, x1, y1 = self.outline.bounds
@@ -198,24 +194,20 @@ class _PatternedPlate(OutlinedPlate):
         first, second = (max(count, least) for count, least in zip(counts, self.fewest, strict=True))
         return first, second
 
-    def is_regular(self, mesh: MeshOptions) -> bool:
-        """Whether the mesh is one of rows and columns, or of rings and rays, whose elements are counted."""
-        return not self.holes and not mesh.refine
-
-    def along(self, mesh: MeshOptions) -> float:
-        """Elements along the plate where it is shortest."""
-        return min(self.divisions(mesh)) if self.is_regular(mesh) else super().along(mesh)
+    def freely_meshed(self, mesh: MeshOptions) -> bool:
+        """Whether elements of about one size fill the outline, instead of a number of them in rows."""
+        return bool(self.holes or mesh.refine)
 
     def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
         """Mesh options for elements larger by a factor, as far as there are enough of them."""
-        if not self.is_regular(mesh):
-            return super().scaled(mesh, factor)
+        scaled = super().scaled(mesh, factor)
+        if self.freely_meshed(mesh):
+            return scaled
         first, second = (
             max(math.ceil(count / factor), least)
             for count, least in zip(self.divisions(mesh), self.fewest, strict=True)
         )
-        refine = tuple(one.model_copy(update={"size": one.size * factor}) for one in mesh.refine)
-        return MeshOptions(divisions=(first, second), refine=refine)
+        return scaled.model_copy(update={"divisions": (first, second), "size": None})
 
     @property
     def fewest(self) -> tuple[int, int]:
@@ -245,9 +237,9 @@ class RectanglePlate(_PatternedPlate):
         corners = ((x, y), (x + a, y), (x + a, y + b), (x, y + b))
         return straight(corners, ("bottom", "right", "top", "left"))
 
-    def is_regular(self, mesh: MeshOptions) -> bool:
-        """Whether the mesh is one of rows and columns, refined or not."""
-        return not self.holes
+    def freely_meshed(self, mesh: MeshOptions) -> bool:
+        """Whether elements of about one size fill the outline; without holes rows and columns can be refined."""
+        return bool(self.holes)
 
     def _lengths(self) -> tuple[float, float]:
         return self.size
@@ -313,24 +305,6 @@ class AnnulusPlate(_PatternedPlate):
         """The outer circle, the inner one and the outlines of the holes; of a sector its outline and the holes."""
         inner = (circle(self.center, self.inner, "inner"),) if self.sector == 360 else ()
         return (self.outline, *inner, *self.hole_contours)
-
-    def is_regular(self, mesh: MeshOptions) -> bool:
-        """Whether the mesh is one of rows and columns, or of rings and rays, whose elements are counted."""
-        return not self.holes and not mesh.refine
-
-    def along(self, mesh: MeshOptions) -> float:
-        """Elements along the plate where it is shortest."""
-        return min(self.divisions(mesh)) if self.is_regular(mesh) else super().along(mesh)
-
-    def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
-        """Mesh options for elements larger by a factor, as far as there are enough of them."""
-        if not self.is_regular(mesh):
-            return super().scaled(mesh, factor)
-        first, second = (
-            max(math.ceil(count / factor), least)
-            for count, least in zip(self.divisions(mesh), self.fewest, strict=True)
-        )
-        return MeshOptions(divisions=(first, second), refine=mesh.refined(factor))
 
     @property
     def fewest(self) -> tuple[int, int]:

@@ -131,19 +131,16 @@ class Model(Table):
 
     def _mesh_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):
-            for key in self.mesh.given(("divisions", "size", "accuracy")):
+            for key in [*self.mesh.given(("divisions", "size", "accuracy")), *(["refine"] if self.mesh.refine else [])]:
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
-            if self.mesh.refine:
-                yield (
-                    ("mesh", "refine"),
-                    "refine does not go with a plate read from a mesh file, which is meshed already.",
-                )
             return
-        if isinstance(self.plate, PolygonPlate) or not self.plate.is_regular(self.mesh):
+        if self.plate.freely_meshed(self.mesh):
             if self.mesh.divisions is not None:
-                why = "a polygon" if isinstance(self.plate, PolygonPlate) else "holes" if self.plate.holes else "refine"
+                shape = self.plate.shape
+                why = "a polygon" if shape == "polygon" else "holes" if self.plate.holes else "refine"
                 yield ("mesh", "divisions"), f"divisions count the elements of a regular mesh; with {why} give size."
             return
+        assert not isinstance(self.plate, PolygonPlate)  # it is freely meshed
         first, second = self.plate.divisions(self.mesh)
         fewest = self.plate.fewest[1]
         if second < fewest:
