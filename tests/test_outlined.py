@@ -121,6 +121,15 @@ def test_bad_tables_are_told_with_their_place(given, says):
     assert says in str(error.value)
 
 
+def test_q8r_takes_quadrilaterals_alone():
+    assert len(meshed(model(plate={"element": "q8r"})).elements) == 192
+    with pytest.raises(
+        InputError, match=r"plate.element: The mesh has \d+ triangles, and q8r is a quadrilateral alone"
+    ):
+        hole = {"circle": {"center": [2, 2], "radius": 0.7}}
+        meshed(model(plate={"element": "q8r", "holes": [hole]}))
+
+
 def test_areas_pass_over_holes_and_lines_do_not():
     holes = [{"circle": {"center": [2, 2], "radius": 0.5}}]
     load = [{"pressure": 3.0, "area": {"rectangle": [1, 1, 3, 3]}}]
@@ -176,6 +185,18 @@ def test_a_rectangle_with_a_hole_may_be_refined():
         )
     )
     assert len(mesh.edges["left"]) >= 3 / 0.142 > 2 * len(mesh.edges["right"])
+
+
+@pytest.mark.parametrize(
+    "plate", [{"shape": "disc", "radius": 2.0}, {"shape": "annulus", "inner": 0.5, "outer": 2.0, "sector": 90}]
+)
+def test_discs_and_annuli_may_be_refined(plate):
+    refined = {"size": 0.5, "refine": [{"at": [1.2, 1.0], "size": 0.05}]}
+    tables = {"material": {"E": 1.0, "nu": 0.0}, "mesh": refined, "load": [{"pressure": 1.0}]}
+    support = [{"edge": "rim" if plate["shape"] == "disc" else "outer", "fix": "clamped"}]
+    mesh = meshed(Model(plate=plate | {"thickness": 0.1}, support=support, **tables))
+    assert mesh.element_area[mesh.locate(np.array([[1.21, 1.01]])).elements[0]] < 2 * 0.05**2
+    assert mesh.element_area.max() > 0.1
 
 
 def test_check_tells_how_well_elements_are_shaped():

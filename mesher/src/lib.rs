@@ -140,9 +140,10 @@ struct Frame {
     back: [f64; 2],
 }
 
-/// A mesh with this share of the area in quadrilaterals is not made in other styles, nor one of so many elements, where
-/// the lattice within counts for more than what is along the outline.
+/// A mesh with this share of the area in quadrilaterals and this smallest angle is not made in other styles, nor one of
+/// so many elements, where the lattice within counts for more than what is along the outline.
 const ENOUGH: f64 = 0.99;
+const SHARP: f64 = 40.0;
 const MANY: usize = 20_000;
 
 struct Task<'a> {
@@ -159,13 +160,14 @@ impl Task<'_> {
     fn best(&self, first: Quadratic, slant: Option<f64>) -> Quadratic {
         let rank = |mesh: &Quadratic| {
             let (share, angle) = mesh.measures();
-            // A degree of the smallest angle, up to 40, counts as much as a hundredth of the area.
-            100.0 * share + angle.min(40.0)
+            // Up to here a degree of the smallest angle counts as much as a hundredth of the area.
+            100.0 * share + angle.min(SHARP)
         };
-        if first.measures().0 >= ENOUGH || first.len() > MANY {
+        let (share, angle) = first.measures();
+        if (share >= ENOUGH && angle >= SHARP) || first.len() > MANY {
             return first;
         }
-        let others = [Some(Style::Lined), slant.map(Style::Skew)].into_iter().flatten();
+        let others = [Some(Style::Lined), Some(Style::Loose), slant.map(Style::Skew)].into_iter().flatten();
         others
             .filter_map(|style| self.made(style).ok())
             .fold(first, |best, other| if rank(&other) > rank(&best) { other } else { best })

@@ -36,6 +36,8 @@ pub enum Style {
     Square,
     /// On a square lattice, and at one element's depth along pieces across it.
     Lined,
+    /// On a square lattice where elements have their largest size; elsewhere nodes are left to the refinement.
+    Loose,
     /// On a lattice with an angle, other than 90°, between its lines.
     Skew(f64),
 }
@@ -63,7 +65,8 @@ pub fn seed(outline: &Outline, sizes: &Sizes, vertices: Vec<Point>, pieces: &[Pi
         seeds.line(outline, sizes, pieces, &grid);
     }
     for p in grid.lattice(sizes) {
-        if outline.contains(p) && seeds.is_free(p, sizes.at(p)) {
+        let wanted = style != Style::Loose || sizes.at(p) > 0.75 * sizes.largest;
+        if wanted && outline.contains(p) && seeds.is_free(p, sizes.at(p)) {
             seeds.points.push(p);
             seeds.on.push(None);
         }

@@ -14,11 +14,11 @@ pub enum Freedom {
 
 /// Sweeps towards the middle of the neighbours, and sweeps that try directions around the worst nodes.
 const SWEEPS: usize = 6;
-const SEARCHES: usize = 6;
+const SEARCHES: usize = 14;
 /// Worst corners above this (72°) are left as they are.
 const GOOD: f64 = 0.95;
 /// Nodes with a worse corner than this (53°) are moved in every direction to find a better place.
-const POOR: f64 = 0.8;
+const POOR: f64 = 0.82;
 
 pub fn smooth(points: &mut [Point], elements: &[Corners], freedom: &mut [Freedom]) {
     let around = Around::new(points.len(), elements);
@@ -43,7 +43,7 @@ pub fn smooth(points: &mut [Point], elements: &[Corners], freedom: &mut [Freedom
             true
         });
     }
-    let mut step = 0.16;
+    let mut step = 0.2;
     for _ in 0..SEARCHES {
         active.clear();
         active.extend((0..points.len()).filter(|&n| !matches!(freedom[n], Freedom::None)));
@@ -53,7 +53,7 @@ pub fn smooth(points: &mut [Point], elements: &[Corners], freedom: &mut [Freedom
                 search(node, step, now, &around, points, elements, freedom);
             }
         }
-        step *= 0.75;
+        step *= 0.82;
     }
 }
 
@@ -107,7 +107,7 @@ struct Shape {
 
 impl Shape {
     fn score(self) -> f64 {
-        0.7 * self.worst + 0.3 * self.mean
+        0.9 * self.worst + 0.1 * self.mean
     }
 }
 

@@ -54,6 +54,7 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
     if isinstance(plate, PolygonPlate) or plate.freely_meshed(model.mesh):
         made = _outlined(model, plate)
         require_memory(len(made.elements), ("mesh",))
+        _require_element(plate, made)
         return made, model
     require_memory(math.prod(plate.divisions(model.mesh)), ("mesh",))
     try:
@@ -77,13 +78,17 @@ def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Mode
     except InputError as error:
         raise InputError(str(error), place) from None
     require_memory(len(mesh.elements), place)
+    _require_element(plate, mesh)
+    return mesh, _at_nodes(model, points)
+
+
+def _require_element(plate: MeshPlate | OutlinedPlate, mesh: Mesh) -> None:
     if plate.element == "q8r" and mesh.triangles.any():
         raise InputError(
             f"The mesh has {int(mesh.triangles.sum())} triangles, and q8r is a quadrilateral alone. Leave the key out, "
             'or take "mitc9".',
             place=("plate", "element"),
         )
-    return mesh, _at_nodes(model, points)
 
 
 def _at_nodes(model: Model, points: Mapping[int, Point]) -> Model:
