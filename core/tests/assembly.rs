@@ -6,7 +6,7 @@ use signorini_core::cholesky::{Analysis, FactorError};
 use signorini_core::element::{DOFS, Kind, Layered, Material, Thickness, packed};
 use signorini_core::ordering::nested_dissection;
 use signorini_core::plate::Plate;
-use signorini_core::residual::Springs;
+use signorini_core::residual::{Rows, Springs};
 
 /// A grid of nx × ny squares, its nodes turned a little at random and in frames of their own.
 fn plate(nx: usize, ny: usize, seed: u64) -> Plate {
@@ -25,7 +25,7 @@ fn plate(nx: usize, ny: usize, seed: u64) -> Plate {
     let elements: Vec<_> = (0..nx * ny).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
     let at_points = (0..13 * elements.len()).map(|k| 0.2 + 0.02 * noise(k + 11)).collect();
     let thickness = Thickness::Varying { at_points, layered: Layered::default() };
-    let material = Material { young: 1000.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
+    let material = Material::isotropic(1000.0, 0.3, 5.0 / 6.0);
     Plate::new(points, elements, thickness, material, Kind::Mitc9, Some(frames)).unwrap()
 }
 
@@ -38,9 +38,6 @@ fn springs(plate: &Plate, seed: u64) -> Springs {
         out.stiffness.push(10.0 + e as f64);
         out.base.push(0.0);
     }
-    // A footprint: the first spring's row goes on in the last element.
-    let last = plate.elements().len() - 1;
-    out.rows.further.insert(0, vec![(last, plate.interpolation_row(last, 0.2, -0.4, 0).0)]);
     out
 }
 
@@ -60,12 +57,10 @@ fn dense(plate: &Plate, springs: &Springs) -> Mat<f64> {
         let full = Mat::from_fn(DOFS, DOFS, |i, j| lower[packed(i, j)]);
         add(&mut k, nodes, &(turn.transpose() * full * &turn));
     }
-    for (row, stiffness) in springs.stiffness.iter().enumerate() {
-        for (i, a) in springs.rows.entries(plate, row) {
-            for (j, b) in springs.rows.entries(plate, row) {
-                k[(i, j)] += stiffness * a * b;
-            }
-        }
+    let Rows { element, coefficient, .. } = &springs.rows;
+    for ((&e, row), stiffness) in element.iter().zip(coefficient).zip(&springs.stiffness) {
+        let product = Mat::from_fn(DOFS, DOFS, |i, j| stiffness * row[i] * row[j]);
+        add(&mut k, &plate.elements()[e], &product);
     }
     k
 }
