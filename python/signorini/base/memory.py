@@ -12,7 +12,7 @@ from signorini.errors import InputError, Place
 
 _PER_DOF = 2300.0
 """Bytes of mesh, element matrices, fields and what fronts leave for a dof. Slabs on tensionless soil took 2000 beside L
-on 230 thousand dofs and 1800 on 930 thousand, elements alike; where none are alike they take 300 more."""
+on 230 thousand dofs and 1500 on 3.7 million, elements alike; where none are alike they take 300 more."""
 
 _PER_PAIR = 200.0
 """Bytes of condensed matrices and of Lemke's tableau for a pair of contact points, measured on 1600 and 3025 points."""
@@ -34,7 +34,7 @@ _USES = ("/sys/fs/cgroup/memory.current", "/sys/fs/cgroup/memory/memory.usage_in
 
 
 def needed(elements: int) -> float:
-    """Estimate the bytes that a plate of so many elements takes to be solved, up to a quarter too many.
+    """Estimate the bytes that a plate of so many elements takes to be solved, up to three tenths too many.
 
     The factor's entries a dof grow with the logarithm of the number of dofs, as by nested dissection they must.
 
