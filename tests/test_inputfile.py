@@ -332,13 +332,16 @@ def test_bad_input_gives_one_message_with_its_place(written, text, says):
     ("plate", "says"),
     [
         (
-            "shape = 'polygon'",
-            'slab.toml:5: plate.shape: found "polygon"; this version has rectangle, disc, annulus, mesh.',
+            "shape = 'ellipse'",
+            'slab.toml:5: plate.shape: found "ellipse"; this version has rectangle, disc, annulus, polygon, mesh.',
         ),
-        ("shape = 'polygon'", 'mesh the plate in another program and give shape = "mesh" with its file.'),
+        ("shape = 'ellipse'", "Any other outline is a polygon of straight sides and arcs, or a mesh file."),
         ("shape = 'disk'", "Did you mean 'disc'?"),
         ("shape = 3", "plate.shape: found 3; this version has rectangle"),
-        ("size = [1, 1]", "slab.toml:4: plate.shape: 'shape' is missing. One of rectangle, disc, annulus, mesh."),
+        (
+            "size = [1, 1]",
+            "slab.toml:4: plate.shape: 'shape' is missing. One of rectangle, disc, annulus, polygon, mesh.",
+        ),
         (
             "shape = 'rectangle'\nsize = [1, 1]",
             "slab.toml:4: plate.thickness: 'thickness' is missing. Thickness: a number",
@@ -417,6 +420,13 @@ def test_bad_plate_gives_one_message_with_its_place(written, plate, says):
     ("material", "says"),
     [
         ("E = 0\nnu = 0.3", "slab.toml:2: material.E: found 0; it must be greater than 0."),
+        ("E = 1", "material.nu: 'nu' is missing. Poisson's ratio"),
+        ("Ex = 1\nE = 1", "material.E: found E beside Ex; a material is isotropic (E, nu) or orthotropic (Ex, Ey,"),
+        ("Ex = 1\nEy = 2\nnu_xy = 0", "material.Gxy: 'Gxy' is missing; it goes with Ex."),
+        (
+            "Ex = 1\nEy = 4\nnu_xy = 0.5\nGxy = 1",
+            "material.nu_xy: found 0.5; its size must be less than the root of Ex/Ey, 0.5.",
+        ),
         ("E = 1\nnu = 0.5", "slab.toml:3: material.nu: found 0.5; it must be less than 0.5."),
         ("E = 1\nnu = -1", "material.nu: found -1; it must be greater than -1."),
         ("E = nan\nnu = 0", "material.E: found nan; it must be finite"),

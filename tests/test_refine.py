@@ -80,7 +80,10 @@ def test_other_meshes_of_a_refined_one_are_refined_alike() -> None:
 @pytest.mark.parametrize(
     ("refine", "said"),
     [
-        ({"size": 0.1}, "mesh.refine[1]: found no place; exactly one of at, edge, line, area is needed."),
+        (
+            {"size": 0.1},
+            "mesh.refine[1]: found none; exactly one of at, edge, line, circle, area says where elements are smaller.",
+        ),
         ({"edge": "lef", "size": 0.1}, "mesh.refine[1].edge: Unknown edge 'lef'."),
         ({"at": [1, 1]}, "mesh.refine[1].size"),
     ],
@@ -89,16 +92,6 @@ def test_what_is_wrong_with_a_refinement_is_said(refine: object, said: str) -> N
     with pytest.raises(InputError) as raised:
         plate(refine=[refine])
     assert said in str(raised.value)
-
-
-def test_only_rectangles_can_be_refined() -> None:
-    with pytest.raises(InputError, match="only a rectangle's mesh can be refined; this plate is a disc"):
-        Model(
-            material={"E": 1.0, "nu": 0.2},
-            plate={"shape": "disc", "radius": 1, "thickness": 0.1},
-            mesh={"refine": [{"at": [0, 0], "size": 0.1}]},
-            load=[{"pressure": 1.0}],
-        )
 
 
 def asked(part: float, **others: object) -> Model:

@@ -16,7 +16,8 @@ use std::sync::Arc;
 ///
 /// `thickness` is one number or that of every element (e, p) at its `section_points`. `layered`, if given, has the
 /// elements (k,), in increasing order, inside which the thickness jumps, and at their points the rigidities (k, p, 9):
-/// rows 11, 12, 13, 22, 23, 33 of those in bending and 11, 12, 22 of those in shear. `frames` (n, 2), if given, holds
+/// rows 11, 12, 13, 22, 23, 33 of those in bending and 11, 12, 22 of those in shear. `rigidities` (9,) are the same of a
+/// plate of thickness 1, and `young` the largest Young's modulus. `frames` (n, 2), if given, holds
 /// cos and sin of every node's first rotation direction.
 /// Displacements as the sum of two arrays of doubles.
 type HighAndLow<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
@@ -97,7 +98,7 @@ pub fn displacement(
 #[pymethods]
 impl Plate {
     #[new]
-    #[pyo3(signature = (points, elements, thickness, young, poisson, shear_factor, kind, frames=None, layered=None))]
+    #[pyo3(signature = (points, elements, thickness, young, rigidities, kind, frames=None, layered=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -105,8 +106,7 @@ impl Plate {
         elements: PyReadonlyArray2<'_, i64>,
         thickness: ThicknessArray<'_>,
         young: f64,
-        poisson: f64,
-        shear_factor: f64,
+        rigidities: [f64; 9],
         kind: &str,
         frames: Option<PyReadonlyArray2<'_, f64>>,
         layered: Option<(PyReadonlyArray1<'_, i64>, PyReadonlyArray3<'_, f64>)>,
@@ -125,7 +125,7 @@ impl Plate {
             .collect::<PyResult<Vec<_>>>()?;
         let thickness = thickness_of(kind, elements.len(), thickness, layered)?;
         let frames = frames.map(|f| rows_of::<2, f64>("frames", &f)).transpose()?;
-        let material = Material { young, poisson, shear_factor };
+        let material = Material { young, unit: section(&rigidities) };
         let inner = released(py, || plate::Plate::new(points, elements, thickness, material, kind, frames))?
             .map_err(invalid)?;
         Ok(Self { inner: Arc::new(inner) })

@@ -87,12 +87,8 @@ impl Plate {
         }
         check_finite("points", points.iter().flatten())?;
         check_thickness(&thickness, kind.points().len(), elements.len())?;
-        let Material { young, poisson, shear_factor } = material;
-        if !(young > 0.0 && young.is_finite() && poisson > -1.0 && poisson < 0.5) {
+        if !(material.young > 0.0 && material.young.is_finite() && material.unit.resists()) {
             return Err(PlateError::Range { what: "material", index: 0 });
-        }
-        if !(shear_factor > 0.0 && shear_factor.is_finite()) {
-            return Err(PlateError::Range { what: "shear factor", index: 0 });
         }
         if let Some(frames) = &frames {
             check_finite("frames", frames.iter().flatten())?;

@@ -357,7 +357,7 @@ mod tests {
     fn a_rigid_motion_strains_nothing_whatever_its_size() {
         let points = [[0.1, 0.7], [1.3, 0.6], [1.7, 1.9], [0.3, 1.4], [0.7, 0.65], [1.5, 1.2], [1.0, 1.7], [0.2, 1.1]];
         let frames = (0..8).map(|i| [(0.3 * f64::from(i)).cos(), (0.3 * f64::from(i)).sin()]).collect();
-        let material = crate::element::Material { young: 1e11, poisson: 0.3, shear_factor: 5.0 / 6.0 };
+        let material = crate::element::Material::isotropic(1e11, 0.3, 5.0 / 6.0);
         let kind = crate::element::Kind::Mitc9;
         let thickness = crate::element::Thickness::Constant(0.01);
         let plate =
@@ -390,7 +390,7 @@ mod tests {
     #[test]
     fn forces_of_a_plate_have_no_resultant() {
         let points = [[0.0, 0.0], [5.0, 0.0], [5.0, 0.8], [0.0, 0.8], [2.5, 0.0], [5.0, 0.4], [2.5, 0.8], [0.0, 0.4]];
-        let material = crate::element::Material { young: 3e10, poisson: 0.2, shear_factor: 5.0 / 6.0 };
+        let material = crate::element::Material::isotropic(3e10, 0.2, 5.0 / 6.0);
         for (kind, thickness) in [(crate::element::Kind::Mitc9, 0.07), (crate::element::Kind::Q8r, 0.003)] {
             let thickness = crate::element::Thickness::Constant(thickness);
             let plate = Plate::new(points.to_vec(), vec![[0, 1, 2, 3, 4, 5, 6, 7]], thickness, material, kind, None);

@@ -25,7 +25,7 @@ fn plate(nx: usize, ny: usize, seed: u64) -> Plate {
     let elements: Vec<_> = (0..nx * ny).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
     let at_points = (0..13 * elements.len()).map(|k| 0.2 + 0.02 * noise(k + 11)).collect();
     let thickness = Thickness::Varying { at_points, layered: Layered::default() };
-    let material = Material { young: 1000.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
+    let material = Material::isotropic(1000.0, 0.3, 5.0 / 6.0);
     Plate::new(points, elements, thickness, material, Kind::Mitc9, Some(frames)).unwrap()
 }
 

@@ -48,7 +48,7 @@ fn strip(columns: usize, rows: usize) -> (Plate, Springs) {
         (0..rows * columns).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
     let count = elements.len();
     let thickness = Thickness::Constant(0.5);
-    let material = Material { young: 100.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
+    let material = Material::isotropic(100.0, 0.3, 5.0 / 6.0);
     let plate = Plate::new(points, elements, thickness, material, Kind::Mitc9, None).unwrap();
     let coefficient = (0..count).map(|e| plate.interpolation_row(e, -1.0, -1.0, 0).0).collect();
     let rows = Rows { element: (0..count).collect(), coefficient, ..Rows::default() };

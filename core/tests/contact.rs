@@ -22,7 +22,7 @@ fn plate_in([length, force]: [f64; 2]) -> Arc<Plate> {
     let nodes = [0, 2, 2 * columns + 2, 2 * columns, 1, columns + 2, 2 * columns + 1, columns];
     let elements = (0..SIZE * SIZE).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
     let thickness = Thickness::Constant(0.2 * length);
-    let material = Material { young: 1000.0 * force / (length * length), poisson: 0.3, shear_factor: 5.0 / 6.0 };
+    let material = Material::isotropic(1000.0 * force / (length * length), 0.3, 5.0 / 6.0);
     Arc::new(Plate::new(points, elements, thickness, material, Kind::Mitc9, None).unwrap())
 }
 

@@ -85,7 +85,7 @@ pub fn contact(data: &[u8]) {
         elements[0][bytes.below(8)] = bytes.below(20);
     }
     let odd = (bytes.byte() > 240).then(|| (bytes.below(13), bytes.number()));
-    let material = Material { young: 1000.0, poisson: 0.3, shear_factor: 5.0 / 6.0 };
+    let material = Material::isotropic(1000.0, 0.3, 5.0 / 6.0);
     let kind = if bytes.byte() & 1 == 0 { Kind::Mitc9 } else { Kind::Q8r };
     let mut at_points = vec![0.2; 2 * kind.points().len()];
     if let Some((index, value)) = odd {
@@ -115,7 +115,11 @@ pub fn contact(data: &[u8]) {
         held[bytes.below(plate.dof_count())] = true;
     }
     let springs = Springs {
-        rows: Rows { element: vec![0], coefficient: vec![plate.interpolation_row(0, 0.1, 0.2, 0).0] },
+        rows: Rows {
+            element: vec![0],
+            coefficient: vec![plate.interpolation_row(0, 0.1, 0.2, 0).0],
+            ..Rows::default()
+        },
         stiffness: vec![f64::from(bytes.byte())],
         base: vec![0.1],
     };

@@ -22,6 +22,7 @@ import numpy as np
 from signorini import Model, _core
 from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.discretise import Discretisation
+from signorini.discretise.rigidity import Rigidity
 
 ORDINARY = (ValueError, TypeError, RuntimeError, MemoryError, OverflowError)
 
@@ -86,7 +87,7 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
 
     thickness = np.full((len(mesh.elements), len(_core.section_points("mitc9"))), 0.3)
     rigidities = np.tile([2.0, 0.6, 0.0, 2.0, 0.0, 0.7, 80.0, 0.0, 80.0], (1, thickness.shape[1], 1))
-    plate = [mesh.points, mesh.elements, thickness, material.E, material.nu, 5 / 6, "mitc9", held.frames]
+    plate = [mesh.points, mesh.elements, thickness, material.E, Rigidity.of(found.model).for_core, "mitc9", held.frames]
 
     def layered(*arguments):
         *most, elements, rigidities = arguments
@@ -114,7 +115,7 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
         (found.plate.openings, [*rows.arrays, contacts.distance, u, u]),
         (_core.superpose, [one, u[None]]),
         (_core.Plate, plate),
-        (layered, [*plate[:7], np.array([2]), rigidities]),
+        (layered, [*plate[:6], np.array([2]), rigidities]),
         (found.plate.interpolation_rows, [rows.elements, np.zeros((len(rows), 2)), 0]),
         (found.plate.curvature_load, [np.array([0.1, 0.0, 0.2])]),
         (residual, [load, u, 1e-17 * u, *spring]),

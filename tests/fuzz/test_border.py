@@ -56,4 +56,4 @@ def test_what_another_problem_has_made_is_refused(points: int) -> None:
 def test_a_plate_without_elements_is_refused() -> None:
     for nodes in (0, 8):
         with pytest.raises(ValueError, match="a plate has at least one element"):
-            _core.Plate(np.zeros((nodes, 2)), np.zeros((0, 8), np.int64), 1.0, 1.0, 0.3, 5 / 6, "mitc9", None)
+            _core.Plate(np.zeros((nodes, 2)), np.zeros((0, 8), np.int64), 1.0, 1.0, np.ones(9), "mitc9", None)

@@ -12,10 +12,12 @@ from halving import halved
 import signorini
 from signorini import _core
 from signorini.discretise.quadrature import area_quadrature
+from signorini.discretise.rigidity import Rigidity
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import rectangle
 
 E, NU, KAPPA = 1.0, 0.3, 5 / 6
+RIGIDITY = Rigidity.isotropic(E, NU, KAPPA).for_core
 THICKNESSES = (0.1, 1e-2, 1e-3, 1e-4, 1e-5)
 SKEW = np.array([[1.0, 0.5], [0.1, 0.8]])
 MESHES = (8, 16, 32)
@@ -146,7 +148,7 @@ def clamped_errors(prescribed, element, thickness, mesh, edges=None):
     """Errors with sin³(πs) sin³(πt) for ψ, so that w and θ vanish on the edges s, t = 0, 1 at every thickness."""
     s, t = np.pi * np.linalg.inv(np.eye(2) if edges is None else edges)
     exact = Exact(Waves.product(sin_cubed(s), sin_cubed(t)), thickness)
-    plate = _core.Plate(mesh.points, mesh.elements, thickness, E, NU, KAPPA, element)
+    plate = _core.Plate(mesh.points, mesh.elements, thickness, E, RIGIDITY, element)
     values, at, det = at_reference_points(mesh, GAUSS)
     force = det * GAUSS_WEIGHTS * exact.pressure(at.reshape(-1, 2)).reshape(det.shape)
     load = np.zeros((mesh.node_count, 3))
@@ -217,7 +219,7 @@ def clamped_errors_at_nodes(prescribed, thickness, mesh):
     """Relative L2 errors of the deflection, and of the moments carried to the nodes, at the points of a fine rule."""
     s, t = np.pi * np.eye(2)
     exact = Exact(Waves.product(sin_cubed(s), sin_cubed(t)), thickness)
-    plate = _core.Plate(mesh.points, mesh.elements, thickness, E, NU, KAPPA, "mitc9")
+    plate = _core.Plate(mesh.points, mesh.elements, thickness, E, RIGIDITY, "mitc9")
     over = area_quadrature(mesh, order=5)
     values, nodes = mesh.shape_functions(over.elements, over.xi), mesh.elements[over.elements]
     load = np.zeros((mesh.node_count, 3))

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from signorini import _core
+from signorini.discretise.rigidity import Rigidity
 
 E, NU, KAPPA = 1e6, 0.25, 5 / 6
+RIGIDITY = Rigidity.isotropic(E, NU, KAPPA).for_core
 FIVE = [(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (4, 5, 6, 7)]
 OUTER = [(0.0, 0.0), (0.24, 0.0), (0.24, 0.12), (0.0, 0.12)]
 INNER = [(0.04, 0.02), (0.18, 0.03), (0.16, 0.08), (0.08, 0.08)]
@@ -36,7 +38,7 @@ class Patch:
         self.boundary = sorted({*(node for side in outer for node in side), *(middles[side] for side in outer)})
 
     def plate(self, element, thickness):
-        return _core.Plate(self.points, self.elements, thickness, E, NU, KAPPA, element)
+        return _core.Plate(self.points, self.elements, thickness, E, RIGIDITY, element)
 
     def split(self):
         """Four elements for one, with sides that stay straight."""

@@ -23,12 +23,10 @@ use shape::serendipity;
 
 /// Stiffness of one element.
 pub fn stiffness(kind: Kind, geometry: &Geometry, material: &Material, sections: Sections) -> Stiffness {
-    match (kind, sections) {
-        (Kind::Mitc9, sections) if geometry.triangle => mitc7::stiffness(geometry, material, sections),
-        (Kind::Mitc9, sections) => mitc9::stiffness(geometry, material, sections),
-        (Kind::Q8r, Sections::Constant(h)) => q8r::stiffness(geometry, material, [h; 4]),
-        (Kind::Q8r, Sections::Varying(h)) => q8r::stiffness(geometry, material, std::array::from_fn(|i| h[i])),
-        (Kind::Q8r, Sections::Layered(s)) => q8r::layered_stiffness(geometry, std::array::from_fn(|i| s[i])),
+    match kind {
+        Kind::Mitc9 if geometry.triangle => mitc7::stiffness(geometry, material, sections),
+        Kind::Mitc9 => mitc9::stiffness(geometry, material, sections),
+        Kind::Q8r => q8r::stiffness(geometry, std::array::from_fn(|i| sections.at(i, material))),
     }
 }
 

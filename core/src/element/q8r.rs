@@ -3,7 +3,7 @@
 use super::geometry::Geometry;
 use super::matrices::{ALL_DOFS, Centre, DOFS, PACKED, Stiffness, StrainMatrix, add_energy, packed};
 use super::quadrature::{GAUSS_2, square};
-use super::section::{Material, Section};
+use super::section::Section;
 
 /// κ = sym ∇θ and γ = ∇w − θ, all on the serendipity functions.
 pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
@@ -24,31 +24,8 @@ pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
     strain
 }
 
-/// ∫ Bᵀ C B by the 2×2 rule; there is no centre node.
-///
-/// `thickness` is that at the points.
-pub fn stiffness(geometry: &Geometry, material: &Material, thickness: [f64; 4]) -> Stiffness {
-    let mut full = [0.0; PACKED];
-    for ((xi, eta, weight), thickness) in square(GAUSS_2).zip(thickness) {
-        let strain = strain_matrix(geometry, xi, eta);
-        let scale = weight * geometry.jacobian(xi, eta).determinant;
-        let shear = material.shear_rigidity(thickness);
-        for j in 0..DOFS {
-            let bending = material.bending(thickness, [strain[0][j], strain[1][j], strain[2][j]]);
-            for i in j..DOFS {
-                let mut energy = shear * (strain[3][i] * strain[3][j] + strain[4][i] * strain[4][j]);
-                for a in 0..3 {
-                    energy += strain[a][i] * bending[a];
-                }
-                full[packed(i, j)] += scale * energy;
-            }
-        }
-    }
-    Stiffness { packed: full, centre: Centre::default() }
-}
-
-/// The same for any sections at the points.
-pub fn layered_stiffness(geometry: &Geometry, sections: [Section; 4]) -> Stiffness {
+/// ∫ Bᵀ C B by the 2×2 rule, from the sections at its points; there is no centre node.
+pub fn stiffness(geometry: &Geometry, sections: [Section; 4]) -> Stiffness {
     let mut full = [0.0; PACKED];
     for ((xi, eta, weight), section) in square(GAUSS_2).zip(sections) {
         let strain = strain_matrix(geometry, xi, eta);

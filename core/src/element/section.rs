@@ -2,40 +2,45 @@
 
 use super::kind::Kind;
 
-/// Isotropic elasticity with a shear correction factor.
+/// Linear elasticity, isotropic or not.
 #[derive(Clone, Copy, Debug)]
 pub struct Material {
+    /// Young's modulus, the largest: what forces are compared with.
     pub young: f64,
-    pub poisson: f64,
-    pub shear_factor: f64,
+    /// Rigidities of a plate of thickness 1.
+    pub unit: Section,
 }
 
 impl Material {
-    /// D = Eh³/12(1−ν²).
+    /// The same in all directions; the shear correction factor is that of the plate.
+    pub const fn isotropic(young: f64, poisson: f64, shear_factor: f64) -> Self {
+        let d = young / (12.0 * (1.0 - poisson * poisson));
+        let (coupled, twist) = (d * poisson, d * 0.5 * (1.0 - poisson));
+        let s = shear_factor * young / (2.0 * (1.0 + poisson));
+        let bending = [[d, coupled, 0.0], [coupled, d, 0.0], [0.0, 0.0, twist]];
+        Self { young, unit: Section { bending, shear: [[s, 0.0], [0.0, s]] } }
+    }
+
+    /// The lesser rigidity in bending of x and y; Eh³/12(1−ν²) where there is one.
     pub fn bending_rigidity(&self, thickness: f64) -> f64 {
-        self.young * thickness.powi(3) / (12.0 * (1.0 - self.poisson * self.poisson))
+        let unit = &self.unit.bending;
+        unit[0][0].min(unit[1][1]) * thickness.powi(3)
     }
 
-    /// S = κGh.
+    /// The greater rigidity in shear of x and y; κGh where there is one.
     pub fn shear_rigidity(&self, thickness: f64) -> f64 {
-        self.shear_factor * self.young * thickness / (2.0 * (1.0 + self.poisson))
-    }
-
-    /// [mxx, myy, mxy] conjugate to [κxx, κyy, 2κxy].
-    pub fn bending(&self, thickness: f64, curvature: [f64; 3]) -> [f64; 3] {
-        let d = self.bending_rigidity(thickness);
-        let nu = self.poisson;
-        let [x, y, twist] = curvature;
-        [d * (x + nu * y), d * (nu * x + y), d * 0.5 * (1.0 - nu) * twist]
+        let unit = &self.unit.shear;
+        unit[0][0].max(unit[1][1]) * thickness
     }
 
     /// The section of a plate of one thickness.
     #[inline(always)]
     pub fn section(&self, thickness: f64) -> Section {
-        let d = self.bending_rigidity(thickness);
-        let (coupled, twist) = (d * self.poisson, d * 0.5 * (1.0 - self.poisson));
-        let s = self.shear_rigidity(thickness);
-        Section { bending: [[d, coupled, 0.0], [coupled, d, 0.0], [0.0, 0.0, twist]], shear: [[s, 0.0], [0.0, s]] }
+        let cube = thickness * thickness * thickness;
+        Section {
+            bending: self.unit.bending.map(|row| row.map(|value| cube * value)),
+            shear: self.unit.shear.map(|row| row.map(|value| thickness * value)),
+        }
     }
 }
 

@@ -84,6 +84,7 @@ def print_check(console: Console, check: Check) -> None:
     found = check.discretisation
     model, units = found.model, found.model.units
     _print_model(console, found)
+    say(console, check.quality)
     console.print()
     columns = [Column(""), Column("support"), Column("kind", spare=True)]
     supports = Grid([*columns, *numbers("nodes held", "springs", "contact points")], heads=2)

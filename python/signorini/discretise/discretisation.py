@@ -25,6 +25,7 @@ from signorini.discretise.parts import Parts, parts_of
 from signorini.discretise.placed import placed
 from signorini.discretise.places import located
 from signorini.discretise.redundancy import Repeated, that_can_act
+from signorini.discretise.rigidity import Rigidity
 from signorini.discretise.rows import Bools, Floats, Rows
 from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
 from signorini.discretise.thickness import Thickness, thickness_of
@@ -53,7 +54,7 @@ class Discretisation(Remade):
     probe_positions: Floats
     seconds: Mapping[str, float]
 
-    _made = MappingProxyType({"plate": lambda found: _plate(found.model, found.mesh, found.thickness, found.held)})
+    _made = MappingProxyType({"plate": lambda found: _plate_of(found)})
 
     @property
     def dof_count(self) -> int:
@@ -160,11 +161,11 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     supports = placed(model, mesh, problems)
     held = hold(mesh, supports, problems)
     # A thickness that is wrong keeps no other problem from being found.
-    thickness = Thickness(np.full((1, 1), mesh.size))
+    thickness, rigidity = Thickness(np.full((1, 1), mesh.size)), Rigidity.of(model)
     with problems.collected():
-        thickness = thickness_of(model, mesh)
-    plate = _plate(model, mesh, thickness, held)
-    stiffness = PlateStiffness.of(model, mesh, thickness.at_points)
+        thickness = thickness_of(model, mesh, rigidity)
+    plate = _plate(model, mesh, rigidity, thickness, held)
+    stiffness = PlateStiffness.of(mesh, rigidity, thickness.at_points)
     springs, contacts = springs_and_contacts(model.plate, mesh, plate, held.dofs, stiffness, supports, problems)
     still = case_loads(model, mesh, plate, held, problems)
     probes = [Location(np.zeros(0, np.int64), np.zeros((0, 2)))]
@@ -204,16 +205,18 @@ def _advice(given: object) -> str:
             return "Make one with signorini.Model(...) or signorini.load(file)."
 
 
-def _plate(model: Model, mesh: Mesh, thickness: Thickness, held: Held) -> _core.Plate:
-    material = model.material
+def _plate_of(found: Discretisation) -> _core.Plate:
+    return _plate(found.model, found.mesh, Rigidity.of(found.model), found.thickness, found.held)
+
+
+def _plate(model: Model, mesh: Mesh, rigidity: Rigidity, thickness: Thickness, held: Held) -> _core.Plate:
     try:
         return _core.Plate(
             mesh.points,
             mesh.elements,
             thickness.for_core,
-            material.E,
-            material.nu,
-            model.plate.shear_factor,
+            model.material.young,
+            rigidity.for_core,
             model.plate.element,
             held.frames,
             thickness.layered,

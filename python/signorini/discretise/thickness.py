@@ -9,6 +9,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.discretise.quadrature.stepped import Cut, crossed, cut_by
+from signorini.discretise.rigidity import Rigidity
 from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError, point
 from signorini.mesh import Mesh
@@ -57,7 +58,7 @@ class Thickness:
         return float(self.at_points[0, 0]) if self.at_points.size == 1 else self.at_points
 
 
-def thickness_of(model: Model, mesh: Mesh) -> Thickness:
+def thickness_of(model: Model, mesh: Mesh, rigidity: Rigidity) -> Thickness:
     """Evaluate the thickness.
 
     Raises
@@ -86,7 +87,7 @@ def thickness_of(model: Model, mesh: Mesh) -> Thickness:
     inside = _evaluated(model, mesh, cut.positions)
     fronts = _jumps(model, mesh, cut)
     jumping = np.unique(fronts.elements)
-    return Thickness(at_points, (jumping, _sections(model, mesh, xi[jumping], jumping, cut, inside, fronts)))
+    return Thickness(at_points, (jumping, _sections(rigidity, mesh, xi[jumping], jumping, cut, inside, fronts)))
 
 
 def _evaluated(model: Model, mesh: Mesh, points: Floats) -> Floats:
@@ -136,22 +137,17 @@ def _jumps(model: Model, mesh: Mesh, cut: Cut) -> _Fronts:
 
 
 def _sections(
-    model: Model, mesh: Mesh, xi: Floats, elements: Ints, cut: Cut, thickness: Floats, fronts: _Fronts
+    rigidity: Rigidity, mesh: Mesh, xi: Floats, elements: Ints, cut: Cut, thickness: Floats, fronts: _Fronts
 ) -> Floats:
     """Rigidities (k, p, 9) of elements as laminates of strips along the step (docs/theory.md, section 4).
 
     Each point has the means over the quarters of the element that it lies in or between, of triangles over the whole.
     """
-    material = model.material
-    bending = material.E / (12 * (1 - material.nu**2))
-    shear = model.plate.shear_factor * material.E / (2 * (1 + material.nu))
-    nu = material.nu
-    plate = bending * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, 0.5 * (1 - nu)]])
-    nx, ny = fronts.normals.T
-    across = np.column_stack([nx**2 + nu * ny**2, ny**2 + nu * nx**2, (1 - nu) * nx * ny])
+    n = fronts.normals
+    bent = np.column_stack([n**2, 2.0 * n.prod(axis=1)])
     means = _quarter_means(mesh, xi, elements, cut, thickness)
-    b = _laminate(means(3), means(-3), plate, bending * _mean_square(elements, fronts, across))
-    s = _laminate(means(1), means(-1), shear * np.eye(2), shear * _mean_square(elements, fronts, fronts.normals))
+    b = _laminate(means(3), means(-3), rigidity.bending, _mean_square(elements, fronts, rigidity.bending, bent))
+    s = _laminate(means(1), means(-1), rigidity.shear, _mean_square(elements, fronts, rigidity.shear, n))
     (i, j), (k, m) = np.triu_indices(3), np.triu_indices(2)
     return np.concatenate([b[..., i, j], s[..., k, m]], axis=-1)
 
@@ -173,8 +169,10 @@ def _quarter_means(mesh: Mesh, xi: Floats, elements: Ints, cut: Cut, thickness: 
     return lambda power: sums(power) / area
 
 
-def _mean_square(elements: Ints, fronts: _Fronts, vectors: Floats) -> Floats:
-    """Mean (k, d, d) of v vᵀ over the fronts of each element, for vectors (f, d)."""
+def _mean_square(elements: Ints, fronts: _Fronts, plate: Floats, strains: Floats) -> Floats:
+    """Mean (k, d, d), over the fronts of each element, of what the plate (d, d) resists strains (f, d) across with."""
+    forces = strains @ plate
+    vectors = forces / np.sqrt((forces * strains).sum(axis=1))[:, None]
     place = np.searchsorted(elements, fronts.elements)
     total = np.zeros((len(elements), vectors.shape[1], vectors.shape[1]))
     np.add.at(total, place, np.einsum("f,fi,fj->fij", fronts.weights, vectors, vectors))

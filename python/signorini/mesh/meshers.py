@@ -13,6 +13,7 @@ from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.grading import graded
 from signorini.mesh.subdivision import subdivide
+from signorini.shapes.contours import directions
 from signorini.shapes.outlines import Box, Point
 
 Floats = npt.NDArray[np.float64]
@@ -156,7 +157,7 @@ def annulus(
     radius = _with_middles(subdivide(inner, outer, radial, radii))
     degrees = np.linspace(0.0, sector, 2 * around + 1)
     columns = slice(-1) if closed else slice(None)
-    points = (_directions(degrees[columns])[:, None] * radius[:, None]).reshape(-1, 2)
+    points = (directions(degrees[columns])[:, None] * radius[:, None]).reshape(-1, 2)
     index = np.arange(len(points)).reshape(-1, len(radius))
     if closed:
         index = np.vstack([index, index[:1]])
@@ -222,12 +223,12 @@ def disc(
     core_points = core_radius * core.reshape(-1, 2)
 
     degrees = np.linspace(0.0, sector, len(outline)) - (45.0 if quarters == 4 else 0.0)
-    directions = _directions(degrees)
-    base, circle = core_points[outline], knots[depth + turning] * directions
+    rays = directions(degrees)
+    base, circle = core_points[outline], knots[depth + turning] * rays
     circle[1::2] = 0.5 * (circle[:-1:2] + circle[2::2])
     share = np.linspace(0.0, 1.0, 2 * turning + 1)[1:-1, None, None]
     turned = base + share * (circle - base)
-    rings = directions * _with_middles(knots[depth + turning :])[:, None, None]
+    rings = rays * _with_middles(knots[depth + turning :])[:, None, None]
     ring_points = np.concatenate([turned, rings]).transpose(1, 0, 2)
     if quarters == 4:
         ring_points = ring_points[:-1]
@@ -282,15 +283,6 @@ def _with_middles(knots: Floats) -> Floats:
     filled[::2] = knots
     filled[1::2] = 0.5 * (knots[1:] + knots[:-1])
     return filled
-
-
-def _directions(degrees: Floats) -> Floats:
-    """Compute unit vectors (q, 2), exact at multiples of 90° and symmetric between them."""
-    quarter = np.round(degrees / 90.0)
-    rest = np.radians(degrees - 90.0 * quarter)
-    c, s = np.cos(rest), np.sin(rest)
-    turn = quarter.astype(np.int64) % 4
-    return np.column_stack([np.choose(turn, [c, -s, -c, s]), np.choose(turn, [s, c, -s, -c])])
 
 
 def _quads(index: Ints) -> Ints:

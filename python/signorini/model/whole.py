@@ -13,9 +13,10 @@ from signorini.model.base import Complaint, Table, Text
 from signorini.model.combination import Combination
 from signorini.model.generated import Choice, Combinations, Positions, Product, products
 from signorini.model.load import Load, Probe
+from signorini.model.meshoptions import MeshOptions
 from signorini.model.moving import Moving
 from signorini.model.output import FEW, Output
-from signorini.model.plate import AnyPlate, Material, MeshOptions, MeshPlate, RectanglePlate
+from signorini.model.plate import AnyPlate, Material, MeshPlate, PolygonPlate
 from signorini.model.problems import TOP, tables_of
 from signorini.model.support import Support
 
@@ -129,12 +130,17 @@ class Model(Table):
         yield from self._combination_complaints()
 
     def _mesh_complaints(self) -> Iterator[Complaint]:
-        if self.mesh.refine and not isinstance(self.plate, RectanglePlate):
-            yield ("mesh", "refine"), f"only a rectangle's mesh can be refined; this plate is a {self.plate.shape}."
         if isinstance(self.plate, MeshPlate):
-            for key in self.mesh.given(("divisions", "size", "accuracy")):
+            for key in [*self.mesh.given(("divisions", "size", "accuracy")), *(["refine"] if self.mesh.refine else [])]:
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
             return
+        if self.plate.freely_meshed(self.mesh):
+            if self.mesh.divisions is not None:
+                shape = self.plate.shape
+                why = "a polygon" if shape == "polygon" else "holes" if self.plate.holes else "refine"
+                yield ("mesh", "divisions"), f"divisions count the elements of a regular mesh; with {why} give size."
+            return
+        assert not isinstance(self.plate, PolygonPlate)  # it is freely meshed
         first, second = self.plate.divisions(self.mesh)
         fewest = self.plate.fewest[1]
         if second < fewest:

@@ -91,7 +91,7 @@ def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
 
 
 def _unit_of_modulus(found: Discretisation) -> Iterator[str]:
-    units, modulus = found.model.units, found.model.material.E
+    units, modulus = found.model.units, found.model.material.young
     if units.force not in _NEWTONS or units.length not in _METRES:
         return
     pascals = modulus * _NEWTONS[units.force] / _METRES[units.length] ** 2

@@ -191,7 +191,7 @@ def _rigid(support: Support) -> bool:
 
 
 def _of_corners(found: Discretisation) -> Iterator[Singularity]:
-    for at, degrees, numbers in _boundary(found).corners(found.model.material.nu):
+    for at, degrees, numbers in _boundary(found).corners(found.model.material.poisson):
         straight = abs(degrees - 180) < 1
         what = "Change of the edge's support" if straight else f"Corner of {degrees:.4g}° of the plate"
         yield Singularity(
@@ -287,7 +287,7 @@ def _ends_of_line(
             held = np.array([edge.held[side] for side, _ in rays])
             askew = any(abs(angle - 0.5 * np.pi) > _STRAIGHT for angle in within)
             sides = zip(within, rays, strict=True)
-            bends = any(moments_grow(a, own, edge.slopes(side), found.model.material.nu) for a, (side, _) in sides)
+            bends = any(moments_grow(a, own, edge.slopes(side), found.model.material.poisson) for a, (side, _) in sides)
             # A rigid line and an edge are a corner; an elastic one acts as a line load does.
             grows = not held.all() and (askew or "twist" not in support.fixed) if rigid else held.any() or askew
             numbers = (("moment",) if own != "free" and bends else ()) + (of_deflection if grows else ())

@@ -1,0 +1,73 @@
+"""What a plate of thickness 1 resists with: its rigidities in x and y."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from signorini.discretise.rows import Floats
+from signorini.model import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Rigidity:
+    """Rigidities of a plate of thickness 1.
+
+    Parameters
+    ----------
+    bending : (3, 3) array
+        [mxx, myy, mxy] from [κxx, κyy, 2κxy]; it goes with the thickness cubed.
+    shear : (2, 2) array
+        [qx, qy] from [γx, γy]; it goes with the thickness.
+    """
+
+    bending: Floats
+    shear: Floats
+
+    @classmethod
+    def isotropic(cls, E: float, nu: float, factor: float) -> Self:
+        """Take Young's modulus, Poisson's ratio and the shear correction factor.
+
+        Examples
+        --------
+        >>> Rigidity.isotropic(12.0, 0.0, 0.5).for_core.tolist()
+        [1.0, 0.0, 0.0, 1.0, 0.0, 0.5, 3.0, 0.0, 3.0]
+        """
+        d = E / (12 * (1 - nu**2))
+        bending = d * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, 0.5 * (1 - nu)]])
+        return cls(bending, factor * E / (2 * (1 + nu)) * np.eye(2))
+
+    @classmethod
+    def of(cls, model: Model) -> Self:
+        """Take those of a model, orthotropic ones turned from the material's axes to x and y."""
+        material, factor = model.material, model.plate.shear_factor
+        if material.E is not None and material.nu is not None:
+            return cls.isotropic(material.E, material.nu, factor)
+        axes = material.axes
+        stiffer = axes.Ey / axes.Ex
+        d = axes.Ex / (12 * (1 - axes.nu_xy**2 * stiffer))
+        coupled, twist = d * axes.nu_xy * stiffer, axes.Gxy / 12
+        bending = np.array([[d, coupled, 0], [coupled, d * stiffer, 0], [0, 0, twist]])
+        angle = np.radians(axes.angle)
+        c, s = np.cos(angle), np.sin(angle)
+        turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+        ahead = np.array([[c, s], [-s, c]])
+        return cls(turn.T @ bending @ turn, factor * ahead.T @ np.diag([axes.Gxz, axes.Gyz]) @ ahead)
+
+    @property
+    def for_core(self) -> Floats:
+        """The rigidities (9,) as `_core.Plate` takes them."""
+        return np.concatenate([self.bending[np.triu_indices(3)], self.shear[np.triu_indices(2)]])
+
+    @property
+    def in_waves(self) -> float:
+        """Rigidity in bending against waves sin(x) sin(y); D of an isotropic plate."""
+        b = self.bending
+        return float((b[0, 0] + 2 * (b[0, 1] + 2 * b[2, 2]) + b[1, 1]) / 4)
+
+    @property
+    def in_shear(self) -> float:
+        """Mean rigidity in shear of all directions."""
+        return float(self.shear.trace() / 2)
