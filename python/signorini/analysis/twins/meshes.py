@@ -49,8 +49,8 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
     if isinstance(model.plate, MeshPlate):
         yield tuple(_twin(model, mesh, factor) for factor in (0.5, 0.25) if factor == 0.5 or 16 * count <= _CHEAP)
         return
+    # Divisions do not tell of refined places, nor of a mesh without a grid.
     if isinstance(model.plate, PolygonPlate) or model.plate.freely_meshed(model.mesh) or model.mesh.refine:
-        # Refined places have more elements than the divisions say.
         along = math.isqrt(count)
     else:
         along = min(model.plate.divisions(model.mesh))
