@@ -57,7 +57,7 @@ def test_every_key_of_a_section_is_in_the_schema(table):
     names = {tuple(key.rpartition(".")[::2]) for key in written}
     own = {key for owner, key in names if owner in ("", table)}
     shared = set().union(*(TABLES.get(owner, set()) for owner in next(t for t, _ in sections() if table in t)))
-    shapes = {"rectangle", "disc", "annulus", "mesh"} if table == "plate" else set()
+    shapes = {"rectangle", "disc", "annulus", "polygon", "mesh"} if table == "plate" else set()
     assert own - shared - shapes - set(SCHEMA["properties"]) == set()
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from models import rectangular
 
-from signorini import validate
+from signorini import path, validate
 from signorini.analysis.check import check
 from signorini.base.linear_program import minimise
 from signorini.discretise import discretise
@@ -88,3 +88,12 @@ def test_the_limit_of_a_base_plate_is_the_same_on_any_mesh(divisions, footprints
     assert case == "wind"
     assert factor == pytest.approx(0.75, rel=1e-12)
     np.testing.assert_allclose([x for x, _ in left.axis], 0.5, rtol=1e-12)
+
+
+@pytest.mark.parametrize("divisions", [[7, 5], [12, 8]])
+def test_the_path_of_a_base_plate_ends_at_the_same_wind_on_any_mesh(divisions):
+    tables = tomllib.loads((EXAMPLES / "base_plate.toml").read_text())
+    tables["mesh"] = {"divisions": divisions}
+    found = path(validate(tables), start="column", add="wind")
+    assert found.ending == "no_equilibrium"
+    assert found.limit == pytest.approx(0.75, rel=1e-9)

@@ -332,13 +332,16 @@ def test_bad_input_gives_one_message_with_its_place(written, text, says):
     ("plate", "says"),
     [
         (
-            "shape = 'polygon'",
-            'slab.toml:5: plate.shape: found "polygon"; this version has rectangle, disc, annulus, mesh.',
+            "shape = 'ellipse'",
+            'slab.toml:5: plate.shape: found "ellipse"; this version has rectangle, disc, annulus, polygon, mesh.',
         ),
-        ("shape = 'polygon'", 'mesh the plate in another program and give shape = "mesh" with its file.'),
+        ("shape = 'ellipse'", "Any other outline is a polygon of straight sides and arcs, or a mesh file."),
         ("shape = 'disk'", "Did you mean 'disc'?"),
         ("shape = 3", "plate.shape: found 3; this version has rectangle"),
-        ("size = [1, 1]", "slab.toml:4: plate.shape: 'shape' is missing. One of rectangle, disc, annulus, mesh."),
+        (
+            "size = [1, 1]",
+            "slab.toml:4: plate.shape: 'shape' is missing. One of rectangle, disc, annulus, polygon, mesh.",
+        ),
         (
             "shape = 'rectangle'\nsize = [1, 1]",
             "slab.toml:4: plate.thickness: 'thickness' is missing. Thickness: a number",

@@ -12,13 +12,10 @@ type MeshArrays<'py> = (
     Bound<'py, PyArray2<i64>>,
     Bound<'py, PyArray2<i64>>,
     Bound<'py, PyArray2<i64>>,
-    f64,
-    f64,
 );
 
 /// Meshes a plate by its outline and holes: nodes (n, 2), elements (e, 8), of triangles [a, b, c, c, ab, bc, c, ca],
-/// sides on the outline (k, 3), the loop and side (k, 2) that each is on, the least angle in degrees, and the share of the
-/// area in quadrilaterals.
+/// sides on the outline (k, 3), and the loop and side (k, 2) that each is on.
 ///
 /// `refinements` (r, 5) are straight pieces, x, y to x, y, with the size there; `lines` (l, 4) and `points` (p, 2) are
 /// followed where they have room. A bad outline raises a ValueError of the message, the loop and the side, or of the
@@ -49,8 +46,6 @@ pub fn mesh_outline<'py>(
         integers(py, &made.elements)?,
         integers(py, &made.sides)?,
         integers(py, &made.side_of)?,
-        made.least_angle,
-        made.quadrilaterals,
     ))
 }
 

@@ -175,12 +175,20 @@ impl<'a> Assembly<'a> {
 impl Matrix for Assembly<'_> {
     fn graph(&self) -> Graph {
         let Numbering { column, dof, .. } = self.numbering;
-        let mut columns = NodeColumns::new(self);
         let first = (0..dof.len()).filter(|&c| c == 0 || dof[c] / 3 != dof[c - 1] / 3).chain([dof.len()]).collect();
         Graph::new(first, |c, rows| {
-            columns.meet(dof[c] / 3);
-            let all = columns.neighbours.iter().flat_map(|&n| &column[3 * n..3 * n + 3]);
-            rows.extend(all.filter(|&&row| row != HELD));
+            for &(e, _) in self.incidence.of(dof[c] / 3) {
+                for n in self.plate.elements()[e] {
+                    let mut last = HELD;
+                    for &row in &column[3 * n..3 * n + 3] {
+                        // Of columns that follow one another the first stands for all.
+                        if row > c && row != HELD && row != last.wrapping_add(1) {
+                            rows.push(row);
+                        }
+                        last = row;
+                    }
+                }
+            }
         })
     }
 

@@ -115,7 +115,11 @@ pub fn contact(data: &[u8]) {
         held[bytes.below(plate.dof_count())] = true;
     }
     let springs = Springs {
-        rows: Rows { element: vec![0], coefficient: vec![plate.interpolation_row(0, 0.1, 0.2, 0).0] },
+        rows: Rows {
+            element: vec![0],
+            coefficient: vec![plate.interpolation_row(0, 0.1, 0.2, 0).0],
+            ..Rows::default()
+        },
         stiffness: vec![f64::from(bytes.byte())],
         base: vec![0.1],
     };

@@ -11,6 +11,7 @@ mod matrix;
 mod merge;
 mod numeric;
 mod parts;
+mod small;
 mod substitution;
 mod tree;
 

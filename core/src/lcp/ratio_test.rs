@@ -83,7 +83,6 @@ pub(super) fn choose(tableau: &mut Tableau, entering: usize, tied: &mut Vec<usiz
 
 fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usize> {
     let column = &tableau.column;
-    let mut of_slack = Vec::new();
     for slack in 0..tableau.artificial() / 2 {
         if tied.len() == 1 {
             break;
@@ -91,9 +90,8 @@ fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usi
         match tableau.row_of(slack) {
             Some(basic) => tied.retain(|&i| i != basic),
             None => {
-                of_slack.resize(column.len(), 0.0);
-                tableau.form_column(slack, &mut of_slack);
-                let ratios: Vec<f64> = tied.iter().map(|&i| of_slack[i] / column[i]).collect();
+                let entries = tableau.entries(tied, slack);
+                let ratios: Vec<f64> = entries.iter().zip(&*tied).map(|(entry, &i)| entry / column[i]).collect();
                 let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
                 let bound = least + tolerances::TIE * least.abs().max(1.0);
                 let mut ratio = ratios.iter();

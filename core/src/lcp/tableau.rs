@@ -27,6 +27,8 @@ const TOGETHER: usize = 128;
 struct Term {
     row: usize,
     column: usize,
+    /// Whether no term before has this row: what the base has there is zero from its first one on.
+    first: bool,
 }
 
 /// Variables are numbered: slack i is i, its complement is m + i, the artificial variable is 2m.
@@ -118,25 +120,21 @@ impl<'a> Tableau<'a> {
 
     /// Entry of the base.
     fn base_entry(&self, i: usize, j: usize) -> f64 {
-        self.base[j * self.stride + i]
+        match self.base.get(j * self.stride + i) {
+            Some(&entry) => entry,
+            None if j < self.order => self.problem.entry(i, j),
+            None => self.problem.covering[i],
+        }
     }
 
-    /// Forms T's column of a nonbasic variable.
-    pub(super) fn form_column(&self, nonbasic: usize, column: &mut [f64]) {
-        let j = self.column_of(nonbasic);
-        match self.base.get(j * self.stride..(j + 1) * self.stride) {
-            Some(base) => column.copy_from_slice(base),
-            None => self.problem.copy_column(j, column),
-        }
+    /// Column j of V, given that of the base in the terms' rows, and whether a term has taken the place of the base's.
+    fn factors(&self, j: usize, rows: impl Iterator<Item = f64>) -> ([f64; MOST], bool) {
         let mut factors = [0.0; MOST];
         let count = self.terms.len();
-        for (factor, term) in factors.iter_mut().zip(&self.terms) {
-            *factor = std::mem::take(&mut column[term.row]);
-        }
-        if let Some(last) = self.terms.iter().rposition(|term| term.column == j) {
-            column.fill(0.0);
-            factors[..count].fill(0.0);
-            factors[last] = -1.0;
+        let last = self.terms.iter().rposition(|term| term.column == j);
+        match last {
+            Some(last) => factors[last] = -1.0,
+            None => factors.iter_mut().zip(rows).for_each(|(factor, row)| *factor = row),
         }
         vectorized(
             #[inline(always)]
@@ -147,13 +145,36 @@ impl<'a> Tableau<'a> {
                 }
             },
         );
-        subtract_multiples(column, &factors, &self.left);
+        (factors, last.is_some())
+    }
+
+    /// T's entries in some rows and the column of a nonbasic variable.
+    pub(super) fn entries(&self, rows: &[usize], nonbasic: usize) -> Vec<f64> {
+        let j = self.column_of(nonbasic);
+        let of_terms = self.terms.iter().map(|term| if term.first { self.base_entry(term.row, j) } else { 0.0 });
+        let (factors, cleared) = self.factors(j, of_terms);
+        let entry = |&i: &usize| {
+            let terms = self.left.chunks_exact(self.stride).zip(&factors).map(|(left, factor)| left[i] * factor);
+            let zero = cleared || self.terms.iter().any(|term| term.row == i);
+            let base = if zero { 0.0 } else { self.base_entry(i, j) };
+            base - terms.sum::<f64>()
+        };
+        rows.iter().map(entry).collect()
     }
 
     /// Chooses the nonbasic variable that enters next.
     pub(super) fn choose(&mut self, entering: usize) {
+        let j = self.column_of(entering);
         let mut column = std::mem::take(&mut self.column);
-        self.form_column(entering, &mut column);
+        match self.base.get(j * self.stride..(j + 1) * self.stride) {
+            Some(base) => column.copy_from_slice(base),
+            None => self.problem.copy_column(j, &mut column),
+        }
+        let (factors, cleared) = self.factors(j, self.terms.iter().map(|term| std::mem::take(&mut column[term.row])));
+        if cleared {
+            column.fill(0.0);
+        }
+        subtract_multiples(&mut column, &factors, &self.left);
         self.column = column;
     }
 
@@ -167,7 +188,7 @@ impl<'a> Tableau<'a> {
         for (l, column) in self.left.chunks_exact_mut(self.stride).enumerate() {
             self.lower[l * self.block + k] = std::mem::take(&mut column[r]);
         }
-        self.terms.push(Term { row: r, column: s });
+        self.terms.push(Term { row: r, column: s, first: self.terms.iter().all(|term| term.row != r) });
 
         let step = -self.values[r] * reciprocal;
         subtract_multiples(&mut self.values, &[-step], &self.column);
@@ -227,7 +248,7 @@ impl<'a> Tableau<'a> {
     /// Makes the base what the problem has, unless it is more already.
     fn fill_base(&mut self) -> Result<(), OutOfMemory> {
         let (problem, order, stride) = (self.problem, self.order, self.stride);
-        if !self.base.is_empty() {
+        if !self.base.is_empty() || order == 0 {
             return Ok(());
         }
         self.base = zeros((order + 1).checked_mul(stride).ok_or(OutOfMemory)?)?;

@@ -18,6 +18,7 @@ from signorini.equilibrium.imbalance import WORK, Imbalance
 from signorini.equilibrium.limits import imbalance_of, nearest_limit, on_the_brink
 from signorini.equilibrium.words import explain
 from signorini.errors import InputError
+from signorini.mesh.quality import Quality
 from signorini.model import Combination, Model
 from signorini.results.marks import load_marks, support_marks
 from signorini.results.warnings import model_warnings, no_resultant
@@ -91,6 +92,12 @@ class Check:
         return singularities(self.discretisation, acting)
 
     @property
+    def quality(self) -> str:
+        """How well the elements are shaped, in words."""
+        found = Quality.of(self.discretisation.mesh)
+        return f"smallest angle {found.angle:.3g}°, {100 * found.quadrilaterals:.4g} % of the area in quadrilaterals"
+
+    @property
     def balanced(self) -> bool:
         """Whether every combination can be balanced."""
         return not any(resultant.message for resultant in self.resultants)
@@ -119,6 +126,7 @@ class Check:
             Plan.of(found.mesh.points, found.mesh.elements),
             supports=support_marks(found),
             loads=load_marks(found),
+            poorest=(Quality.of(found.mesh).corner, self.quality),
             balance=[BalanceMark(r.name, r.at, r.force < 0, bool(r.message), r.axis) for r in self.resultants],
             title=found.model.title,
             length=found.model.units.length,

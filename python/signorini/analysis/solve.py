@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path as FilePath
 
+from signorini.analysis.accuracy import Refined, refined, worst_of
 from signorini.analysis.batch import mean_load, solve_several
 from signorini.analysis.combinations import Combined, Sink, combine
 from signorini.analysis.single import solve_one, timed
@@ -49,6 +50,10 @@ class Results(States[str], Mapping[str, Result]):
     seconds : mapping of float
     twins : Twins
         The plate on other meshes, for half-widths.
+    refinement : tuple of Refined
+        The meshes on the way to an accuracy that was asked for, this one last; else none.
+    accuracy_warning : str
+        Why it is not reached, and what it would take.
 
     Examples
     --------
@@ -71,6 +76,8 @@ class Results(States[str], Mapping[str, Result]):
     full: Mapping[str, Result]
     seconds: Mapping[str, float]
     twins: Twins
+    refinement: tuple[Refined, ...] = ()
+    accuracy_warning: str = ""
     _combined: Combined | None = None
 
     def __getitem__(self, name: str) -> Result:
@@ -253,8 +260,23 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
     >>> result.status, round(result.reactions["bearings"], 3), result.certificate.passed
     ('solved', 200000.0, True)
     """
-    begun = time.perf_counter()
     watcher = watching(progress, "progress")
+    results = _solved(model, watcher, table)
+    if model.mesh.accuracy is None:
+        return results
+    steps, warning = list[Refined](), ""
+    finer: Model | None = model
+    while finer is not None and (reached := worst_of(results.full)) is not None:
+        steps.append(reached)
+        finer, warning = refined(results.model, results.full, steps)
+        if finer is not None:
+            results = _solved(finer, watcher, table)
+    return replace(results, refinement=tuple(steps), accuracy_warning=warning)
+
+
+def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None) -> Results:
+    """Solve a model on its mesh."""
+    begun = time.perf_counter()
     watcher(Progress(stage="mesh"))
     found = discretise(model)
     watcher(Progress(stage="factor"))
@@ -286,7 +308,8 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
         "total": time.perf_counter() - begun,
     }
     # Without a table no more is to be solved, and whoever keeps many results does not keep as many factors.
-    return Results(problem if combined is not None else problem.without_factor(), results, seconds, twins, combined)
+    kept = problem if combined is not None else problem.without_factor()
+    return Results(kept, results, seconds, twins, _combined=combined)
 
 
 def _combined(problem: ContactProblem, watcher: Watcher, sink: Sink | None) -> Combined:

@@ -17,6 +17,9 @@ tensionless soil of 230 thousand to 3.7 million dofs took beside L, the largest 
 _PER_PAIR = 200.0
 """Bytes of condensed matrices and of Lemke's tableau for a pair of contact points, measured on 1600 and 3025 points."""
 
+_PER_PAIR_UNDER_FOOTPRINTS = 24.0
+"""Bytes of the dense end of the factor for a pair of deflections under footprints: 18, measured on 7000."""
+
 _PER_PAIR_IN_STEPS = 32.0
 """Bytes beside these that proximal steps take for a pair, for the M of one step and its tableau; on 3844 points."""
 
@@ -135,6 +138,31 @@ def require_memory_for_points(points: int, advice: str, place: Place) -> None:
         If it would take more memory than there is; the message says how many points fit.
     """
     _require(needed_by_points, points, f"The problem of {points:,} contact points that need condensing", advice, place)
+
+
+def needed_by_footprints(dofs: int) -> float:
+    """Estimate the bytes that so many deflections under footprints take, which are condensed together.
+
+    Measured with 2 to 8 thousand of them.
+
+    Examples
+    --------
+    >>> round(needed_by_footprints(8100) / 1e9, 1)
+    1.6
+    """
+    return _PER_PAIR_UNDER_FOOTPRINTS * dofs**2
+
+
+def require_memory_for_footprints(dofs: int, place: Place) -> None:
+    """Refuse footprints that cannot fit.
+
+    Raises
+    ------
+    InputError
+        If they would take more memory than there is; the message says how many of their dofs fit.
+    """
+    what = f"The problem of {dofs:,} deflections under footprints"
+    _require(needed_by_footprints, dofs, what, "Take a coarser mesh there, or smaller footprints.", place)
 
 
 def require_memory_for_proximal_steps(dofs: int, points: int) -> None:

@@ -56,6 +56,7 @@ def print_results(console: Console, results: Results) -> None:
         else:
             say(console, f"{result.name}: no equilibrium", style="bold red")
     console.print()
+    _print_refinement(console, results)
     _print_warnings(console, warnings, len(results))
     named = [one for result in results.full.values() for one in result.singular]
     if results.model.tabulated:
@@ -64,11 +65,26 @@ def print_results(console: Console, results: Results) -> None:
     _print_legend(console, found.model.support)
 
 
+def _print_refinement(console: Console, results: Results) -> None:
+    """Print the meshes on the way to an accuracy that was asked for."""
+    if not results.refinement:
+        return
+    shown = Grid([*numbers("elements", "dofs", "largest ±"), Column("of")], heads=1)
+    for step in results.refinement:
+        shown.add(str(step.elements), str(step.dofs), f"{step.worst:.2g}", step.what)
+    say(console, f"refined to ± {results.model.mesh.accuracy:g} of the largest value of every field")
+    shown.show(console)
+    console.print()
+    if results.accuracy_warning:
+        say(console, f"Warning: {results.accuracy_warning}", style="yellow")
+
+
 def print_check(console: Console, check: Check) -> None:
     """Print a model's size, its supports and the resultants of its combinations."""
     found = check.discretisation
     model, units = found.model, found.model.units
     _print_model(console, found)
+    say(console, check.quality)
     console.print()
     columns = [Column(""), Column("support"), Column("kind", spare=True)]
     supports = Grid([*columns, *numbers("nodes held", "springs", "contact points")], heads=2)

@@ -7,7 +7,13 @@ from typing import Literal
 import numpy as np
 
 from signorini import _core
-from signorini.base.memory import fits, needed, needed_by_points, require_memory_for_points
+from signorini.base.memory import (
+    fits,
+    needed,
+    needed_by_points,
+    require_memory_for_footprints,
+    require_memory_for_points,
+)
 from signorini.contact.slenderness import of_shape
 from signorini.contact.softness import softest
 from signorini.discretise import ContactPoints, Discretisation
@@ -73,6 +79,7 @@ def factored(found: Discretisation, freedom: RigidFreedom, base: Method) -> _cor
     """
     by_active_set = base == "active_set"
     _require_condensable(_condensed_points(found, base), not by_active_set, found.model.solver.method)
+    require_memory_for_footprints(_dofs_of_footprints(found, base), ("support",))
     # The points of the active set are springs to the condensed ones, and hold what they hold.
     motions = freedom.motions[:, :0] if by_active_set else freedom.motions
     return core_problem(found, found.contacts, regularization(found, freedom), motions, by_active_set)
@@ -81,6 +88,13 @@ def factored(found: Discretisation, freedom: RigidFreedom, base: Method) -> _cor
 def _condensed_points(found: Discretisation, base: Method) -> int:
     """How many contact points are condensed: all, or beside an active set the two-sided ones."""
     return int(found.contacts.two_sided.sum()) if base == "active_set" else len(found.contacts)
+
+
+def _dofs_of_footprints(found: Discretisation, base: Method) -> int:
+    """How many deflections the footprints among the condensed points hang on."""
+    contacts = found.contacts
+    condensed = contacts.two_sided if base == "active_set" else np.ones(len(contacts), np.bool_)
+    return len(np.unique(found.mesh.elements[contacts.rows[condensed].further.elements]))
 
 
 def _require_condensable(points: int, of_all: bool, asked: str) -> None:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TypeVar
 
+import numpy as np
+
 from signorini.base.memory import require_memory
 from signorini.discretise.places import curve, region
 from signorini.errors import InputError, Place, Problems
@@ -13,9 +15,22 @@ from signorini.expression import Expression
 from signorini.expression.levels import Drawing
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import annulus, disc, rectangle
-from signorini.model import AnnulusPlate, DiscPlate, Load, MeshPlate, Model, RectanglePlate, Support
+from signorini.mesh.outlined import OutlineError, outlined
+from signorini.model import (
+    AnnulusPlate,
+    DiscPlate,
+    Load,
+    MeshPlate,
+    Model,
+    OutlinedPlate,
+    PolygonPlate,
+    RectanglePlate,
+    Refinement,
+    Support,
+)
 from signorini.model.footprint import footprints
-from signorini.shapes import Curve, Region
+from signorini.shapes import Curve, Floats, Region
+from signorini.shapes.contours import circle
 from signorini.shapes.outlines import Box, Point
 
 _Item = TypeVar("_Item", Support, Load)
@@ -36,9 +51,13 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
         return _read(model, plate, mesh)
     if mesh is not None:
         return mesh, model
+    if isinstance(plate, PolygonPlate) or plate.freely_meshed(model.mesh):
+        made = _outlined(model, plate)
+        require_memory(len(made.elements), ("mesh",))
+        return made, model
     require_memory(math.prod(plate.divisions(model.mesh)), ("mesh",))
     try:
-        return _made(model, plate), model
+        return _patterned(model, plate), model
     except InputError as error:
         raise InputError(error.message, place=("plate",)) from None
 
@@ -91,14 +110,15 @@ def _placed(item: _Item, place: Place, points: Mapping[int, Point], problems: Pr
     return item.model_copy(update={"at": at, "nodes": None})
 
 
-def _made(model: Model, plate: RectanglePlate | DiscPlate | AnnulusPlate) -> Mesh:
+def _patterned(model: Model, plate: RectanglePlate | DiscPlate | AnnulusPlate) -> Mesh:
     match plate:
         case RectanglePlate():
             (x, y), (a, b) = plate.origin, plate.size
-            shapes = [*_shapes(model), *_steps(model, (x, y, x + a, y + b))]
+            shapes = [*_shapes(model), *(drawing for drawing, _ in _steps(model, (x, y, x + a, y + b)))]
             x_lines = [line for shape in shapes for line in shape.x_lines]
             y_lines = [line for shape in shapes for line in shape.y_lines]
-            return rectangle(plate.origin, plate.size, plate.divisions(model.mesh), x_lines, y_lines)
+            refined = [(box, one.size) for one in model.mesh.refine for box in one.boxes((x, y, x + a, y + b))]
+            return rectangle(plate.origin, plate.size, plate.divisions(model.mesh), x_lines, y_lines, refined)
         case DiscPlate():
             radii = _radii(model, plate.center, plate.radius)
             return disc(plate.center, plate.radius, plate.divisions(model.mesh), plate.sector, radii)
@@ -106,6 +126,58 @@ def _made(model: Model, plate: RectanglePlate | DiscPlate | AnnulusPlate) -> Mes
             radii = _radii(model, plate.center, plate.outer)
             divisions = plate.divisions(model.mesh)
             return annulus(plate.center, plate.inner, plate.outer, divisions, plate.sector, radii)
+
+
+def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
+    """A mesh along the outline, holes, and straight lines of supports, loads and jumps."""
+    lines = [np.zeros((0, 4))]
+    for drawing, (x0, y0, x1, y1) in _steps(model, plate.outline.bounds):
+        lines.append(np.array([[x, y0, x, y1] for x in drawing.x_lines]).reshape(-1, 4))
+        lines.append(np.array([[x0, y, x1, y] for y in drawing.y_lines]).reshape(-1, 4))
+    lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model)]
+    refined = [rows for part in model.mesh.refine for rows in _refined(plate, part)]
+    points = [at for part in model.mesh.refine for at in part.at or ()]
+    try:
+        return outlined(
+            plate.contours,
+            plate.element_size(model.mesh),
+            np.concatenate([np.zeros((0, 5)), *refined]),
+            np.concatenate(lines),
+            np.array(points).reshape(-1, 2),
+        )
+    except OutlineError as error:
+        raise InputError(error.message, place=_place_of(plate, error)) from None
+
+
+def _place_of(plate: OutlinedPlate, error: OutlineError) -> Place:
+    if error.contour is None:
+        return ("mesh",)
+    hole = error.contour - (len(plate.contours) - len(plate.holes))
+    if hole >= 0:
+        return ("plate", "holes", hole)
+    return ("plate", "points", error.side) if isinstance(plate, PolygonPlate) and error.side is not None else ("plate",)
+
+
+def _refined(plate: OutlinedPlate, part: Refinement) -> Iterator[Floats]:
+    """Straight pieces (k, 5) with the size that is asked for at a place."""
+    chains = [np.array([at, at]) for at in part.at or ()]
+    chains += [contour.points(name) for name in part.edge or () for contour in plate.contours if name in contour.names]
+    for shape in (curve(part), region(part.area)):
+        if shape is None:
+            continue
+        chains += list(shape.outline.segments)
+        for x, y, radius in shape.outline.circles.tolist():
+            ring = circle((x, y), radius, "").points()
+            chains.append(np.vstack([ring, ring[:1]]))
+    for chain in chains:
+        yield np.column_stack([chain[:-1], chain[1:], np.full(len(chain) - 1, part.size)])
+    if (inside := region(part.area)) is not None:
+        # Between points twice a size apart sizes grow by a third at most.
+        x0, y0, x1, y1 = inside.bounds
+        x, y = (np.arange(low, high, 2.0 * part.size) for low, high in ((x0, x1), (y0, y1)))
+        grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+        held = grid[inside.contains(grid)]
+        yield np.column_stack([held, held, np.full(len(held), part.size)])
 
 
 def _shapes(model: Model) -> Iterator[Region | Curve]:
@@ -118,12 +190,12 @@ def _shapes(model: Model) -> Iterator[Region | Curve]:
 
 def _radii(model: Model, center: Point, outer: float) -> list[float]:
     (x, y), r = center, outer
-    steps = _steps(model, (x - r, y - r, x + r, y + r))
+    steps = [drawing for drawing, _ in _steps(model, (x - r, y - r, x + r, y + r))]
     return [radius for shape in [*_shapes(model), *steps] for radius in shape.radii(center)]
 
 
-def _steps(model: Model, box: Box) -> Iterator[Drawing]:
-    """Where expressions jump, as far as a mesh may follow it, within a box and what each acts on."""
+def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
+    """Where expressions jump, as far as a mesh may follow it, within a box and that of what each acts on."""
     items: list[tuple[Support | Load | None, Expression | None]] = [(None, model.plate.thickness)]
     for support in model.support:
         if support.area is None and (support.stiffness is None or support.at is not None):
@@ -133,7 +205,8 @@ def _steps(model: Model, box: Box) -> Iterator[Drawing]:
         items += [(load, value) for value in (load.pressure, load.line_load)]
     for item, formula in items:
         for level in formula.levels if formula is not None else ():
-            yield level.drawing(_within(item, box))
+            within = _within(item, box)
+            yield level.drawing(within), within
 
 
 def _within(item: Support | Load | None, box: Box) -> Box:

@@ -7,7 +7,7 @@ import numpy as np
 from signorini.discretise.places import curve, region
 from signorini.discretise.rows import Floats
 from signorini.mesh import Mesh
-from signorini.model import AnnulusPlate, DiscPlate, Plate, Support
+from signorini.model import AnnulusPlate, DiscPlate, MeshPlate, Plate, Support
 from signorini.shapes import Curve, Region
 from signorini.shapes.outlines import Point
 
@@ -36,7 +36,7 @@ def outline(mesh: Mesh, plate: Plate, support: Support) -> Floats:
     shape = curve(support) or region(support.area)
     if shape is not None:
         return _hull(_of_shape(plate, shape))
-    names = support.edge if support.edge is not None else _edge_names(plate)
+    names = support.edge if support.edge is not None else (None,)
     return _hull(np.concatenate([_edge(mesh, plate, name) for name in names]))
 
 
@@ -55,17 +55,13 @@ def _of_shape(plate: Plate, shape: Region | Curve) -> Floats:
     return np.concatenate(points)
 
 
-def _edge_names(plate: Plate) -> tuple[str | None, ...]:
-    return plate.edge_names if isinstance(plate, DiscPlate | AnnulusPlate) else (None,)
-
-
 def _edge(mesh: Mesh, plate: Plate, name: str | None) -> Floats:
     """Points of an edge of the plate, of all where there is no name."""
-    if isinstance(plate, DiscPlate) and name == "rim":
-        return _arc(plate.center, plate.radius, plate.sector)
-    if isinstance(plate, AnnulusPlate) and name in ("inner", "outer"):
-        return _arc(plate.center, plate.inner if name == "inner" else plate.outer, plate.sector)
-    return mesh.points[np.unique(mesh.boundary if name is None else mesh.edges[name])]
+    if isinstance(plate, MeshPlate):
+        return mesh.points[np.unique(mesh.boundary if name is None else mesh.edges[name])]
+    if name is None:
+        return plate.outline.points()
+    return np.concatenate([contour.points(name) for contour in plate.contours if name in contour.names])
 
 
 def _arc(center: Point, radius: float, sector: float) -> Floats:

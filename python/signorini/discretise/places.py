@@ -18,11 +18,13 @@ from signorini.discretise.quadrature.stepped import OFF, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, length, point, unknown
 from signorini.mesh import Mesh
-from signorini.model import AnnulusPlate, Area, DiscPlate, Load, Plate, Support
+from signorini.model import AnnulusPlate, Area, DiscPlate, Load, OutlinedPlate, Plate, Refinement, Support
 from signorini.shapes import Circle, Curve, Polygon, Polyline, Rectangle, Region, Ring
+from signorini.shapes.contours import circle
+from signorini.shapes.overlap import overlap
 
 _SECTOR_SLACK = 1e-3
-"""Part of a circle that a sector's outline, made of parabolas, may leave out."""
+"""Part of a circle that a sector's outline, made of parabolas, may leave out; and of a hole that its own may."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +47,7 @@ def region(area: Area | str | None) -> Region | None:
     return area.region if isinstance(area, Area) else None
 
 
-def curve(item: Support | Load) -> Curve | None:
+def curve(item: Support | Load | Refinement) -> Curve | None:
     """The curve that a line or circle names; None for other places."""
     if item.line is not None:
         return Polyline(item.line)
@@ -164,13 +166,24 @@ def in_area(
 def _require_on_plate(
     mesh: Mesh, plate: Plate, shape: Region | Curve, points: Quadrature, what: str, place: Place
 ) -> None:
-    """Refuse what leaves the plate; a sector stands for the whole plate and cuts circles about its center."""
+    """Refuse what leaves the plate, but for areas over its holes.
+
+    A sector stands for the whole plate and cuts circles about its center.
+    """
     whole = shape.area if isinstance(shape, Rectangle | Circle | Polygon) else shape.length
     missing = off_plate(mesh, shape, points)
     match plate, shape:
         case ((DiscPlate() | AnnulusPlate()), (Circle() | Ring())) if shape.center == plate.center:
             beyond = (1.0 - plate.sector / 360.0) * whole
             missing = missing - beyond if missing > beyond + _SECTOR_SLACK * whole else 0.0
+        case OutlinedPlate(), (Rectangle() | Circle() | Polygon()) if missing > 0 and plate.holes:
+            corners = (
+                circle(shape.center, shape.radius, "").points()
+                if isinstance(shape, Circle)
+                else shape.outline.segments[:, 0]
+            )
+            beyond = sum(overlap(corners, hole.points()) for hole in plate.hole_contours)
+            missing = missing - beyond if missing > beyond * (1.0 + _SECTOR_SLACK) else 0.0
     if missing > 0:
         off = f"has {100 * missing / whole:.3g} % of its size off the plate"
         part = "is not on the plate" if points.total == 0 else off

@@ -8,14 +8,20 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from signorini.base.memory import require_memory
 from signorini.errors import InputError
 from signorini.mesh import Mesh
+from signorini.mesh.grading import graded
 from signorini.mesh.subdivision import subdivide
-from signorini.shapes.outlines import Point
+from signorini.shapes.contours import directions
+from signorini.shapes.outlines import Box, Point
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+Refined = tuple[Box, float]
+
+_SAME = 1e-9
 SECTORS = (90, 180, 360)
 _ROUNDNESS = 0.3
 
@@ -26,6 +32,7 @@ def rectangle(
     divisions: tuple[int, int],
     x_lines: Sequence[float] = (),
     y_lines: Sequence[float] = (),
+    refined: Sequence[Refined] = (),
 ) -> Mesh:
     """Mesh a rectangle along the axes.
 
@@ -39,6 +46,9 @@ def rectangle(
         Elements along x and along y; the numbers are kept.
     x_lines, y_lines : sequence of float
         Coordinates that grid lines should have; see `signorini.mesh.subdivision.subdivide` for which are followed.
+    refined : sequence of (box, size)
+        Boxes (x0, y0, x1, y1) in which elements are smaller, and how small; one that reaches from side to side asks
+        for it across alone. Then there are more elements than the divisions say (`signorini.mesh.grading.graded`).
 
     Returns
     -------
@@ -58,8 +68,9 @@ def rectangle(
     """
     _require_positive("The rectangle's size", size)
     _require_divisions(divisions, ("x", "y"))
-    x = _with_middles(subdivide(origin[0], origin[0] + size[0], divisions[0], x_lines))
-    y = _with_middles(subdivide(origin[1], origin[1] + size[1], divisions[1], y_lines))
+    x = _with_middles(_joints(0, origin, size, divisions, x_lines, refined))
+    y = _with_middles(_joints(1, origin, size, divisions, y_lines, refined))
+    require_memory(len(x) // 2 * (len(y) // 2), ("mesh",))
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     index = np.arange(len(points)).reshape(len(y), len(x))
     edges = {
@@ -69,6 +80,27 @@ def rectangle(
         "top": _triples(index[-1, ::-1]),
     }
     return _mesh(points, _quads(index), edges)
+
+
+def _joints(
+    axis: int,
+    origin: Point,
+    size: tuple[float, float],
+    divisions: tuple[int, int],
+    lines: Sequence[float],
+    refined: Sequence[Refined],
+) -> Floats:
+    """Joints of a rectangle's elements along an axis."""
+    start, length, across = origin[axis], size[axis], size[1 - axis]
+    caps = []
+    for box, most in refined:
+        low, high, below, above = box[axis], box[2 + axis], box[1 - axis], box[3 - axis]
+        spans = high - low >= length * (1 - _SAME)
+        if not spans or above - below >= across * (1 - _SAME):
+            caps.append((low, high, most))
+    if not caps:
+        return subdivide(start, start + length, divisions[axis], lines)
+    return graded(start, start + length, length / divisions[axis], caps, lines)
 
 
 def annulus(
@@ -125,7 +157,7 @@ def annulus(
     radius = _with_middles(subdivide(inner, outer, radial, radii))
     degrees = np.linspace(0.0, sector, 2 * around + 1)
     columns = slice(-1) if closed else slice(None)
-    points = (_directions(degrees[columns])[:, None] * radius[:, None]).reshape(-1, 2)
+    points = (directions(degrees[columns])[:, None] * radius[:, None]).reshape(-1, 2)
     index = np.arange(len(points)).reshape(-1, len(radius))
     if closed:
         index = np.vstack([index, index[:1]])
@@ -191,12 +223,12 @@ def disc(
     core_points = core_radius * core.reshape(-1, 2)
 
     degrees = np.linspace(0.0, sector, len(outline)) - (45.0 if quarters == 4 else 0.0)
-    directions = _directions(degrees)
-    base, circle = core_points[outline], knots[depth + turning] * directions
+    rays = directions(degrees)
+    base, circle = core_points[outline], knots[depth + turning] * rays
     circle[1::2] = 0.5 * (circle[:-1:2] + circle[2::2])
     share = np.linspace(0.0, 1.0, 2 * turning + 1)[1:-1, None, None]
     turned = base + share * (circle - base)
-    rings = directions * _with_middles(knots[depth + turning :])[:, None, None]
+    rings = rays * _with_middles(knots[depth + turning :])[:, None, None]
     ring_points = np.concatenate([turned, rings]).transpose(1, 0, 2)
     if quarters == 4:
         ring_points = ring_points[:-1]
@@ -251,15 +283,6 @@ def _with_middles(knots: Floats) -> Floats:
     filled[::2] = knots
     filled[1::2] = 0.5 * (knots[1:] + knots[:-1])
     return filled
-
-
-def _directions(degrees: Floats) -> Floats:
-    """Compute unit vectors (q, 2), exact at multiples of 90° and symmetric between them."""
-    quarter = np.round(degrees / 90.0)
-    rest = np.radians(degrees - 90.0 * quarter)
-    c, s = np.cos(rest), np.sin(rest)
-    turn = quarter.astype(np.int64) % 4
-    return np.column_stack([np.choose(turn, [c, -s, -c, s]), np.choose(turn, [s, c, -s, -c])])
 
 
 def _quads(index: Ints) -> Ints:

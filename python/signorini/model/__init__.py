@@ -8,14 +8,23 @@ from signorini.model.area import Area, Circle
 from signorini.model.combination import Combination, Factors
 from signorini.model.generated import Combinations
 from signorini.model.load import Load, Probe
+from signorini.model.meshoptions import MeshOptions, Refinement
 from signorini.model.moving import Moving
 from signorini.model.output import ENVELOPED, Output
-from signorini.model.plate import AnnulusPlate, DiscPlate, Material, MeshOptions, MeshPlate, RectanglePlate
+from signorini.model.plate import (
+    AnnulusPlate,
+    DiscPlate,
+    Material,
+    MeshPlate,
+    OutlinedPlate,
+    PolygonPlate,
+    RectanglePlate,
+)
 from signorini.model.support import Support
 from signorini.model.validation import validate
 from signorini.model.whole import Model, Solver, Units
 
-Plate = RectanglePlate | DiscPlate | AnnulusPlate | MeshPlate
+Plate = RectanglePlate | DiscPlate | AnnulusPlate | PolygonPlate | MeshPlate
 
 __all__ = [
     "ENVELOPED",
@@ -32,10 +41,13 @@ __all__ = [
     "MeshPlate",
     "Model",
     "Moving",
+    "OutlinedPlate",
     "Output",
     "Plate",
+    "PolygonPlate",
     "Probe",
     "RectanglePlate",
+    "Refinement",
     "Solver",
     "Support",
     "Units",

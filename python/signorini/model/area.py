@@ -41,6 +41,12 @@ Box = Annotated[
 ]
 
 
+def box_complaints(box: tuple[float, float, float, float] | None) -> Iterator[Complaint]:
+    """Yield what is wrong with a rectangle, if there is one."""
+    if box is not None and not (box[0] < box[2] and box[1] < box[3]):
+        yield ("rectangle",), f"found {list(box)}; [x0, y0, x1, y1] needs x0 < x1 and y0 < y1."
+
+
 class Area(Table):
     """A part of the plate: exactly one of rectangle, circle, polygon."""
 
@@ -54,10 +60,7 @@ class Area(Table):
         forms = self.given(_FORMS)
         if len(forms) != 1:
             yield (), f"found {' and '.join(forms) or 'none'}; exactly one of {', '.join(_FORMS)} is needed."
-        if self.rectangle is not None:
-            x0, y0, x1, y1 = self.rectangle
-            if not (x0 < x1 and y0 < y1):
-                yield ("rectangle",), f"found {list(self.rectangle)}; [x0, y0, x1, y1] needs x0 < x1 and y0 < y1."
+        yield from box_complaints(self.rectangle)
         if self.polygon is not None:
             if len(self.polygon) > _MOST_CORNERS:
                 yield ("polygon",), f"found {len(self.polygon)} corners; at most {_MOST_CORNERS} are allowed."

@@ -283,7 +283,7 @@ Edges = Annotated[
     WithJsonSchema(
         {
             "anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}],
-            "examples": ["left", "right", "bottom", "top", "rim", "inner", "outer", "start", "end"],
+            "examples": ["left", "right", "bottom", "top", "rim", "inner", "outer", "start", "end", "edge 1", "hole 1"],
         }
     ),
 ]

@@ -1,4 +1,4 @@
-"""The plate: its material, outline and thickness, and how finely it is meshed."""
+"""The plate: its material, outline and thickness."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ from collections.abc import Iterator
 from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, StrictBool, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from signorini.model.base import (
     Complaint,
-    Count,
     NonNegative,
     Point,
     Positive,
@@ -23,10 +22,14 @@ from signorini.model.base import (
     number,
     numbers_schema,
 )
+from signorini.model.contour import Corners, Holes, contour
+from signorini.model.meshoptions import MeshOptions
 from signorini.model.problems import BRANCHES
 from signorini.model.words import describe
+from signorini.shapes.contours import Contour, circle, sector, straight
 
 _DEFAULT_ALONG = 20
+_SHAPES = "One of rectangle, disc, annulus, polygon, mesh."
 _FARTHEST = 1e6
 """Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
 
@@ -86,9 +89,7 @@ class Material(Table):
     @property
     def poisson(self) -> float:
         """Poisson's ratio, of an orthotropic material the geometric mean of its two."""
-        if self.nu is not None:
-            return self.nu
-        return math.copysign(math.sqrt(self.axes.nu_xy**2 * self.axes.Ey / self.axes.Ex), self.axes.nu_xy)
+        return self.nu if self.nu is not None else self.axes.nu_xy * math.sqrt(self.axes.Ey / self.axes.Ex)
 
     @property
     def axes(self) -> Axes:
@@ -122,34 +123,6 @@ class Material(Table):
             )
 
 
-Divisions = Annotated[
-    tuple[Count, Count],
-    BeforeValidator(listed(2, "two whole numbers, such as [20, 20]")),
-    WithJsonSchema({"type": "array", "items": {"type": "integer", "minimum": 1}, "minItems": 2, "maxItems": 2}),
-]
-
-
-class MeshOptions(Table):
-    """How finely the plate is meshed: by counts or by element size; by default 20 elements along the longer side."""
-
-    model_config = ConfigDict(json_schema_extra={"not": {"required": ["divisions", "size"]}})
-
-    divisions: Divisions | None = Field(
-        default=None,
-        description="Numbers of elements: [along x, along y] of a rectangle, [radial, around] of a disc or annulus.",
-    )
-    size: Positive | None = Field(default=None, description="Largest side of an element.")
-    error: StrictBool | None = Field(
-        default=None,
-        description="Say of every number how far the mesh is from the plate, by the plate's answers on other meshes; "
-        "by default where the mesh is not read from a file.",
-    )
-
-    def _complaints(self) -> Iterator[Complaint]:
-        if self.divisions is not None and self.size is not None:
-            yield ("size",), "found both divisions and size; give one of them."
-
-
 def _require_shape(schema: dict[str, Any]) -> None:
     schema["required"] = ["shape", *schema.get("required", [])]
 
@@ -176,26 +149,76 @@ class _Plate(Table):
     )
 
 
-class _OutlinedPlate(_Plate):
+class OutlinedPlate(_Plate):
     """A plate whose outline is given here and meshed by this program."""
+
+    holes: Holes = Field(default=(), description="Holes, each a table with one of rectangle, circle, polygon.")
+
+    @property
+    @abstractmethod
+    def outline(self) -> Contour:
+        """The outline, without holes."""
+
+    @property
+    def hole_contours(self) -> tuple[Contour, ...]:
+        """The outlines of the holes."""
+        return tuple(hole.contour(f"hole {number}") for number, hole in enumerate(self.holes, 1))
+
+    @property
+    def contours(self) -> tuple[Contour, ...]:
+        """The outline and those of the holes."""
+        return (self.outline, *self.hole_contours)
+
+    @property
+    def edge_names(self) -> tuple[str, ...]:
+        """Names of the edges, those of holes last."""
+        return tuple(dict.fromkeys(name for contour in self.contours for name in contour.names))
+
+    def element_size(self, mesh: MeshOptions) -> float:
+        """Size of elements that the mesh options ask for, where they are not counted."""
+        return mesh.size if mesh.size is not None else self._longer_side() / _DEFAULT_ALONG
+
+    def freely_meshed(self, mesh: MeshOptions) -> bool:
+        """Whether elements of about one size fill the outline, instead of a number of them in rows."""
+        return True
+
+    def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
+        """Mesh options for elements larger by a factor, as far as there are enough of them."""
+        refine = tuple(one.model_copy(update={"size": one.size * factor}) for one in mesh.refine)
+        return MeshOptions(size=self.element_size(mesh) * factor, refine=refine)
+
+    def _longer_side(self) -> float:
+        x0, y0, x1, y1 = self.outline.bounds
+        return max(x1 - x0, y1 - y0)
+
+
+class _PatternedPlate(OutlinedPlate):
+    """A plate that has a regular mesh while it has no holes."""
 
     def divisions(self, mesh: MeshOptions) -> tuple[int, int]:
         """Numbers of elements that the mesh options ask for along the two directions (see `MeshOptions.divisions`)."""
         if mesh.divisions is not None:
             return mesh.divisions
         lengths = self._lengths()
-        size = mesh.size if mesh.size is not None else self._longer_side() / _DEFAULT_ALONG
+        size = self.element_size(mesh)
         counts = (math.ceil(min(length / size, 1e9) - 1e-9) for length in lengths)
         first, second = (max(count, least) for count, least in zip(counts, self.fewest, strict=True))
         return first, second
 
+    def freely_meshed(self, mesh: MeshOptions) -> bool:
+        """Whether elements of about one size fill the outline, instead of a number of them in rows."""
+        return bool(self.holes or mesh.refine)
+
     def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
         """Mesh options for elements larger by a factor, as far as there are enough of them."""
+        scaled = super().scaled(mesh, factor)
+        if self.freely_meshed(mesh):
+            return scaled
         first, second = (
             max(math.ceil(count / factor), least)
             for count, least in zip(self.divisions(mesh), self.fewest, strict=True)
         )
-        return MeshOptions(divisions=(first, second))
+        return scaled.model_copy(update={"divisions": (first, second), "size": None})
 
     @property
     def fewest(self) -> tuple[int, int]:
@@ -206,14 +229,11 @@ class _OutlinedPlate(_Plate):
     def _lengths(self) -> tuple[float, float]:
         """Lengths along which the elements are counted, in the order of ``MeshOptions.divisions``."""
 
-    def _longer_side(self) -> float:
-        return max(self._lengths())
 
-
-class RectanglePlate(_OutlinedPlate):
+class RectanglePlate(_PatternedPlate):
     """A rectangle with sides parallel to the axes."""
 
-    shape: Literal["rectangle"] = Field(default="rectangle", description="One of rectangle, disc, annulus, mesh.")
+    shape: Literal["rectangle"] = Field(default="rectangle", description=_SHAPES)
     size: Annotated[
         tuple[Positive, Positive],
         BeforeValidator(listed(2, "two lengths [a, b], along x and y")),
@@ -222,9 +242,15 @@ class RectanglePlate(_OutlinedPlate):
     origin: Point = Field(default=(0.0, 0.0), description="Lower left corner [x, y]; default [0, 0].")
 
     @property
-    def edge_names(self) -> tuple[str, ...]:
-        """Names of the edges."""
-        return ("left", "right", "bottom", "top")
+    def outline(self) -> Contour:
+        """The four sides."""
+        (x, y), (a, b) = self.origin, self.size
+        corners = ((x, y), (x + a, y), (x + a, y + b), (x, y + b))
+        return straight(corners, ("bottom", "right", "top", "left"))
+
+    def freely_meshed(self, mesh: MeshOptions) -> bool:
+        """Whether elements of about one size fill the outline; without holes rows and columns can be refined."""
+        return bool(self.holes)
 
     def _lengths(self) -> tuple[float, float]:
         return self.size
@@ -241,10 +267,10 @@ def _quarters(sector: float) -> float:
     return sector
 
 
-class DiscPlate(_OutlinedPlate):
+class DiscPlate(_PatternedPlate):
     """A full, half or quarter disc; a sector starts at the x axis and turns towards y."""
 
-    shape: Literal["disc"] = Field(default="disc", description="One of rectangle, disc, annulus, mesh.")
+    shape: Literal["disc"] = Field(default="disc", description=_SHAPES)
     radius: Positive = Field(description="Radius of the disc.")
     center: Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
     sector: Annotated[float, AfterValidator(_quarters), BeforeValidator(number)] = Field(
@@ -254,24 +280,23 @@ class DiscPlate(_OutlinedPlate):
     )
 
     @property
-    def edge_names(self) -> tuple[str, ...]:
-        """Names of the edges; a sector has its straight sides too."""
-        return ("rim",) if self.sector == 360 else ("rim", "start", "end")
+    def outline(self) -> Contour:
+        """The rim, of a sector with its straight sides."""
+        if self.sector == 360:
+            return circle(self.center, self.radius, "rim")
+        return sector(self.center, 0.0, self.radius, self.sector, ("start", "rim", "end", ""))
 
     def _lengths(self) -> tuple[float, float]:
         return self.radius, math.radians(self.sector) * self.radius
-
-    def _longer_side(self) -> float:
-        return self.radius if self.sector == 90 else 2 * self.radius
 
     def _complaints(self) -> Iterator[Complaint]:
         yield from _too_far("center", self.center, self.radius)
 
 
-class AnnulusPlate(_OutlinedPlate):
+class AnnulusPlate(_PatternedPlate):
     """A ring or a sector of one; a sector starts at the x axis and turns towards y."""
 
-    shape: Literal["annulus"] = Field(default="annulus", description="One of rectangle, disc, annulus, mesh.")
+    shape: Literal["annulus"] = Field(default="annulus", description=_SHAPES)
     inner: Positive = Field(description="Inner radius.")
     outer: Positive = Field(description="Outer radius.")
     center: Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
@@ -280,9 +305,17 @@ class AnnulusPlate(_OutlinedPlate):
     )
 
     @property
-    def edge_names(self) -> tuple[str, ...]:
-        """Names of the edges; a sector has its straight sides too."""
-        return ("inner", "outer") if self.sector == 360 else ("inner", "outer", "start", "end")
+    def outline(self) -> Contour:
+        """The outer circle, or all sides of a sector."""
+        if self.sector == 360:
+            return circle(self.center, self.outer, "outer")
+        return sector(self.center, self.inner, self.outer, self.sector, ("start", "outer", "end", "inner"))
+
+    @property
+    def contours(self) -> tuple[Contour, ...]:
+        """The outer circle, the inner one and the outlines of the holes; of a sector its outline and the holes."""
+        inner = (circle(self.center, self.inner, "inner"),) if self.sector == 360 else ()
+        return (self.outline, *inner, *self.hole_contours)
 
     @property
     def fewest(self) -> tuple[int, int]:
@@ -309,6 +342,24 @@ class AnnulusPlate(_OutlinedPlate):
         yield from _too_far("center", self.center, self.outer)
 
 
+class PolygonPlate(OutlinedPlate):
+    """A plate of any outline, of straight sides and arcs."""
+
+    shape: Literal["polygon"] = Field(default="polygon", description=_SHAPES)
+    points: Corners = Field(
+        description="Corners [x, y] in order; an arc to a corner is { through = [x, y], to = [x, y] }."
+    )
+
+    @property
+    def outline(self) -> Contour:
+        """The sides: edge 1 from corner 1 to corner 2, and so on."""
+        return contour(self.points, "edge", numbered=True)
+
+    def _complaints(self) -> Iterator[Complaint]:
+        x0, y0, x1, y1 = self.outline.bounds
+        yield from _too_far("points", (max(abs(x0), abs(x1)), max(abs(y0), abs(y1))), max(x1 - x0, y1 - y0))
+
+
 def _too_far(key: str, point: tuple[float, float], size: float) -> Iterator[Complaint]:
     if max(map(abs, point)) > _FARTHEST * size:
         yield (
@@ -326,9 +377,9 @@ def _file(value: object) -> FilePath:
 
 
 class MeshPlate(_Plate):
-    """A plate of any outline, read from a mesh file of 8- or 9-node quadrilaterals and 6-node triangles."""
+    """A plate read from a mesh file of 8- or 9-node quadrilaterals and 6-node triangles."""
 
-    shape: Literal["mesh"] = Field(default="mesh", description="One of rectangle, disc, annulus, mesh.")
+    shape: Literal["mesh"] = Field(default="mesh", description=_SHAPES)
     file: Annotated[FilePath, BeforeValidator(_file), WithJsonSchema({"type": "string"})] = Field(
         description="Mesh file, relative to the input file."
     )
@@ -339,5 +390,11 @@ class MeshPlate(_Plate):
         return None
 
 
-AnyPlate = Annotated[RectanglePlate | DiscPlate | AnnulusPlate | MeshPlate, Field(discriminator="shape")]
-BRANCHES["plate"] = {"rectangle": RectanglePlate, "disc": DiscPlate, "annulus": AnnulusPlate, "mesh": MeshPlate}
+AnyPlate = Annotated[RectanglePlate | DiscPlate | AnnulusPlate | PolygonPlate | MeshPlate, Field(discriminator="shape")]
+BRANCHES["plate"] = {
+    "rectangle": RectanglePlate,
+    "disc": DiscPlate,
+    "annulus": AnnulusPlate,
+    "polygon": PolygonPlate,
+    "mesh": MeshPlate,
+}

@@ -238,7 +238,7 @@ def _unknown_shape(plate: object) -> str:
     shapes = list(BRANCHES["plate"])
     return (
         f"found {describe(shape)}; this version has {', '.join(shapes)}.{_suggest(shape, shapes)} "
-        'For any other outline mesh the plate in another program and give shape = "mesh" with its file.'
+        "Any other outline is a polygon of straight sides and arcs, or a mesh file."
     )
 
 

@@ -13,9 +13,10 @@ from signorini.model.base import Complaint, Table, Text
 from signorini.model.combination import Combination
 from signorini.model.generated import Choice, Combinations, Positions, Product, products
 from signorini.model.load import Load, Probe
+from signorini.model.meshoptions import MeshOptions
 from signorini.model.moving import Moving
 from signorini.model.output import FEW, Output
-from signorini.model.plate import AnyPlate, Material, MeshOptions, MeshPlate
+from signorini.model.plate import AnyPlate, Material, MeshPlate, PolygonPlate
 from signorini.model.problems import TOP, tables_of
 from signorini.model.support import Support
 
@@ -130,9 +131,16 @@ class Model(Table):
 
     def _mesh_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):
-            for key in self.mesh.given(("divisions", "size")):
+            for key in [*self.mesh.given(("divisions", "size", "accuracy")), *(["refine"] if self.mesh.refine else [])]:
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
             return
+        if self.plate.freely_meshed(self.mesh):
+            if self.mesh.divisions is not None:
+                shape = self.plate.shape
+                why = "a polygon" if shape == "polygon" else "holes" if self.plate.holes else "refine"
+                yield ("mesh", "divisions"), f"divisions count the elements of a regular mesh; with {why} give size."
+            return
+        assert not isinstance(self.plate, PolygonPlate)  # it is freely meshed
         first, second = self.plate.divisions(self.mesh)
         fewest = self.plate.fewest[1]
         if second < fewest:
@@ -218,12 +226,15 @@ class Model(Table):
         names = self.plate.edge_names
         if names is None:
             return
-        edges = [("support", index, support.edge or ()) for index, support in enumerate(self.support)]
-        edges += [("load", index, load.edge or ()) for index, load in enumerate(self.load)]
-        for key, index, listed in edges:
+        places: list[tuple[tuple[str | int, ...], tuple[str, ...]]] = [
+            *((("support", index), support.edge or ()) for index, support in enumerate(self.support)),
+            *((("load", index), load.edge or ()) for index, load in enumerate(self.load)),
+            *((("mesh", "refine", index), one.edge or ()) for index, one in enumerate(self.mesh.refine)),
+        ]
+        for place, listed in places:
             for position, edge in enumerate(listed):
                 if edge not in names:
-                    yield (key, index, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
+                    yield (*place, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
 
     def _node_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):

@@ -66,9 +66,10 @@ def results_json(results: Results) -> dict[str, Any]:
             "dofs": found.dof_count,
             "contact_points": int((~found.contacts.two_sided).sum()),
         },
-        "combinations": [_combination(result, results.limits[name]) for name, result in results.full.items()],
+        "combinations": [_combination(results, result) for result in results.full.values()],
         "governing_reactions": governing_json(results),
         **tabulated,
+        **({"refinement": [asdict(step) for step in results.refinement]} if results.refinement else {}),
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
         "files": files(results),
     }
@@ -96,8 +97,9 @@ def reactions_csv(results: Results) -> str:
     return text.getvalue()
 
 
-def _combination(result: Result, limit: tuple[str, float] | None) -> dict[str, Any]:
-    solved = result.status == "solved"
+def _combination(results: Results, result: Result) -> dict[str, Any]:
+    solved, limit = result.status == "solved", results.limits[result.name]
+    accuracy = [results.accuracy_warning] * bool(results.accuracy_warning)
     return {
         "name": result.name,
         "status": result.status,
@@ -107,7 +109,7 @@ def _combination(result: Result, limit: tuple[str, float] | None) -> dict[str, A
         "unsettled": list(result.unsettled),
         "iterations": result.iterations,
         "not_unique": [asdict(one) | {"supports": list(one.supports)} for one in result.not_unique],
-        "warnings": [*result.warnings, *result.asked_estimate.warnings],
+        "warnings": [*result.warnings, *result.asked_estimate.warnings, *accuracy],
         "singular": singular_json(result.singular),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         **figures(result),

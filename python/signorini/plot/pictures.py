@@ -181,6 +181,7 @@ def check_picture(
     supports: Iterable[SupportMark] = (),
     loads: Iterable[LoadMark] = (),
     balance: Iterable[BalanceMark] = (),
+    poorest: tuple[tuple[float, float], str] | None = None,
     title: str = "",
     length: str = "",
     numbers: bool = False,
@@ -193,6 +194,8 @@ def check_picture(
     supports : iterable of SupportMark
     loads : iterable of LoadMark
     balance : iterable of BalanceMark
+    poorest : ((x, y), str), optional
+        The corner of the worst element, and words about it.
     title : str
     length : str
         The unit of length, for the two axes.
@@ -221,6 +224,10 @@ def check_picture(
     if numbers:
         _number_nodes(axes, plan)
     entries += draw_balances(balance, axes)
+    if poorest is not None:
+        at, words = poorest
+        (ring,) = axes.plot(*at, "o", markerfacecolor="none", markeredgecolor="#7a4fb5", markersize=9, zorder=6)
+        entries.append((words, (ring,)))
     page.finish(title, entries)
     return page.figure
 

@@ -11,13 +11,11 @@ use rayon::prelude::*;
 /// Loads that are under way at once.
 const AT_ONCE: usize = LANES;
 
-/// A load under way: its number, what it asked for and was answered, and its solution once it has one.
+/// A load under way: its number, and what it was answered.
 struct UnderWay<'a> {
     number: usize,
     newton: Newton<'a>,
-    asked: Option<Vec<f64>>,
     answer: Option<Vec<f64>>,
-    ended: Option<Result<Outcome, FactorError>>,
 }
 
 impl ContactProblem {
@@ -44,22 +42,30 @@ impl ContactProblem {
                 .collect::<Result<_, FactorError>>()?;
             for (number, newton) in begun {
                 match newton {
-                    Some(newton) => under_way.push(UnderWay { number, newton, asked: None, answer: None, ended: None }),
+                    Some(newton) => under_way.push(UnderWay { number, newton, answer: None }),
                     None => solved[number] = Some(self.at_rest(held_value).failed(Outcome::Unsolved)),
                 }
             }
             if under_way.is_empty() && left.len() == 0 || !watch() {
                 return Ok(solved.into_iter().flatten().collect());
             }
-            under_way.par_iter_mut().for_each(UnderWay::go_on);
-            let (ended, waiting): (Vec<_>, _) = under_way.into_iter().partition(|load| load.ended.is_some());
-            under_way = waiting;
-            for UnderWay { number, newton, ended, .. } in ended {
-                if let Some(outcome) = ended {
-                    solved[number] = Some(newton.ended(outcome?));
+            // Each goes on until it waits for the factor again, or ends; one that does not share it goes on to the end.
+            let went = under_way.into_par_iter().map(|mut load| {
+                let next = load.newton.go_on(load.answer.take(), &mut |_| true);
+                (load, next)
+            });
+            let went: Vec<_> = went.collect();
+            under_way = Vec::with_capacity(AT_ONCE);
+            let mut block: Vec<f64> = Vec::new();
+            for (load, next) in went {
+                match next? {
+                    Next::Solve(vector) => {
+                        block.extend(vector);
+                        under_way.push(load);
+                    }
+                    Next::End(outcome) => solved[load.number] = Some(load.newton.ended(outcome)),
                 }
             }
-            let mut block: Vec<f64> = under_way.iter_mut().filter_map(|load| load.asked.take()).flatten().collect();
             factor.solve_side_by_side(&mut block)?;
             for (load, answer) in under_way.iter_mut().zip(block.chunks_exact(factor.len())) {
                 load.answer = Some(answer.to_vec());
@@ -78,16 +84,5 @@ impl ContactProblem {
         let start = start.filter(|_| load.iter().any(|&force| force != 0.0));
         let shares = self.constraints.rows.is_empty() && start.is_some() == referred;
         self.newton(load, held_value, start, shares)
-    }
-}
-
-impl UnderWay<'_> {
-    /// Goes on until it waits for the factor again, or ends; one that does not share it goes on to the end.
-    fn go_on(&mut self) {
-        match self.newton.go_on(self.answer.take(), &mut |_| true) {
-            Ok(Next::Solve(vector)) => self.asked = Some(vector),
-            Ok(Next::End(outcome)) => self.ended = Some(Ok(outcome)),
-            Err(error) => self.ended = Some(Err(error)),
-        }
     }
 }

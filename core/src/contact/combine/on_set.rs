@@ -9,7 +9,7 @@ use crate::contact::tolerances;
 use crate::dense::{self, Lu, OutOfMemory};
 use crate::double_double::DoubleDouble;
 use faer::Mat;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
 /// Points that have changed sides, over all, up to which updating an inverse takes less work than a factorization.
 const FEW: f64 = 0.25;
@@ -129,8 +129,19 @@ impl OnSet {
     fn add_products(&self, own: Vec<f64>, x: &[f64], part: impl Fn(usize, f64, f64) -> f64) -> Vec<f64> {
         let count = own.len();
         let (mut high, mut low) = (own, vec![0.0; count]);
-        let (high_to, low_to) = (&mut high[..], &mut low[..]);
-        Arch::new().dispatch(AddProducts { of: self, x, part, high: high_to, low: low_to });
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for (j, &x) in x.iter().enumerate().filter(|(_, x)| **x != 0.0) {
+                    let (moved, reaction) = (&self.moved[j * count..][..count], &self.reaction[j * count..][..count]);
+                    for i in 0..count {
+                        let mut sum = DoubleDouble { hi: high[i], lo: low[i] };
+                        sum.add_product_fused(part(i, moved[i], reaction[i]), x);
+                        (high[i], low[i]) = (sum.hi, sum.lo);
+                    }
+                }
+            },
+        );
         high.iter().zip(&low).map(|(hi, lo)| hi + lo).collect()
     }
 
@@ -212,31 +223,5 @@ impl OnSet {
             unknown.iter().enumerate().for_each(|(p, &i)| x[i] += step[(p, 0)]);
         }
         Ok(Some(x))
-    }
-}
-
-/// Adds Σ_j part(i, moved_ij, reaction_ij) x_j to sums in double-double, all points side by side.
-struct AddProducts<'a, P> {
-    of: &'a OnSet,
-    x: &'a [f64],
-    part: P,
-    high: &'a mut [f64],
-    low: &'a mut [f64],
-}
-
-impl<P: Fn(usize, f64, f64) -> f64> WithSimd for AddProducts<'_, P> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let count = self.high.len();
-        for (j, &x) in self.x.iter().enumerate().filter(|(_, x)| **x != 0.0) {
-            let (moved, reaction) = (&self.of.moved[j * count..][..count], &self.of.reaction[j * count..][..count]);
-            for i in 0..count {
-                let mut sum = DoubleDouble { hi: self.high[i], lo: self.low[i] };
-                sum.add_product_fused((self.part)(i, moved[i], reaction[i]), x);
-                (self.high[i], self.low[i]) = (sum.hi, sum.lo);
-            }
-        }
     }
 }

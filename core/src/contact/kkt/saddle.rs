@@ -19,7 +19,7 @@ use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::solvers::Lu;
 use faer::sparse::{FaerError, SparseColMat, Triplet};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
 /// Right-hand sides for which the factor is read once: two registers of the widest machines.
 pub(crate) const TOGETHER: usize = 16;
@@ -184,35 +184,23 @@ impl Saddle {
     /// nearly cancels.
     fn left<const N: usize>(&self, right: &[[f64; N]], unknown: &[[f64; N]]) -> Vec<[f64; N]> {
         let (mut high, mut low) = (right.to_vec(), vec![[0.0; N]; right.len()]);
-        Arch::new().dispatch(SubtractProducts { entries: &self.entries, unknown, high: &mut high, low: &mut low });
-        high.iter().zip(&low).map(|(high, low)| std::array::from_fn(|k| high[k] + low[k])).collect()
-    }
-}
-
-/// Subtracts from sums in double-double, side by side, the product of a symmetric matrix, of which the lower triangle is
-/// given.
-struct SubtractProducts<'a, const N: usize> {
-    entries: &'a [(usize, usize, f64)],
-    unknown: &'a [[f64; N]],
-    high: &'a mut [[f64; N]],
-    low: &'a mut [[f64; N]],
-}
-
-impl<const N: usize> WithSimd for SubtractProducts<'_, N> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        for &(row, column, value) in self.entries {
-            // An entry off the diagonal stands in the upper triangle too.
-            for (row, column) in [(row, column), (column, row)].into_iter().take(1 + usize::from(row != column)) {
-                let (high, low, unknown) = (&mut self.high[row], &mut self.low[row], &self.unknown[column]);
-                for k in 0..N {
-                    let mut sum = DoubleDouble { hi: high[k], lo: low[k] };
-                    sum.add_product_fused(-value, unknown[k]);
-                    (high[k], low[k]) = (sum.hi, sum.lo);
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for &(row, column, value) in &self.entries {
+                    // An entry off the diagonal stands in the upper triangle too.
+                    for (row, column) in [(row, column), (column, row)].into_iter().take(1 + usize::from(row != column))
+                    {
+                        let (high, low, unknown) = (&mut high[row], &mut low[row], &unknown[column]);
+                        for k in 0..N {
+                            let mut sum = DoubleDouble { hi: high[k], lo: low[k] };
+                            sum.add_product_fused(-value, unknown[k]);
+                            (high[k], low[k]) = (sum.hi, sum.lo);
+                        }
+                    }
                 }
-            }
-        }
+            },
+        );
+        high.iter().zip(&low).map(|(high, low)| std::array::from_fn(|k| high[k] + low[k])).collect()
     }
 }

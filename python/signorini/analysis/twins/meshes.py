@@ -10,7 +10,7 @@ import numpy as np
 
 from signorini.mesh import Mesh
 from signorini.mesh.refined import refined
-from signorini.model import MeshPlate, Model
+from signorini.model import MeshPlate, Model, PolygonPlate
 
 _LEAST_ALONG, _LEAST = 16, 1000
 """Elements along a side, and in all, from which on a mesh of four times the size still shows the plate: it has a
@@ -49,7 +49,10 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
     if isinstance(model.plate, MeshPlate):
         yield tuple(_twin(model, mesh, factor) for factor in (0.5, 0.25) if factor == 0.5 or 16 * count <= _CHEAP)
         return
-    along = min(model.plate.divisions(model.mesh))
+    if isinstance(model.plate, PolygonPlate) or model.plate.freely_meshed(model.mesh):
+        along = math.isqrt(count)
+    else:
+        along = min(model.plate.divisions(model.mesh))
     least_along, least = (_LEAST_ALONG_OF_SEVERAL, _LEAST_OF_SEVERAL) if several else (_LEAST_ALONG, _LEAST)
     coarse = along < least_along or count < least
     if coarse and 16 * count <= _CHEAP:

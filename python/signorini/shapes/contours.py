@@ -1,0 +1,115 @@
+"""Closed lines with arcs: the outline of a plate, and its holes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from signorini.shapes.outlines import Box, Point
+
+Floats = npt.NDArray[np.float64]
+
+_TURN = 360
+"""Points of a full circle: the arcs between them rise by 4e-5 of the radius over their chords."""
+_FLAT = 1e-9
+"""Rise over chord of an arc that is drawn as a line."""
+
+
+@dataclass(frozen=True)
+class Contour:
+    """A closed line: sides from each corner to the next, the last one to the first.
+
+    Parameters
+    ----------
+    corners : tuple of (x, y)
+        In either sense.
+    through : tuple of (x, y) or None
+        For the side from each corner, a point that it is an arc through; None: it is straight.
+    names : tuple of str
+        Names of the sides; several may share one.
+
+    Examples
+    --------
+    >>> disc = circle((1.0, 2.0), 3.0, "rim")
+    >>> disc.corners[0], disc.bounds, len(disc.points())
+    ((4.0, 2.0), (-2.0, -1.0, 4.0, 5.0), 360)
+    """
+
+    corners: tuple[Point, ...]
+    through: tuple[Point | None, ...]
+    names: tuple[str, ...]
+
+    def points(self, name: str | None = None) -> Floats:
+        """Points (k, 2) along the sides of one name, or all: their corners, and of arcs one a degree."""
+        ends = (*self.corners[1:], self.corners[0])
+        sides = list(zip(self.corners, self.through, ends, self.names, strict=True))
+        found = [_along(a, m, b) for a, m, b, own in sides if name in (None, own)]
+        return np.concatenate(found if name is None else [*found, [b for _, _, b, own in sides if own == name]])
+
+    @property
+    def bounds(self) -> Box:
+        """Bounding box xmin, ymin, xmax, ymax."""
+        low, high = self.points().min(axis=0).tolist(), self.points().max(axis=0).tolist()
+        return (*low, *high)
+
+
+def directions(degrees: Floats) -> Floats:
+    """Compute unit vectors (q, 2), exact at multiples of 90° and symmetric between them."""
+    quarter = np.round(degrees / 90.0)
+    rest = np.radians(degrees - 90.0 * quarter)
+    c, s = np.cos(rest), np.sin(rest)
+    turn = quarter.astype(np.int64) % 4
+    return np.column_stack([np.choose(turn, [c, -s, -c, s]), np.choose(turn, [s, c, -s, -c])])
+
+
+def straight(corners: Sequence[Point], names: Sequence[str]) -> Contour:
+    """Join corners by straight sides."""
+    return Contour(tuple(corners), (None,) * len(corners), tuple(names))
+
+
+def circle(center: Point, radius: float, name: str) -> Contour:
+    """Draw a circle, whose sides are quarters of one name."""
+    (*corners, _), through = _arc(center, radius, 0.0, 360.0)
+    return Contour(tuple(corners), through, (name,) * len(corners))
+
+
+def sector(center: Point, inner: float, outer: float, degrees: float, names: tuple[str, str, str, str]) -> Contour:
+    """Draw a sector from the x axis on; names are of its start, outer arc, end and inner arc.
+
+    With an inner radius of 0 it ends at the center.
+    """
+    start, rim, end, hub = names
+    rims, rim_through = _arc(center, outer, 0.0, degrees)
+    hubs, hub_through = _arc(center, inner, degrees, 0.0) if inner > 0.0 else ((center,), ())
+    corners = (*rims, *hubs)
+    through = (*rim_through, None, *hub_through, None)
+    return Contour(corners, through, (*[rim] * len(rim_through), end, *[hub] * len(hub_through), start))
+
+
+def _arc(center: Point, radius: float, start: float, end: float) -> tuple[tuple[Point, ...], tuple[Point, ...]]:
+    """Ends of the parts of an arc, at most quarters of a circle, and their middles."""
+    count = max(1, math.ceil(abs(end - start) / 90.0))
+    points = np.array(center) + radius * directions(np.linspace(start, end, 2 * count + 1))
+    places = [(float(x), float(y)) for x, y in points]
+    return tuple(places[::2]), tuple(places[1::2])
+
+
+def _along(a: Point, through: Point | None, b: Point) -> Floats:
+    """Points along a side from a on, without b."""
+    start, end = np.array(a), np.array(b)
+    if through is None:
+        return start[None]
+    u, v = np.array(through) - start, end - start
+    bend = u[0] * v[1] - u[1] * v[0]
+    if abs(bend) <= _FLAT * (v @ v):
+        return start[None]
+    center = start + np.array([v[1] * (u @ u) - u[1] * (v @ v), u[0] * (v @ v) - v[0] * (u @ u)]) / (2.0 * bend)
+    first, last = (math.atan2(*(p - center)[::-1]) for p in (start, end))
+    sweep = (last - first) % math.tau if bend > 0.0 else -((first - last) % math.tau)
+    count = max(1, math.ceil(_TURN * abs(sweep) / math.tau))
+    turn = first + sweep * np.arange(count) / count
+    return np.asarray(center + np.hypot(*(start - center)) * np.column_stack([np.cos(turn), np.sin(turn)]))

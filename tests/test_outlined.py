@@ -1,0 +1,212 @@
+"""Plates whose outline and holes are given: their contours, meshes and edges, and what is refused."""
+
+import numpy as np
+import pytest
+
+from signorini import InputError, Model
+from signorini.analysis.check import check
+from signorini.mesh.outlined import outlined
+from signorini.mesh.quality import Quality
+from signorini.shapes import Polyline
+from signorini.shapes.contours import circle, sector, straight
+from signorini.shapes.overlap import overlap
+
+L = [[0, 0], [8, 0], [8, 4], [4, 4], [4, 8], [0, 8]]
+
+
+def model(size=0.5, **given):
+    plate = {"shape": "polygon", "points": L, "thickness": 0.2} | given.pop("plate", {})
+    tables = {
+        "material": {"E": 30e9, "nu": 0.2, "unit_weight": 25e3},
+        "plate": plate,
+        "mesh": {"size": size},
+        "support": [{"edge": ["edge 1", "edge 6"], "fix": "simple"}],
+        "load": [{"pressure": 2e3}],
+    }
+    return Model(**tables | given)
+
+
+def meshed(found):
+    return check(found).discretisation.mesh
+
+
+def test_edges_run_from_corner_to_corner_and_holes_have_their_own():
+    holes = [{"circle": {"center": [2, 2], "radius": 0.5}}, {"polygon": [[5, 1], [7, 1], [6, 3]]}]
+    mesh = meshed(model(plate={"holes": holes}))
+    assert sorted(mesh.edges) == [*(f"edge {i}" for i in range(1, 7)), "hole 1", "hole 2"]
+    for number, (a, b) in enumerate(zip(L, L[1:] + L[:1], strict=True), 1):
+        nodes = mesh.points[mesh.edges[f"edge {number}"]].reshape(-1, 2)
+        assert (nodes.min(axis=0) == np.min([a, b], axis=0)).all()
+        assert (nodes.max(axis=0) == np.max([a, b], axis=0)).all()
+    assert np.abs(np.hypot(*(mesh.points[mesh.edges["hole 1"]] - 2.0).reshape(-1, 2).T) - 0.5).max() < 1e-14
+    assert mesh.element_area.sum() == pytest.approx(48 - np.pi / 4 - 2, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("plate", "names", "area"),
+    [
+        ({"shape": "rectangle", "size": [4, 3]}, {"left", "right", "bottom", "top"}, 12),
+        ({"shape": "disc", "radius": 2, "center": [2, 1]}, {"rim"}, 4 * np.pi),
+        ({"shape": "disc", "radius": 4, "sector": 90}, {"rim", "start", "end"}, 4 * np.pi),
+        ({"shape": "annulus", "inner": 0.5, "outer": 3}, {"inner", "outer"}, 8.75 * np.pi),
+        (
+            {"shape": "annulus", "inner": 0.5, "outer": 3, "sector": 200},
+            {"inner", "outer", "start", "end"},
+            8.75 * np.pi * 200 / 360,
+        ),
+    ],
+)
+def test_every_shape_may_have_holes(plate, names, area):
+    hole = {"rectangle": [0.8, 0.9, 1.2, 1.4]}
+    support = [{"edge": sorted(names), "fix": "simple"}]
+    mesh = meshed(
+        Model(
+            material={"E": 30e9, "nu": 0.2},
+            plate=plate | {"thickness": 0.2, "holes": [hole]},
+            mesh={"size": 0.3},
+            support=support,
+            load=[{"pressure": 1.0}],
+        )
+    )
+    assert set(mesh.edges) == names | {"hole 1"}
+    assert mesh.element_area.sum() == pytest.approx(area - 0.2, rel=1e-4)
+
+
+def test_an_outline_may_close_by_an_arc():
+    half = [[0, 0], [4, 0], {"through": [2, 2], "to": [0, 0]}]
+    mesh = meshed(model(0.4, plate={"points": half}, support=[{"edge": "edge 2", "fix": "simple"}]))
+    assert mesh.element_area.sum() == pytest.approx(2 * np.pi, rel=1e-4)
+    assert sorted(mesh.edges) == ["edge 1", "edge 2"]
+
+
+@pytest.mark.parametrize(
+    ("plate", "says"),
+    [
+        ({"points": [[0, 0], [4, 4], [4, 0], [0, 4]]}, "plate.points[3]: edge 1 and edge 3 cross or touch at [2, 2]."),
+        ({"holes": [{"rectangle": [7, 3, 9, 3.5]}]}, "plate.holes[1]: edge 2 and hole 1 cross or touch at [8, 3"),
+        ({"holes": [{"circle": {"center": [6, 6], "radius": 1}}]}, "plate.holes[1]: hole 1 at [7, 6] is not inside"),
+        (
+            {"holes": [{"rectangle": [1, 1, 3, 3]}, {"circle": {"center": [2, 2], "radius": 0.5}}]},
+            "plate.holes[2]: hole 2 at [2.5, 2] is inside hole 1. Leave the inner one out.",
+        ),
+    ],
+)
+def test_bad_outlines_are_told_with_their_place(plate, says):
+    with pytest.raises(InputError) as error:
+        meshed(model(plate=plate, support=[{"edge": "edge 1", "fix": "clamped"}]))
+    assert says in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        (
+            {"plate": {"points": [[0, 0], [1, 1]]}},
+            "plate.points: found [[0, 0], [1, 1]]; it must be a list of at least 3",
+        ),
+        ({"plate": {"points": [[0, 0], [1, 0], [1, 1], [0, 0]]}}, "the last corner is the first one again"),
+        ({"plate": {"points": [{"through": [1, 1], "to": [2, 0]}, [1, 0], [1, 1]]}}, "it begins with an arc"),
+        ({"plate": {"points": [[0, 0], [1, 0], {"via": [1, 1], "to": [2, 0]}]}}, "plate.points[3].via: unknown key"),
+        ({"plate": {"points": [[0, 0], [1, 0], 3]}}, "plate.points[3]: found 3; it must be a corner [x, y], or an arc"),
+        ({"plate": {"holes": [{}]}}, "plate.holes[1]: found none; exactly one of rectangle, circle, polygon"),
+        ({"mesh": {"divisions": [4, 4]}}, "mesh.divisions: divisions count the elements of a regular mesh"),
+        ({"mesh": {"refine": [{"edge": "left", "size": 1}]}}, "mesh.refine[1].edge"),
+        ({"mesh": {"refine": [{"size": 1}]}}, "mesh.refine[1]: found none; exactly one of at, edge, line"),
+        ({"support": [{"edge": "edge 7", "fix": "simple"}]}, "support[1].edge"),
+    ],
+)
+def test_bad_tables_are_told_with_their_place(given, says):
+    with pytest.raises(InputError) as error:
+        model(**given)
+    assert says in str(error.value)
+
+
+def test_areas_pass_over_holes_and_lines_do_not():
+    holes = [{"circle": {"center": [2, 2], "radius": 0.5}}]
+    load = [{"pressure": 3.0, "area": {"rectangle": [1, 1, 3, 3]}}]
+    found = check(model(plate={"holes": holes}, load=load))
+    assert found.resultants[0].force == pytest.approx(3 * (4 - np.pi / 4), rel=1e-4)
+    with pytest.raises(InputError, match="The line has 50 % of its size off the plate"):
+        check(model(plate={"holes": holes}, load=[{"line_load": 1.0, "line": [[1, 2], [3, 2]]}]))
+    with pytest.raises(InputError, match=r"off the plate"):
+        load = [{"pressure": 3.0, "area": {"rectangle": [1, 1, 3, 8.5]}}]
+        check(model(plate={"holes": holes}, load=load))
+
+
+def test_the_mesh_follows_lines_outlines_and_jumps():
+    support = [{"line": [[1, 1], [3.2, 6.3]], "fix": "simple"}, {"edge": "edge 2", "fix": "simple"}]
+    load = [{"pressure": 1.0, "area": {"rectangle": [4.6, 0.7, 7.3, 2.9]}}]
+    mesh = meshed(model(plate={"thickness": "where(y < 3.6, 0.2, 0.3)"}, support=support, load=load))
+    for line in ([[1, 1], [3.2, 6.3]], [[4.6, 0.7], [7.3, 0.7], [7.3, 2.9]], [[0, 3.6], [8, 3.6]]):
+        assert mesh.edges_along(Polyline(tuple(map(tuple, line)))) is not None
+
+
+@pytest.mark.parametrize(
+    "where",
+    [
+        {"at": [6, 2]},
+        {"line": [[6, 2], [7, 3]]},
+        {"edge": "edge 2"},
+        {"circle": {"center": [6, 2], "radius": 1}},
+        {"area": {"rectangle": [5, 1, 7, 3]}},
+        {"area": {"circle": {"center": [6, 2], "radius": 1}}},
+    ],
+)
+def test_elements_are_smaller_where_that_is_asked_for(where):
+    mesh = meshed(model(mesh={"size": 0.8, "refine": [where | {"size": 0.2}]}))
+    near = mesh.locate(
+        np.array([[7.0, 2.0] if "circle" in where else [7.95, 2.1] if "edge" in where else [6.01, 2.01]])
+    )
+    assert mesh.element_area[near.elements[0]] < 2 * 0.2**2
+    assert mesh.element_area.max() > 0.5 * 0.8**2
+    assert Quality.of(mesh).angle > 30
+
+
+def test_a_rectangle_with_a_hole_may_be_refined():
+    holes = [{"circle": {"center": [2, 1.5], "radius": 0.5}}]
+    plate = {"shape": "rectangle", "size": [4, 3], "thickness": 0.2, "holes": holes}
+    refined = {"size": 0.5, "refine": [{"edge": "left", "size": 0.1}]}
+    mesh = meshed(
+        Model(
+            material={"E": 1.0, "nu": 0.0},
+            plate=plate,
+            mesh=refined,
+            support=[{"edge": "left", "fix": "clamped"}],
+            load=[{"pressure": 1.0}],
+        )
+    )
+    assert len(mesh.edges["left"]) >= 3 / 0.142 > 2 * len(mesh.edges["right"])
+
+
+def test_check_tells_how_well_elements_are_shaped():
+    assert check(model()).quality == "smallest angle 90°, 100 % of the area in quadrilaterals"
+    square = straight(((0, 0), (1, 0), (1, 1), (0, 1)), ("edge 1",) * 4)
+    mixed = Quality.of(outlined([square, circle((0.4, 0.5), 0.2, "hole 1")], 0.2))
+    assert 30 < mixed.angle < 60 and 0.8 < mixed.quadrilaterals <= 1
+
+
+def test_supports_along_arcs_reach_as_far_as_the_arcs():
+    """A force beside the chord between an arc's ends is balanced up to the arc, and beyond the ends it is not."""
+    points = [[0, 0], [4, 0], [4, 2], {"through": [2, 3], "to": [0, 2]}]
+    support = [{"edge": "edge 3", "resists": "down"}]
+    for y, balanced in ((2.99, True), (2.01, True), (1.99, False)):
+        load = [{"force": 1.0, "at": [2, y]}]
+        assert check(model(0.5, plate={"points": points}, support=support, load=load)).balanced is balanced
+
+
+def test_contours_know_their_points_and_bounds():
+    half = sector((1.0, 1.0), 1.0, 2.0, 180.0, ("start", "outer", "end", "inner"))
+    assert half.bounds == pytest.approx((-1.0, 1.0, 3.0, 3.0))
+    assert np.hypot(*(half.points("inner") - 1.0).T) == pytest.approx(np.ones(len(half.points("inner"))))
+    assert half.points("outer")[[0, -1]] == pytest.approx(np.array([[3.0, 1.0], [-1.0, 1.0]]))
+    assert half.points("start").tolist() == [[2.0, 1.0], [3.0, 1.0]]
+
+
+def test_the_overlap_of_polygons_is_that_of_their_inner_parts():
+    square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    star = np.array([[2.0, -2.0], [3.0, 1.0], [6.0, 2.0], [3.0, 3.0], [2.0, 6.0], [1.0, 3.0], [-2.0, 2.0], [1.0, 1.0]])
+    tips = 4 * 0.5 * 2 * (2 / 3) * 2
+    assert overlap(square, star) == pytest.approx(4 * 3 + 4 - tips)
+    assert overlap(square, star[::-1]) == pytest.approx(overlap(star, square))
+    disc = circle((0.0, 0.0), 1.0, "").points()
+    assert overlap(square, disc) == pytest.approx(np.pi / 4, rel=1e-4)

@@ -1,0 +1,150 @@
+"""Rectangles with smaller elements where it is asked, and meshes that are refined until they are as near as asked."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from models import rectangular
+
+from signorini import InputError, Model, solve
+from signorini.analysis import accuracy
+from signorini.discretise import discretise
+from signorini.mesh.grading import STEEPEST, graded
+from signorini.output import results_json
+
+EDGES = ["left", "right", "bottom", "top"]
+NUMBERS = st.floats(0.0, 10.0)
+
+
+def sides(model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Sides of the elements along x and along y."""
+    points = discretise(model).mesh.points[discretise(model).mesh.elements[:, :4]]
+    return np.diff(np.unique(points[..., 0].round(12))), np.diff(np.unique(points[..., 1].round(12)))
+
+
+def plate(**mesh: object) -> Model:
+    return rectangular(mesh=mesh, support=[{"edge": EDGES, "fix": "simple"}], load=[{"pressure": 1.0}])
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    size=st.floats(0.1, 5.0),
+    caps=st.lists(st.tuples(NUMBERS, st.floats(0.0, 3.0), st.floats(0.01, 1.0)), min_size=1, max_size=3),
+    lines=st.lists(NUMBERS, max_size=5),
+)
+def test_neighbours_differ_by_1_3_at_most_and_no_element_is_larger_than_asked(
+    size: float, caps: list[tuple[float, float, float]], lines: list[float]
+) -> None:
+    within = [(at, min(at + length, 10.0), most) for at, length, most in caps]
+    joints = graded(0.0, 10.0, size, within, lines)
+    steps = np.diff(joints)
+    assert joints[0] == 0.0 and joints[-1] == 10.0 and steps.min() > 0
+    assert steps.max() <= size * (1 + 1e-6)
+    assert np.maximum(steps[1:] / steps[:-1], steps[:-1] / steps[1:]).max(initial=1.0) <= STEEPEST * 1.001
+    for low, high, most in within:
+        there = (joints[1:] > low) & (joints[:-1] < high)
+        assert steps[there].max(initial=0.0) <= most * STEEPEST
+
+
+def test_elements_are_small_at_points_and_edges_alone() -> None:
+    x, y = sides(plate(size=0.5, refine=[{"at": [1.0, 3.0], "size": 0.05}, {"edge": "left", "size": 0.02}]))
+    assert x[0] == pytest.approx(0.02, rel=0.2)
+    assert 0.4 < x.max() <= 0.5
+    assert y[0] > 0.3
+    assert y.min() == pytest.approx(0.05, rel=0.2)
+
+
+def test_a_refined_mesh_follows_the_outlines_of_loads() -> None:
+    model = rectangular(
+        mesh={"refine": [{"area": {"rectangle": [1.03, 1.03, 1.08, 1.08]}, "size": 0.02}]},
+        support=[{"edge": EDGES, "fix": "simple"}],
+        load=[{"pressure": 1.0, "area": {"rectangle": [1.03, 1.03, 1.08, 1.08]}}],
+    )
+    corners = np.unique(discretise(model).mesh.points[:, 0])
+    assert np.abs(corners - 1.03).min() < 1e-12 > np.abs(corners - 1.08).min()
+
+
+def test_other_meshes_of_a_refined_one_are_refined_alike() -> None:
+    found = solve(plate(divisions=[4, 4], refine=[{"at": [1.0, 1.0], "size": 0.1}]))["all"]
+    coarse = found.estimate.elements[-1]
+    assert coarse == len(found.mesh.elements)
+    assert found.estimate.elements[0] > 2.5 * coarse
+
+
+@pytest.mark.parametrize(
+    ("refine", "said"),
+    [
+        (
+            {"size": 0.1},
+            "mesh.refine[1]: found none; exactly one of at, edge, line, circle, area says where elements are smaller.",
+        ),
+        ({"edge": "lef", "size": 0.1}, "mesh.refine[1].edge: Unknown edge 'lef'."),
+        ({"at": [1, 1]}, "mesh.refine[1].size"),
+    ],
+)
+def test_what_is_wrong_with_a_refinement_is_said(refine: object, said: str) -> None:
+    with pytest.raises(InputError) as raised:
+        plate(refine=[refine])
+    assert said in str(raised.value)
+
+
+def asked(part: float, **others: object) -> Model:
+    """A slab with a wheel near its corner."""
+    given: dict[str, object] = {
+        "size": (10, 10),
+        "thickness": 0.3,
+        "mesh": {"divisions": [10, 10], "accuracy": part},
+        "support": [{"edge": EDGES, "resists": "down"}],
+        "load": [{"pressure": 2e3}, {"pressure": 5e5, "area": {"rectangle": [0.5, 0.5, 1.5, 1.5]}}],
+        "probe": [{"at": [[5, 5], [1, 1]]}],
+    }
+    return rectangular(**given | others)
+
+
+def test_a_mesh_is_refined_until_it_is_as_near_as_asked() -> None:
+    results = solve(asked(0.05))
+    first, *_, last = results.refinement
+    assert first.worst > 0.05 >= last.worst
+    assert results.accuracy_warning == ""
+    assert len(results["all"].mesh.elements) == last.elements < 1600
+    written = results_json(results)
+    assert written["refinement"][-1]["worst"] == last.worst
+    width = written["combinations"][0]["plus_minus"]["probes"][1]["moment"][0]
+    assert width <= 0.05 * abs(results["all"].moment).max()
+
+
+def test_a_disc_is_refined_everywhere() -> None:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "disc", "radius": 2, "thickness": 0.1},
+        mesh={"divisions": [4, 16], "accuracy": 0.02},
+        support=[{"edge": "rim", "fix": "clamped"}],
+        load=[{"pressure": 1e3}],
+        probe=[{"at": [[0, 0], [2, 0]]}],
+    )
+    steps = solve(model).refinement
+    assert steps[-1].worst <= 0.02 < steps[0].worst
+
+
+def test_where_memory_ends_it_is_said_what_it_would_take(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(accuracy, "fits", lambda wanted: False)
+    results = solve(asked(0.01))
+    assert len(results.refinement) == 1
+    assert "The accuracy of 0.01 that was asked for is not reached: ± 0." in results.accuracy_warning
+    assert "of all: the probe at [1, 1]" in results.accuracy_warning
+    assert "GB of memory" in results.accuracy_warning
+    assert results.accuracy_warning in results_json(results)["combinations"][0]["warnings"]
+
+
+def test_what_does_not_come_nearer_is_given_up() -> None:
+    steps = [accuracy.Refined(100 * n, 1000 * n, 0.5, "all: mx") for n in range(1, 5)]
+    finer, why = accuracy.refined(asked(0.01), {}, steps)
+    assert finer is None
+    assert "Finer meshes do not bring it much nearer" in why
+
+
+def test_an_accuracy_needs_half_widths() -> None:
+    with pytest.raises(InputError, match="an accuracy that is asked for needs half-widths"):
+        plate(accuracy=0.1, error=False)
+    with pytest.raises(InputError, match=r"mesh\.accuracy"):
+        plate(accuracy=2)
