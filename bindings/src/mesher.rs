@@ -7,12 +7,8 @@ use signorini_mesher::{Loop, Refinement, Wishes, mesh};
 
 /// Corners (k, 2), a point (k, 2) that the side from each is an arc through, NaN: straight, and the sides' names.
 type LoopArrays<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, Vec<String>);
-type MeshArrays<'py> = (
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<i64>>,
-    Bound<'py, PyArray2<i64>>,
-    Bound<'py, PyArray2<i64>>,
-);
+type MeshArrays<'py> =
+    (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<i64>>);
 
 /// Meshes a plate by its outline and holes: nodes (n, 2), elements (e, 8), of triangles [a, b, c, c, ab, bc, c, ca],
 /// sides on the outline (k, 3), and the loop and side (k, 2) that each is on.

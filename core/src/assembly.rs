@@ -129,6 +129,12 @@ impl<'a> Assembly<'a> {
         Self { plate, springs, attached, linked, bedding, numbering, incidence, thick_only: false, firmer: 0.0 }
     }
 
+    /// Nodes of a node's elements and of the springs over several elements that it has, some more than once.
+    fn beside(&self, node: usize) -> impl Iterator<Item = usize> {
+        let of_elements = self.incidence.of(node).iter().flat_map(|&(e, _)| self.plate.elements()[e]);
+        of_elements.chain(self.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n)))
+    }
+
     /// Without thin elements; where those are the entries stand, as zeros.
     pub fn thick_only(self) -> Self {
         Self { thick_only: true, ..self }
@@ -177,16 +183,14 @@ impl Matrix for Assembly<'_> {
         let Numbering { column, dof, .. } = self.numbering;
         let first = (0..dof.len()).filter(|&c| c == 0 || dof[c] / 3 != dof[c - 1] / 3).chain([dof.len()]).collect();
         Graph::new(first, |c, rows| {
-            for &(e, _) in self.incidence.of(dof[c] / 3) {
-                for n in self.plate.elements()[e] {
-                    let mut last = HELD;
-                    for &row in &column[3 * n..3 * n + 3] {
-                        // Of columns that follow one another the first stands for all.
-                        if row > c && row != HELD && row != last.wrapping_add(1) {
-                            rows.push(row);
-                        }
-                        last = row;
+            for n in self.beside(dof[c] / 3) {
+                let mut last = HELD;
+                for &row in &column[3 * n..3 * n + 3] {
+                    // Of columns that follow one another the first stands for all.
+                    if row > c && row != HELD && row != last.wrapping_add(1) {
+                        rows.push(row);
                     }
+                    last = row;
                 }
             }
         })
@@ -235,9 +239,7 @@ impl<'a> NodeColumns<'a> {
         }
         self.neighbours.clear();
         self.node = node;
-        let of_elements = self.of.incidence.of(node).iter().flat_map(|&(e, _)| self.of.plate.elements()[e]);
-        let of_links = self.of.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n));
-        for n in of_elements.chain(of_links) {
+        for n in self.of.beside(node) {
             if self.slot[n] == usize::MAX {
                 self.slot[n] = self.neighbours.len();
                 self.neighbours.push(n);
