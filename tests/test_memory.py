@@ -34,7 +34,7 @@ print(outcomes)
 LEMKE = """
 rng = np.random.default_rng(1)
 half = rng.standard_normal((1500, 1500))
-M, q = half @ half.T / 1500 + np.eye(1500), rng.standard_normal(1500) + 2.0
+M, q = half @ half.T / 1500 + np.eye(1500), rng.standard_normal(1500)
 def ask():
     return _core.lemke(M, q).status
 """

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
     from scipy.sparse import csr_array, sparray
 
+_REPEATED = 1e-10
+"""Least eigenvalue of P over two-sided rows, its diagonal scaled to 1, that is more than the rounding of P."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RowProblem(Brief):
@@ -92,12 +95,12 @@ class RowProblem(Brief):
         """
         matrix, s = self.dual(load)
         both, one = self.two_sided, ~self.two_sided
-        try:
-            follow = np.linalg.solve(matrix[np.ix_(both, both)], np.column_stack([matrix[np.ix_(both, one)], s[both]]))
-        except np.linalg.LinAlgError:
-            raise InputError(
-                "two-sided rows repeat each other. Leave out those that follow from others.", "G"
-            ) from None
+        among = matrix[np.ix_(both, both)]
+        unit = 1.0 / np.sqrt(np.diag(among))
+        least = np.linalg.eigvalsh(among * unit * unit[:, None])[:1]
+        if not (least > _REPEATED).all():
+            raise InputError("two-sided rows repeat each other. Leave out those that follow from others.", "G")
+        follow = np.linalg.solve(among, np.column_stack([matrix[np.ix_(both, one)], s[both]]))
         coupled = matrix[np.ix_(one, both)]
         answer = lemke(
             matrix[np.ix_(one, one)] - coupled @ follow[:, :-1], coupled @ follow[:, -1] - s[one], max_pivots=None
