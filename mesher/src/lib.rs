@@ -185,7 +185,7 @@ impl Task<'_> {
         self.points.iter().for_each(|&p| planar.follow_point(p));
         let (vertices, pieces) = planar.finish();
         let (mut seeds, grid) = seed(outline, sizes, vertices, &pieces, style);
-        let triangles = Triangles::new(&mut seeds, sizes, |chord: &Chord| pieces[chord.piece].side.is_some())?;
+        let triangles = Triangles::new(&mut seeds, sizes, style, |chord: &Chord| pieces[chord.piece].side.is_some())?;
         let elements = pairing::pair(&triangles, &seeds.points, |a, b| grid.is_along(a, b));
         let mut freedom = vec![Freedom::None; seeds.fixed_points];
         freedom.resize(seeds.points.len(), Freedom::Plane);

@@ -1,7 +1,7 @@
 //! Delaunay triangles within an outline, and their refinement.
 
 use crate::geometry::{Point, between, circumcentre, distance, turn};
-use crate::seeding::{Chord, Seeds};
+use crate::seeding::{Chord, Seeds, Style};
 use crate::sizes::Sizes;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::HashSet;
@@ -21,6 +21,8 @@ pub struct Triangles {
 
 /// Circumradius over size above which a triangle is too large; that of half a square with sides 1.42 sizes is 1.0.
 const LARGE: f64 = 1.1;
+/// The same where no lattice gives nodes, which are then 0.8 to 1.6 sizes apart.
+const LARGE_LOOSE: f64 = 0.8;
 /// Circumradius over shortest side above which a triangle is too thin (20°).
 const THIN: f64 = 1.42;
 /// Times that triangles are refined; few meshes need more than five.
@@ -32,10 +34,15 @@ impl Triangles {
     /// # Errors
     ///
     /// The places where chords of arcs cross what the arcs themselves do not.
-    pub fn new(seeds: &mut Seeds, sizes: &Sizes, is_outline: impl Fn(&Chord) -> bool) -> Result<Triangles, Vec<Point>> {
+    pub fn new(
+        seeds: &mut Seeds,
+        sizes: &Sizes,
+        style: Style,
+        is_outline: impl Fn(&Chord) -> bool,
+    ) -> Result<Triangles, Vec<Point>> {
         for _ in 0..ROUNDS {
             let triangles = triangulate(&seeds.points, &seeds.chords, &is_outline)?;
-            let more = triangles.centres(seeds, sizes);
+            let more = triangles.centres(seeds, sizes, if style == Style::Loose { LARGE_LOOSE } else { LARGE });
             if more.is_empty() {
                 return Ok(triangles);
             }
@@ -46,7 +53,7 @@ impl Triangles {
     }
 
     /// Circumcentres of triangles to be refined, no two of them near each other.
-    fn centres(&self, seeds: &Seeds, sizes: &Sizes) -> Vec<Point> {
+    fn centres(&self, seeds: &Seeds, sizes: &Sizes, large: f64) -> Vec<Point> {
         let mut poor = Vec::new();
         for (t, corners) in self.corners.iter().enumerate() {
             let [a, b, c] = corners.map(|node| seeds.points[node]);
@@ -58,7 +65,7 @@ impl Triangles {
                 continue;
             }
             let size = sizes.at(centre);
-            if radius > LARGE * size || (radius > THIN * shortest && radius > 0.62 * size) {
+            if radius > large * size || (radius > THIN * shortest && radius > 0.62 * size) {
                 poor.push((radius / size, t, centre, size));
             }
         }
