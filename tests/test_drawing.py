@@ -10,6 +10,7 @@ import pytest
 from ezdxf.document import Drawing as Document
 from typer.testing import CliRunner
 
+import signorini
 from signorini.cli.commands import app
 from signorini.errors import InputError
 from signorini.formats.drawing_toml import drawing_as_toml
@@ -175,3 +176,25 @@ def test_a_file_that_is_no_drawing_is_refused(tmp_path: Path) -> None:
     path.write_text("thickness 250\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"notes.dxf is no DXF drawing"):
         read_dxf(path, {})
+
+
+def test_an_imported_floor_is_solved_once_it_has_its_loads(tmp_path: Path) -> None:
+    made = document()
+    space = made.modelspace()
+    space.add_lwpolyline([(0, 0), (6000, 0), (6000, 2000, 0.3), (5000, 4000), (0, 4000)], "xyb", close=True)
+    space.add_circle((3000, 2500), 300)
+    for at in ((500, 500), (5500, 500), (5000, 3500), (500, 3500)):
+        x, y = at
+        corners = [(x - 200, y - 200), (x + 200, y - 200), (x + 200, y + 200), (x - 200, y + 200)]
+        space.add_lwpolyline(corners, close=True, dxfattribs=on("points"))
+    space.add_line((0, 1000), (0, 3000), on("lines"))
+    path = saved(made, tmp_path)
+    text = drawing_as_toml(read_dxf(path, {}), "floor")
+    target = tmp_path / "floor.toml"
+    target.write_text(text.replace("size = 0.2", "size = 0.5"), encoding="utf-8")
+    result = signorini.solve(signorini.load(target))["all"]
+    arc = math.hypot(1, 2) / 2 / math.sin(2 * math.atan(0.3))
+    turn = 4 * math.atan(0.3)
+    area = 24 - 1 + arc**2 * (turn - math.sin(turn)) / 2 - math.pi * 0.3**2
+    assert result.certificate.passed
+    assert sum(result.reactions.values()) == pytest.approx(25e3 * 0.25 * area, rel=1e-3)

@@ -102,7 +102,7 @@ class Drawing:
     Parameters
     ----------
     outline : Loop
-    holes, zones : of Loop
+    holes : of Loop
     points : dict
         By footprint, (a, b) of a rectangle [m], (r,) of a circle or () of none, the places (x, y) [m] that have it.
     lines : of corners
@@ -113,7 +113,6 @@ class Drawing:
 
     outline: Loop
     holes: tuple[Loop, ...]
-    zones: tuple[Loop, ...]
     points: dict[tuple[float, ...], list[tuple[float, float]]]
     lines: tuple[tuple[Corner, ...], ...]
     took: tuple[str, ...]

@@ -23,7 +23,7 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
     >>> from signorini.formats.drawing import Corner, Drawing, Loop
     >>> outline = Loop((Corner(0, 0), Corner(6, 0), Corner(6, 4), Corner(0, 4)))
     >>> hole = Loop((Corner(2, 2),), 0.5)
-    >>> drawing = Drawing(outline, (hole,), (), {(0.4, 0.4): [(1, 1), (5, 1)]}, (), (), ())
+    >>> drawing = Drawing(outline, (hole,), {(0.4, 0.4): [(1, 1), (5, 1)]}, (), (), ())
     >>> print(drawing_as_toml(drawing, "floor"))
     title = "floor"
     <BLANKLINE>
@@ -75,7 +75,6 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
         "# Assumed, the drawing does not say: concrete C30/37.\n[material]\nE = 33e9\nnu = 0.2\nunit_weight = 25e3",
         _plate(drawing),
         f"[mesh]\nsize = {_size(max(right - left, top - bottom))}",
-        *(_zone(zone) for zone in drawing.zones),
     ]
     count = len(drawing.points) + len(drawing.lines)
     for number, (footprint, at) in enumerate(drawing.points.items(), 1):
@@ -106,10 +105,6 @@ def _plate(drawing: Drawing) -> str:
     if drawing.holes:
         lines += ["holes = [", *(f"    {_area(hole)}," for hole in drawing.holes), "]"]
     return "\n".join(lines)
-
-
-def _zone(zone: Loop) -> str:
-    return f"# Give it its thickness or material.\n[[zone]]\narea = {_area(zone)}\nthickness = 0.25  # assumed"
 
 
 def _area(loop: Loop) -> str:

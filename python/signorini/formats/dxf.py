@@ -1,4 +1,4 @@
-"""Read what a DXF drawing says about a plate: its outline, holes, zones, and points and lines where it may stand."""
+"""Read what a DXF drawing says about a plate: its outline, holes, and points and lines where it may stand."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
-ROLES = ("outline", "holes", "zones", "points", "lines")
+ROLES = ("outline", "holes", "points", "lines")
 """What a layer may hold; the layer of this name does where no other is named."""
 METRES = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048, "yd": 0.9144}
 """Length of every unit of a drawing."""
@@ -81,13 +81,11 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str 
     own = found[names["holes"] or layer].loops
     holes = [loop for loop in own if names["holes"] or (loop.area < outline.area and outline.has(*loop.middle))]
     own[:] = [loop for loop in own if loop not in holes]
-    zones = _all_of(found[names["zones"]].loops) if names["zones"] else []
     points, loose = _points(found[names["points"]]) if names["points"] else ({}, [])
     lines = _all_of(found[names["lines"]].lines) if names["lines"] else []
     took = [
         f"outline: {_sides(outline)}, {outline.area:.6g} m², layer {layer}",
         *(f"hole {i}: {_sides(hole)} about {point(hole.middle)}" for i, hole in enumerate(holes, 1)),
-        *(f"zone {i}: {_sides(zone)} about {point(zone.middle)}" for i, zone in enumerate(zones, 1)),
         *(f"points: {len(at)}{_footprint(footprint)}" for footprint, at in points.items()),
         *([f"lines: {len(lines)}"] if lines else []),
     ]
@@ -95,7 +93,7 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str 
     if loose:
         middles = ", ".join(point(loop.middle) for loop in loose[:3])
         left.append(f"shapes of {len(loose)} points, at {middles}: they are no rectangles parallel to the axes")
-    return Drawing(outline, tuple(holes), tuple(zones), points, tuple(lines), tuple(took), tuple(left))
+    return Drawing(outline, tuple(holes), points, tuple(lines), tuple(took), tuple(left))
 
 
 def _all_of(things: list[_T]) -> list[_T]:

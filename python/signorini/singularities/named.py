@@ -82,7 +82,7 @@ def singularities(found: Discretisation, cases: Collection[str] | None = None) -
     ... )
     >>> for one in singularities(discretise(model)):
     ...     print(one.where, one)
-    ((2.0, 1.5),) Force at a point of load[1]: deflection, moment and shear grow for ever as the mesh is refined. ...
+    ((2.0, 1.5),) Force at a point of load[1]: deflection, moment and shear have no limit as the mesh is refined. ...
     """
     known = _KNOWN.setdefault(found, {})
     if "" not in known:
