@@ -58,8 +58,8 @@ class Singularity:
 
     def __str__(self) -> str:
         """Say it in a sentence."""
-        grow = "grow" if len(self.numbers) > 1 else "grows"
-        return f"{self.what}: {_listed(self.numbers)} {grow} for ever as the mesh is refined. {self.advice}"
+        have = "have" if len(self.numbers) > 1 else "has"
+        return f"{self.what}: {_listed(self.numbers)} {have} no limit as the mesh is refined. {self.advice}"
 
 
 _FOOTPRINT = "Give it a footprint, patch or radius."
