@@ -323,7 +323,7 @@ def _print_singular(console: Console, named: Iterable[Singularity]) -> None:
     """Say what has no limit as the mesh is refined, each once."""
     sentences = list(dict.fromkeys(map(str, named)))
     for sentence in sentences[:_MOST_WARNINGS]:
-        say(console, f"No limit: {sentence}", style="yellow")
+        say(console, f"Singular: {sentence}", style="yellow")
     if (left := len(sentences) - _MOST_WARNINGS) > 0:
         say(console, f"And {left} more without a limit.", style="yellow")
     if sentences:
