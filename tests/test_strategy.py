@@ -149,7 +149,7 @@ def test_what_memory_does_not_hold_is_not_tried(monkeypatch: pytest.MonkeyPatch)
 def test_a_method_that_was_asked_for_and_does_not_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     model = plate(CLAMPED, PROPS, method="interior_point")
     found = discretise(model)
-    enough = 1.1 * needed(len(found.mesh.elements))
+    enough = 1.01 * needed(len(found.mesh.elements))
     assert enough < needed_by_interior_point(found.dof_count, len(found.contacts))
     monkeypatch.setattr("signorini.base.memory.available", lambda: enough)
     with pytest.raises(InputError, match=r'interior point method takes .* Leave solver.method at "auto"') as caught:

@@ -47,9 +47,10 @@ impl WithSimd for Eliminate<'_> {
                 if !(column[at] > 0.0) {
                     return Err(at);
                 }
-                column[at] = column[at].sqrt();
-                let inverse = 1.0 / column[at];
-                column[at + 1..].iter_mut().for_each(|l| *l *= inverse);
+                let pivot = column[at].sqrt();
+                column[at] = pivot;
+                // Times its inverse would round twice.
+                column[at + 1..].iter_mut().for_each(|l| *l /= pivot);
                 for (other, from) in others.chunks_exact_mut(height).zip(at + 1..) {
                     let factor = column[from];
                     for (value, l) in other[from..].iter_mut().zip(&column[from..]) {

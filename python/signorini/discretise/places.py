@@ -72,11 +72,15 @@ def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Sa
             for corner in (mesh.points.min(axis=0), mesh.points.max(axis=0))
         )
         off = np.flatnonzero(~where.inside).tolist()
+        lowest, highest = mesh.points.min(axis=0), mesh.points.max(axis=0)
+        among = ((positions >= lowest) & (positions <= highest)).all(axis=1)
+        within = f"which lies within x = {left} to {right}, y = {bottom} to {top}"
+        hole = "but in a hole or beyond an edge of it"
         raise InputError.of(
             [
                 InputError(
-                    f"The point {point(at[i])} is not on the plate, which lies within x = {left} to {right}, "
-                    f"y = {bottom} to {top}. Move the point onto the plate.",
+                    f"The point {point(at[i])} is not on the plate, "
+                    f"{hole if among[i] else within}. Move the point onto the plate.",
                     place=(*place, i) if len(at) > 1 else place,
                 )
                 for i in off

@@ -90,6 +90,12 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str 
         *([f"lines: {len(lines)}"] if lines else []),
     ]
     left = [f"layer {name}: {rest}" for name, rest in sorted(found.items()) if str(rest)]
+    inside = sum(loop.area < outline.area and outline.has(*loop.middle) for loop in found[layer].loops)
+    if inside:
+        left.append(
+            f"{inside} of the closed lines of layer {layer} are inside the outline: if they are holes, put them on"
+        )
+        left[-1] += f" layer {names['holes']}"
     if loose:
         middles = ", ".join(point(loop.middle) for loop in loose[:3])
         left.append(f"shapes of {len(loose)} points, at {middles}: they are no rectangles parallel to the axes")

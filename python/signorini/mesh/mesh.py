@@ -162,6 +162,12 @@ class Mesh(Remade):
         sides = self.sides[real_sides(self.elements)]
         return np.asarray(sides[np.unique(sides[:, 1], return_index=True)[1]])
 
+    @property
+    def spanning(self) -> Bools:
+        """Quadrilaterals (ne,) that reach from edge to edge: alone between these they hardly bend."""
+        outer = self.on_boundary
+        return ~self.triangles & ((outer[:, 0] & outer[:, 2]) | (outer[:, 1] & outer[:, 3]))
+
     @cached_property
     def on_boundary(self) -> Bools:
         """Which sides (ne, 4) of the elements belong to one element only."""

@@ -12,6 +12,7 @@ from signorini.contact.answer import NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
+from signorini.errors import point
 from signorini.model import Support
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.results.support_points import SupportPoints
@@ -121,6 +122,12 @@ def _one_element(found: Discretisation) -> Iterator[str]:
         yield "The mesh is one element, which says little of how the plate bends. Take more."
     elif np.isin(mesh.elements[:, :4], mesh.sides[mesh.on_boundary]).all():
         yield "The mesh is one element wide, which says little of how the plate bends across. Take more."
+    elif mesh.spanning.any():
+        first = mesh.points[mesh.elements[np.argmax(mesh.spanning), :4]].mean(axis=0)
+        yield (
+            f"{int(mesh.spanning.sum())} elements reach from edge to edge, one of them at {point(first)}, which says "
+            "little of how the plate bends there. Take smaller ones, by size or refine."
+        )
 
 
 def _one_place(found: Discretisation) -> Iterator[str]:

@@ -94,7 +94,9 @@ def singularities(found: Discretisation, cases: Collection[str] | None = None) -
 def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     """Which nodes (n,) are no part of a peak of "moment", "shear" or another number without a limit.
 
-    They are farther than ``within`` from where it has none, and in no element there. Where no node is left, all are.
+    They are farther than ``within`` from where it has none. Nodes of larger elements there stay, although their values
+    are partly of what is there: to leave them out would leave out more of the plate the coarser its mesh is. Where no
+    node is left, all are.
     """
     from scipy.spatial import KDTree
 
@@ -106,8 +108,6 @@ def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     within = np.array([one.within for one in those for _ in one.where])
     distance, nearest = KDTree(places).query(mesh.points)
     away &= distance > within[nearest]
-    where = mesh.locate(places)
-    away[mesh.elements[where.elements[where.inside]]] = False
     return away if away.any() else np.ones_like(away)
 
 

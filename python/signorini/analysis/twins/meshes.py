@@ -49,11 +49,16 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
     if isinstance(model.plate, MeshPlate):
         yield tuple(_twin(model, mesh, factor) for factor in (0.5, 0.25) if factor == 0.5 or 16 * count <= _CHEAP)
         return
+    plate = model.plate
+    free = isinstance(plate, PolygonPlate) or plate.freely_meshed(model.mesh)
+    if free and mesh.spanning.any() and count <= _CHEAP:
+        # Where the outline alone says how large elements are, meshes of other sizes have the same ones.
+        yield tuple(_divided(model, mesh, factor) for factor in (0.5, 0.25) if factor == 0.5 or 16 * count <= _CHEAP)
     # Divisions do not tell of refined places, nor of a mesh without a grid.
-    if isinstance(model.plate, PolygonPlate) or model.plate.freely_meshed(model.mesh) or model.mesh.refine:
+    if isinstance(plate, PolygonPlate) or free or model.mesh.refine:
         along = math.isqrt(count)
     else:
-        along = min(model.plate.divisions(model.mesh))
+        along = min(plate.divisions(model.mesh))
     least_along, least = (_LEAST_ALONG_OF_SEVERAL, _LEAST_OF_SEVERAL) if several else (_LEAST_ALONG, _LEAST)
     coarse = along < least_along or count < least
     if coarse and 16 * count <= _CHEAP:
@@ -64,11 +69,18 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
         yield _twin(model, mesh, 2.0), _twin(model, mesh, 4.0)
 
 
+_WORDS = {0.25: "a quarter of its size", 0.5: "half its size", 2.0: "twice its size", 4.0: "four times its size"}
+
+
 def _twin(model: Model, mesh: Mesh, factor: float) -> Twin:
-    words = {0.25: "a quarter of its size", 0.5: "half its size", 2.0: "twice its size", 4.0: "four times its size"}
     if isinstance(model.plate, MeshPlate):
-        return Twin(model, refined(mesh, round(math.log2(1 / factor))), words[factor])
-    return Twin(model.model_copy(update={"mesh": model.plate.scaled(model.mesh, factor)}), None, words[factor])
+        return _divided(model, mesh, factor)
+    return Twin(model.model_copy(update={"mesh": model.plate.scaled(model.mesh, factor)}), None, _WORDS[factor])
+
+
+def _divided(model: Model, mesh: Mesh, factor: float) -> Twin:
+    """Every element in four, once or twice."""
+    return Twin(model, refined(mesh, round(math.log2(1 / factor))), f"{_WORDS[factor]}, divided")
 
 
 def side(mesh: Mesh) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -26,6 +27,8 @@ from signorini.results.figures import figures
 from signorini.results.result import Result
 
 _T = TypeVar("_T")
+_OTHER = 0.5
+"""Base 2 logarithm of the ratio of elements from which on meshes are compared; at twice the size it is 2."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,13 +78,21 @@ class Twins(Remade):
             for twin in pair:
                 try:
                     found.append(self._on(twin, solved))
+                    self._require_another(twin)
                 except (SignoriniError, MemoryError) as error:
                     whys.append(f"on a mesh of {twin.words}: {error or 'not enough memory.'}")
+                    del found[pair.index(twin) :]
                     break
             if found:
                 return found, ""
         why = " ".join(whys) or "a finer mesh would take too long."
         return [], f"No half-width (±) says how far the mesh is from the plate; {why}"
+
+    def _require_another(self, twin: Twin) -> None:
+        """Refuse a mesh that is none of another size."""
+        count, own = len(self._problems[twin.words].mesh.elements), len(self.mesh.elements)
+        if not abs(math.log2(count / own)) > _OTHER:
+            raise SignoriniError(f"it has {count} elements, hardly other ones than the {own} of this mesh.")
 
     def _on(self, twin: Twin, solved: Callable[[ContactProblem, Watcher], _T]) -> _T:
         def watch(now: Progress) -> None:
