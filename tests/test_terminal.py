@@ -16,10 +16,11 @@ from typer.testing import CliRunner
 import signorini
 from signorini.analysis.check import check
 from signorini.cli import app
-from signorini.cli.cells import number, point
+from signorini.cli.cells import estimated, number, point
 from signorini.cli.events import print_path
 from signorini.cli.grid import Column, Grid, numbers
 from signorini.cli.tables import print_check, print_results
+from signorini.output.envelope_json import envelope_json
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 WIDE = 100_000
@@ -100,9 +101,43 @@ def test_from_eight_combinations_on_a_summary_comes_first(count: int, first: str
     governing = [line for line in lines if line.startswith("largest pads[1]")]
     assert len(governing) == (count >= 8)
     if governing:
-        # The largest reaction comes with the largest Q; beside it those of the five others.
+        # The largest reaction comes with the largest Q, and its ±; beside it those of the five others.
         assert f"ULS {count}: 1.35 G + {(count - 1) / 8} Q" in governing[0]
-        assert len(governing[0].partition(" Q ")[2].split()) == 6
+        cells = governing[0].partition(" Q ")[2].split()
+        assert (len(cells), cells[1]) == (8, "±")
+
+
+def test_extremes_of_many_combinations_are_shown_with_their_half_widths() -> None:
+    results = signorini.solve(model(13, mesh={"divisions": [4, 4]}))
+    found = envelope_json(results)
+    widths = found["plus_minus"]
+    lines = shown(print_results, results, WIDE).splitlines()
+
+    def line(start: str) -> str:
+        return next(one for one in lines if one.startswith(start))
+
+    for name, unit in (("deflection", "m"), ("mx", "kN m/m"), ("qy", "kN/m")):
+        own, width = found["fields"][name], widths["fields"][name]
+        size = max(abs(own["max"]), abs(own["min"]))
+        for side in ("max", "min"):
+            assert estimated(own[side], width[side], size) in line(f"{name} [{unit}]")
+    assert widths["fields"]["mx"]["max"] is None and " ± ?" in line("mx [")
+    pads, soil = found["supports"][0], found["supports"][2]
+    for side in ("max", "min"):
+        assert estimated(pads["reaction"][side], widths["supports"][0]["reaction"][side]) in line("pads ")
+    pressure = estimated(soil["max_pressure"]["max"], widths["supports"][2]["max_pressure"]["max"])
+    assert line("soil: largest pressure").startswith(f"soil: largest pressure {pressure} kN/m² in ULS 13")
+    assert any(re.match(r"pads: widest gap [\d.e-]+ ± [\d.e-]+ m at ", one) for one in lines)
+    assert "of the equations; of the mesh: ± by 256, 64 and 16 elements" in lines
+
+
+@pytest.mark.parametrize("count", [8, 13])
+def test_of_many_bearings_it_is_said_where_the_governing_reactions_are(count: int) -> None:
+    feet = {"name": "feet", "at": [[x, y] for x in range(4) for y in range(4)], "resists": "down"}
+    results = signorini.solve(model(count, support=[feet], mesh={"divisions": [2, 2], "error": False}))
+    lines = shown(print_results, results, WIDE).splitlines()
+    assert "16 bearings: governing_reactions in results.json has the largest and smallest reaction of each" in lines
+    assert not any(one.startswith("largest feet[") for one in lines)
 
 
 def test_point_reactions_are_shown_and_noise_is_zero() -> None:

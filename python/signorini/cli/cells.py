@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -53,6 +54,8 @@ def estimated(value: float, width: float | None, largest: float = 0.0, digits: i
     ('714.8 ± 0.4', '0.004225 ± 0.000005', '200000 ± 0')
     >>> estimated(-1.93456e-7, 3.1e-9), estimated(12.3, None), estimated(5.0, 21.3), estimated(1e-9, 3e-8)
     ('-1.93e-07 ± 4e-09', '12.3 ± ?', '5 ± 22', '0 ± 3e-08')
+    >>> estimated(0.3, 120.0), estimated(0.0, 8.1e4), estimated(0.0, 3.2e5), estimated(1e-5, 120.0)
+    ('0 ± 120', '0 ± 90000', '0 ± 4e+05', '0 ± 120')
     """
     shown = number(value, largest, digits)
     if width is None:
@@ -60,17 +63,44 @@ def estimated(value: float, width: float | None, largest: float = 0.0, digits: i
     if width <= 10 * ROUNDING * largest:
         return f"{shown} ± 0"
     size = math.floor(math.log10(width))
-    size -= width < 3 * 10**size
+    size -= width < 3 * 10**size * (1 - 1e-9)
     finest = math.floor(math.log10(abs(value))) - digits + 1 if shown != "0" else size
     place = max(size, finest)
     up = math.ceil(width / 10.0**place - 1e-9) * 10.0**place
-    if "e" in shown:
-        power = math.floor(math.log10(abs(value)))
-        return f"{value:.{max(0, power - place)}e} ± {up:.0e}"
+    # An exponent is shorter from 1e5 on, and 'g' has one from 100 on.
+    short = f"{up:.0f}" if 100 <= up < 1e5 else f"{up:.2g}"
     rounded = round(value, -place) if shown != "0" else 0.0
     if rounded == 0:
-        return f"0 ± {up:.2g}"
+        return f"0 ± {short}"
+    if "e" in shown:
+        power = math.floor(math.log10(abs(value)))
+        return f"{value:.{max(0, power - place)}e} ± {short}"
     return f"{rounded + 0.0:.{max(0, -place)}f} ± {up:.{max(0, -place)}f}"
+
+
+def cell(
+    value: float, widths: Mapping[str, Any] | None, path: Sequence[str | int], largest: float = 0.0, digits: int = 6
+) -> str:
+    """Write a number, with its half-width where there are any."""
+    if widths is None:
+        return number(value, largest, digits)
+    found: Any = widths
+    for part in path:
+        found = found[part]
+    return estimated(value, found, largest, digits)
+
+
+def compared(elements: Sequence[int], asked: bool) -> str:
+    """Where half-widths come from, or why there are none.
+
+    Examples
+    --------
+    >>> compared([64, 16, 4], asked=True), compared([], asked=True)
+    ('± by 64, 16 and 4 elements', 'not known, no ±')
+    """
+    if not elements:
+        return "not known, no ±" if asked else "not asked, no ± (mesh.error)"
+    return f"± by {', '.join(map(str, elements[:-1]))} and {elements[-1]} elements"
 
 
 def point(at: Sequence[float], size: float = 0.0) -> str:

@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import Any
 
+import numpy as np
 from rich.console import Console
 from rich.text import Text
 
 from signorini.analysis.combinations import Combined
-from signorini.cli.cells import in_unit, number, per_area, point, size_of
+from signorini.analysis.solve import Results
+from signorini.cli.cells import cell, compared, in_unit, number, per_area, point, size_of, unit_of
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.contact.certificate import FIGURES
-from signorini.model import Model, Units
-from signorini.output.governing import Governing
+from signorini.model import Units
+from signorini.output.envelope_json import envelope_json
+from signorini.output.governing import Governing, governing_reactions
+
+Widths = Mapping[str, Any] | None
+"""Half-widths of an envelope, as in results.json; None where there are none."""
 
 _MOST_NAMED = 5
 """Combinations without equilibrium that are named; the rest are in the files."""
 _MOST_BEARINGS = 12
-"""Bearings of which the governing reactions are listed; of more there are supports' totals, and results.json."""
+"""Bearings of which the governing reactions are listed; of more they are in results.json alone."""
 
 
-def print_combined(
-    console: Console, combined: Combined, chosen: Mapping[str, object], reactions: Sequence[Governing]
-) -> None:
+def print_combined(console: Console, results: Results) -> None:
     """Print how many were solved, and the extremes with the combinations that they come from."""
-    model = combined.layout.model
+    combined, model = results.combined, results.model
+    widths: Widths = envelope_json(results)["plus_minus"]
     total = len(combined.combinations)
     say(console, Text(f"{total} combinations", style="bold") + Text(f": {combined.solved} solved"))
     if combined.solved < total:
@@ -35,19 +41,25 @@ def print_combined(
     if combined.not_unique:
         say(console, f"{combined.not_unique} not unique: the least of equal answers are given", style="yellow")
     console.print()
-    _print_fields(console, combined, model.units)
-    _print_supports(console, combined, model.units)
-    print_governing(console, model, reactions)
+    _print_fields(console, combined, model.units, widths)
+    _print_supports(console, combined, model.units, widths)
+    print_governing(console, results, widths)
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {figures}")
-    known = "± of rows and extremes in the files" if model.estimated else "not asked, no ± (mesh.error)"
-    say(console, f"of the equations; of the mesh: {known}")
-    if chosen:
-        say(console, f"all results of: {', '.join(chosen)}")
+    meshes = [results.discretisation.mesh, *(mesh for _, mesh in results.others)] if results.others else []
+    elements = sorted((len(mesh.elements) for mesh in meshes), reverse=True)
+    say(console, f"of the equations; of the mesh: {compared(elements, model.estimated)}")
+    if results.full:
+        say(console, f"all results of: {', '.join(results.full)}")
 
 
-def print_governing(console: Console, model: Model, reactions: Sequence[Governing]) -> None:
+def print_governing(console: Console, results: Results, widths: Widths = None) -> None:
     """Print the largest and the smallest reaction of each bearing, with those of all others in that combination."""
+    model, reactions = results.model, governing_reactions(results)
+    if len(reactions) > 2 * _MOST_BEARINGS:
+        bearings = f"{len(reactions) // 2} bearings"
+        say(console, f"{bearings}: governing_reactions in results.json has the largest and smallest reaction of each")
+        console.print()
     if not 0 < len(reactions) <= 2 * _MOST_BEARINGS:
         return
     points = [one.bearing.support for one in reactions[::2]]
@@ -61,15 +73,24 @@ def print_governing(console: Console, model: Model, reactions: Sequence[Governin
     shown = Grid(columns)
     for index, one in enumerate(reactions):
         side = "largest" if one.largest else "smallest"
-        values = (number(value, largest) for value in one.reactions)
-        cells = [Text(value, style="bold" if at == index // 2 else "") for at, value in enumerate(values)]
+        cells = [Text(number(value, largest)) for value in one.reactions]
+        cells[index // 2] = Text(_own(results, one, widths, largest), style="bold")
         shown.add(f"{side} {names[index // 2]}", one.combination, *cells)
     say(console, "largest and smallest reaction of each bearing, beside it what the others do then")
     shown.show(console)
     console.print()
 
 
-def _print_fields(console: Console, combined: Combined, units: Units) -> None:
+def _own(results: Results, one: Governing, widths: Widths, largest: float) -> str:
+    """Write what a bearing itself does where it governs; only results of their own, or the envelope, know its ±."""
+    point = one.bearing.point
+    path = ("supports", one.bearing.support, *(() if point is None else ("points", point - 1)), "reaction")
+    if results.model.tabulated:
+        return cell(one.own, widths, (*path, "max" if one.largest else "min"), largest)
+    return cell(one.own, results.full[one.combination].asked_estimate.plus_minus, path, largest)
+
+
+def _print_fields(console: Console, combined: Combined, units: Units, widths: Widths) -> None:
     fields = combined.envelope.fields
     if not fields:
         return
@@ -84,13 +105,14 @@ def _print_fields(console: Console, combined: Combined, units: Units) -> None:
         if name in fields:
             title = f"{'nodal reaction' if name == 'reaction' else name}{in_unit(of.get(name, ''))}"
             size = size_of([high, low])
-            names = combined.name(high_by), combined.name(low_by)
-            shown.add(title, number(high, size), names[0], number(low, size), names[1])
+            most = cell(high, widths, ("fields", name, "max"), size)
+            least = cell(low, widths, ("fields", name, "min"), size)
+            shown.add(title, most, combined.name(high_by), least, combined.name(low_by))
     shown.show(console)
     console.print()
 
 
-def _print_supports(console: Console, combined: Combined, units: Units) -> None:
+def _print_supports(console: Console, combined: Combined, units: Units, widths: Widths) -> None:
     model, governing = combined.layout.model, combined.envelope.governing()
     columns = [Column("support"), *numbers(f"largest reaction{in_unit(units.force)}"), Column("of")]
     shown = Grid([*columns, *numbers("smallest"), Column("of"), Column("points lifted", number=True, spare=True)])
@@ -99,20 +121,24 @@ def _print_supports(console: Console, combined: Combined, units: Units) -> None:
     for index, (support, envelope, points) in enumerate(every):
         high, high_by, low, low_by = governing[f"reaction:{index}"]
         lifted = f"{int((envelope.lifted > 0).sum())} of {points.rows.shape[1]}" if points.rows.size else ""
-        names = combined.name(high_by), combined.name(low_by)
-        shown.add(support.name, number(high, largest), names[0], number(low, largest), names[1], lifted)
+        most = cell(high, widths, ("supports", index, "reaction", "max"), largest)
+        least = cell(low, widths, ("supports", index, "reaction", "min"), largest)
+        shown.add(support.name, most, combined.name(high_by), least, combined.name(low_by), lifted)
     shown.show(console)
     console.print()
-    for support, envelope, points in every:
+    for index, (support, envelope, points) in enumerate(every):
+        of_support = ("supports", index)
         if support.place == "at" and envelope.lifted.any():
-            at = int(envelope.gap.largest.argmax())
+            at = int(np.where(envelope.lifted > 0, envelope.gap.largest, -np.inf).argmax())
             name = combined.name(int(envelope.gap.largest_by[at]))
-            opening = f"{number(float(envelope.gap.largest[at]))} {units.length}".rstrip()
+            gap = cell(float(envelope.gap.largest[at]), widths, (*of_support, "points", at, "gap", "max"))
+            opening = f"{gap} {units.length}".rstrip()
             where = point(points.positions[at].tolist())
             say(console, f"{support.name}: widest gap {opening} at {where} in {name}")
         if envelope.pressed is not None:
-            highest = f"{number(float(envelope.pressed.largest[0]))} {per_area(units)}".rstrip()
-            least = f"{number(float(envelope.pressed.smallest[1]))} {units.length and units.length + '²'}".rstrip()
+            pressure = cell(float(envelope.pressed.largest[0]), widths, (*of_support, "max_pressure", "max"))
+            area = cell(float(envelope.pressed.smallest[1]), widths, (*of_support, "contact_area", "min"))
+            highest, least = f"{pressure} {per_area(units)}".rstrip(), f"{area}{unit_of(units.length, 2)}"
             of_highest = combined.name(int(envelope.pressed.largest_by[0]))
             of_least = combined.name(int(envelope.pressed.smallest_by[1]))
             say(console, f"{support.name}: largest pressure {highest} in {of_highest}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -11,13 +10,12 @@ from rich.text import Text
 
 from signorini.analysis.check import Check
 from signorini.analysis.solve import Results
-from signorini.cli.cells import estimated, in_unit, number, per_area, point, size_of, unit_of
+from signorini.cli.cells import cell, compared, in_unit, number, per_area, point, size_of, unit_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.discretise import Discretisation
 from signorini.model import Support, Units
 from signorini.output.envelope_json import table_warnings
-from signorini.output.governing import governing_reactions
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 from signorini.results.support_words import MEANINGS, SYMBOLS, describe, kinds
@@ -41,14 +39,14 @@ def print_results(console: Console, results: Results) -> None:
     _print_model(console, found)
     if results.model.tabulated:
         console.print()
-        print_combined(console, results.combined, results.full, governing_reactions(results))
+        print_combined(console, results)
         warnings: dict[str, list[str]] = {sentence: [] for sentence in table_warnings(results)}
     else:
         warnings = _by_sentence(results)
         if len(results) >= _SEVERAL:
             console.print()
             _print_summary(console, results)
-            print_governing(console, found.model, governing_reactions(results))
+            print_governing(console, results)
     for result in results.full.values() if not results.model.tabulated else ():
         console.print()
         if result.status == "solved":
@@ -149,11 +147,11 @@ def _print_summary(console: Console, results: Results) -> None:
             continue
         widths, load = result.asked_estimate.plus_minus, _load(result)
         ends = (
-            _cell(float(end), widths, ("deflection", name), size)
+            cell(float(end), widths, ("deflection", name), size)
             for name, end in (("max", result.deflection.max()), ("min", result.deflection.min()))
         )
         reactions = (
-            _cell(found.reaction, widths, ("supports", index, "reaction"), load)
+            cell(found.reaction, widths, ("supports", index, "reaction"), load)
             for index, found in enumerate(result.supports)
         )
         shown.add(result.name, *ends, str(sum(found.open_count for found in result.supports)), *reactions)
@@ -173,7 +171,7 @@ def _print_result(console: Console, result: Result) -> None:
     rows = Grid([*columns, *numbers(f"reaction{in_unit(units.force)}", "closed", "open")], heads=2)
     for index, (support, found) in enumerate(zip(result.model.support, result.supports, strict=True)):
         counts = (str(found.closed_count), str(found.open_count))
-        reaction = _cell(found.reaction, widths, ("supports", index, "reaction"), load)
+        reaction = cell(found.reaction, widths, ("supports", index, "reaction"), load)
         rows.add(_symbol(support, console), found.name, found.kind, reaction, *counts)
     if len(result.supports) > 1:
         rows.last_apart = True
@@ -185,37 +183,17 @@ def _print_result(console: Console, result: Result) -> None:
     _print_points(console, result)
     for index, found in enumerate(result.supports):
         if found.contact_area is not None and found.max_pressure is not None:
-            within = _cell(found.contact_area, widths, ("supports", index, "contact_area"))
+            within = cell(found.contact_area, widths, ("supports", index, "contact_area"))
             area = f"{within}{unit_of(units.length, 2)}"
-            largest = _cell(found.max_pressure, widths, ("supports", index, "max_pressure"))
+            largest = cell(found.max_pressure, widths, ("supports", index, "max_pressure"))
             pressure = f"{largest} {per_area(units)}".rstrip()
             say(console, f"{found.name}, in contact: {area}, largest pressure {pressure}")
     _print_deflection(console, result)
     say(console, f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red")
-    say(console, f"of the equations; of the mesh: {_compared(result)}")
+    say(console, f"of the equations; of the mesh: {compared(result.asked_estimate.elements, result.model.estimated)}")
     if result.probes:
         console.print()
         _print_probes(console, result, units)
-
-
-def _compared(result: Result) -> str:
-    """Where half-widths come from."""
-    counts = result.asked_estimate.elements
-    if not counts:
-        return "not known, no ±" if result.model.estimated else "not asked, no ± (mesh.error)"
-    return f"± by {', '.join(map(str, counts[:-1]))} and {counts[-1]} elements"
-
-
-def _cell(
-    value: float, widths: Mapping[str, Any] | None, path: Sequence[str | int], largest: float = 0.0, digits: int = 6
-) -> str:
-    """Write a number, with its half-width where there are any."""
-    if widths is None:
-        return number(value, largest, digits)
-    found: Any = widths
-    for part in path:
-        found = found[part]
-    return estimated(value, found, largest, digits)
 
 
 def _load(result: Result) -> float:
@@ -241,8 +219,8 @@ def _print_points(console: Console, result: Result) -> None:
         if (id(found), index) in kept:
             at = point(found.positions[index].tolist(), size)
             of_point = ("supports", number_of[id(found)], "points", index)
-            gap = _cell(float(found.gaps[index]), widths, (*of_point, "gap"), size_of(result.deflection))
-            reaction = _cell(float(found.reactions[index]), widths, (*of_point, "reaction"), load)
+            gap = cell(float(found.gaps[index]), widths, (*of_point, "gap"), size_of(result.deflection))
+            reaction = cell(float(found.reactions[index]), widths, (*of_point, "reaction"), load)
             shown.add(_named(found, index), at, reaction, gap, "closed" if found.closed[index] else "open")
     console.print()
     shown.show(console)
@@ -264,7 +242,7 @@ def _print_deflection(console: Console, result: Result) -> None:
     widths = result.asked_estimate.plus_minus
     ends = (("max", int(result.deflection.argmax())), ("min", int(result.deflection.argmin())))
     parts = (
-        f"{name} {_cell(float(result.deflection[node]), widths, ('deflection', name), largest)}{unit} "
+        f"{name} {cell(float(result.deflection[node]), widths, ('deflection', name), largest)}{unit} "
         f"at {point(result.mesh.points[node].tolist(), result.mesh.size)}"
         for name, node in ends
     )
@@ -288,11 +266,11 @@ def _print_probes(console: Console, result: Result, units: Units) -> None:
         values = (probe.deflection, *probe.rotation, *probe.moment, *probe.shear)
         of_probe = ("probes", index)
         shown = (
-            _cell(value, widths, (*of_probe, *key), size, 5)
+            cell(value, widths, (*of_probe, *key), size, 5)
             for value, key, size in zip(values, keys, largest, strict=True)
         )
         pressure = pressed * [
-            "" if probe.pressure is None else _cell(probe.pressure, widths, (*of_probe, "pressure"), digits=5)
+            "" if probe.pressure is None else cell(probe.pressure, widths, (*of_probe, "pressure"), digits=5)
         ]
         rows.add(point(probe.at, result.mesh.size), *shown, *pressure)
     rows.show(console)
