@@ -103,7 +103,9 @@ def test_pressures_of_a_table_are_those_of_its_combinations(divisions: int, law:
 def test_a_run_s_pictures_have_one_scale_and_python_draws_the_same(tmp_path: Path) -> None:
     soil = {"area": "all", "resists": "down", "stiffness": 1e4}
     states = [{"name": name, "factors": {"load": factor}} for name, factor in (("whole", 1.0), ("half", 0.5))]
-    results = signorini.solve(plate(4, [soil], load=[{"pressure": "10*x"}], combination=states))
+    model = plate(4, [soil], load=[{"pressure": "10*x"}], combination=states)
+    # The command's titles have half-widths, which Python's plot does not wait for.
+    results = signorini.solve(model.model_copy(update={"mesh": model.mesh.model_copy(update={"error": False})}))
     write(results, tmp_path)
     limits = (results["half"].deflection.min(), results["whole"].deflection.max())
     axes = results["half"].plot(limits=limits)
