@@ -1,6 +1,5 @@
 //! Dense elimination: the first columns of a symmetric matrix, of which only the lower triangle is there.
 
-use super::small;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::matmul;
@@ -23,9 +22,6 @@ pub(super) fn scratch() -> Option<MemBuffer> {
 ///
 /// Fails with the column whose pivot is not positive.
 pub(super) fn eliminate(panel: &mut [f64], height: usize, scratch: &mut MemBuffer) -> Result<(), usize> {
-    if small::fits(panel, height) {
-        return small::eliminate(panel, height);
-    }
     let width = panel.len() / height;
     for first in (0..width).step_by(BLOCK) {
         let count = BLOCK.min(width - first);
@@ -57,10 +53,7 @@ pub(super) fn leave(panel: &[f64], height: usize, mut rest: &mut [f64]) {
         tiles.push((from, tile));
         rest = after;
     }
-    tiles.into_par_iter().for_each(|(from, tile)| match small::fits(panel, height) {
-        true => small::leave(panel, height, from, tile),
-        false => subtract_square(l, from, tile, from, Accum::Replace),
-    });
+    tiles.into_par_iter().for_each(|(from, tile)| subtract_square(l, from, tile, from, Accum::Replace));
 }
 
 /// Takes L Lᵀ off columns of a symmetric matrix from `from` on, whose first `skipped` rows are left out.

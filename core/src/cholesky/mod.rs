@@ -11,7 +11,6 @@ mod matrix;
 mod merge;
 mod numeric;
 mod parts;
-mod small;
 mod substitution;
 mod tree;
 

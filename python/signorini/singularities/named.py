@@ -63,6 +63,8 @@ class Singularity:
 
 
 _FOOTPRINT = "Give it a footprint, patch or radius."
+_MOST_PLACES = 6
+"""Places that a sentence names; results.json has all."""
 
 
 def singularities(found: Discretisation, cases: Collection[str] | None = None) -> tuple[Singularity, ...]:
@@ -194,12 +196,18 @@ def _rigid(support: Support) -> bool:
 
 
 def _of_corners(found: Discretisation) -> Iterator[Singularity]:
+    """Corners that are alike in what has no limit there are one; an outline of chords has many."""
+    alike: dict[tuple[bool, tuple[str, ...]], list[tuple[tuple[float, float], float]]] = {}
     for at, degrees, numbers in _boundary(found).corners(found.model.material.poisson):
-        straight = abs(degrees - 180) < 1
-        what = "Change of the edge's support" if straight else f"Corner of {degrees:.4g}° of the plate"
-        yield Singularity(
-            (at,), f"{what} at [{at[0]:.6g}, {at[1]:.6g}]", numbers, "Take values from beside it.", "plate"
-        )
+        alike.setdefault((abs(degrees - 180) < 1, numbers), []).append((at, degrees))
+    for (straight, numbers), those in alike.items():
+        where = tuple(at for at, _ in those)
+        angles = sorted(degrees for _, degrees in those)
+        degrees = " to ".join(dict.fromkeys(f"{angle:.4g}°" for angle in (angles[0], angles[-1])))
+        what = "Change of the edge's support" if straight else f"Corner of {degrees} of the plate"
+        places = ", ".join(f"[{x:.6g}, {y:.6g}]" for x, y in where[:_MOST_PLACES])
+        more = f" and {len(where) - _MOST_PLACES} more" if len(where) > _MOST_PLACES else ""
+        yield Singularity(where, f"{what} at {places}{more}", numbers, "Take values from beside it.", "plate")
 
 
 def _determinate(found: Discretisation) -> bool:
