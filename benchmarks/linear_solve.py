@@ -11,16 +11,15 @@ counted, the analysis is part of its time.
 Where the time goes, at 160×160 on one thread, of the numeric factor in a process just started (0.80 s of the
 processor, 16.7 GFlop): 36% in products that form what fronts leave, 18% in eliminating their own columns, 21% in the
 system's zeroing of pages on first touch (1.9 µs a page of 4 kB, 89,000 pages), 11% in adding what children leave, 9% in
-summing the matrix, 4% in storing L. Fronts of up to 64 columns, which hold a quarter of the flops, are eliminated in
-registers at 6 GFlop/s below 16 columns and 16-20 above, and leave their products at 10-36; wider ones, by packed
-products, run at 30-37 and 39-44. The order takes 0.015 s, the analysis 0.035. On two threads the parts of the tree keep
-both busy 90% of the time.
+summing the matrix, 4% in storing L, measured with a kernel of its own for fronts of up to 64 columns. The order takes
+0.015 s, the analysis 0.035. On two threads the parts of the tree keep both busy 90% of the time.
 
 Element matrices: 0.01 s where elements are alike but for rounding of their places, as here; 0.13 s on one thread
 (0.035 of it pages) where all 25,600 differ.
 
-Tried and dropped: tiles of three vectors by four columns in registers (the compiler spills them), and of two by six;
-bending by arrays along each axis.
+Tried and dropped: fronts of up to 64 columns eliminated in registers (0.03 s less, but a plate that rounding makes hard
+was lost, and others came near); tiles of three vectors by four columns in registers (the compiler spills them), and of
+two by six; bending by arrays along each axis.
 
 Pages are not to be had for less: the system fills them ahead at 1.6 µs each, and huge ones cost a virtual machine
 7 µs per 4 kB when its host must find them first.
