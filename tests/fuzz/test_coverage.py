@@ -1,4 +1,4 @@
-"""Half-widths cover what refining the mesh does: a sample of benchmarks/coverage.py."""
+"""Half-widths cover what refining the mesh does: a sample of benchmarks/half_widths.py."""
 
 import half_width_coverage
 

@@ -2,8 +2,8 @@
 
 The constants of signorini.analysis.twins.half_width were chosen on seeds from 0; judge on others.
 
-    python benchmarks/coverage.py [--count 300] [--first 100000] [--along 8 16] [--processes 2]
-    python benchmarks/coverage.py --check        a few, to see that the script works
+    python benchmarks/half_widths.py [--count 300] [--first 100000] [--along 8 16] [--processes 2]
+    python benchmarks/half_widths.py --check        a few, to see that the script works
 """
 
 from __future__ import annotations
