@@ -203,8 +203,8 @@ def _of_corners(found: Discretisation) -> Iterator[Singularity]:
     for (straight, numbers), those in alike.items():
         where = tuple(at for at, _ in those)
         angles = sorted(degrees for _, degrees in those)
-        degrees = " to ".join(dict.fromkeys(f"{angle:.4g}°" for angle in (angles[0], angles[-1])))
-        what = "Change of the edge's support" if straight else f"Corner of {degrees} of the plate"
+        of = " to ".join(dict.fromkeys(f"{angle:.4g}°" for angle in (angles[0], angles[-1])))
+        what = "Change of the edge's support" if straight else f"Corner of {of} of the plate"
         places = ", ".join(f"[{x:.6g}, {y:.6g}]" for x, y in where[:_MOST_PLACES])
         more = f" and {len(where) - _MOST_PLACES} more" if len(where) > _MOST_PLACES else ""
         yield Singularity(where, f"{what} at {places}{more}", numbers, "Take values from beside it.", "plate")
