@@ -49,7 +49,8 @@ def print_results(console: Console, results: Results) -> None:
         if len(results) >= _SEVERAL:
             console.print()
             _print_summary(console, results)
-            print_governing(console, results)
+            for group in (*results.model.effective_combinations.groups,) or ("",):
+                print_governing(console, results, group)
     for result in results.full.values() if not results.model.tabulated else ():
         console.print()
         if result.status == "solved":

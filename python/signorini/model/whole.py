@@ -100,8 +100,8 @@ class Model(Table):
         positions = self.positions
         if self.combination:
             return Combinations(tuple(p for combination in self.combination for p in products(combination, positions)))
-        groups = tuple(tuple(Choice(at, at, 1.0) for at in places) for places in positions.values())
-        return Combinations((Product("all", tuple((case, 1.0) for case in self.cases), groups),))
+        choices = tuple(tuple(Choice(at, at, 1.0) for at in places) for places in positions.values())
+        return Combinations((Product("all", tuple((case, 1.0) for case in self.cases), choices),))
 
     @property
     def tabulated(self) -> bool:
