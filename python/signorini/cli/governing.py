@@ -17,6 +17,7 @@ from signorini.contact.certificate import FIGURES
 from signorini.model import Units
 from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import Governing, governing_reactions
+from signorini.results.panels import quantity
 
 Widths = Mapping[str, Any] | None
 """Half-widths of an envelope, as in results.json; None where there are none."""
@@ -94,16 +95,10 @@ def _print_fields(console: Console, combined: Combined, units: Units, widths: Wi
     fields = combined.envelope.fields
     if not fields:
         return
-    both = units.force and units.length
-    moment, shear = (
-        (f"{units.force} {units.length}/{units.length}", f"{units.force}/{units.length}") if both else ("", "")
-    )
-    of = {"deflection": units.length, "reaction": units.force} | dict.fromkeys(("qx", "qy"), shear)
-    of |= dict.fromkeys(("mx", "my", "mxy"), moment)
     shown = Grid([Column("field"), *numbers("largest"), Column("of"), *numbers("smallest"), Column("of")])
     for name, (high, high_by, low, low_by) in combined.envelope.governing().items():
         if name in fields:
-            title = f"{'nodal reaction' if name == 'reaction' else name}{in_unit(of.get(name, ''))}"
+            title = f"nodal reaction{in_unit(units.force)}" if name == "reaction" else quantity(name, units)
             size = size_of([high, low])
             most = cell(high, widths, ("fields", name, "max"), size)
             least = cell(low, widths, ("fields", name, "min"), size)

@@ -14,7 +14,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
 from signorini.results.contact_field import AreaContact, Pressures
-from signorini.results.panels import NUMBERS
+from signorini.results.extremes import NUMBERS
 from signorini.results.result import FIELDS, Result
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_contact

@@ -25,6 +25,7 @@ from signorini.mesh import Location, Mesh
 from signorini.model import Model
 from signorini.results.contact_field import Pressures
 from signorini.results.estimate import NONE, Estimate, Estimator
+from signorini.results.extremes import NUMBERS, FieldExtremes
 from signorini.results.notebook import supports_table
 from signorini.results.panels import panel, support_marks
 from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
@@ -179,6 +180,28 @@ class Result(Remade):
         return dict(zip(FIELDS, values.T, strict=True))
 
     @cached_property
+    def extremes(self) -> Mapping[str, FieldExtremes]:
+        """Largest and smallest deflection, mx, my, mxy, qx and qy over the nodes.
+
+        Those of moments and shears are away from where these have no limit.
+
+        Examples
+        --------
+        >>> from signorini import Model, solve
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        ...     support=[{"edge": ["left", "right"], "fix": "simple"}],
+        ...     load=[{"pressure": 5e3}],
+        ... )
+        >>> mx = solve(model)["all"].extremes["mx"]
+        >>> round(mx.max), mx.max_at, mx.max_beside
+        (9907, (2.0, 2.0), '')
+        """
+        names = ("deflection", *NUMBERS)
+        return {name: FieldExtremes.of(name, self.fields[name], self.mesh, self.singular) for name in names}
+
+    @cached_property
     def estimate(self) -> Estimate:
         """What other meshes say of these numbers; the plate is solved on them when this is first asked for.
 
@@ -195,8 +218,9 @@ class Result(Remade):
     def plus_minus(self) -> Mapping[str, Any] | None:
         """Half-widths within which refining the mesh is expected to move every number: of the mesh, not the equations.
 
-        The same structure as the keys deflection, supports and probes of results.json (docs/results.md). None in place
-        of a number that has none, and where nothing is known: without equilibrium, or of reactions that were given.
+        The same structure as the keys deflection, fields, supports and probes of results.json (docs/results.md). None
+        in place of a number that has none, and where nothing is known: without equilibrium, or of reactions that were
+        given.
 
         Examples
         --------
