@@ -66,15 +66,15 @@ def envelope_json(results: Results) -> dict[str, Any]:
 
 
 def _envelope(combined: Combined, mesh: Mesh) -> dict[str, Any]:
-    envelope, layout = combined.envelope, combined.layout
+    envelope, layout, nodes = combined.envelope, combined.layout, combined.layout.nodes
     fields = {}
     for name, extremes in envelope.fields.items():
         high, low = envelope.peaks(name)
         fields[name] = {
             **_side(combined, "max", extremes, high),
-            "max_at": mesh.points[high].tolist(),
+            "max_at": nodes[high].tolist(),
             **_side(combined, "min", extremes, low),
-            "min_at": mesh.points[low].tolist(),
+            "min_at": nodes[low].tolist(),
         }
     for name, (places, extremes) in envelope.pressures.items():
         elastic = name == "contact_pressure"
@@ -96,21 +96,24 @@ def _envelope(combined: Combined, mesh: Mesh) -> dict[str, Any]:
 
 def write_envelope(results: Results, path: str | os.PathLike[str]) -> None:
     """Write a .vtu file: of every field its extremes, and the numbers of the rows that they come from."""
-    mesh, envelope = results.discretisation.mesh, results.envelope
+    found, envelope = results.discretisation, results.envelope
+    mesh, nodes = found.mesh, found.stress_nodes
     at_nodes: dict[str, Floats] = {}
     of_elements: dict[str, Floats] = {}
-    nodes = np.arange(mesh.node_count)
-    for name, (places, extremes) in ({n: (nodes, e) for n, e in envelope.fields.items()} | envelope.pressures).items():
+    fields = {name: (np.arange(len(of.largest)), of) for name, of in envelope.fields.items()}
+    for name, (places, extremes) in (fields | envelope.pressures).items():
         rigid = name == "rigid_contact_pressure"
         for side, value, by in (
             ("max", extremes.largest, extremes.largest_by),
             ("min", extremes.smallest, extremes.smallest_by),
         ):
             for ending, values, elsewhere in (("", value, 0.0), ("_row", by, NONE)):
-                data = np.full(len(mesh.elements) if rigid else len(nodes), float(elsewhere))
+                count = len(mesh.elements) if rigid else max(mesh.node_count, len(values))
+                data = np.full(count, float(elsewhere))
                 data[places] = values
                 (of_elements if rigid else at_nodes)[f"{name}_{side}{ending}"] = data
-    write_vtu(path, mesh.points, mesh.elements, at_nodes, of_elements)
+    at_nodes = {name: nodes.spread(data) for name, data in at_nodes.items()}
+    write_vtu(path, found.stress_points, nodes.elements, at_nodes, of_elements)
 
 
 def _side(combined: Combined, side: str, extremes: Extremes, at: int) -> dict[str, Any]:

@@ -55,9 +55,9 @@ def write(
     try:
         with replacing_together(target, partial(former_results, target), seal=JSON) as beside:
             named = list(slugs(results))
-            mesh = results.discretisation.mesh
+            solved = results.discretisation
             if named:
-                vtu = Vtu(mesh.points, mesh.elements)
+                vtu = Vtu(solved.stress_points, solved.stress_nodes.elements)
                 for result, slug in named:
                     vtu.write(beside / f"{slug}.vtu", *vtk_fields(result))
             write_pictures(results, named, beside)

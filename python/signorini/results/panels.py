@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from signorini.discretise.rows import Floats
+from signorini.discretise.stressnodes import StressNodes
 from signorini.mesh import Mesh
 from signorini.model import Support
 from signorini.model.whole import Units
@@ -54,7 +55,7 @@ def field_range(field: str, fields: Mapping[str, Floats], supports: Sequence[Sup
 
 def panel(
     field: str,
-    mesh: Mesh,
+    nodes: StressNodes,
     fields: Mapping[str, Floats],
     supports: Sequence[SupportResult],
     units: Units,
@@ -71,10 +72,10 @@ def panel(
         value, at = max((area.largest for area in areas), key=lambda found: found[0])
         extremes = [("max", value, at.tolist())] if value > 0 else []
         return Panel([pressure_layer(area) for area in areas], label, colours, limits, extremes)
-    values = fields[field]
-    away = np.flatnonzero(away_from(mesh, singular, NUMBERS.get(field, "")))
+    values = nodes.spread(fields[field])
+    away = np.flatnonzero(away_from(nodes.mesh, singular, NUMBERS.get(field, ""))[nodes.nodes])
     ends = {"max": int(away[np.argmax(values[away])]), "min": int(away[np.argmin(values[away])])}
-    named = [(name, float(values[node]), mesh.points[node].tolist()) for name, node in ends.items()]
+    named = [(name, float(values[node]), nodes.mesh.points[nodes.nodes[node]].tolist()) for name, node in ends.items()]
     return Panel(values, label, colours, limits, named)
 
 
