@@ -113,11 +113,6 @@ class Discretisation(Remade):
         return self.held.rigid_motions(self.mesh.points, self.middle)
 
     @cached_property
-    def stress_points(self) -> Floats:
-        """Positions (s, 2) of the nodes of moments and shears."""
-        return np.asarray(self.mesh.points[self.stress_nodes.nodes])
-
-    @cached_property
     def probe_sides(self) -> Sides:
         """Where probes are, on every side of a jump."""
         return self.stress_nodes.sides(self.probe_positions, self.probes)

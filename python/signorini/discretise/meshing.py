@@ -52,14 +52,15 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
         return _read(model, plate, mesh)
     if mesh is not None:
         return mesh, model
-    if isinstance(plate, PolygonPlate) or plate.freely_meshed(model.mesh):
+    divisions = plate.divisions(model.mesh)
+    if divisions is None:
         made = _outlined(model, plate)
         require_memory(len(made.elements), ("mesh",))
         _require_element(plate, made)
         return made, model
-    require_memory(math.prod(plate.divisions(model.mesh)), ("mesh",))
+    require_memory(math.prod(divisions), ("mesh",))
     try:
-        return _patterned(model, plate), model
+        return _patterned(model, plate, divisions), model
     except InputError as error:
         raise InputError(error.message, place=("plate",)) from None
 
@@ -116,7 +117,7 @@ def _placed(item: _Item, place: Place, points: Mapping[int, Point], problems: Pr
     return item.model_copy(update={"at": at, "nodes": None})
 
 
-def _patterned(model: Model, plate: RectanglePlate | DiscPlate | AnnulusPlate) -> Mesh:
+def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -> Mesh:
     match plate:
         case RectanglePlate():
             (x, y), (a, b) = plate.origin, plate.size
@@ -125,13 +126,13 @@ def _patterned(model: Model, plate: RectanglePlate | DiscPlate | AnnulusPlate) -
             x_lines = [line for shape in shapes for line in shape.x_lines]
             y_lines = [line for shape in shapes for line in shape.y_lines]
             refined = [(box, one.size) for one in model.mesh.refine for box in one.boxes((x, y, x + a, y + b))]
-            return rectangle(plate.origin, plate.size, plate.divisions(model.mesh), x_lines, y_lines, refined)
+            return rectangle(plate.origin, plate.size, divisions, x_lines, y_lines, refined)
         case DiscPlate():
             radii = _radii(model, plate.center, plate.radius)
-            return disc(plate.center, plate.radius, plate.divisions(model.mesh), plate.sector, radii)
-        case AnnulusPlate():
+            return disc(plate.center, plate.radius, divisions, plate.sector, radii)
+        case _:
+            assert isinstance(plate, AnnulusPlate)  # a polygon has no rows
             radii = _radii(model, plate.center, plate.outer)
-            divisions = plate.divisions(model.mesh)
             return annulus(plate.center, plate.inner, plate.outer, divisions, plate.sector, radii)
 
 

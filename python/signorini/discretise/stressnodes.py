@@ -76,6 +76,11 @@ class StressNodes(Remade):
         return np.concatenate([np.arange(self.mesh.node_count), self.further])
 
     @cached_property
+    def points(self) -> Floats:
+        """Their positions (n + d, 2)."""
+        return np.asarray(self.mesh.points[self.nodes])
+
+    @cached_property
     def elements(self) -> Ints:
         """The elements (ne, 8) by these nodes."""
         elements = self.mesh.elements

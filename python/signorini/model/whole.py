@@ -16,7 +16,7 @@ from signorini.model.load import Load, Probe
 from signorini.model.meshoptions import MeshOptions
 from signorini.model.moving import Moving
 from signorini.model.output import FEW, Output
-from signorini.model.plate import AnyPlate, Material, MeshPlate, PolygonPlate
+from signorini.model.plate import AnyPlate, Material, MeshPlate
 from signorini.model.problems import TOP, tables_of
 from signorini.model.support import Support
 from signorini.model.zone import Zone
@@ -112,8 +112,8 @@ class Model(Table):
         positions = self.positions
         if self.combination:
             return Combinations(tuple(p for combination in self.combination for p in products(combination, positions)))
-        groups = tuple(tuple(Choice(at, at, 1.0) for at in places) for places in positions.values())
-        return Combinations((Product("all", tuple((case, 1.0) for case in self.cases), groups),))
+        choices = tuple(tuple(Choice(at, at, 1.0) for at in places) for places in positions.values())
+        return Combinations((Product("all", tuple((case, 1.0) for case in self.cases), choices),))
 
     @property
     def tabulated(self) -> bool:
@@ -152,15 +152,14 @@ class Model(Table):
             for key in [*self.mesh.given(("divisions", "size", "accuracy")), *(["refine"] if self.mesh.refine else [])]:
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
             return
-        if self.plate.freely_meshed(self.mesh):
+        divisions = self.plate.divisions(self.mesh)
+        if divisions is None:
             if self.mesh.divisions is not None:
                 shape = self.plate.shape
                 why = "a polygon" if shape == "polygon" else "holes" if self.plate.holes else "refine"
                 yield ("mesh", "divisions"), f"divisions count the elements of a regular mesh; with {why} give size."
             return
-        assert not isinstance(self.plate, PolygonPlate)  # it is freely meshed
-        first, second = self.plate.divisions(self.mesh)
-        fewest = self.plate.fewest[1]
+        (first, second), fewest = divisions, self.plate.fewest[1]
         if second < fewest:
             yield ("mesh", "divisions"), f"found {second} elements around; this plate needs at least {fewest}."
         if first * second > _MOST_ELEMENTS:

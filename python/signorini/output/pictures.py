@@ -54,7 +54,7 @@ def write_pictures(results: Results, named: Iterable[tuple[Result, str]], direct
     found = results.discretisation
     mesh, model, nodes = found.mesh, found.model, found.stress_nodes
     drawn = [(*pair, support_marks(mesh, model.support, pair[0].supports)) for pair in named]
-    plan = Plan.of(found.stress_points, nodes.elements)
+    plan = Plan.of(found.stress_nodes.points, nodes.elements)
     for ending, fields in _PICTURES.items():
         if ending == PRESSURE and not has_areas(results):
             continue

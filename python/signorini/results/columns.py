@@ -14,7 +14,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
 from signorini.results.contact_field import AreaContact, Pressures
-from signorini.results.panels import NUMBERS
+from signorini.results.extremes import NUMBERS
 from signorini.results.result import FIELDS, Result
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_contact
@@ -60,7 +60,7 @@ class Layout:
         named = singularities(found, found.model.cases)
         away = {name: away_from(found.mesh, named, NUMBERS.get(name, "")) for name in fields}
         away |= {name: nodes[found.stress_nodes.nodes] for name, nodes in away.items() if name in NUMBERS}
-        return cls(found.model, points, at_rest, tuple(fields), found.probe_positions, found.stress_points, away)
+        return cls(found.model, points, at_rest, tuple(fields), found.probe_positions, found.stress_nodes.points, away)
 
     @property
     def point_count(self) -> int:

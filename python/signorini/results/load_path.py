@@ -187,7 +187,7 @@ class LoadPath(States[float]):
             result = self._at(stop.t, row if after else max(row - 1, 0))
             block.put(row, layout, result)
             envelope.take_fields(result, block.numbers[row : row + 1])
-        envelope.take(block, layout)
+        envelope.take(block, layout, np.arange(count))
         keys: list[tuple[str, Column]] = [
             ("t", np.array([stop.t for stop in self.stops])),
             ("event", [self.words(row) for row in range(count)]),

@@ -26,6 +26,7 @@ from signorini.mesh import Location, Mesh
 from signorini.model import Model
 from signorini.results.contact_field import Pressures
 from signorini.results.estimate import NONE, Estimate, Estimator
+from signorini.results.extremes import NUMBERS, FieldExtremes
 from signorini.results.notebook import supports_table
 from signorini.results.panels import panel, support_marks
 from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
@@ -187,6 +188,28 @@ class Result(Remade):
         return dict(zip(FIELDS, values, strict=True))
 
     @cached_property
+    def extremes(self) -> Mapping[str, FieldExtremes]:
+        """Largest and smallest deflection, mx, my, mxy, qx and qy over the nodes.
+
+        Those of moments and shears are away from where these have no limit.
+
+        Examples
+        --------
+        >>> from signorini import Model, solve
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        ...     support=[{"edge": ["left", "right"], "fix": "simple"}],
+        ...     load=[{"pressure": 5e3}],
+        ... )
+        >>> mx = solve(model)["all"].extremes["mx"]
+        >>> round(mx.max), mx.max_at, mx.max_beside
+        (9907, (2.0, 2.0), '')
+        """
+        names = ("deflection", *NUMBERS)
+        return {name: FieldExtremes.of(name, self.fields[name], self.stress_nodes, self.singular) for name in names}
+
+    @cached_property
     def estimate(self) -> Estimate:
         """What other meshes say of these numbers; the plate is solved on them when this is first asked for.
 
@@ -203,8 +226,9 @@ class Result(Remade):
     def plus_minus(self) -> Mapping[str, Any] | None:
         """Half-widths within which refining the mesh is expected to move every number: of the mesh, not the equations.
 
-        The same structure as the keys deflection, supports and probes of results.json (docs/results.md). None in place
-        of a number that has none, and where nothing is known: without equilibrium, or of reactions that were given.
+        The same structure as the keys deflection, fields, supports and probes of results.json (docs/results.md). None
+        in place of a number that has none, and where nothing is known: without equilibrium, or of reactions that were
+        given.
 
         Examples
         --------
@@ -294,7 +318,7 @@ class Result(Remade):
         if field == "pressure" and not any(support.area is not None for support in self.model.support):
             raise InputError('There is no "pressure": no support of this model is an area.', place="field")
         nodes, units = self.stress_nodes, self.model.units
-        plan = Plan.of(self.mesh.points[nodes.nodes], nodes.elements)
+        plan = Plan.of(nodes.points, nodes.elements)
         marks = support_marks(self.mesh, self.model.support, self.supports)
         drawn = panel(field, nodes, self.fields, self.supports, units, limits, self.singular)
         if ax is None:
@@ -318,7 +342,7 @@ class Result(Remade):
             If the file cannot be written.
         """
         self._require_fields()
-        write_vtu(path, self.mesh.points[self.stress_nodes.nodes], self.stress_nodes.elements, *vtk_fields(self))
+        write_vtu(path, self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self))
 
     def _repr_html_(self) -> str:
         """Show the supports' table in a notebook."""

@@ -127,7 +127,7 @@ def _never_act(found: Discretisation) -> Iterator[str]:
     for index, support in enumerate(found.model.support):
         count = len(support.at or ())
         listed = len(SupportPoints.of(found, index).positions)
-        if listed < count and (support.fix is None or "w" in support.fixed):
+        if listed < count and support.holds_w:
             which = f"{count - listed} of its {count} points are" if count > 1 else "its point is"
             yield (
                 f"{support.name}: {which} where other supports hold the plate, and can do nothing there. Results "

@@ -16,7 +16,7 @@ from signorini.analysis.combinations.certificate_bounds import Proof, Sizes, Wat
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Floats, Ints
-from signorini.results.panels import NUMBERS
+from signorini.results.extremes import NUMBERS
 from signorini.results.result import FIELDS
 from signorini.results.support_points import SupportPoints
 
