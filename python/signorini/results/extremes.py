@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini.discretise.rows import Floats
-from signorini.mesh import Mesh
+from signorini.discretise.stressnodes import StressNodes
 from signorini.singularities.named import Singularity, away_from
 
 NUMBERS = {"mx": "moment", "my": "moment", "mxy": "moment", "qx": "shear", "qy": "shear"}
@@ -36,15 +36,16 @@ class FieldExtremes:
     min_beside: str
 
     @classmethod
-    def of(cls, field: str, values: Floats, mesh: Mesh, singular: Sequence[Singularity]) -> FieldExtremes:
-        """Find the extremes of a field (n,), away from singularities that leave it without a limit."""
+    def of(cls, field: str, values: Floats, nodes: StressNodes, singular: Sequence[Singularity]) -> FieldExtremes:
+        """Find the extremes of a field, away from singularities that leave it without a limit."""
         number = NUMBERS.get(field, "")
-        away = away_from(mesh, singular, number)
+        places = nodes.points[: len(values)]
+        away = away_from(nodes.mesh, singular, number)[nodes.nodes[: len(values)]]
         ends: list[tuple[float, tuple[float, float], str]] = []
         for signed in (values, -values):
             node, peak = int(np.where(away, signed, -np.inf).argmax()), int(signed.argmax())
-            x, y = mesh.points[node].tolist()
-            beside = "" if away[peak] else _nearest(mesh.points[peak], singular, number)
+            x, y = places[node].tolist()
+            beside = "" if away[peak] else _nearest(places[peak], singular, number)
             ends.append((float(values[node]), (x, y), beside))
         return cls(*ends[0], *ends[1])
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from signorini.discretise.rows import Floats
+from signorini.discretise.stressnodes import StressNodes
 from signorini.mesh import Mesh
 from signorini.model import Support
 from signorini.model.whole import Units
@@ -49,7 +50,7 @@ def field_range(field: str, fields: Mapping[str, Floats], supports: Sequence[Sup
 
 def panel(
     field: str,
-    mesh: Mesh,
+    nodes: StressNodes,
     fields: Mapping[str, Floats],
     supports: Sequence[SupportResult],
     units: Units,
@@ -66,10 +67,9 @@ def panel(
         value, at = max((area.largest for area in areas), key=lambda found: found[0])
         extremes = [("max", value, at.tolist())] if value > 0 else []
         return Panel([pressure_layer(area) for area in areas], label, colours, limits, extremes)
-    values = fields[field]
-    ends = FieldExtremes.of(field, values, mesh, singular)
+    ends = FieldExtremes.of(field, fields[field], nodes, singular)
     named = [("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at)]
-    return Panel(values, label, colours, limits, named)
+    return Panel(nodes.spread(fields[field]), label, colours, limits, named)
 
 
 def quantity(field: str, units: Units) -> str:
