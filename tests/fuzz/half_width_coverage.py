@@ -69,7 +69,7 @@ def _compared(ours: Result, truth: Result) -> Iterator[Judged]:
     if ours.status != "solved" or truth.status != "solved" or ours.plus_minus is None:
         return
     values, widths, true = (leaves(tree) for tree in (figures(ours), ours.plus_minus, figures(truth)))
-    largest = largest_of(ours)
+    largest = largest_of(ours, max((support.gaps.max(initial=0.0) for support in ours.supports), default=0.0))
     for path, value in values.items():
         kind = kind_of(path)
         if path in true and kind not in ("closed", "open"):

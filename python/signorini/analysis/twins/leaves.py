@@ -135,16 +135,17 @@ def _from_segment(at: Sequence[float], a: tuple[float, float], b: tuple[float, f
     return math.dist(way, (min(max(share, 0.0), 1.0) * along[0], min(max(share, 0.0), 1.0) * along[1]))
 
 
-def largest_of(result: Result) -> dict[str, float]:
+def largest_of(result: Result, gaps: float = 0.0) -> dict[str, float]:
     """The largest number of every field, in each of which rounding and growth are judged.
 
-    A plate that only moves has moments by rounding: a hundredth of what bending to its deflection takes counts too.
+    A plate that only moves has moments by rounding: a hundredth of what bending to its deflection takes counts too. So
+    does a hundredth of gaps as movement where rounding is judged, since deflections are told beside them.
     """
 
     def size(values: Floats) -> float:
         return float(np.abs(values).max(initial=0.0))
 
-    model, span, moved = result.model, result.mesh.size, size(result.deflection)
+    model, span, moved = result.model, result.mesh.size, max(size(result.deflection), _BENT * gaps)
     rigidity = model.young * size(model.plate.thickness(*result.mesh.points.T)) ** 3 / 12
     pressures = [support.max_pressure or 0.0 for support in result.supports]
     return {
