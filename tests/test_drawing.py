@@ -300,3 +300,40 @@ def test_an_imported_floor_is_solved_once_it_has_its_loads(tmp_path: Path) -> No
     area = 24 - 1 + arc**2 * (turn - math.sin(turn)) / 2 - math.pi * 0.3**2
     assert result.certificate.passed
     assert sum(result.reactions.values()) == pytest.approx(25e3 * 0.25 * area, rel=1e-3)
+
+
+def test_a_floor_of_twenty_columns_two_shafts_and_a_drop_panel_goes_from_its_drawing_to_certified_results(
+    tmp_path: Path,
+) -> None:
+    made = document()
+    space = made.modelspace()
+
+    def box(x: float, y: float, a: float, b: float) -> list[tuple[float, float]]:
+        return [(x - a / 2, y - b / 2), (x + a / 2, y - b / 2), (x + a / 2, y + b / 2), (x - a / 2, y + b / 2)]
+
+    space.add_lwpolyline([(0, 0), (30000, 0), (30000, 18000), (0, 18000)], close=True, dxfattribs=on("SLAB"))
+    for x in (300, 7500, 15000, 22500, 29700):
+        for y in (300, 6000, 12000, 17700):
+            space.add_hatch(dxfattribs=on("COLUMNS")).paths.add_polyline_path(box(x, y, 400, 400), is_closed=True)
+    for x in (11000, 19000):
+        space.add_lwpolyline(box(x, 9000, 2400, 3000), close=True, dxfattribs=on("SHAFTS"))
+    space.add_lwpolyline(box(15000, 12000, 2600, 2600), close=True, dxfattribs=on("PANELS"))
+    layers = {"outline": "slab", "holes": "shafts", "zones": "panels", "points": "columns"}
+    drawing = read_dxf(saved(made, tmp_path), layers)
+    assert len(drawing.holes) == 2 and len(drawing.zones) == 1 and not drawing.left
+    text = drawing_as_toml(drawing, "floor").replace("\npatch", '\nresists = "down"\npatch')
+    live = '\n[[load]]\ncase = "live"\npressure = 3e3\n'
+    both = '\n[[combination]]\nname = "ULS"\nfactors = { self-weight = 1.35, live = 1.5 }\n'
+    (tmp_path / "floor.toml").write_text(text + live + both, encoding="utf-8")
+    results = signorini.solve(signorini.load(tmp_path / "floor.toml"))
+    result = results["ULS"]
+    area = 30 * 18 - 2 * 2.4 * 3
+    total = 1.35 * 25e3 * (0.25 * area + 0.15 * 2.6**2) + 1.5 * 3e3 * area
+    assert result.certificate.passed and len(result.supports[0].reactions) == 20
+    assert sum(result.reactions.values()) == pytest.approx(total, rel=1e-9)
+    # The drawing is its own image about the middle of its length, and so are the reactions.
+    reactions = result.supports[0].reactions.reshape(5, 4)
+    assert reactions[::-1] == pytest.approx(reactions, rel=1e-2)
+    widths = result.plus_minus["supports"][0]["points"]
+    assert all(0 < one["reaction"] < 0.01 * reactions.max() for one in widths)
+    assert len(result.stress_nodes.further) >= 4
