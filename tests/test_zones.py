@@ -190,7 +190,7 @@ def test_corners_of_borders_inside_the_plate_are_named_with_what_grows_there():
     (corners,) = (one for what, one in named.items() if "zone 1" in what)
     assert sorted(corners.where) == [(3, 2), (3, 4), (5, 2), (5, 4)] and corners.numbers == ("moment", "shear")
     at_edge = {"area": {"rectangle": [0, 0, 8, 3]}, "thickness": 0.3}
-    like = {"area": MIDDLE, "material": CONCRETE}
+    like = {"area": MIDDLE, "material": CONCRETE, "thickness": 0.2}
     round_ = {"area": {"circle": {"center": [4, 3], "radius": 1}}, "thickness": 0.3}
     for zone in (at_edge, like, round_):
         assert not [one for one in check(slab(zone)).singular if "zone" in one.what]

@@ -78,17 +78,8 @@ class Boundary:
         turn = _turn(tangents[:, 2], tangents[following, 0])
         slack = np.maximum(_STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
         angles = np.pi - np.where(np.abs(turn) > slack, turn, 0.0)
-        return cls(
-            mesh,
-            sides,
-            following,
-            angles,
-            held,
-            held & ~always,
-            slope,
-            twist,
-            found.zones.poisson_of(mesh.find_sides(sides)[0]),
-        )
+        poisson = found.zones.poisson_of(mesh.find_sides(sides)[0])
+        return cls(mesh, sides, following, angles, held, held & ~always, slope, twist, poisson)
 
     def slopes(self, side: int) -> Slopes:
         """What a side holds of the slopes."""
