@@ -2,6 +2,7 @@
 
 import pickle
 
+import meshio
 import numpy as np
 import pytest
 from pytest import approx
@@ -10,6 +11,7 @@ from signorini import InputError, Model, path, solve
 from signorini.analysis.check import check
 from signorini.discretise import discretise
 from signorini.formats.vtk import write_vtu
+from signorini.output import write
 
 CONCRETE = {"E": 30e9, "nu": 0.2, "unit_weight": 25e3}
 MIDDLE = {"rectangle": [3, 2, 5, 4]}
@@ -210,6 +212,23 @@ def test_every_element_and_a_mesh_from_a_file_take_zones(tmp_path):
         load=[{"pressure": 5e3}],
     )
     assert solve(free)["all"].deflection.max() == approx(reference, rel=1e-6)
+
+
+def test_files_hold_both_sides_of_jumps(tmp_path):
+    result = solved(THICK)
+    result.to_vtk(tmp_path / "slab.vtu")
+    read = meshio.read(tmp_path / "slab.vtu")
+    nodes = result.stress_nodes
+    assert len(read.points) == nodes.count > result.mesh.node_count
+    assert (read.point_data["moment"] == result.moment).all()
+    assert (read.point_data["deflection"] == result.deflection[nodes.nodes]).all()
+    assert (read.cells_dict["quad8"] == nodes.elements).all()
+    assert result.extremes["my"].min == result.moment[:, 1].min()
+    rows = {"columns": ["load"], "rows": {"one": [1.0], "two": [2.0]}}
+    model = slab(THICK, combination=[{"generate": "table", **rows}], output={"combinations": "table"})
+    write(solve(model, table=tmp_path / "table.parquet"), tmp_path / "out", tmp_path / "table.parquet")
+    envelope = meshio.read(tmp_path / "out" / "envelope.vtu")
+    assert (envelope.point_data["my_max"] == 2 * result.moment[:, 1])[result.moment[:, 1] > 0].all()
 
 
 def test_a_load_path_and_its_states_know_zones():
