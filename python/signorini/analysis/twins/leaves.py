@@ -91,6 +91,8 @@ def beside(paths: Sequence[Path], changes: Floats) -> Floats:
 def kind_of(path: Path) -> str:
     """The field that a number is of."""
     names = [part for part in path if isinstance(part, str)]
+    if names[0] == "fields":
+        return _FIELD_OF.get(names[1], names[1])
     return "deflection" if names[-1] in ("max", "min", "gap") else names[-1]
 
 
@@ -108,7 +110,7 @@ def may_grow(path: Path, figures: Mapping[str, Any], singular: Sequence[Singular
     moves, and extremes of the deflection are wherever they are.
     """
     supports = {support["name"] for support in figures["supports"]}
-    kind = "pressure" if "max_pressure" in path else _FIELD_OF.get(str(path[1]), kind_of(path))
+    kind = "pressure" if "max_pressure" in path else kind_of(path)
     if path[0] == "probes" and isinstance(path[2], str):
         kind = _FIELD_OF.get(path[2], kind)
     for one in singular:
@@ -150,7 +152,7 @@ def largest_of(result: Result, gaps: float = 0.0) -> dict[str, float]:
         return float(np.abs(values).max(initial=0.0))
 
     model, span, moved = result.model, result.mesh.size, max(size(result.deflection), _BENT * gaps)
-    rigidity = model.material.young * size(model.plate.thickness(*result.mesh.points.T)) ** 3 / 12
+    rigidity = model.young * size(model.plate.thickness(*result.mesh.points.T)) ** 3 / 12
     pressures = [support.max_pressure or 0.0 for support in result.supports]
     return {
         "deflection": moved,
@@ -179,7 +181,7 @@ def named(paths: Sequence[Path], figures: Mapping[str, Any]) -> str:
                 what = " ".join(f"of point {part + 1}" if isinstance(part, int) else str(part) for part in rest[::-1])
                 what = what.replace("_", " ").removesuffix(" points")
             case _:
-                whose, what = "the plate", f"{path[-1]} {path[0]}"
+                whose, what = "the plate", f"{path[-1]} {path[-2]}"
         said.setdefault(whose, []).append(what)
     return "; ".join(f"of {whose} {', '.join(what)}" for whose, what in said.items())
 
