@@ -153,6 +153,23 @@ def test_what_a_clamped_point_carries_turns_without_a_limit_wherever_it_is() -> 
     assert "probe at [3.5, 3.2] deflection, θx" in found.estimate.warnings[0]
 
 
+def test_the_largest_pressure_of_a_rigid_area_smaller_than_an_element_has_no_half_width() -> None:
+    found = solve(
+        rectangular(
+            divisions=[5, 5],
+            support=[
+                {"edge": EDGES, "fix": "simple"},
+                {"name": "pad", "area": {"circle": {"center": [2.3, 2.1], "radius": 0.2}}, "resists": "down"},
+            ],
+            load=[{"pressure": 1e3}],
+        )
+    )["all"]
+    assert found.plus_minus is not None
+    pad = found.plus_minus["supports"][1]
+    assert (pad["max_pressure"], pad["reaction"] > 0) == (None, True)
+    assert "of pad max pressure" in found.estimate.warnings[0]
+
+
 def test_no_number_of_a_plate_without_singularities_is_said_to_have_no_limit() -> None:
     for divisions in ((2, 2), (3, 3), (5, 4), (20, 20)):
         model = rectangular(
