@@ -340,6 +340,9 @@ def test_rows_of_a_table_and_its_envelope_have_half_widths(tmp_path: Path) -> No
     ):
         assert found[f"{name}:plus_minus"][7] == pytest.approx(width, rel=0.01, abs=1e-8)
     assert "closed:wall:plus_minus" not in found
+    in_python = results.table_plus_minus
+    assert sorted(in_python) == sorted(set(found) - set(before))
+    assert all(np.array_equal(in_python[name], found[name], equal_nan=True) for name in in_python)
     envelope = results_json(results)["envelope"]
     widths = envelope["plus_minus"]
     assert widths["supports"][2]["reaction"]["max"] == pytest.approx(max(found["reaction:wall:plus_minus"]), rel=0.5)
