@@ -265,7 +265,7 @@ def test_no_name_is_a_formula_and_every_number_a_number(oddly_named: signorini.R
     assert "'-W" in {row["combination"] for row in rows}
     found = results_json(oddly_named)
     assert [combination["name"] for combination in found["combinations"]] == NAMES
-    assert any(stop.event.startswith("=feet opens") for stop in path.stops)
+    assert any(event.support == "=feet" for event in path.support_events)
     assert "'=feet opens" in path_csv(path)
 
 

@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from signorini.base.memory import require_memory
+from signorini.discretise.borders import arcs_of, room
 from signorini.discretise.places import curve, region
 from signorini.errors import InputError, Place, Problems
 from signorini.expression import Expression
@@ -138,20 +139,23 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
 
 def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     """A mesh along the outline, holes, and straight lines of supports, loads and jumps."""
-    lines = [zone.outline.segments.reshape(-1, 4) for zone in _borders(model)]
+    size, borders = plate.element_size(model.mesh), _borders(model)
+    lines = [border.outline.segments.reshape(-1, 4) for border in borders]
     for drawing, (x0, y0, x1, y1) in _steps(model, plate.outline.bounds):
         lines.append(np.array([[x, y0, x, y1] for x in drawing.x_lines]).reshape(-1, 4))
         lines.append(np.array([[x0, y, x1, y] for y in drawing.y_lines]).reshape(-1, 4))
     lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model)]
     refined = [rows for part in model.mesh.refine for rows in _refined(plate, part)]
+    refined += [room(borders, plate.contours, size)] if borders else []
     points = [at for part in model.mesh.refine for at in part.at or ()]
     try:
         return outlined(
             plate.contours,
-            plate.element_size(model.mesh),
+            size,
             np.concatenate([np.zeros((0, 5)), *refined]),
             np.concatenate([np.zeros((0, 4)), *lines]),
             np.array(points).reshape(-1, 2),
+            np.array([arc for border in borders for arc in arcs_of(border)]).reshape(-1, 6),
         )
     except OutlineError as error:
         raise InputError(error.message, place=_place_of(plate, error)) from None
