@@ -153,6 +153,23 @@ def test_what_a_clamped_point_carries_turns_without_a_limit_wherever_it_is() -> 
     assert "probe at [3.5, 3.2] deflection, θx" in found.estimate.warnings[0]
 
 
+def test_the_largest_pressure_of_a_rigid_area_smaller_than_an_element_has_no_half_width() -> None:
+    found = solve(
+        rectangular(
+            divisions=[5, 5],
+            support=[
+                {"edge": EDGES, "fix": "simple"},
+                {"name": "pad", "area": {"circle": {"center": [2.3, 2.1], "radius": 0.2}}, "resists": "down"},
+            ],
+            load=[{"pressure": 1e3}],
+        )
+    )["all"]
+    assert found.plus_minus is not None
+    pad = found.plus_minus["supports"][1]
+    assert (pad["max_pressure"], pad["reaction"] > 0) == (None, True)
+    assert "of pad max pressure" in found.estimate.warnings[0]
+
+
 def test_no_number_of_a_plate_without_singularities_is_said_to_have_no_limit() -> None:
     for divisions in ((2, 2), (3, 3), (5, 4), (20, 20)):
         model = rectangular(
@@ -323,6 +340,9 @@ def test_rows_of_a_table_and_its_envelope_have_half_widths(tmp_path: Path) -> No
     ):
         assert found[f"{name}:plus_minus"][7] == pytest.approx(width, rel=0.01, abs=1e-8)
     assert "closed:wall:plus_minus" not in found
+    in_python = results.table_plus_minus
+    assert sorted(in_python) == sorted(set(found) - set(before))
+    assert all(np.array_equal(in_python[name], found[name], equal_nan=True) for name in in_python)
     envelope = results_json(results)["envelope"]
     widths = envelope["plus_minus"]
     assert widths["supports"][2]["reaction"]["max"] == pytest.approx(max(found["reaction:wall:plus_minus"]), rel=0.5)
