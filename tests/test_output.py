@@ -59,8 +59,10 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
     support = dict.fromkeys(
         ["name", "kind", "reaction", "closed", "open", "contact_area", "max_pressure", "contact_boundary"]
     )
+    ends, beside = ["max", "max_at", "min", "min_at"], ["max_beside", "min_beside"]
     numbers = {
-        "deflection": dict.fromkeys(["max", "max_at", "min", "min_at"]),
+        "deflection": dict.fromkeys(ends),
+        "fields": {name: dict.fromkeys(ends + beside) for name in ("mx", "my", "mxy", "qx", "qy")},
         "supports": [support | {"points": [dict.fromkeys(["at", "reaction", "gap", "state"])]}],
         "probes": [dict.fromkeys(["at", "deflection", "rotation", "moment", "shear", "pressure"])],
     }
@@ -107,6 +109,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         "governing_reactions": [
             dict.fromkeys(["support", "point", "at", "max", "max_by", "max_with", "min", "min_by", "min_with"])
         ],
+        "groups": None,
         "seconds": dict.fromkeys(["mesh", "assemble", "order", "factor", "contact", "recover", "total"]),
         "files": [dict.fromkeys(["combination", "kind", "file"])],
     }

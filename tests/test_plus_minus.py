@@ -107,6 +107,18 @@ def test_half_widths_cover_the_plate(divisions: tuple[int, int]) -> None:
     assert solved.plus_minus["supports"][0]["reaction"] < 1e-8
 
 
+def test_half_widths_of_the_largest_moments_cover_those_of_a_finer_mesh() -> None:
+    walls = [{"edge": EDGES, "resists": "down"}]
+    load = [{"pressure": 5e3, "area": {"rectangle": [0, 0, 2, 3]}}]
+    coarse, fine = (solve(slab(mesh={"divisions": [n, n]}, support=walls, load=load))["all"] for n in (16, 64))
+    assert coarse.plus_minus is not None
+    for name in ("mx", "my", "mxy"):
+        for side in ("max", "min"):
+            width = coarse.plus_minus["fields"][name][side]
+            change = abs(getattr(coarse.extremes[name], side) - getattr(fine.extremes[name], side))
+            assert change <= width < 10 * max(change, 1e-2 * np.abs(fine.moment).max()), (name, side)
+
+
 def test_a_moment_under_a_point_force_has_no_half_width_and_is_named() -> None:
     model = rectangular(
         divisions=(16, 16),
@@ -217,7 +229,8 @@ def test_the_sizes_of_other_meshes() -> None:
 
     assert others(4, 6) == [[(8, 12), (16, 24)], [(8, 12), (2, 3)], [(2, 3), (1, 2)]]
     assert others(24, 24) == [[(48, 48), (12, 12)], [(12, 12), (6, 6)]]
-    assert others(33, 40) == [[(17, 20), (9, 10)]]
+    assert others(33, 40) == [[(66, 80), (17, 20)], [(17, 20), (9, 10)]]
+    assert others(50, 60) == [[(25, 30), (13, 15)]]
     assert others(1, 3) == [[(2, 6), (4, 12)], [(2, 6)]]
 
 

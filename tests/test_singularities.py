@@ -263,6 +263,20 @@ def test_peaks_leave_singular_places_out():
     assert np.ptp(largest[1:]) < 0.05 * largest[-1]
 
 
+def test_extremes_name_the_singular_place_that_they_leave_out():
+    load = [{"pressure": 5e3}, {"force": 1e4, "at": [1, 1]}]
+    result = solve(rectangular(divisions=[32, 32], support=[HARD], load=load))["all"]
+    mx = result.extremes["mx"]
+    assert mx.max_beside == "Force at a point of load[2]"
+    assert mx.max < result.moment[:, 0].max()
+    assert np.hypot(mx.max_at[0] - 1, mx.max_at[1] - 1) > 0.2
+    assert mx.min_beside == ""
+    assert mx.min == result.moment[:, 0].min()
+    written = results_json(solve(rectangular(divisions=[32, 32], support=[HARD], load=load)))["combinations"][0]
+    assert written["fields"]["mx"]["max"] == mx.max
+    assert written["fields"]["mx"]["max_beside"] == mx.max_beside
+
+
 @pytest.mark.parametrize(("plate", "number"), [("ends of a line load", "shear"), ("a force", "moment")])
 def test_what_is_named_grows_with_every_finer_mesh(plate, number):
     tables, where, _ = NAMED[plate]

@@ -102,6 +102,16 @@ fn discs_and_skew_plates_are_mostly_quadrilaterals() {
 }
 
 #[test]
+fn a_parallelogram_has_the_mesh_of_its_lattice() {
+    for degrees in [45.0, 60.0] {
+        let (sin, cos) = f64::to_radians(degrees).sin_cos();
+        let mesh = made(&[polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0 + cos, sin], [cos, sin]])], &of(0.1));
+        assert_eq!((mesh.elements.len(), mesh.quadrilaterals), (100, 1.0));
+        assert!((mesh.least_angle - degrees).abs() < 1e-9);
+    }
+}
+
+#[test]
 fn all_nodes_of_arcs_are_on_them_and_sides_keep_their_names() {
     let loops = [polygon(&box_of([0.0, 0.0], [4.0, 4.0])), circle("hole 1", [1.5, 2.0], 0.7)];
     let mesh = made(&loops, &of(0.4));

@@ -112,6 +112,8 @@ class Plate:
         kind: str,
         frames: _Floats | None = None,
         layered: tuple[_Ints, _Floats] | None = None,
+        others: tuple[_Ints, _Floats, _Floats] | None = None,
+        stress_elements: _Ints | None = None,
     ) -> Plate: ...
     @property
     def dof_count(self) -> int: ...

@@ -133,6 +133,16 @@ class Results(States[str], Mapping[str, Result]):
         """Extremes over all combinations that were solved."""
         return self.combined.envelope
 
+    @property
+    def groups(self) -> Mapping[str, Envelope]:
+        """Extremes over the combinations of each group (``combination.group``) that were solved."""
+        return self.combined.groups
+
+    @property
+    def governing(self) -> tuple[str, ...]:
+        """Combinations with an extreme of some field or support's reaction, of each group if there are any."""
+        return tuple(map(self.key, self.combined.governing))
+
     @cached_property
     def table(self) -> Mapping[str, Column]:
         """Every column by name, with a row a combination; where these are many they are solved again for it."""
@@ -360,6 +370,6 @@ def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combi
     if combined is None or asked == "all":
         yield from combinations
     elif asked == "governing":
-        yield from (combinations[row] for row in sorted(combined.envelope.rows))
+        yield from (combinations[row] for row in sorted(combined.governing))
     elif asked != "none":
         yield from (combination for combination in combinations if combination.name in asked)

@@ -17,7 +17,6 @@ from signorini.base.memory import (
 from signorini.contact.slenderness import of_shape
 from signorini.contact.softness import softest
 from signorini.discretise import ContactPoints, Discretisation
-from signorini.discretise.rigidity import Rigidity
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import RigidFreedom, restraining_points
 from signorini.errors import InputError, SignoriniError
@@ -154,13 +153,13 @@ def regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
     one-sided supports alone hold the plate, some others are there too, about as stiff as a plate under a point load.
     """
     contacts, thickness = found.contacts, found.thickness.max()
-    shear = Rigidity.of(found.model).in_shear * thickness
+    shear = max(rigidity.in_shear for rigidity in found.zones.rigidities) * thickness
     with np.errstate(divide="ignore"):
         stiffness = np.where(contacts.compliance > 0, 1.0 / contacts.compliance, np.inf)
     carried = np.where(stiffness <= shear, stiffness, 0.0)
     carried[np.unique(contacts.rows.further.owners)] = 0.0
     if not freedom.regular:
-        rigidity = _CARRIED * found.model.material.young * thickness**3 / 12
+        rigidity = _CARRIED * found.model.young * thickness**3 / 12
         needed = np.zeros(len(contacts))
         needed[contacts.two_sided] = rigidity
         needed[restraining_points(freedom, np.minimum(stiffness, rigidity / found.mesh.size**2))] = rigidity

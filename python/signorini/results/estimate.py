@@ -14,8 +14,8 @@ class Estimate:
     Parameters
     ----------
     plus_minus : mapping or None
-        Deflection, supports and probes as in results.json, a half-width in place of every number; None where there is
-        no number, or no other mesh to compare with.
+        Deflection, fields, supports and probes as in results.json, a half-width in place of every number; None where
+        there is no number, or no other mesh to compare with.
     elements : tuple of int
         Sizes of the meshes that were compared, the finest first, its own among them.
     warnings : tuple of str

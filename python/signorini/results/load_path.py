@@ -187,12 +187,12 @@ class LoadPath(States[float]):
             result = self._at(stop.t, row if after else max(row - 1, 0))
             block.put(row, layout, result)
             envelope.take_fields(result, block.numbers[row : row + 1])
-        envelope.take(block, layout)
+        envelope.take(block, layout, np.arange(count))
         keys: list[tuple[str, Column]] = [
             ("t", np.array([stop.t for stop in self.stops])),
             ("event", [self.words(row) for row in range(count)]),
         ]
-        return together([block.columns(layout, found.mesh.points, keys)]), envelope
+        return together([block.columns(layout, keys)]), envelope
 
     def words(self, index: int) -> str:
         """Say what happens at a stop, by its number from 0."""

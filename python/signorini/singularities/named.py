@@ -12,6 +12,7 @@ import numpy as np
 from signorini.discretise import Discretisation
 from signorini.discretise.places import curve, region
 from signorini.discretise.rows import Bools, Floats
+from signorini.errors import point
 from signorini.mesh import Mesh
 from signorini.model import Load, Support
 from signorini.model.footprint import KEYS as FOOTPRINT
@@ -102,14 +103,13 @@ def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     """
     from scipy.spatial import KDTree
 
-    away = np.ones(mesh.node_count, np.bool_)
     those = [one for one in named if number in one.numbers and one.where and not one.line]
     if not those:
-        return away
-    places = np.array([point for one in those for point in one.where])
+        return np.ones(mesh.node_count, np.bool_)
+    places = np.array([at for one in those for at in one.where])
     within = np.array([one.within for one in those for _ in one.where])
     distance, nearest = KDTree(places).query(mesh.points)
-    away &= distance > within[nearest]
+    away = distance > within[nearest]
     return away if away.any() else np.ones_like(away)
 
 
@@ -192,7 +192,7 @@ def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity
 
 
 def _rigid(support: Support) -> bool:
-    return support.stiffness is None and (support.resists is not None or "w" in support.fixed)
+    return support.stiffness is None and support.holds_w
 
 
 def _of_corners(found: Discretisation) -> Iterator[Singularity]:
@@ -205,14 +205,14 @@ def _of_corners(found: Discretisation) -> Iterator[Singularity]:
         angles = sorted(degrees for _, degrees in those)
         of = " to ".join(dict.fromkeys(f"{angle:.4g}°" for angle in (angles[0], angles[-1])))
         what = "Change of the edge's support" if straight else f"Corner of {of} of the plate"
-        places = ", ".join(f"[{x:.6g}, {y:.6g}]" for x, y in where[:_MOST_PLACES])
+        places = ", ".join(point(at, found.mesh.size) for at in where[:_MOST_PLACES])
         more = f" and {len(where) - _MOST_PLACES} more" if len(where) > _MOST_PLACES else ""
         yield Singularity(where, f"{what} at {places}{more}", numbers, "Take values from beside it.", "plate")
 
 
 def _determinate(found: Discretisation) -> bool:
     """Whether three points are all that holds the deflection, so that reactions follow from equilibrium."""
-    holding = [support for support in found.model.support if support.resists is not None or "w" in support.fixed]
+    holding = [support for support in found.model.support if support.holds_w]
     slopes = any({"slope", "twist"} & set(support.fixed) for support in found.model.support)
     return not slopes and all(s.at is not None for s in holding) and sum(len(s.at or ()) for s in holding) == 3
 
@@ -282,7 +282,7 @@ def _ends_of_line(
     """Ends and corners of a line that supports the plate, by the numbers that have no limit there."""
     edge, points = _boundary(found), np.array(along.points)
     own = slopes_held("slope" in support.fixed, "twist" in support.fixed)
-    rigid, acts = _rigid(support), support.resists is not None or "w" in support.fixed
+    rigid, acts = _rigid(support), support.holds_w
     of_deflection = ("shear", "pressure") if rigid else ("shear",) if acts else ()
     places: dict[tuple[str, ...], list[Floats]] = {}
     for at, directions in zip(points, _directions(points), strict=True):

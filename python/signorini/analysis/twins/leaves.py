@@ -91,6 +91,8 @@ def beside(paths: Sequence[Path], changes: Floats) -> Floats:
 def kind_of(path: Path) -> str:
     """The field that a number is of."""
     names = [part for part in path if isinstance(part, str)]
+    if names[0] == "fields":
+        return _FIELD_OF.get(names[1], names[1])
     return "deflection" if names[-1] in ("max", "min", "gap") else names[-1]
 
 
@@ -106,7 +108,7 @@ def may_grow(path: Path, figures: Mapping[str, Any], singular: Sequence[Singular
 
     Of supports it is one of their own, of envelopes one anywhere.
     """
-    kind = "pressure" if "max_pressure" in path else _FIELD_OF.get(str(path[1]), kind_of(path))
+    kind = "pressure" if "max_pressure" in path else kind_of(path)
     if path[0] == "probes" and isinstance(path[2], str):
         kind = _FIELD_OF.get(path[2], kind)
     for one in singular:
@@ -133,17 +135,18 @@ def _from_segment(at: Sequence[float], a: tuple[float, float], b: tuple[float, f
     return math.dist(way, (min(max(share, 0.0), 1.0) * along[0], min(max(share, 0.0), 1.0) * along[1]))
 
 
-def largest_of(result: Result) -> dict[str, float]:
+def largest_of(result: Result, gaps: float = 0.0) -> dict[str, float]:
     """The largest number of every field, in each of which rounding and growth are judged.
 
-    A plate that only moves has moments by rounding: a hundredth of what bending to its deflection takes counts too.
+    A plate that only moves has moments by rounding: a hundredth of what bending to its deflection takes counts too. So
+    does a hundredth of gaps as movement where rounding is judged, since deflections are told beside them.
     """
 
     def size(values: Floats) -> float:
         return float(np.abs(values).max(initial=0.0))
 
-    model, span, moved = result.model, result.mesh.size, size(result.deflection)
-    rigidity = model.material.young * size(model.plate.thickness(*result.mesh.points.T)) ** 3 / 12
+    model, span, moved = result.model, result.mesh.size, max(size(result.deflection), _BENT * gaps)
+    rigidity = model.young * size(model.plate.thickness(*result.mesh.points.T)) ** 3 / 12
     pressures = [support.max_pressure or 0.0 for support in result.supports]
     return {
         "deflection": moved,
@@ -172,7 +175,7 @@ def named(paths: Sequence[Path], figures: Mapping[str, Any]) -> str:
                 what = " ".join(f"of point {part + 1}" if isinstance(part, int) else str(part) for part in rest[::-1])
                 what = what.replace("_", " ").removesuffix(" points")
             case _:
-                whose, what = "the plate", f"{path[-1]} {path[0]}"
+                whose, what = "the plate", f"{path[-1]} {path[-2]}"
         said.setdefault(whose, []).append(what)
     return "; ".join(f"of {whose} {', '.join(what)}" for whose, what in said.items())
 
