@@ -76,12 +76,14 @@ impl ContactProblem {
     /// Orders with the condensed dofs last, factors, and condenses.
     ///
     /// With `by_active_set` the one-sided points are the active set's instead of an LCP's: the factor carries them all.
+    /// A factor that takes more than `room`, in bytes, is refused before it is begun.
     pub fn new(
         plate: Arc<Plate>,
         springs: Springs,
         held: Vec<bool>,
         constraints: Constraints,
         by_active_set: bool,
+        room: usize,
     ) -> Result<Self, FactorError> {
         let clock = Instant::now();
         let (constraints, active, order) = split(&plate, constraints, by_active_set);
@@ -103,6 +105,7 @@ impl ContactProblem {
             active: &active,
             numbering: &numbering,
             analysis: None,
+            room,
             seconds: Seconds { order: ordering, ..Seconds::default() },
         };
         // Of a plate that may float, where what holds it is lost in rounding, the factor is a little firmer. Rigid motions are
@@ -144,6 +147,7 @@ impl ContactProblem {
             active: &self.active,
             numbering: &self.numbering,
             analysis: Some(self.analysis.clone()),
+            room: usize::MAX,
             seconds: Seconds::default(),
         };
         parts.factored(carried, 0.0)
@@ -214,6 +218,7 @@ struct Parts<'a> {
     numbering: &'a Numbering,
     /// Of the first factor, for those after it.
     analysis: Option<Analysis>,
+    room: usize,
     seconds: Seconds,
 }
 
@@ -230,7 +235,9 @@ impl Parts<'_> {
             Some(known) => known,
             None => Analysis::new(&matrix)?,
         };
-        let factor = self.analysis.insert(known).factorize(&matrix)?;
+        let analysis = self.analysis.insert(known);
+        analysis.require_room(self.room)?;
+        let factor = analysis.factorize(&matrix)?;
         // Elements of q8r bend in some shapes without resistance, and not all supports hold them.
         if carried.contains(&0.0) || plate.kind == Kind::Q8r {
             let (column, part) = factor.weakest_pivot();
