@@ -59,7 +59,7 @@ class Result(Remade):
         qx, qy.
     nodal_reaction : (n,) array
         Upward force of the supports at points, along lines and edges on every node that they act on. Areas have
-        pressures instead.
+        pressures instead, and footprints spread their reactions.
     method : str
         "lemke", "active_set" or "interior_point"; "given" where `signorini.recover` was given the reactions.
     unsettled : tuple of str
@@ -363,7 +363,7 @@ def vtk_fields(result: Result) -> tuple[dict[str, Floats], dict[str, Floats]]:
         "shear": np.column_stack([result.shear, np.zeros(len(result.shear))]),
     }
     of_elements = {}
-    if any(support.area is None for support in result.supports):
+    if any(support.on_nodes for support in result.model.support):
         data["reaction"] = result.nodal_reaction
     if areas := [support.area for support in result.supports if support.area is not None]:
         pressures, forces = Pressures(areas), [area.reactions for area in areas]
