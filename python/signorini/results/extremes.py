@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from signorini.discretise.rows import Floats
+from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.singularities.named import Singularity, away_from
 
@@ -36,10 +36,10 @@ class FieldExtremes:
     min_beside: str
 
     @classmethod
-    def of(cls, field: str, values: Floats, mesh: Mesh, singular: Sequence[Singularity]) -> FieldExtremes:
-        """Find the extremes of a field (n,), away from singularities that leave it without a limit."""
-        number = NUMBERS.get(field, "")
-        away = away_from(mesh, singular, number)
+    def of(
+        cls, values: Floats, mesh: Mesh, away: Bools, singular: Sequence[Singularity] = (), number: str = ""
+    ) -> FieldExtremes:
+        """Find the extremes of a field (n,) at nodes (n,) that are ``away`` from singularities of its number."""
         ends: list[tuple[float, tuple[float, float], str]] = []
         for signed in (values, -values):
             node, peak = int(np.where(away, signed, -np.inf).argmax()), int(signed.argmax())
@@ -47,6 +47,16 @@ class FieldExtremes:
             beside = "" if away[peak] else _nearest(mesh.points[peak], singular, number)
             ends.append((float(values[node]), (x, y), beside))
         return cls(*ends[0], *ends[1])
+
+
+def extremes(fields: Mapping[str, Floats], mesh: Mesh, singular: Sequence[Singularity]) -> dict[str, FieldExtremes]:
+    """Find the extremes of the deflection, and of moments and shears away from where these have no limit."""
+    away = {number: away_from(mesh, singular, number) for number in ("", *dict.fromkeys(NUMBERS.values()))}
+    found = {}
+    for name in ("deflection", *NUMBERS):
+        number = NUMBERS.get(name, "")
+        found[name] = FieldExtremes.of(fields[name], mesh, away[number], singular, number)
+    return found
 
 
 def _nearest(at: Floats, singular: Sequence[Singularity], number: str) -> str:

@@ -25,7 +25,7 @@ from signorini.mesh import Location, Mesh
 from signorini.model import Model
 from signorini.results.contact_field import Pressures
 from signorini.results.estimate import NONE, Estimate, Estimator
-from signorini.results.extremes import NUMBERS, FieldExtremes
+from signorini.results.extremes import FieldExtremes, extremes
 from signorini.results.notebook import supports_table
 from signorini.results.panels import panel, support_marks
 from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
@@ -198,8 +198,7 @@ class Result(Remade):
         >>> round(mx.max), mx.max_at, mx.max_beside
         (9907, (2.0, 2.0), '')
         """
-        names = ("deflection", *NUMBERS)
-        return {name: FieldExtremes.of(name, self.fields[name], self.mesh, self.singular) for name in names}
+        return extremes(self.fields, self.mesh, self.singular)
 
     @cached_property
     def estimate(self) -> Estimate:
@@ -311,7 +310,7 @@ class Result(Remade):
             raise InputError('There is no "pressure": no support of this model is an area.', place="field")
         plan, units = Plan.of(self.mesh.points, self.mesh.elements), self.model.units
         marks = support_marks(self.mesh, self.model.support, self.supports)
-        drawn = panel(field, self.mesh, self.fields, self.supports, units, limits, self.singular)
+        drawn = panel(field, self.mesh, self.fields, self.supports, units, limits, self.extremes)
         if ax is None:
             return field_picture(plan, [drawn], marks, title=self.heading, length=units.length).axes[0]
         draw_legend(ax, draw_panel(ax, plan, drawn, marks))
