@@ -20,6 +20,7 @@ from signorini.cli.cells import visible
 from signorini.cli.grid import say
 from signorini.cli.progress import transient_line
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
+from signorini.formats.dxf import METRES
 from signorini.formats.inputfile import with_line
 
 _MOST_REASONS = 20
@@ -228,7 +229,7 @@ def import_dxf(
         str | None, typer.Option(metavar="LAYER", help="Of supports along lines. [default: that of this name]")
     ] = None,
     unit: Annotated[
-        str | None, typer.Option(metavar="UNIT", help="Of the drawing: mm, cm, m, in, ft. [default: its header's]")
+        str | None, typer.Option(metavar="UNIT", help=f"Of the drawing: {', '.join(METRES)}. [default: its header's]")
     ] = None,
 ) -> None:
     """Make an input file from a drawing: outline, holes, and points and lines that it may stand on.

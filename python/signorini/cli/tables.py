@@ -187,7 +187,11 @@ def _print_result(console: Console, result: Result, limit: tuple[str, float] | N
             area = f"{within}{unit_of(units.length, 2)}"
             pressed = cell(found.max_pressure, widths, ("supports", index, "max_pressure"), largest["pressure"])
             pressure = f"{pressed} {per_area(units)}".rstrip()
-            say(console, f"{found.name}, in contact: {area}, largest pressure {pressure}")
+            said = f"{found.name}, in contact: {area}, largest pressure {pressure}"
+            if found.max_tension:
+                pulled = cell(found.max_tension, widths, ("supports", index, "max_tension"), largest["pressure"])
+                said += f", largest tension {pulled} {per_area(units)}".rstrip()
+            say(console, said)
     _print_deflection(console, result)
     _print_extremes(console, result, largest)
     if limit is not None:

@@ -108,7 +108,7 @@ def may_grow(path: Path, figures: Mapping[str, Any], singular: Sequence[Singular
 
     Of supports it is one of their own, of envelopes one anywhere.
     """
-    kind = "pressure" if "max_pressure" in path else kind_of(path)
+    kind = "pressure" if {"max_pressure", "max_tension"} & set(path) else kind_of(path)
     if path[0] == "probes" and isinstance(path[2], str):
         kind = _FIELD_OF.get(path[2], kind)
     for one in singular:
@@ -146,15 +146,15 @@ def largest_of(result: Result) -> dict[str, float]:
 
     model, span, moved = result.model, result.mesh.size, size(result.deflection)
     rigidity = model.material.young * size(model.plate.thickness(*result.mesh.points.T)) ** 3 / 12
-    pressures = [support.max_pressure or 0.0 for support in result.supports]
+    pressed = [size(np.array([s.max_pressure, s.max_tension])) for s in result.supports if s.area is not None]
+    pressure = max(pressed, default=0.0)
     return {
         "deflection": moved,
         "rotation": max(size(result.rotation), _BENT * moved / span),
         "moment": max(size(result.moment), _BENT * rigidity * moved / span**2),
         "shear": max(size(result.shear), _BENT * rigidity * moved / span**3),
         "reaction": float(sum(np.abs(support.reactions).sum() for support in result.supports)),
-        "pressure": size(np.array(pressures)),
-        "max_pressure": size(np.array(pressures)),
+        **dict.fromkeys(("pressure", "max_pressure", "max_tension"), pressure),
         "contact_area": float(result.mesh.element_area.sum()),
         "closed": 0.0,
         "open": 0.0,
