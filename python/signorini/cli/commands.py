@@ -15,6 +15,7 @@ from typing import Annotated
 import typer
 
 import signorini
+from signorini.base.units import METRES
 from signorini.cli import interrupts, streams, tables
 from signorini.cli.cells import visible
 from signorini.cli.grid import say
@@ -231,7 +232,7 @@ def import_dxf(
         str | None, typer.Option(metavar="LAYER", help="Of supports along lines. [default: that of this name]")
     ] = None,
     unit: Annotated[
-        str | None, typer.Option(metavar="UNIT", help="Of the drawing: mm, cm, m, in, ft. [default: its header's]")
+        str | None, typer.Option(metavar="UNIT", help=f"Of the drawing: {', '.join(METRES)}. [default: its header's]")
     ] = None,
 ) -> None:
     """Make an input file from a drawing: outline, holes, zones, and points and lines that it may stand on.

@@ -116,15 +116,14 @@ def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     although their values are partly of what is there: to leave them out would leave out more of the plate the coarser
     its mesh is. Where no node is left, all are.
     """
-    from scipy.spatial import KDTree
-
-    those = [one for one in named if number in one.numbers and one.where and not one.line and not one.limited]
-    if not those:
-        return np.ones(mesh.node_count, np.bool_)
-    places = np.array([at for one in those for at in one.where])
-    within = np.array([one.within for one in those for _ in one.where])
-    distance, nearest = KDTree(places).query(mesh.points)
-    away = distance > within[nearest]
+    away = np.ones(mesh.node_count, np.bool_)
+    order = np.argsort(mesh.points[:, 0])
+    x, y = mesh.points[order].T
+    for one in named:
+        for at in one.where if number in one.numbers and not one.line and not one.limited else ():
+            # Only nodes of a strip about it may be so near.
+            near = slice(*np.searchsorted(x, (at[0] - 1.01 * one.within, at[0] + 1.01 * one.within)))
+            away[order[near]] &= np.hypot(x[near] - at[0], y[near] - at[1]) > one.within
     return away if away.any() else np.ones_like(away)
 
 
