@@ -1,5 +1,6 @@
 """Combinations: generated, solved together, and held to what each gives when it is solved by itself."""
 
+import io
 import json
 import os
 import subprocess
@@ -10,12 +11,14 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from models import rectangular
+from rich.console import Console
 
 import signorini
 from signorini import InputError, Model, NoEquilibriumError, validate
 from signorini.analysis.single import solve_one
+from signorini.cli.tables import print_results
 from signorini.model import Combination
-from signorini.output import results_json
+from signorini.output import results_json, write
 
 LEGS = [[1, 1], [3, 1], [3.1, 3.3], [1, 3]]
 
@@ -248,6 +251,58 @@ def test_the_envelope_bounds_every_combination_and_names_the_one_that_governs(so
     legs = combined.envelope.supports[0]
     assert legs.lifted.tolist() == [sum(not s.supports[0].closed[p] for s in singles) for p in range(4)]
     assert legs.reaction.largest[0] == pytest.approx(max(s.reactions["legs"] for s in singles), rel=1e-9)
+
+
+def grouped(groups, **changes):
+    """Combinations of which those of a group come in turn with those of the other."""
+    factors = {"ULS": {"G": 1.35, "Q": 1.5}, "SLS": {"G": 1, "Q": 1}}
+    made = [
+        {"name": f"{name} {i}", "group": name, "factors": factors[name] | {"Q": factors[name]["Q"] * i / 8}}
+        for i in range(8)
+        for name in groups
+    ]
+    return signorini.solve(Model(**tables(combination=made, output={"combinations": "table"}) | changes))
+
+
+@pytest.mark.parametrize("changes", [{}, {"solver": {"method": "active_set"}}])
+def test_groups_have_the_envelopes_of_their_own_combinations(changes):
+    both = grouped(["ULS", "SLS"], **changes)
+    found = {group["name"]: group for group in results_json(both)["groups"]}
+    assert list(found) == list(both.groups) == ["ULS", "SLS"]
+    assert found["SLS"]["combinations"] == 8
+    for name in found:
+        alone = grouped([name], **changes)
+        written, own = results_json(alone), found[name]
+        assert [one["max_by"] for one in own["governing_reactions"]] == [
+            one["max_by"] for one in written["governing_reactions"]
+        ]
+        theirs, mine = written["envelope"], own["envelope"]
+        assert mine["file"] == f"envelope-{name.lower()}.vtu"
+        assert mine["fields"]["mx"]["max"] == pytest.approx(theirs["fields"]["mx"]["max"], rel=1e-9)
+        assert mine["fields"]["mx"]["max_by"] == theirs["fields"]["mx"]["max_by"]
+        assert mine["supports"][0]["lifted"] == theirs["supports"][0]["lifted"]
+        assert set(alone.governing) <= set(both.governing)
+    # The envelope of all is that of both together.
+    largest = [group["envelope"]["fields"]["mx"]["max"] for group in found.values()]
+    assert results_json(both)["envelope"]["fields"]["mx"]["max"] == max(largest)
+    lifted = [envelope.supports[0].lifted for envelope in both.groups.values()]
+    assert both.envelope.supports[0].lifted.tolist() == sum(lifted).tolist()
+
+
+def test_envelopes_of_groups_have_half_widths_files_and_tables(tmp_path):
+    results = grouped(["ULS", "SLS"])
+    write(results, tmp_path)
+    listed = {entry["file"] for entry in results_json(results)["files"]}
+    assert {"envelope.vtu", "envelope-uls.vtu", "envelope-sls.vtu"} <= listed
+    assert listed - {"combinations.parquet"} == {path.name for path in tmp_path.iterdir()}
+    for group in results_json(results)["groups"]:
+        assert group["envelope"]["plus_minus"]["supports"][0]["reaction"]["max"] >= 0
+    console = Console(file=io.StringIO(), width=200)
+    print_results(console, results)
+    lines = console.file.getvalue().splitlines()
+    uls, sls = lines.index("ULS: 8 combinations"), lines.index("SLS: 8 combinations")
+    assert uls < sls
+    assert not any("SLS" in line for line in lines[uls:sls])
 
 
 def test_only_those_that_govern_have_all_results(solved):

@@ -59,8 +59,10 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
     support = dict.fromkeys(
         ["name", "kind", "reaction", "closed", "open", "contact_area", "max_pressure", "contact_boundary"]
     )
+    ends, beside = ["max", "max_at", "min", "min_at"], ["max_beside", "min_beside"]
     numbers = {
-        "deflection": dict.fromkeys(["max", "max_at", "min", "min_at"]),
+        "deflection": dict.fromkeys(ends),
+        "fields": {name: dict.fromkeys(ends + beside) for name in ("mx", "my", "mxy", "qx", "qy")},
         "supports": [support | {"points": [dict.fromkeys(["at", "reaction", "gap", "state"])]}],
         "probes": [dict.fromkeys(["at", "deflection", "rotation", "moment", "shear", "pressure"])],
     }
@@ -85,7 +87,9 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                 ),
                 "limit": dict.fromkeys(["case", "factor"]),
                 "plus_minus": numbers,
-                "singular": [dict.fromkeys(["where", "line", "within", "what", "numbers", "source", "advice"])],
+                "singular": [
+                    dict.fromkeys(["where", "line", "limited", "within", "what", "numbers", "source", "advice"])
+                ],
                 "certificate": dict.fromkeys(
                     [
                         "penetration",
@@ -107,6 +111,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         "governing_reactions": [
             dict.fromkeys(["support", "point", "at", "max", "max_by", "max_with", "min", "min_by", "min_with"])
         ],
+        "groups": None,
         "seconds": dict.fromkeys(["mesh", "assemble", "order", "factor", "contact", "recover", "total"]),
         "files": [dict.fromkeys(["combination", "kind", "file"])],
     }
@@ -260,7 +265,7 @@ def test_no_name_is_a_formula_and_every_number_a_number(oddly_named: signorini.R
     assert "'-W" in {row["combination"] for row in rows}
     found = results_json(oddly_named)
     assert [combination["name"] for combination in found["combinations"]] == NAMES
-    assert any(stop.event.startswith("=feet opens") for stop in path.stops)
+    assert any(event.support == "=feet" for event in path.support_events)
     assert "'=feet opens" in path_csv(path)
 
 

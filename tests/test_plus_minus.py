@@ -107,6 +107,18 @@ def test_half_widths_cover_the_plate(divisions: tuple[int, int]) -> None:
     assert solved.plus_minus["supports"][0]["reaction"] < 1e-8
 
 
+def test_half_widths_of_the_largest_moments_cover_those_of_a_finer_mesh() -> None:
+    walls = [{"edge": EDGES, "resists": "down"}]
+    load = [{"pressure": 5e3, "area": {"rectangle": [0, 0, 2, 3]}}]
+    coarse, fine = (solve(slab(mesh={"divisions": [n, n]}, support=walls, load=load))["all"] for n in (16, 64))
+    assert coarse.plus_minus is not None
+    for name in ("mx", "my", "mxy"):
+        for side in ("max", "min"):
+            width = coarse.plus_minus["fields"][name][side]
+            change = abs(getattr(coarse.extremes[name], side) - getattr(fine.extremes[name], side))
+            assert change <= width < 10 * max(change, 1e-2 * np.abs(fine.moment).max()), (name, side)
+
+
 def test_a_moment_under_a_point_force_has_no_half_width_and_is_named() -> None:
     model = rectangular(
         divisions=(16, 16),
@@ -122,6 +134,23 @@ def test_a_moment_under_a_point_force_has_no_half_width_and_is_named() -> None:
     (sentence,) = solved.estimate.warnings
     assert "the probe at [2, 2] mx, my" in sentence
     assert sentence in results_json(signorini.solve(model))["combinations"][0]["warnings"]
+
+
+def test_what_a_clamped_point_carries_turns_without_a_limit_wherever_it_is() -> None:
+    found = solve(
+        rectangular(
+            plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.5},
+            divisions=[8, 8],
+            support=[{"at": [1.9, 2.1], "fix": "clamped"}],
+            load=[{"pressure": 1e3, "area": {"rectangle": [2.5, 0.5, 3.5, 3.5]}}],
+            probe=[{"at": [3.5, 3.2]}],
+        )
+    )["all"]
+    assert found.plus_minus is not None
+    (width,) = found.plus_minus["probes"]
+    assert (width["deflection"], width["rotation"][0], found.plus_minus["deflection"]["max"]) == (None, None, None)
+    assert all(moment > 0 for moment in width["moment"])
+    assert "probe at [3.5, 3.2] deflection, θx" in found.estimate.warnings[0]
 
 
 def test_no_number_of_a_plate_without_singularities_is_said_to_have_no_limit() -> None:
@@ -217,7 +246,8 @@ def test_the_sizes_of_other_meshes() -> None:
 
     assert others(4, 6) == [[(8, 12), (16, 24)], [(8, 12), (2, 3)], [(2, 3), (1, 2)]]
     assert others(24, 24) == [[(48, 48), (12, 12)], [(12, 12), (6, 6)]]
-    assert others(33, 40) == [[(17, 20), (9, 10)]]
+    assert others(33, 40) == [[(66, 80), (17, 20)], [(17, 20), (9, 10)]]
+    assert others(50, 60) == [[(25, 30), (13, 15)]]
     assert others(1, 3) == [[(2, 6), (4, 12)], [(2, 6)]]
 
 

@@ -116,11 +116,11 @@ def test_extremes_of_many_combinations_are_shown_with_their_half_widths() -> Non
     def line(start: str) -> str:
         return next(one for one in lines if one.startswith(start))
 
-    for name, unit in (("deflection", "m"), ("mx", "kN m/m"), ("qy", "kN/m")):
+    for name, title in (("deflection", "deflection [m]"), ("mx", "moment mx [kN m/m]"), ("qy", "shear qy [kN/m]")):
         own, width = found["fields"][name], widths["fields"][name]
         size = max(abs(own["max"]), abs(own["min"]))
         for side in ("max", "min"):
-            assert estimated(own[side], width[side], size) in line(f"{name} [{unit}]")
+            assert estimated(own[side], width[side], size) in line(title)
     pads, soil = found["supports"][0], found["supports"][2]
     for side in ("max", "min"):
         assert estimated(pads["reaction"][side], widths["supports"][0]["reaction"][side]) in line("pads ")
@@ -149,6 +149,21 @@ def test_point_reactions_are_shown_and_noise_is_zero() -> None:
     assert [float(row[3]) for row in rows] == pytest.approx(result.supports[0].reactions, rel=1e-5)
     (prop,) = (line for line in lines if line.startswith("prop in the middle "))
     assert prop.split()[-3:] == ["0", number(float(result.supports[1].gaps[0])), "open"]
+
+
+def test_the_largest_moments_and_shears_of_every_combination_are_shown() -> None:
+    """With their places and half-widths, and where they are larger still."""
+    results = signorini.solve(model(2, units={"length": "m", "force": "kN"}))
+    lines = shown(print_results, results, WIDE).splitlines()
+    rows = [line for line in lines if line.startswith("moment mx [kN m/m]")]
+    for row, result in zip(rows, results.values(), strict=True):
+        ends, width = result.extremes["mx"], result.plus_minus["fields"]["mx"]
+        for side, at in (("max", ends.max_at), ("min", ends.min_at)):
+            assert estimated(getattr(ends, side), width[side], float(np.abs(result.moment).max()), 5) in row
+            assert point(at, result.mesh.size) in row
+    left_out = [line for line in lines if line.startswith("without a limit there, and left out: mx")]
+    assert left_out
+    assert all(line.endswith(("at pads at a point", "at force at a point of load[2]")) for line in left_out)
 
 
 def test_warnings_are_printed_once_after_the_tables() -> None:

@@ -22,28 +22,26 @@ pub use matrices::{ALL_DOFS, Centre, DOFS, PACKED, Stiffness, StrainMatrix, pack
 use mitc9::Apart;
 use number::Lanes;
 use pulp::{Arch, Simd, WithSimd};
-pub use section::{Layered, Material, Section, Sections, Thickness};
+pub use section::{Layered, Material, Materials, Section, Sections, Thickness};
 use shape::serendipity;
 
 /// Numbers that the widest register holds.
 const MOST_LANES: usize = 8;
 
+/// An element, and what it is made of.
+pub type Made<'a> = (Geometry, &'a Material, Sections<'a>);
+
 /// Stiffness of elements, each put where its number says; those of mitc9 as many at a time as a register holds.
-pub fn stiffness(
-    kind: Kind,
-    material: &Material,
-    elements: &[(Geometry, Sections)],
-    mut put: impl FnMut(usize, &Stiffness),
-) {
+pub fn stiffness(kind: Kind, elements: &[Made], mut put: impl FnMut(usize, &Stiffness)) {
     if kind == Kind::Q8r {
-        for (at, (geometry, sections)) in elements.iter().enumerate() {
+        for (at, (geometry, material, sections)) in elements.iter().enumerate() {
             put(at, &q8r::stiffness(geometry, std::array::from_fn(|i| sections.at(i, material))));
         }
         return;
     }
     for triangle in [false, true] {
         let which: Vec<usize> = (0..elements.len()).filter(|&at| elements[at].0.triangle == triangle).collect();
-        Arch::new().dispatch(SideBySide { triangle, which: &which, material, elements, put: &mut put });
+        Arch::new().dispatch(SideBySide { triangle, which: &which, elements, put: &mut put });
     }
 }
 
@@ -51,8 +49,7 @@ pub fn stiffness(
 struct SideBySide<'a, P> {
     triangle: bool,
     which: &'a [usize],
-    material: &'a Material,
-    elements: &'a [(Geometry, Sections<'a>)],
+    elements: &'a [Made<'a>],
     put: &'a mut P,
 }
 
@@ -61,7 +58,7 @@ impl<P: FnMut(usize, &Stiffness)> WithSimd for SideBySide<'_, P> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { triangle, which, material, elements, put } = self;
+        let Self { triangle, which, elements, put } = self;
         for which in which.chunks(S::F64_LANES) {
             // Lanes that are left over repeat the last element.
             let of = |lane: usize| &elements[which[lane.min(which.len() - 1)]];
@@ -75,7 +72,8 @@ impl<P: FnMut(usize, &Stiffness)> WithSimd for SideBySide<'_, P> {
             let section = |point: usize| {
                 let mut each = [Section { bending: [[0.0; 3]; 3], shear: [[0.0; 2]; 2] }; MOST_LANES];
                 for (lane, each) in each[..S::F64_LANES].iter_mut().enumerate() {
-                    *each = of(lane).1.at(point, material);
+                    let (_, material, sections) = of(lane);
+                    *each = sections.at(point, material);
                 }
                 let mut section = Section { bending: [[zero; 3]; 3], shear: [[zero; 2]; 2] };
                 for a in 0..3 {
@@ -182,23 +180,23 @@ mod tests {
 
     #[test]
     fn an_element_has_the_bits_that_it_has_alone() {
-        let material = Material::isotropic(3.0, 0.2, 5.0 / 6.0);
+        let materials = [0.2, 0.3].map(|poisson| Material::isotropic(3.0, poisson, 5.0 / 6.0));
         let varying: [f64; 13] = std::array::from_fn(|k| 0.1 + 0.01 * k as f64);
         for kind in [Kind::Mitc9, Kind::Q8r] {
-            let elements: Vec<(Geometry, Sections)> = (0..11)
+            let elements: Vec<Made> = (0..11)
                 .map(|e| {
                     let triangle = kind == Kind::Mitc9 && e % 3 == 1;
                     let moved = |[x, y]: [f64; 2]| [x + 0.03 * e as f64 * y, y + 0.02 * e as f64 * x * y];
                     let at = if triangle { COLLAPSED } else { CORNERS }.map(moved);
                     let sections = if e % 2 == 0 { Sections::Constant(0.2) } else { Sections::Varying(&varying) };
-                    (Geometry { at, triangle }, sections)
+                    (Geometry { at, triangle }, &materials[usize::from(e > 4)], sections)
                 })
                 .collect();
             let mut met = vec![0; elements.len()];
-            stiffness(kind, &material, &elements, |at, found| {
+            stiffness(kind, &elements, |at, found| {
                 met[at] += 1;
-                let (geometry, sections) = &elements[at];
-                let section = |point| sections.at(point, &material);
+                let (geometry, material, sections) = &elements[at];
+                let section = |point| sections.at(point, material);
                 let alone = match kind {
                     Kind::Q8r => q8r::stiffness(geometry, std::array::from_fn(section)),
                     Kind::Mitc9 if geometry.triangle => mitc9::stiffness(&mitc7::apart(geometry, section)),

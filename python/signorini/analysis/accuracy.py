@@ -53,7 +53,9 @@ def worst_of(results: Mapping[str, Result]) -> Refined | None:
         if result.plus_minus is None:
             continue
         largest, count = largest_of(result), len(result.mesh.elements)
-        for path, width in leaves(result.plus_minus).items():
+        # Extremes of moments and shears are wherever they happen to be: a probe says where one is to be as near.
+        asked = {key: of for key, of in result.plus_minus.items() if key != "fields"}
+        for path, width in leaves(asked).items():
             size = largest[kind_of(path)]
             part = width / size if size > 0 else 0.0
             if found is None or part > found.worst:
@@ -80,7 +82,7 @@ def refined(model: Model, results: Mapping[str, Result], steps: Sequence[Refined
         )
     shrinking = float(np.clip((reached.worst / asked) ** (1 / ORDER), _LEAST, _MOST))
     mesh = plate.scaled(model.mesh, 1 / shrinking)
-    if isinstance(plate, RectanglePlate) and not plate.freely_meshed(model.mesh):
+    if isinstance(plate, RectanglePlate) and plate.divisions(model.mesh) is not None:
         solved = [result for result in results.values() if result.status == "solved"]
         mesh = _graded(plate, solved, shrinking)
     count = math.ceil(reached.elements * shrinking**2)
@@ -126,7 +128,7 @@ def _bending(mesh: Mesh, solved: Sequence[Result], axis: int) -> tuple[Floats, F
     sides = ((0, 4, 1), (3, 6, 2)) if axis == 0 else ((0, 7, 3), (1, 5, 2))
     most = np.zeros(len(joints) - 1)
     for result in solved:
-        moment = result.moment[mesh.elements]
+        moment = result.moment[result.stress_nodes.elements]
         size = np.abs(moment).max()
         if not size > 0:
             continue

@@ -6,7 +6,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path as FilePath
 
 from signorini.analysis.accuracy import Refined, refined, worst_of
@@ -132,6 +132,16 @@ class Results(States[str], Mapping[str, Result]):
     def envelope(self) -> Envelope:
         """Extremes over all combinations that were solved."""
         return self.combined.envelope
+
+    @property
+    def groups(self) -> Mapping[str, Envelope]:
+        """Extremes over the combinations of each group (``combination.group``) that were solved."""
+        return self.combined.groups
+
+    @property
+    def governing(self) -> tuple[str, ...]:
+        """Combinations with an extreme of some field or support's reaction, of each group if there are any."""
+        return tuple(map(self.key, self.combined.governing))
 
     @cached_property
     def table(self) -> Mapping[str, Column]:
@@ -270,8 +280,14 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
         steps.append(reached)
         finer, warning = refined(results.model, results.full, steps)
         if finer is not None:
-            results = _solved(finer, watcher, table)
+            before = f"mesh {len(steps) + 1}, ± {reached.worst:.2g} on {reached.elements} elements"
+            results = _solved(finer, partial(_refining, watcher, before), table)
     return replace(results, refinement=tuple(steps), accuracy_warning=warning)
+
+
+def _refining(watcher: Watcher, before: str, now: Progress) -> object:
+    """Show what is being done on a finer mesh, with how far the mesh before it came."""
+    return watcher(replace(now, reached=before))
 
 
 def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None) -> Results:
@@ -360,6 +376,6 @@ def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combi
     if combined is None or asked == "all":
         yield from combinations
     elif asked == "governing":
-        yield from (combinations[row] for row in sorted(combined.envelope.rows))
+        yield from (combinations[row] for row in sorted(combined.governing))
     elif asked != "none":
         yield from (combination for combination in combinations if combination.name in asked)

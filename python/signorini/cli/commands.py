@@ -95,7 +95,7 @@ def solve(
     with _messages(file):
         from signorini.output import write
         from signorini.output.directory import former_results, room_for
-        from signorini.output.envelope_json import TABLE
+        from signorini.output.names import TABLE
 
         if threads is not None:
             # Rust's threads start at their first use and read this then.

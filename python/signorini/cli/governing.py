@@ -9,14 +9,13 @@ import numpy as np
 from rich.console import Console
 from rich.text import Text
 
-from signorini.analysis.combinations import Combined
 from signorini.analysis.solve import Results
 from signorini.cli.cells import cell, compared, in_unit, number, per_area, point, size_of, unit_of
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.contact.certificate import FIGURES
-from signorini.model import Units
 from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import Governing, governing_reactions
+from signorini.results.panels import quantity
 
 Widths = Mapping[str, Any] | None
 """Half-widths of an envelope, as in results.json; None where there are none."""
@@ -28,9 +27,8 @@ _MOST_BEARINGS = 12
 
 
 def print_combined(console: Console, results: Results) -> None:
-    """Print how many were solved, and the extremes with the combinations that they come from."""
+    """Print how many were solved, and the extremes with the combinations that they come from; of groups each apart."""
     combined, model = results.combined, results.model
-    widths: Widths = envelope_json(results)["plus_minus"]
     total = len(combined.combinations)
     say(console, Text(f"{total} combinations", style="bold") + Text(f": {combined.solved} solved"))
     if combined.solved < total:
@@ -41,9 +39,17 @@ def print_combined(console: Console, results: Results) -> None:
     if combined.not_unique:
         say(console, f"{combined.not_unique} not unique: the least of equal answers are given", style="yellow")
     console.print()
-    _print_fields(console, combined, model.units, widths)
-    _print_supports(console, combined, model.units, widths)
-    print_governing(console, results, widths)
+    for group, count in model.effective_combinations.groups.items() or (("", total),):
+        if group:
+            say(console, Text(group, style="bold") + Text(f": {count} combinations"))
+        found = envelope_json(results, group)
+        if found is None:
+            say(console, "none has an equilibrium", style="bold red")
+            console.print()
+            continue
+        _print_fields(console, results, group, found["plus_minus"])
+        _print_supports(console, results, group, found["plus_minus"])
+        print_governing(console, results, group, found["plus_minus"])
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {figures}")
     meshes = [results.discretisation.mesh, *(mesh for _, mesh in results.others)] if results.others else []
@@ -53,9 +59,9 @@ def print_combined(console: Console, results: Results) -> None:
         say(console, f"all results of: {', '.join(results.full)}")
 
 
-def print_governing(console: Console, results: Results, widths: Widths = None) -> None:
+def print_governing(console: Console, results: Results, group: str = "", widths: Widths = None) -> None:
     """Print the largest and the smallest reaction of each bearing, with those of all others in that combination."""
-    model, reactions = results.model, governing_reactions(results)
+    model, reactions = results.model, governing_reactions(results, group)
     if len(reactions) > 2 * _MOST_BEARINGS:
         bearings = f"{len(reactions) // 2} bearings"
         say(console, f"{bearings}: governing_reactions in results.json has the largest and smallest reaction of each")
@@ -76,7 +82,8 @@ def print_governing(console: Console, results: Results, widths: Widths = None) -
         cells = [Text(number(value, largest)) for value in one.reactions]
         cells[index // 2] = Text(_own(results, one, widths, largest), style="bold")
         shown.add(f"{side} {names[index // 2]}", one.combination, *cells)
-    say(console, "largest and smallest reaction of each bearing, beside it what the others do then")
+    of = f" in {group}" if group else ""
+    say(console, f"largest and smallest reaction of each bearing{of}, beside it what the others do then")
     shown.show(console)
     console.print()
 
@@ -90,47 +97,42 @@ def _own(results: Results, one: Governing, widths: Widths, largest: float) -> st
     return cell(one.own, results.full[one.combination].asked_estimate.plus_minus, path, largest)
 
 
-def _print_fields(console: Console, combined: Combined, units: Units, widths: Widths) -> None:
-    fields = combined.envelope.fields
-    if not fields:
+def _print_fields(console: Console, results: Results, group: str, widths: Widths) -> None:
+    envelope, units = results.combined.over(group), results.model.units
+    if not envelope.fields:
         return
-    both = units.force and units.length
-    moment, shear = (
-        (f"{units.force} {units.length}/{units.length}", f"{units.force}/{units.length}") if both else ("", "")
-    )
-    of = {"deflection": units.length, "reaction": units.force} | dict.fromkeys(("qx", "qy"), shear)
-    of |= dict.fromkeys(("mx", "my", "mxy"), moment)
     shown = Grid([Column("field"), *numbers("largest"), Column("of"), *numbers("smallest"), Column("of")])
-    for name, (high, high_by, low, low_by) in combined.envelope.governing().items():
-        if name in fields:
-            title = f"{'nodal reaction' if name == 'reaction' else name}{in_unit(of.get(name, ''))}"
+    for name, (high, high_by, low, low_by) in envelope.governing().items():
+        if name in envelope.fields:
+            title = f"nodal reaction{in_unit(units.force)}" if name == "reaction" else quantity(name, units)
             size = size_of([high, low])
             most = cell(high, widths, ("fields", name, "max"), size)
             least = cell(low, widths, ("fields", name, "min"), size)
-            shown.add(title, most, combined.name(high_by), least, combined.name(low_by))
+            shown.add(title, most, results.key(high_by), least, results.key(low_by))
     shown.show(console)
     console.print()
 
 
-def _print_supports(console: Console, combined: Combined, units: Units, widths: Widths) -> None:
-    model, governing = combined.layout.model, combined.envelope.governing()
+def _print_supports(console: Console, results: Results, group: str, widths: Widths) -> None:
+    whole, model = results.combined.over(group), results.model
+    units, governing = model.units, whole.governing()
     columns = [Column("support"), *numbers(f"largest reaction{in_unit(units.force)}"), Column("of")]
     shown = Grid([*columns, *numbers("smallest"), Column("of"), Column("points lifted", number=True, spare=True)])
-    every = list(zip(model.support, combined.envelope.supports, combined.layout.supports, strict=True))
+    every = list(zip(model.support, whole.supports, results.combined.layout.supports, strict=True))
     largest = size_of([governing[f"reaction:{index}"][::2] for index in range(len(every))])
     for index, (support, envelope, points) in enumerate(every):
         high, high_by, low, low_by = governing[f"reaction:{index}"]
         lifted = f"{int((envelope.lifted > 0).sum())} of {points.rows.shape[1]}" if points.rows.size else ""
         most = cell(high, widths, ("supports", index, "reaction", "max"), largest)
         least = cell(low, widths, ("supports", index, "reaction", "min"), largest)
-        shown.add(support.name, most, combined.name(high_by), least, combined.name(low_by), lifted)
+        shown.add(support.name, most, results.key(high_by), least, results.key(low_by), lifted)
     shown.show(console)
     console.print()
     for index, (support, envelope, points) in enumerate(every):
         of_support = ("supports", index)
         if support.place == "at" and envelope.lifted.any():
             at = int(np.where(envelope.lifted > 0, envelope.gap.largest, -np.inf).argmax())
-            name = combined.name(int(envelope.gap.largest_by[at]))
+            name = results.key(int(envelope.gap.largest_by[at]))
             gap = cell(float(envelope.gap.largest[at]), widths, (*of_support, "points", at, "gap", "max"))
             opening = f"{gap} {units.length}".rstrip()
             where = point(points.positions[at].tolist())
@@ -139,7 +141,7 @@ def _print_supports(console: Console, combined: Combined, units: Units, widths: 
             pressure = cell(float(envelope.pressed.largest[0]), widths, (*of_support, "max_pressure", "max"))
             area = cell(float(envelope.pressed.smallest[1]), widths, (*of_support, "contact_area", "min"))
             highest, least = f"{pressure} {per_area(units)}".rstrip(), f"{area}{unit_of(units.length, 2)}"
-            of_highest = combined.name(int(envelope.pressed.largest_by[0]))
-            of_least = combined.name(int(envelope.pressed.smallest_by[1]))
+            of_highest = results.key(int(envelope.pressed.largest_by[0]))
+            of_least = results.key(int(envelope.pressed.smallest_by[1]))
             say(console, f"{support.name}: largest pressure {highest} in {of_highest}")
             say(console, f"{support.name}: least in contact {least} in {of_least}")

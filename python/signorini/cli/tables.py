@@ -10,12 +10,15 @@ from rich.text import Text
 
 from signorini.analysis.check import Check
 from signorini.analysis.solve import Results
+from signorini.analysis.twins.leaves import largest_of
 from signorini.cli.cells import cell, compared, in_unit, number, per_area, point, size_of, unit_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.discretise import Discretisation
 from signorini.model import Support, Units
 from signorini.output.envelope_json import table_warnings
+from signorini.results.extremes import NUMBERS
+from signorini.results.panels import quantity
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 from signorini.results.support_words import MEANINGS, SYMBOLS, describe, kinds
@@ -46,7 +49,8 @@ def print_results(console: Console, results: Results) -> None:
         if len(results) >= _SEVERAL:
             console.print()
             _print_summary(console, results)
-            print_governing(console, results)
+            for group in (*results.model.effective_combinations.groups,) or ("",):
+                print_governing(console, results, group)
     for result in results.full.values() if not results.model.tabulated else ():
         console.print()
         if result.status == "solved":
@@ -189,6 +193,7 @@ def _print_result(console: Console, result: Result) -> None:
             pressure = f"{largest} {per_area(units)}".rstrip()
             say(console, f"{found.name}, in contact: {area}, largest pressure {pressure}")
     _print_deflection(console, result)
+    _print_extremes(console, result)
     say(console, f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red")
     say(console, f"of the equations; of the mesh: {compared(result.asked_estimate.elements, result.model.estimated)}")
     if result.probes:
@@ -239,14 +244,32 @@ def _named(found: SupportResult, index: int) -> str:
 
 def _print_deflection(console: Console, result: Result) -> None:
     unit, largest = unit_of(result.model.units.length), size_of(result.deflection)
-    widths = result.asked_estimate.plus_minus
-    ends = (("max", int(result.deflection.argmax())), ("min", int(result.deflection.argmin())))
+    widths, found = result.asked_estimate.plus_minus, result.extremes["deflection"]
     parts = (
-        f"{name} {cell(float(result.deflection[node]), widths, ('deflection', name), largest)}{unit} "
-        f"at {point(result.mesh.points[node].tolist(), result.mesh.size)}"
-        for name, node in ends
+        f"{name} {cell(value, widths, ('deflection', name), largest)}{unit} at {point(at, result.mesh.size)}"
+        for name, value, at in (("max", found.max, found.max_at), ("min", found.min, found.min_at))
     )
     say(console, f"deflection, positive down: {', '.join(parts)}")
+
+
+def _print_extremes(console: Console, result: Result) -> None:
+    """Print the largest and smallest moments and shears, and at what they are larger still."""
+    units, size, widths = result.model.units, result.mesh.size, result.asked_estimate.plus_minus
+    where = f"at{in_unit(units.length)}"
+    shown = Grid([Column("moments and shears"), *numbers("largest", where, "smallest", where)])
+    largest = largest_of(result)
+    beside: dict[str, list[str]] = {}
+    for name, kind in NUMBERS.items():
+        found, cells = result.extremes[name], []
+        for side, value, at in (("max", found.max, found.max_at), ("min", found.min, found.min_at)):
+            cells += [cell(value, widths, ("fields", name, side), largest[kind], 5), point(at, size)]
+        shown.add(quantity(name, units), *cells)
+        for what in dict.fromkeys(filter(None, (found.max_beside, found.min_beside))):
+            beside.setdefault(what, []).append(name)
+    console.print()
+    shown.show(console)
+    for what, names in beside.items():
+        say(console, f"without a limit there, and left out: {', '.join(names)} at {what[0].lower()}{what[1:]}")
 
 
 def _print_probes(console: Console, result: Result, units: Units) -> None:
@@ -298,12 +321,12 @@ def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], of:
 
 
 def _print_singular(console: Console, named: Iterable[Singularity]) -> None:
-    """Say what has no limit as the mesh is refined, each once."""
-    sentences = list(dict.fromkeys(map(str, named)))
+    """Say what has no limit as the mesh is refined, and what this one is too coarse for, each once."""
+    sentences = list(dict.fromkeys(f"{'Unresolved' if one.limited else 'Singular'}: {one}" for one in named))
     for sentence in sentences[:_MOST_WARNINGS]:
-        say(console, f"Singular: {sentence}", style="yellow")
+        say(console, sentence, style="yellow")
     if (left := len(sentences) - _MOST_WARNINGS) > 0:
-        say(console, f"And {left} more without a limit.", style="yellow")
+        say(console, f"And {left} more of such places, all in results.json.", style="yellow")
     if sentences:
         console.print()
 

@@ -159,7 +159,7 @@ def certify(
         bending = _rigidity(found, found.thickness.max()) * bent / size**2
         rest = _UNSEEN * _largest(bending, _by_force(beside, across))
         if idle:
-            shear = found.model.material.young * found.thickness.max()
+            shear = found.model.young * found.thickness.max()
             rest = max(rest, _UNSEEN * shear * _largest(length, contacts.distance))
         scale = _largest(_by_force(load.nodal, across) or _largest(_by_force(at_holds, across), force), rest)
         pressing = _largest(scale, force)
@@ -310,7 +310,7 @@ def _bending_force(found: Discretisation, hi: Floats) -> float:
 
 
 def _rigidity(found: Discretisation, thickness: float) -> float:
-    return found.model.material.young * float(thickness) ** 3 / 12
+    return found.model.young * float(thickness) ** 3 / 12
 
 
 def _by_force(nodal: Floats, across: float) -> float:

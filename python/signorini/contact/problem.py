@@ -252,8 +252,9 @@ class ContactProblem(Remade):
         """Pose the LCP of one nodal load (3n,).
 
         "stiffness" has the gaps for unknowns. "dual" has the reactions, but gaps at points whose stiffness the factor
-        carries: elastic ones softer than the plate in shear and, where one-sided supports alone hold the plate, as many
-        as it has rigid motions. ``gap_is_z`` marks them. "auto" takes the better conditioned one, `better_form`.
+        carries: elastic ones softer than the plate in shear, but for footprints, and, where one-sided supports alone
+        hold the plate, as many as it has rigid motions. ``gap_is_z`` marks them. "auto" takes the better conditioned
+        one, `better_form`.
 
         Raises
         ------

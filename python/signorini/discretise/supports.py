@@ -172,7 +172,7 @@ def _acting(
 ) -> list[_Acting]:
     """Points and rows of one support, for what no node holds."""
     support, place, triples = placed.support, placed.place, placed.sides
-    deflection = "w" in support.fixed or support.resists is not None
+    deflection = support.holds_w
     if support.area is not None:
         return [_on_area(mesh, shape, plate, held, of_elements, support, place)]
     if placed.points is not None:

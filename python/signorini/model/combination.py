@@ -107,6 +107,11 @@ class Combination(Table):
         default="",
         description='Name, each once; default "combination 1", "combination 2", ... Generated names begin with it.',
     )
+    group: Text = Field(
+        default="",
+        description="Group whose envelope and governing combinations are told apart, such as ULS or SLS; left out: "
+        "in none but the envelope of all.",
+    )
     factors: Annotated[Mapping[Text, Number], AfterValidator(Factors), PlainSerializer(dict)] | None = Field(
         default=None,
         description="Factor of each load case, as in { G = 1.35, Q = 1.5 }; a case left out has none. Empty: no load.",

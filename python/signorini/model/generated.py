@@ -26,22 +26,23 @@ class Choice:
 
 @dataclass(frozen=True)
 class Product:
-    """Every way to take one choice from each group, the last group changing first."""
+    """Every way to fill each place with one of its choices, the last place changing first."""
 
     name: str
     fixed: tuple[tuple[str, float], ...]
-    groups: tuple[tuple[Choice, ...], ...]
+    places: tuple[tuple[Choice, ...], ...]
+    group: str = ""
 
     def __len__(self) -> int:
         """Count the combinations."""
-        return math.prod(len(group) for group in self.groups)
+        return math.prod(len(choices) for choices in self.places)
 
     def __getitem__(self, index: int) -> tuple[str, Factors]:
         """Return the name and the factors of one combination."""
         chosen = []
-        for group in reversed(self.groups):
-            index, which = divmod(index, len(group))
-            chosen.append(group[which])
+        for choices in reversed(self.places):
+            index, which = divmod(index, len(choices))
+            chosen.append(choices[which])
         chosen.reverse()
         factors = dict(self.fixed)
         for choice in chosen:
@@ -53,7 +54,7 @@ class Product:
     @property
     def cases(self) -> set[str]:
         """Every case that occurs."""
-        return {case for case, _ in self.fixed} | {c.case for group in self.groups for c in group if c.case}
+        return {case for case, _ in self.fixed} | {c.case for choices in self.places for c in choices if c.case}
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,7 @@ class Listing:
     columns: tuple[str, ...]
     names: tuple[str, ...]
     rows: tuple[tuple[float, ...], ...]
+    group: str = ""
 
     def __len__(self) -> int:
         """Count the combinations."""
@@ -111,7 +113,16 @@ class Combinations(Sequence[Combination]):
         index %= len(self)
         which = bisect_right(self._ends, index)  # type: ignore[attr-defined]
         name, factors = self.products[which][index - (self._ends[which - 1] if which else 0)]  # type: ignore[attr-defined]
-        return Combination.model_construct(name=name, factors=factors)
+        return Combination.model_construct(name=name, group=self.products[which].group, factors=factors)
+
+    @property
+    def groups(self) -> dict[str, int]:
+        """How many combinations each group with a name has, in the order of the input."""
+        counts: dict[str, int] = {}
+        for product in self.products:
+            if product.group:
+                counts[product.group] = counts.get(product.group, 0) + len(product)
+        return counts
 
     def names(self) -> Iterator[str]:
         """Yield every name."""
@@ -122,20 +133,21 @@ class Combinations(Sequence[Combination]):
 
 def products(combination: Combination, positions: Positions) -> Iterator[Product | Listing]:
     """What a table of the input stands for."""
+    group = combination.group
     match combination.generate:
         case None:
-            yield Product(combination.name, tuple(_factors(combination).items()), ())
+            yield Product(combination.name, tuple(_factors(combination).items()), (), group)
         case "positions":
-            yield _of_factors(combination.name, _factors(combination), positions)
+            yield _of_factors(combination.name, _factors(combination), positions, group)
         case "table":
             listing = _listing(combination)
             if not positions.keys() & listing.cases:
                 yield listing
                 return
             for index in range(len(listing)):
-                yield _of_factors(*listing[index], positions)
+                yield _of_factors(*listing[index], positions, group)
         case "patterns":
-            yield Product(combination.name, (), tuple(_patterns(combination, positions)))
+            yield Product(combination.name, (), tuple(_patterns(combination, positions)), group)
 
 
 def _factors(combination: Combination) -> Mapping[str, float]:
@@ -145,16 +157,17 @@ def _factors(combination: Combination) -> Mapping[str, float]:
 
 def _listing(combination: Combination) -> Listing:
     if combination.file is not None:
-        return Listing(combination.file.columns, combination.file.names, combination.file.rows)
+        file = combination.file
+        return Listing(file.columns, file.names, file.rows, combination.group)
     assert combination.columns is not None and combination.rows is not None  # one or the other is given
-    return Listing(combination.columns, tuple(combination.rows), tuple(combination.rows.values()))
+    return Listing(combination.columns, tuple(combination.rows), tuple(combination.rows.values()), combination.group)
 
 
-def _of_factors(name: str, factors: Mapping[str, float], positions: Positions) -> Product:
+def _of_factors(name: str, factors: Mapping[str, float], positions: Positions, group: str) -> Product:
     fixed = tuple((case, factor) for case, factor in factors.items() if case not in positions)
     moving = ((case, factor) for case, factor in factors.items() if case in positions)
-    groups = tuple(tuple(Choice(at, at, factor) for at in positions[case]) for case, factor in moving)
-    return Product(name, fixed, groups)
+    places = tuple(tuple(Choice(at, at, factor) for at in positions[case]) for case, factor in moving)
+    return Product(name, fixed, places, group)
 
 
 def _patterns(combination: Combination, positions: Positions) -> Iterator[tuple[Choice, ...]]:

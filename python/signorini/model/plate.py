@@ -7,7 +7,7 @@ import os
 from abc import abstractmethod
 from collections.abc import Iterator
 from pathlib import Path as FilePath
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
@@ -178,9 +178,14 @@ class OutlinedPlate(_Plate):
         """Size of elements that the mesh options ask for, where they are not counted."""
         return mesh.size if mesh.size is not None else self._longer_side() / _DEFAULT_ALONG
 
-    def freely_meshed(self, mesh: MeshOptions) -> bool:
-        """Whether elements of about one size fill the outline, instead of a number of them in rows."""
-        return True
+    def divisions(self, mesh: MeshOptions) -> tuple[int, int] | None:
+        """Numbers of elements in rows (see `MeshOptions.divisions`); None where they fill the outline as they fit."""
+        return None
+
+    @property
+    def fewest(self) -> tuple[int, int]:
+        """Least numbers of elements along the two directions."""
+        return 1, 1
 
     def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
         """Mesh options for elements larger by a factor, as far as there are enough of them."""
@@ -195,8 +200,13 @@ class OutlinedPlate(_Plate):
 class _PatternedPlate(OutlinedPlate):
     """A plate that has a regular mesh while it has no holes."""
 
-    def divisions(self, mesh: MeshOptions) -> tuple[int, int]:
-        """Numbers of elements that the mesh options ask for along the two directions (see `MeshOptions.divisions`)."""
+    rows_refine: ClassVar[bool] = False
+    """Whether rows can be refined too."""
+
+    def divisions(self, mesh: MeshOptions) -> tuple[int, int] | None:
+        """Numbers of elements in rows (see `MeshOptions.divisions`); None where they fill the outline as they fit."""
+        if self.holes or (mesh.refine and not self.rows_refine):
+            return None
         if mesh.divisions is not None:
             return mesh.divisions
         lengths = self._lengths()
@@ -205,25 +215,15 @@ class _PatternedPlate(OutlinedPlate):
         first, second = (max(count, least) for count, least in zip(counts, self.fewest, strict=True))
         return first, second
 
-    def freely_meshed(self, mesh: MeshOptions) -> bool:
-        """Whether elements of about one size fill the outline, instead of a number of them in rows."""
-        return bool(self.holes or mesh.refine)
-
     def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
         """Mesh options for elements larger by a factor, as far as there are enough of them."""
-        scaled = super().scaled(mesh, factor)
-        if self.freely_meshed(mesh):
+        scaled, divisions = super().scaled(mesh, factor), self.divisions(mesh)
+        if divisions is None:
             return scaled
         first, second = (
-            max(math.ceil(count / factor), least)
-            for count, least in zip(self.divisions(mesh), self.fewest, strict=True)
+            max(math.ceil(count / factor), least) for count, least in zip(divisions, self.fewest, strict=True)
         )
         return scaled.model_copy(update={"divisions": (first, second), "size": None})
-
-    @property
-    def fewest(self) -> tuple[int, int]:
-        """Least numbers of elements along the two directions."""
-        return 1, 1
 
     @abstractmethod
     def _lengths(self) -> tuple[float, float]:
@@ -232,6 +232,8 @@ class _PatternedPlate(OutlinedPlate):
 
 class RectanglePlate(_PatternedPlate):
     """A rectangle with sides parallel to the axes."""
+
+    rows_refine: ClassVar[bool] = True
 
     shape: Literal["rectangle"] = Field(default="rectangle", description=_SHAPES)
     size: Annotated[
@@ -247,10 +249,6 @@ class RectanglePlate(_PatternedPlate):
         (x, y), (a, b) = self.origin, self.size
         corners = ((x, y), (x + a, y), (x + a, y + b), (x, y + b))
         return straight(corners, ("bottom", "right", "top", "left"))
-
-    def freely_meshed(self, mesh: MeshOptions) -> bool:
-        """Whether elements of about one size fill the outline; without holes rows and columns can be refined."""
-        return bool(self.holes)
 
     def _lengths(self) -> tuple[float, float]:
         return self.size

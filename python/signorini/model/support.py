@@ -143,6 +143,11 @@ class Support(Table):
         held = _KINDS[self.fix] if isinstance(self.fix, str) else self.fix
         return tuple(part for part in _COMPONENTS if part in held)
 
+    @property
+    def holds_w(self) -> bool:
+        """Whether it acts on the deflection, one way or both, not on slopes alone."""
+        return self.resists is not None or "w" in self.fixed
+
     def _complaints(self) -> Iterator[Complaint]:
         places = self.given(_PLACES)
         if len(places) != 1:

@@ -16,9 +16,10 @@ from signorini.model.load import Load, Probe
 from signorini.model.meshoptions import MeshOptions
 from signorini.model.moving import Moving
 from signorini.model.output import FEW, Output
-from signorini.model.plate import AnyPlate, Material, MeshPlate, PolygonPlate
+from signorini.model.plate import AnyPlate, Material, MeshPlate
 from signorini.model.problems import TOP, tables_of
 from signorini.model.support import Support
+from signorini.model.zone import Zone
 
 _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
@@ -69,6 +70,7 @@ class Model(Table):
     units: Units = Field(default=Units(), description="Labels of the units, for the output.")
     material: Material = Field(description="The plate's material.")
     plate: AnyPlate = Field(description="The plate's outline, thickness and element.")
+    zone: tuple[Zone, ...] = Field(default=(), description="Parts of the plate that are made otherwise.")
     mesh: MeshOptions = Field(default=MeshOptions(), description="How finely the plate is meshed.")
     support: Annotated[tuple[Support, ...], AfterValidator(_named)] = Field(default=(), description="The supports.")
     load: tuple[Load, ...] = Field(min_length=1, description="The loads, at least one.")
@@ -86,6 +88,16 @@ class Model(Table):
         return tuple(dict.fromkeys(load.case for load in self.load))
 
     @property
+    def materials(self) -> tuple[Material, ...]:
+        """The plate's material, and those that zones have."""
+        return (self.material, *(zone.material for zone in self.zone if zone.material is not None))
+
+    @property
+    def young(self) -> float:
+        """Young's modulus, the largest there is."""
+        return max(material.young for material in self.materials)
+
+    @property
     def positions(self) -> Positions:
         """Names of the load cases that the positions of each moving load are, by the moving load's case."""
         return {moving.case: tuple(moving.positions) for moving in self.moving}
@@ -100,8 +112,8 @@ class Model(Table):
         positions = self.positions
         if self.combination:
             return Combinations(tuple(p for combination in self.combination for p in products(combination, positions)))
-        groups = tuple(tuple(Choice(at, at, 1.0) for at in places) for places in positions.values())
-        return Combinations((Product("all", tuple((case, 1.0) for case in self.cases), groups),))
+        choices = tuple(tuple(Choice(at, at, 1.0) for at in places) for places in positions.values())
+        return Combinations((Product("all", tuple((case, 1.0) for case in self.cases), choices),))
 
     @property
     def tabulated(self) -> bool:
@@ -126,6 +138,12 @@ class Model(Table):
                     ("load", index, "self_weight"),
                     "self_weight needs the material's unit_weight, which is not given.",
                 )
+        for index, zone in enumerate(self.zone if any(load.self_weight for load in self.load) else ()):
+            if zone.material is not None and zone.material.unit_weight is None:
+                yield (
+                    ("zone", index, "material"),
+                    "there is a load of self_weight, which needs this material's unit_weight.",
+                )
         yield from self._moving_complaints()
         yield from self._combination_complaints()
 
@@ -134,15 +152,14 @@ class Model(Table):
             for key in [*self.mesh.given(("divisions", "size", "accuracy")), *(["refine"] if self.mesh.refine else [])]:
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
             return
-        if self.plate.freely_meshed(self.mesh):
+        divisions = self.plate.divisions(self.mesh)
+        if divisions is None:
             if self.mesh.divisions is not None:
                 shape = self.plate.shape
                 why = "a polygon" if shape == "polygon" else "holes" if self.plate.holes else "refine"
                 yield ("mesh", "divisions"), f"divisions count the elements of a regular mesh; with {why} give size."
             return
-        assert not isinstance(self.plate, PolygonPlate)  # it is freely meshed
-        first, second = self.plate.divisions(self.mesh)
-        fewest = self.plate.fewest[1]
+        (first, second), fewest = divisions, self.plate.fewest[1]
         if second < fewest:
             yield ("mesh", "divisions"), f"found {second} elements around; this plate needs at least {fewest}."
         if first * second > _MOST_ELEMENTS:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -13,15 +13,18 @@ from signorini.analysis.solve import Results
 from signorini.analysis.twins.compared import Meshes, compared
 from signorini.analysis.twins.leaves import with_numbers
 from signorini.discretise.rows import Floats
+from signorini.discretise.stressnodes import StressNodes
 from signorini.formats.vtk import write_vtu
 from signorini.mesh import Mesh
+from signorini.output.names import TABLE, envelope_files
 from signorini.results.columns import Layout
-from signorini.results.envelope import NONE, Extremes
+from signorini.results.envelope import NONE, Envelope, Extremes
 from signorini.results.result import FIELDS
 from signorini.results.warnings import model_warnings, too_far
 from signorini.singularities.named import singularities
 
-TABLE, ENVELOPE = "combinations.parquet", "envelope.vtu"
+Name = Callable[[int], str]
+"""Tells the name of a combination, given its number."""
 
 
 def table_json(results: Results) -> dict[str, Any]:
@@ -50,99 +53,107 @@ def table_warnings(results: Results) -> Iterator[str]:
         yield from too_far(results.discretisation, np.where(down, extremes.largest, extremes.smallest))
 
 
-def envelope_json(results: Results) -> dict[str, Any]:
-    """Give the key "envelope" of results.json."""
-    mesh, others = results.discretisation.mesh, dict((mesh, combined) for combined, mesh in results.others)
-    own = _envelope(results.combined, mesh)
-    plus_minus = None
-    if others:
-        meshes = Meshes.of(mesh, list(others))
-        trees = [own if one is mesh else _envelope(others[one], one) for one in meshes.every]
+def envelope_json(results: Results, group: str = "") -> dict[str, Any] | None:
+    """Give the key "envelope" of results.json, or that of a group; None where no combination of it was solved."""
+    mesh, found = results.discretisation.mesh, {results.discretisation.mesh: results.combined}
+    found |= {other: combined for combined, other in results.others}
+    trees = {one: _envelope(results, combined, one, group) for one, combined in found.items()}
+    own, plus_minus = trees[mesh], None
+    if own is None:
+        return None
+    told = [one for one, tree in trees.items() if tree is not None and one is not mesh]
+    if told:
+        meshes = Meshes.of(mesh, told)
+        every = [tree for one in meshes.every if (tree := trees[one]) is not None]
         numbers, _ = compared(
-            trees, meshes, results.model, singularities(results.discretisation), lambda path, value: abs(value)
+            every, meshes, results.model, singularities(results.discretisation), lambda path, value: abs(value)
         )
         plus_minus = with_numbers({key: own[key] for key in ("fields", "supports", "probes")}, numbers)
     return own | {"plus_minus": plus_minus}
 
 
-def _envelope(combined: Combined, mesh: Mesh) -> dict[str, Any]:
-    envelope, layout = combined.envelope, combined.layout
+def _envelope(results: Results, combined: Combined, mesh: Mesh, group: str) -> dict[str, Any] | None:
+    """Give extremes as found on some mesh."""
+    if group and group not in combined.groups:
+        return None
+    envelope, name = combined.over(group), results.key
     fields = {}
-    for name, extremes in envelope.fields.items():
-        high, low = envelope.peaks(name)
-        fields[name] = {
-            **_side(combined, "max", extremes, high),
-            "max_at": mesh.points[high].tolist(),
-            **_side(combined, "min", extremes, low),
-            "min_at": mesh.points[low].tolist(),
-        }
-    for name, (places, extremes) in envelope.pressures.items():
-        elastic = name == "contact_pressure"
+    for field, extremes in envelope.fields.items():
+        high, low = envelope.peaks(field)
+        fields[field] = _ends(name, extremes, combined.layout.nodes, high, low)
+    for field, (places, extremes) in envelope.pressures.items():
+        elastic = field == "contact_pressure"
         at = mesh.points[places] if elastic else mesh.points[mesh.elements[places]].mean(axis=1)
-        high, low = int(extremes.largest.argmax()), int(extremes.smallest.argmin())
-        fields[name] = {
-            **_side(combined, "max", extremes, high),
-            "max_at": at[high].tolist(),
-            **_side(combined, "min", extremes, low),
-            "min_at": at[low].tolist(),
-        }
+        fields[field] = _ends(name, extremes, at, int(extremes.largest.argmax()), int(extremes.smallest.argmin()))
+    layout = combined.layout
     return {
-        "file": ENVELOPE if envelope.fields else None,
+        "file": envelope_files(results).get(group),
         "fields": fields,
-        "supports": [_support(combined, index) for index in range(len(layout.supports))],
-        "probes": [_probe(combined, layout, index) for index in range(len(layout.probes))],
+        "supports": [_support(name, envelope, layout, index) for index in range(len(layout.supports))],
+        "probes": [_probe(name, envelope, layout, index) for index in range(len(layout.probes))],
     }
 
 
-def write_envelope(results: Results, path: str | os.PathLike[str]) -> None:
+def write_envelope(nodes: StressNodes, envelope: Envelope, path: str | os.PathLike[str]) -> None:
     """Write a .vtu file: of every field its extremes, and the numbers of the rows that they come from."""
-    mesh, envelope = results.discretisation.mesh, results.envelope
+    mesh = nodes.mesh
     at_nodes: dict[str, Floats] = {}
     of_elements: dict[str, Floats] = {}
-    nodes = np.arange(mesh.node_count)
-    for name, (places, extremes) in ({n: (nodes, e) for n, e in envelope.fields.items()} | envelope.pressures).items():
+    fields = {name: (np.arange(len(of.largest)), of) for name, of in envelope.fields.items()}
+    for name, (places, extremes) in (fields | envelope.pressures).items():
         rigid = name == "rigid_contact_pressure"
         for side, value, by in (
             ("max", extremes.largest, extremes.largest_by),
             ("min", extremes.smallest, extremes.smallest_by),
         ):
             for ending, values, elsewhere in (("", value, 0.0), ("_row", by, NONE)):
-                data = np.full(len(mesh.elements) if rigid else len(nodes), float(elsewhere))
+                count = len(mesh.elements) if rigid else max(mesh.node_count, len(values))
+                data = np.full(count, float(elsewhere))
                 data[places] = values
                 (of_elements if rigid else at_nodes)[f"{name}_{side}{ending}"] = data
-    write_vtu(path, mesh.points, mesh.elements, at_nodes, of_elements)
+    at_nodes = {name: nodes.spread(data) for name, data in at_nodes.items()}
+    write_vtu(path, nodes.points, nodes.elements, at_nodes, of_elements)
 
 
-def _side(combined: Combined, side: str, extremes: Extremes, at: int) -> dict[str, Any]:
+def _ends(name: Name, extremes: Extremes, places: Floats, high: int, low: int) -> dict[str, Any]:
+    return {
+        **_side(name, "max", extremes, high),
+        "max_at": places[high].tolist(),
+        **_side(name, "min", extremes, low),
+        "min_at": places[low].tolist(),
+    }
+
+
+def _side(name: Name, side: str, extremes: Extremes, at: int) -> dict[str, Any]:
     largest = side == "max"
     value = (extremes.largest if largest else extremes.smallest)[at]
     by = (extremes.largest_by if largest else extremes.smallest_by)[at]
-    return {side: float(value), f"{side}_by": combined.name(int(by))}
+    return {side: float(value), f"{side}_by": name(int(by))}
 
 
-def _both(combined: Combined, extremes: Extremes, at: int) -> dict[str, Any]:
-    return {**_side(combined, "max", extremes, at), **_side(combined, "min", extremes, at)}
+def _both(name: Name, extremes: Extremes, at: int) -> dict[str, Any]:
+    return {**_side(name, "max", extremes, at), **_side(name, "min", extremes, at)}
 
 
-def _support(combined: Combined, index: int) -> dict[str, Any]:
-    support, points = combined.envelope.supports[index], combined.layout.supports[index]
-    asked = combined.layout.model.support[index]
+def _support(name: Name, envelope: Envelope, layout: Layout, index: int) -> dict[str, Any]:
+    support, points = envelope.supports[index], layout.supports[index]
+    asked = layout.model.support[index]
     out: dict[str, Any] = {
         "name": asked.name,
-        "reaction": _both(combined, support.reaction, 0),
+        "reaction": _both(name, support.reaction, 0),
         "lifted": int((support.lifted > 0).sum()),
     }
     if support.pressed is not None:
         out |= {
-            "max_pressure": _both(combined, support.pressed, 0),
-            "contact_area": _both(combined, support.pressed, 1),
+            "max_pressure": _both(name, support.pressed, 0),
+            "contact_area": _both(name, support.pressed, 1),
         }
     if asked.place == "at":
         out["points"] = [
             {
                 "at": points.positions[p].tolist(),
-                "reaction": _both(combined, support.points, p),
-                "gap": _side(combined, "max", support.gap, p) if support.lifted[p] else None,
+                "reaction": _both(name, support.points, p),
+                "gap": _side(name, "max", support.gap, p) if support.lifted[p] else None,
                 "lifted_in": int(support.lifted[p]),
             }
             for p in range(len(points.positions))
@@ -156,13 +167,13 @@ def _support(combined: Combined, index: int) -> dict[str, Any]:
         out["largest"] = {
             "per": "area" if area else "length",
             "max": float(per[at]),
-            "max_by": combined.name(int(by[at])),
+            "max_by": name(int(by[at])),
             "max_at": places[at].tolist(),
         }
     return out
 
 
-def _probe(combined: Combined, layout: Layout, index: int) -> dict[str, Any]:
+def _probe(name: Name, envelope: Envelope, layout: Layout, index: int) -> dict[str, Any]:
     first = index * len(FIELDS)
-    values = {name: _both(combined, combined.envelope.probes, first + i) for i, name in enumerate(FIELDS)}
+    values = {field: _both(name, envelope.probes, first + i) for i, field in enumerate(FIELDS)}
     return {"at": layout.probes[index].tolist(), **values}

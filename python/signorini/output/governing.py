@@ -20,9 +20,14 @@ class Governing:
     reactions: tuple[float, ...]
 
 
-def governing_reactions(results: Results) -> list[Governing]:
-    """Give the extremes of every bearing, the largest before the smallest; of equals the first combination's."""
-    bearings, found = results.combined.layout.bearings, results.envelope.bearings
+def governing_reactions(results: Results, group: str = "") -> list[Governing]:
+    """Give the extremes of every bearing, the largest before the smallest; of equals the first combination's.
+
+    Over a group of combinations, or over all; none where none of them has an equilibrium.
+    """
+    if group and group not in results.groups:
+        return []
+    bearings, found = results.combined.layout.bearings, results.combined.over(group).bearings
     sides = (
         (True, found.extremes.largest_by, found.with_largest),
         (False, found.extremes.smallest_by, found.with_smallest),
@@ -34,10 +39,10 @@ def governing_reactions(results: Results) -> list[Governing]:
     ]
 
 
-def governing_json(results: Results) -> list[dict[str, Any]]:
-    """Give the key "governing_reactions" of results.json."""
+def governing_json(results: Results, group: str = "") -> list[dict[str, Any]]:
+    """Give the key "governing_reactions" of results.json, or of a group."""
     model = results.discretisation.model
-    every = governing_reactions(results)
+    every = governing_reactions(results, group)
     return [
         {
             "support": model.support[high.bearing.support].name,

@@ -9,10 +9,9 @@ from pathlib import Path
 
 from signorini.analysis.solve import Results
 from signorini.model import Model
-from signorini.output.envelope_json import ENVELOPE, TABLE
 from signorini.results.result import Result
 
-JSON, CSV = "results.json", "reactions.csv"
+JSON, CSV, TABLE = "results.json", "reactions.csv", "combinations.parquet"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
 PRESSURE, MOMENTS, SHEARS = "-pressure", "-moments", "-shears"
@@ -29,10 +28,10 @@ def files(results: Results) -> list[dict[str, str | None]]:
     endings = {"vtu": ".vtu", "picture": ".png", "moments": f"{MOMENTS}.png", "shears": f"{SHEARS}.png"}
     endings |= {"pressure": f"{PRESSURE}.png"} if has_areas(results) else {}
     together = {"results": JSON, "reactions": CSV}
-    if results.model.tabulated:
-        together |= {"table": TABLE} | ({"envelope": ENVELOPE} if results.envelope.fields else {})
+    together |= {"table": TABLE} if results.model.tabulated else {}
     together |= {"refinement": REFINEMENT} if results.refinement else {}
     named: list[tuple[str | None, str, str]] = [(None, kind, name) for kind, name in together.items()]
+    named += [(None, "envelope", name) for name in envelope_files(results).values()]
     named += [(one.name, kind, slug + ending) for one, slug in slugs(results) for kind, ending in endings.items()]
     return [{"combination": name, "kind": kind, "file": file} for name, kind, file in named]
 
@@ -52,6 +51,15 @@ def expected_names(model: Model) -> Iterator[str]:
         yield from (f"{slug}{ending}" for ending in (".vtu", *(f"{ending}.png" for ending in _ENDINGS)))
 
 
+def envelope_files(results: Results) -> dict[str, str]:
+    """Name the files of the envelopes by group, that of all combinations by no name."""
+    if not (results.model.tabulated and results.envelope.fields):
+        return {}
+    groups = ("", *results.model.effective_combinations.groups)
+    found = zip(groups, unique_slugs(_envelopes(results.model)), strict=True)
+    return {group: f"{slug}.vtu" for group, slug in found if not group or group in results.groups}
+
+
 def has_areas(results: Results) -> bool:
     """Whether the plate rests on an area."""
     return any(support.area is not None for support in results.discretisation.model.support)
@@ -59,8 +67,12 @@ def has_areas(results: Results) -> bool:
 
 def _taken(model: Model) -> list[str]:
     """Names without endings that pictures of all combinations have, and so none of one."""
-    taken = [Path(ENVELOPE).stem] if model.tabulated else []
+    taken = _envelopes(model) if model.tabulated else []
     return taken + [Path(REFINEMENT).stem] * (model.mesh.accuracy is not None)
+
+
+def _envelopes(model: Model) -> list[str]:
+    return ["envelope", *(f"envelope {group}" for group in model.effective_combinations.groups)]
 
 
 def slugs(results: Results) -> Iterator[tuple[Result, str]]:

@@ -68,6 +68,7 @@ def results_json(results: Results) -> dict[str, Any]:
         },
         "combinations": [_combination(results, result) for result in results.full.values()],
         "governing_reactions": governing_json(results),
+        "groups": [_group(results, *group) for group in found.model.effective_combinations.groups.items()],
         **tabulated,
         **({"refinement": [asdict(step) for step in results.refinement]} if results.refinement else {}),
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
@@ -117,12 +118,18 @@ def _combination(results: Results, result: Result) -> dict[str, Any]:
     }
 
 
+def _group(results: Results, name: str, combinations: int) -> dict[str, Any]:
+    found = {"name": name, "combinations": combinations, "governing_reactions": governing_json(results, name)}
+    return found | ({"envelope": envelope_json(results, name)} if results.model.tabulated else {})
+
+
 def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
     """Give the key "singular" of a combination."""
     return [
         {
             "where": [list(at) for at in one.where],
             "line": one.line,
+            "limited": one.limited,
             "within": one.within,
             "what": one.what,
             "numbers": list(one.numbers),

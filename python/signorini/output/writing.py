@@ -11,8 +11,8 @@ from signorini.analysis.solve import Results
 from signorini.base.files import replacing_together
 from signorini.formats.vtk import Vtu
 from signorini.output.directory import cannot_write, former_results
-from signorini.output.envelope_json import ENVELOPE, TABLE, write_envelope
-from signorini.output.names import CSV, JSON, slugs
+from signorini.output.envelope_json import write_envelope
+from signorini.output.names import CSV, JSON, TABLE, envelope_files, slugs
 from signorini.output.pictures import write_pictures, write_refinement
 from signorini.output.tables import reactions_csv, results_json
 from signorini.results.result import vtk_fields
@@ -55,15 +55,15 @@ def write(
     try:
         with replacing_together(target, partial(former_results, target), seal=JSON) as beside:
             named = list(slugs(results))
-            mesh = results.discretisation.mesh
+            solved = results.discretisation
             if named:
-                vtu = Vtu(mesh.points, mesh.elements)
+                vtu = Vtu(solved.stress_nodes.points, solved.stress_nodes.elements)
                 for result, slug in named:
                     vtu.write(beside / f"{slug}.vtu", *vtk_fields(result))
             write_pictures(results, named, beside)
             write_refinement(results, beside)
-            if results.model.tabulated and results.envelope.fields:
-                write_envelope(results, beside / ENVELOPE)
+            for group, name in envelope_files(results).items():
+                write_envelope(results.discretisation.stress_nodes, results.combined.over(group), beside / name)
             if table is not None:
                 Path(table).rename(beside / TABLE)
             (beside / CSV).write_text(reactions_csv(results), encoding="utf-8")

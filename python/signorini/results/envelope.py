@@ -47,6 +47,18 @@ class Extremes:
             better = sign * found > sign * bound
             bound[better], by[better] = found[better], who[at[better]]
 
+    def meet(self, other: Extremes) -> tuple[Bools, Bools]:
+        """Meet what others have met; return which of the largest and smallest (n,) are theirs."""
+        found = []
+        for mine, by, theirs, who, sign in (
+            (self.largest, self.largest_by, other.largest, other.largest_by, 1.0),
+            (self.smallest, self.smallest_by, other.smallest, other.smallest_by, -1.0),
+        ):
+            better = (sign * theirs > sign * mine) | ((theirs == mine) & (who < by) & (who != NONE))
+            mine[better], by[better] = theirs[better], who[better]
+            found.append(better)
+        return found[0], found[1]
+
     def take_sums(self, coefficients: Floats, vectors: Floats, who: Ints) -> tuple[Floats, Ints]:
         """Meet sums of vectors (b, n) with coefficients (k, b); return each one's extremes and their places (k, 2)."""
         return _core.envelop(coefficients, vectors, who, self.largest, self.largest_by, self.smallest, self.smallest_by)
@@ -75,6 +87,12 @@ class Concurrent:
         ):
             changed = np.flatnonzero(now != before)
             beside[changed] = values[np.searchsorted(who, now[changed])]
+
+    def meet(self, other: Concurrent) -> None:
+        """Meet what others have met."""
+        larger, smaller = self.extremes.meet(other.extremes)
+        self.with_largest[larger] = other.with_largest[larger]
+        self.with_smallest[smaller] = other.with_smallest[smaller]
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +133,7 @@ class Envelope:
     Parameters
     ----------
     fields : dict of Extremes
-        At every node (n,), by the field's name.
+        At every node of a field, by its name.
     pressures : dict
         "contact_pressure" at the nodes of elastic areas, "rigid_contact_pressure" on the elements of rigid ones: which
         nodes or elements (k,), and the extremes there.
@@ -126,7 +144,7 @@ class Envelope:
     bearings : Concurrent
         Of the bearings' reactions, in the order of the layout.
     away : dict
-        Of moments and shears which nodes (n,) are away from where they have no limit: peaks elsewhere count.
+        Of every field which of its nodes are away from where they have no limit: peaks elsewhere count.
     """
 
     fields: dict[str, Extremes]
@@ -144,7 +162,7 @@ class Envelope:
             names.append("reaction")
         on = {"contact_pressure": layout.pressures.nodes, "rigid_contact_pressure": layout.pressures.elements}
         return cls(
-            {name: Extremes.none(mesh.node_count) for name in names},
+            {name: Extremes.none(len(layout.away.get(name, mesh.points))) for name in names},
             {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
             tuple(_nothing_of(layout, index) for index in range(len(layout.supports))),
             Extremes.none(len(FIELDS) * len(layout.probes)),
@@ -157,23 +175,37 @@ class Envelope:
         for name, extremes in self.fields.items():
             extremes.take((result.nodal_reaction if name == "reaction" else result.fields[name])[None], who)
 
-    def take(self, block: Block, layout: Layout) -> None:
-        """Meet supports and probes of a block."""
-        who = block.numbers[block.solved]
-        self.probes.take(block.probes[block.solved], who)
-        self.bearings.take(layout.of_bearings(block.reaction[block.solved]), who)
+    def meet(self, other: Envelope) -> None:
+        """Meet what others have met."""
+        pairs = [(self.probes, other.probes)]
+        pairs += [(mine, other.fields[name]) for name, mine in self.fields.items()]
+        pairs += [(mine, other.pressures[name][1]) for name, (_, mine) in self.pressures.items()]
+        for here, there in zip(self.supports, other.supports, strict=True):
+            pairs += [(here.reaction, there.reaction), (here.points, there.points), (here.gap, there.gap)]
+            pairs += [(here.pressure, there.pressure)]
+            pairs += [(here.pressed, there.pressed)] if here.pressed is not None and there.pressed is not None else []
+            here.lifted[:] += there.lifted
+        for mine, theirs in pairs:
+            mine.meet(theirs)
+        self.bearings.meet(other.bearings)
+
+    def take(self, block: Block, layout: Layout, rows: Ints) -> None:
+        """Meet supports and probes of rows (k,) of a block that were solved."""
+        who = block.numbers[rows]
+        self.probes.take(block.probes[rows], who)
+        self.bearings.take(layout.of_bearings(block.reaction[rows]), who)
         for where, support in zip(layout.slices, self.supports, strict=True):
-            reaction = block.reaction[block.solved, where]
+            reaction = block.reaction[rows, where]
             support.reaction.take(reaction.sum(axis=1)[:, None], who)
             support.points.take(reaction, who)
-            support.gap.take(block.gap[block.solved, where], who)
-            support.lifted[:] += (~block.closed[block.solved, where]).sum(axis=0)
+            support.gap.take(block.gap[rows, where], who)
+            support.lifted[:] += (~block.closed[rows, where]).sum(axis=0)
         if layout.at_rest and len(who):
-            self._take_areas(block, layout, who)
+            self._take_areas(block, layout, rows)
 
-    def _take_areas(self, block: Block, layout: Layout, who: Ints) -> None:
+    def _take_areas(self, block: Block, layout: Layout, rows: Ints) -> None:
         """Meet the pressures of areas."""
-        rows, slices = np.flatnonzero(block.solved), layout.slices
+        who, slices = block.numbers[rows], layout.slices
         forces = [block.reaction[rows, slices[index]] for index in layout.at_rest]
         for at, ((index, area), force) in enumerate(zip(layout.at_rest.items(), forces, strict=True)):
             support = self.supports[index]

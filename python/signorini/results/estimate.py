@@ -14,8 +14,8 @@ class Estimate:
     Parameters
     ----------
     plus_minus : mapping or None
-        Deflection, supports and probes as in results.json, a half-width in place of every number; None where there is
-        no number, or no other mesh to compare with.
+        Deflection, fields, supports and probes as in results.json, a half-width in place of every number; None where
+        there is no number, or no other mesh to compare with.
     elements : tuple of int
         Sizes of the meshes that were compared, the finest first, its own among them.
     warnings : tuple of str
@@ -38,14 +38,14 @@ class PathEstimate:
     ----------
     end : float or None
         Half-width of the t at which it ends.
-    stops : tuple of tuple of float or None
-        Of every stop the half-widths of its t, as each point that opens or closes there shows it.
+    events : tuple of float or None
+        Half-widths of the t of every event.
     elements, warnings
         As those of an `Estimate`.
     """
 
     end: float | None
-    stops: tuple[tuple[float | None, ...], ...]
+    events: tuple[float | None, ...]
     elements: tuple[int, ...]
     warnings: tuple[str, ...]
 

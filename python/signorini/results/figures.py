@@ -1,8 +1,8 @@
-"""What results.json says of one combination in numbers: deflection, supports and probes."""
+"""What results.json says of one combination in numbers: deflection, fields, supports and probes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -12,21 +12,14 @@ from signorini.results.support_result import SupportResult
 
 
 def figures(result: Result) -> dict[str, Any]:
-    """Give the keys deflection, supports and probes of a combination; docs/results.md describes them."""
+    """Give the keys deflection, fields, supports and probes of a combination; docs/results.md describes them."""
+    ends = {name: _listed(asdict(of)) for name, of in result.extremes.items()} if result.status == "solved" else {}
+    deflection = ends.pop("deflection", None)
     return {
-        "deflection": _extremes(result) if result.status == "solved" else None,
+        "deflection": deflection and {key: deflection[key] for key in ("max", "max_at", "min", "min_at")},
+        "fields": ends,
         "supports": [_support(support) for support in result.supports],
         "probes": [_probe(probe) for probe in result.probes],
-    }
-
-
-def _extremes(result: Result) -> dict[str, Any]:
-    highest, lowest = int(result.deflection.argmax()), int(result.deflection.argmin())
-    return {
-        "max": float(result.deflection[highest]),
-        "max_at": result.mesh.points[highest].tolist(),
-        "min": float(result.deflection[lowest]),
-        "min_at": result.mesh.points[lowest].tolist(),
     }
 
 
@@ -57,4 +50,8 @@ def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
 
 
 def _probe(probe: ProbeResult) -> dict[str, Any]:
-    return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(probe).items()}
+    return _listed(asdict(probe))
+
+
+def _listed(parts: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in parts.items()}

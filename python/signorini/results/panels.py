@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from signorini.discretise.rows import Floats
+from signorini.discretise.stressnodes import StressNodes
 from signorini.mesh import Mesh
 from signorini.model import Support
 from signorini.model.whole import Units
+from signorini.results.extremes import FieldExtremes
 from signorini.results.marks import pressure_layer, support_mark
 from signorini.results.support_result import SupportResult
-from signorini.singularities.named import Singularity, away_from
+from signorini.singularities.named import Singularity
 
 if TYPE_CHECKING:
     from signorini.plot import Panel, SupportMark
@@ -40,10 +40,6 @@ def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[Suppo
     return [support_mark(mesh, one, found.positions, found.closed, found.contact_boundary) for one, found in pairs]
 
 
-NUMBERS = {"mx": "moment", "my": "moment", "mxy": "moment", "qx": "shear", "qy": "shear"}
-"""What singularities call the fields that have peaks at them. Deflections grow too slowly for one."""
-
-
 def field_range(field: str, fields: Mapping[str, Floats], supports: Sequence[SupportResult]) -> tuple[float, float]:
     """Smallest and largest value of a field; of the pressure with 0."""
     if field != PRESSURE:
@@ -54,7 +50,7 @@ def field_range(field: str, fields: Mapping[str, Floats], supports: Sequence[Sup
 
 def panel(
     field: str,
-    mesh: Mesh,
+    nodes: StressNodes,
     fields: Mapping[str, Floats],
     supports: Sequence[SupportResult],
     units: Units,
@@ -71,11 +67,9 @@ def panel(
         value, at = max((area.largest for area in areas), key=lambda found: found[0])
         extremes = [("max", value, at.tolist())] if value > 0 else []
         return Panel([pressure_layer(area) for area in areas], label, colours, limits, extremes)
-    values = fields[field]
-    away = np.flatnonzero(away_from(mesh, singular, NUMBERS.get(field, "")))
-    ends = {"max": int(away[np.argmax(values[away])]), "min": int(away[np.argmin(values[away])])}
-    named = [(name, float(values[node]), mesh.points[node].tolist()) for name, node in ends.items()]
-    return Panel(values, label, colours, limits, named)
+    ends = FieldExtremes.of(field, fields[field], nodes, singular)
+    named = [("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at)]
+    return Panel(nodes.spread(fields[field]), label, colours, limits, named)
 
 
 def quantity(field: str, units: Units) -> str:

@@ -64,7 +64,7 @@ class Boundary:
         for support in found.model.support:
             on = np.isin(sides[:, 1], _middles(mesh, support))
             if support.stiffness is None:
-                held |= on & (support.resists is not None or "w" in support.fixed)
+                held |= on & support.holds_w
                 always |= on & (not can_let_go(support)) & held
             slope |= on & ("slope" in support.fixed)
             twist |= on & ("twist" in support.fixed)

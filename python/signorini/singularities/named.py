@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from weakref import WeakKeyDictionary
@@ -12,6 +12,7 @@ import numpy as np
 from signorini.discretise import Discretisation
 from signorini.discretise.places import curve, region
 from signorini.discretise.rows import Bools, Floats
+from signorini.errors import point
 from signorini.mesh import Mesh
 from signorini.model import Load, Support
 from signorini.model.footprint import KEYS as FOOTPRINT
@@ -44,6 +45,8 @@ class Singularity:
     source : str
         The support's name, the load case, or "plate".
     line : bool
+    limited : bool
+        Whether it has a limit, of which elements of this size know nothing: a footprint smaller than they are.
     within : float
         How far from there numbers are taken for its peak: the plate's thickness.
     """
@@ -54,15 +57,23 @@ class Singularity:
     advice: str
     source: str
     line: bool = False
+    limited: bool = False
     within: float = 0.0
 
     def __str__(self) -> str:
         """Say it in a sentence."""
+        if self.limited:
+            return (
+                f"{self.what} acts as a point on this mesh: {_listed(self.numbers)} at it are too small. {self.advice}"
+            )
         have = "have" if len(self.numbers) > 1 else "has"
         return f"{self.what}: {_listed(self.numbers)} {have} no limit as the mesh is refined. {self.advice}"
 
 
 _FOOTPRINT = "Give it a footprint, patch or radius."
+_RESOLVED = 0.5
+"""Part of the element around it that a footprint is at least: a mesh line follows its sides then. Under a third of an
+element moments are a fifth too small, under a tenth a third."""
 _MOST_PLACES = 6
 """Places that a sentence names; results.json has all."""
 
@@ -96,20 +107,19 @@ def singularities(found: Discretisation, cases: Collection[str] | None = None) -
 def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     """Which nodes (n,) are no part of a peak of "moment", "shear" or another number without a limit.
 
-    They are farther than ``within`` from where it has none. Nodes of larger elements there stay, although their values
-    are partly of what is there: to leave them out would leave out more of the plate the coarser its mesh is. Where no
-    node is left, all are.
+    They are farther than ``within`` from where it has none, however fine the mesh. Nodes of larger elements there stay,
+    although their values are partly of what is there: to leave them out would leave out more of the plate the coarser
+    its mesh is. Where no node is left, all are.
     """
     from scipy.spatial import KDTree
 
-    away = np.ones(mesh.node_count, np.bool_)
-    those = [one for one in named if number in one.numbers and one.where and not one.line]
+    those = [one for one in named if number in one.numbers and one.where and not one.line and not one.limited]
     if not those:
-        return away
-    places = np.array([point for one in those for point in one.where])
+        return np.ones(mesh.node_count, np.bool_)
+    places = np.array([at for one in those for at in one.where])
     within = np.array([one.within for one in those for _ in one.where])
     distance, nearest = KDTree(places).query(mesh.points)
-    away &= distance > within[nearest]
+    away = distance > within[nearest]
     return away if away.any() else np.ones_like(away)
 
 
@@ -136,15 +146,19 @@ def _of_loads(found: Discretisation, case: str) -> Iterator[Singularity]:
                 kind = "Couple" if couple else "Force"
                 numbers = ("deflection", *(("rotation",) if couple else ()), "moment", "shear")
                 yield Singularity(load.at, f"{kind} at a point of {place}", numbers, _FOOTPRINT, case)
+        elif load.at is not None:
+            yield from _unresolved(found, load.at, _width(load), place, case)
         elif load.line_load is not None and (ends := _ends_of_load(found, load)):
             what = f"End or corner of the line load of {place}"
             yield Singularity(ends, what, ("shear",), "Take shears from beside it.", case)
     for moving in found.model.moving:
         travelled = moving.positions.get(case)
-        if travelled is not None and moving.patch is None:
+        if travelled is not None:
             wheels = np.array([at for at, _, _ in moving.wheels(travelled)])
             on = found.mesh.locate(wheels).inside
-            if on.any():
+            if moving.patch is not None:
+                yield from _unresolved(found, wheels, max(moving.patch), f"wheels of {moving.case}", case)
+            elif on.any():
                 places = _points(wheels[on])
                 numbers = ("deflection", "moment", "shear")
                 yield Singularity(places, f"Wheels of {moving.case}", numbers, "Give them a patch.", case)
@@ -160,6 +174,8 @@ def _of_supports(found: Discretisation) -> Iterator[Singularity]:
                 numbers += () if determinate else ("reaction",)
                 advice = "Clamp an edge or a line." if slopes else _FOOTPRINT
                 yield Singularity(support.at, f"{support.name} at a point", numbers, advice, support.name)
+            else:
+                yield from _unresolved(found, support.at, _width(support), support.name, support.name)
             continue
         yield from _of_outline(found, support)
         steps = any(level.jumps for one in (support.settlement, support.gap) for level in one.levels)
@@ -167,6 +183,21 @@ def _of_supports(found: Discretisation) -> Iterator[Singularity]:
             what = f"Step of the settlement or gap of {support.name}"
             numbers = ("moment", "shear", "pressure", "reaction")
             yield Singularity((), what, numbers, "Give it a ramp, or the support a stiffness.", support.name)
+
+
+def _unresolved(
+    found: Discretisation, at: Sequence[tuple[float, float]] | Floats, size: float, name: str, source: str
+) -> Iterator[Singularity]:
+    """Footprints about points that are much smaller than the elements that they are in."""
+    places = np.array(at).reshape(-1, 2)
+    here = found.mesh.locate(places)
+    coarse = here.inside & (size < _RESOLVED * np.sqrt(found.mesh.element_area[here.elements]))
+    if coarse.any():
+        what, advice = (
+            f"The footprint of {name}, {size:.3g} wide,",
+            f"Take elements of {0.5 * size:.2g} there (mesh.refine).",
+        )
+        yield Singularity(_points(places[coarse]), what, ("moment", "shear"), advice, source, limited=True)
 
 
 def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity]:
@@ -192,7 +223,7 @@ def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity
 
 
 def _rigid(support: Support) -> bool:
-    return support.stiffness is None and (support.resists is not None or "w" in support.fixed)
+    return support.stiffness is None and support.holds_w
 
 
 def _of_corners(found: Discretisation) -> Iterator[Singularity]:
@@ -205,14 +236,14 @@ def _of_corners(found: Discretisation) -> Iterator[Singularity]:
         angles = sorted(degrees for _, degrees in those)
         of = " to ".join(dict.fromkeys(f"{angle:.4g}°" for angle in (angles[0], angles[-1])))
         what = "Change of the edge's support" if straight else f"Corner of {of} of the plate"
-        places = ", ".join(f"[{x:.6g}, {y:.6g}]" for x, y in where[:_MOST_PLACES])
+        places = ", ".join(point(at, found.mesh.size) for at in where[:_MOST_PLACES])
         more = f" and {len(where) - _MOST_PLACES} more" if len(where) > _MOST_PLACES else ""
         yield Singularity(where, f"{what} at {places}{more}", numbers, "Take values from beside it.", "plate")
 
 
 def _determinate(found: Discretisation) -> bool:
     """Whether three points are all that holds the deflection, so that reactions follow from equilibrium."""
-    holding = [support for support in found.model.support if support.resists is not None or "w" in support.fixed]
+    holding = [support for support in found.model.support if support.holds_w]
     slopes = any({"slope", "twist"} & set(support.fixed) for support in found.model.support)
     return not slopes and all(s.at is not None for s in holding) and sum(len(s.at or ()) for s in holding) == 3
 
@@ -282,7 +313,7 @@ def _ends_of_line(
     """Ends and corners of a line that supports the plate, by the numbers that have no limit there."""
     edge, points = _boundary(found), np.array(along.points)
     own = slopes_held("slope" in support.fixed, "twist" in support.fixed)
-    rigid, acts = _rigid(support), support.resists is not None or "w" in support.fixed
+    rigid, acts = _rigid(support), support.holds_w
     of_deflection = ("shear", "pressure") if rigid else ("shear",) if acts else ()
     places: dict[tuple[str, ...], list[Floats]] = {}
     for at, directions in zip(points, _directions(points), strict=True):
@@ -324,6 +355,11 @@ def _bends(back: Floats, on: Floats) -> bool:
 def _around(center: tuple[float, float], radius: float) -> Floats:
     turn = 2 * np.pi * np.arange(_TURN) / _TURN
     return np.asarray(center + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
+
+
+def _width(item: Load | Support) -> float:
+    """The longer side of an item's footprint."""
+    return 2.0 * item.radius if item.radius is not None else max(item.patch or (0.0,))
 
 
 def _points(places: Floats) -> tuple[tuple[float, float], ...]:

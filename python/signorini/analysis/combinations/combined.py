@@ -50,6 +50,8 @@ class Combined(Brief):
     layout : Layout
     envelope : Envelope
         Over those that were solved.
+    groups : dict of Envelope
+        By group with a name, over those of it that were solved, if any.
     solved : int
         How many have an equilibrium.
     alone : int
@@ -65,15 +67,22 @@ class Combined(Brief):
     combinations: Combinations
     layout: Layout
     envelope: Envelope
+    groups: Mapping[str, Envelope]
     solved: int
     alone: int
     not_unique: int
     certificate: Mapping[str, float]
     unbalanced: Mapping[str, str]
 
-    def name(self, number: int) -> str:
-        """Name of a combination, given its number."""
-        return self.combinations[number].name
+    def over(self, group: str) -> Envelope:
+        """The envelope over a group; by no name over all."""
+        return self.groups[group] if group else self.envelope
+
+    @property
+    def governing(self) -> list[int]:
+        """Numbers of the combinations that govern, of each group if there are any, in that order."""
+        envelopes = self.groups.values() or (self.envelope,)
+        return list(dict.fromkeys(row for envelope in envelopes for row in envelope.rows))
 
 
 def combine(
@@ -112,9 +121,14 @@ def combine(
         run.solve(block, rowed)
         if sink is not None:
             keys = [("combination", [combination.name for combination in rowed])]
-            sink(block.columns(layout, found.mesh.points, keys, _loads(found.model, rowed)))
+            sink(block.columns(layout, keys, _loads(found.model, rowed)))
     worst = {name: float(value) for name, value in zip(FIGURES, run.worst, strict=True)}
-    return Combined(combinations, layout, run.envelope, run.solved, run.alone, run.not_unique, worst, run.unbalanced)
+    envelope = Envelope.none(layout, found.mesh)
+    for of_group in run.envelopes.values():
+        envelope.meet(of_group)
+    groups = {name: run.envelopes[name] for name in combinations.groups if name in run.envelopes}
+    counts = (run.solved, run.alone, run.not_unique)
+    return Combined(combinations, layout, envelope, groups, *counts, worst, run.unbalanced)
 
 
 class _Run:
@@ -131,35 +145,46 @@ class _Run:
         count = len(found.model.effective_combinations)
         if several is not None and problem.method == "lemke" and _worth_while(problem, count):
             self.terms = terms_of(problem, self.cases, layout.fields, layout.around_areas)
-        self.envelope = Envelope.none(layout, found.mesh)
+        self.envelopes: dict[str, Envelope] = {}
         self.solved = self.alone = self.not_unique = 0
         self.worst = np.zeros(len(FIGURES))
         self.unbalanced: dict[str, str] = {}
         self._without_equilibrium = 0
 
     def solve(self, block: Block, combinations: Sequence[Combination]) -> None:
-        """Fill a block, and widen the envelope by it."""
-        rows = self._sums(block, combinations, self.terms) if self.terms is not None else range(len(combinations))
+        """Fill a block, and widen the envelopes by it."""
+        groups = [combination.group for combination in combinations]
+        rows: Sequence[int] = range(len(combinations))
+        if self.terms is not None:
+            rows = self._sums(block, combinations, self.terms, groups)
         left = [combinations[row] for row in rows]
         together = self.several if self.problem.method == "active_set" else None
         results = map(self._alone, left) if together is None else together(left, self._alone)
         for row, result in zip(rows, results, strict=True):
             block.put(row, self.layout, result)
             if block.solved[row]:
-                self.envelope.take_fields(result, block.numbers[row : row + 1])
+                self._envelope(groups[row]).take_fields(result, block.numbers[row : row + 1])
             else:
                 self._unbalanced(result.name, result.message)
         self.solved += int(block.solved.sum())
         self.not_unique += sum(map(bool, block.not_unique))
         self.worst = np.maximum(self.worst, block.certificate[block.solved].max(axis=0, initial=0.0))
-        self.envelope.take(block, self.layout)
+        for group, own in _by_group(groups, np.flatnonzero(block.solved)):
+            self._envelope(group).take(block, self.layout, own)
+
+    def _envelope(self, group: str) -> Envelope:
+        if group not in self.envelopes:
+            self.envelopes[group] = Envelope.none(self.layout, self.problem.discretisation.mesh)
+        return self.envelopes[group]
 
     def _alone(self, combination: Combination) -> Result:
         result = self.single(combination)
         self.alone += result.status == "solved"
         return result
 
-    def _sums(self, block: Block, combinations: Sequence[Combination], terms: Terms) -> Sequence[int]:
+    def _sums(
+        self, block: Block, combinations: Sequence[Combination], terms: Terms, groups: Sequence[str]
+    ) -> Sequence[int]:
         """Solve what sums of responses are certain of; return the rows that are left."""
         factors = _factors(combinations, terms.cases)
         verdict, pushes, reaction, gap, closed, pivots = _core.combine(self.problem.core, terms.shared, factors)
@@ -171,17 +196,18 @@ class _Run:
         rows, coefficients = rows[certain], np.ascontiguousarray(coefficients[certain])
         block.solved[rows] = True
         block.certificate[rows] = figures[certain]
-        block.probes[rows] = _core.superpose(coefficients, terms.probes)
+        sides = self.problem.discretisation.probe_sides
+        at_sides = _core.superpose(coefficients, terms.probes).reshape(len(rows), len(sides.point), len(FIELDS))
+        block.probes[rows] = sides.larger(at_sides).reshape(len(rows), block.probes.shape[1])
         block.on_areas[rows] = _core.superpose(coefficients, terms.on_areas)
         self._put_supports(block, rows, _core.superpose(coefficients, terms.fixed), reaction[rows], gap, closed)
-        who = block.numbers[rows]
-        for name, vectors in terms.fields.items():
-            if name not in self.envelope.fields:
-                continue
-            peaks, places = self.envelope.fields[name].take_sums(coefficients, vectors, who)
-            if name in self.layout.fields:
-                at = self.layout.fields.index(name)
-                block.peaks[rows, at], block.places[rows, at] = peaks, places
+        for group, own in _by_group(groups, rows):
+            shares = np.ascontiguousarray(coefficients[np.searchsorted(rows, own)])
+            for name, extremes in self._envelope(group).fields.items():
+                peaks, places = extremes.take_sums(shares, terms.fields[name], block.numbers[own])
+                if name in self.layout.fields:
+                    at = self.layout.fields.index(name)
+                    block.peaks[own, at], block.places[own, at] = peaks, places
         self._put_areas(block, rows)
         block.iterations[:] = pivots
         for row in rows:
@@ -223,6 +249,12 @@ class _Run:
         self._without_equilibrium += 1
         if len(self.unbalanced) < _EXPLAINED:
             self.unbalanced[name] = message
+
+
+def _by_group(groups: Sequence[str], rows: Ints) -> Iterator[tuple[str, Ints]]:
+    """Divide rows (k,), in rising order, by their groups."""
+    for group in dict.fromkeys(groups[row] for row in rows):
+        yield group, np.array([row for row in rows if groups[row] == group])
 
 
 def _worth_while(problem: ContactProblem, count: int) -> bool:

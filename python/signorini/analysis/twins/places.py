@@ -1,4 +1,4 @@
-"""Half-widths of places: of edges of contact, and of where the deflection is largest and smallest."""
+"""Half-widths of places: of edges of contact, and of where fields are largest and smallest."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from signorini.analysis.twins.compared import rounded
 from signorini.analysis.twins.leaves import Path
 from signorini.analysis.twins.meshes import side
 from signorini.discretise.rows import Floats
+from signorini.results.extremes import NUMBERS
 from signorini.results.result import Result
 
 
@@ -29,14 +30,15 @@ def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
 def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> dict[Path, float | None]:
     """Half-widths of the places of extremes: how far nodes reach that may hold the extreme, within its half-width."""
     found: dict[Path, float | None] = {}
-    spacing = 0.5 * side(result.mesh)
-    for name, sign in (("max", 1.0), ("min", -1.0)):
-        width = numbers[("deflection", name)]
-        value = sign * result.deflection
-        near = np.zeros((0, 2)) if width is None else result.mesh.points[value >= value.max() - 2.0 * width]
-        far = np.abs(near - result.mesh.points[value.argmax()]).max(axis=0, initial=0.0) + spacing
-        for axis in (0, 1):
-            found[("deflection", f"{name}_at", axis)] = None if width is None else rounded(far[axis])
+    spacing, points = 0.5 * side(result.mesh), result.stress_nodes.points
+    for field, ends in result.extremes.items():
+        path: Path = ("fields", field) if field in NUMBERS else (field,)
+        for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at)):
+            width = numbers[(*path, name)]
+            near = points[np.flatnonzero(np.abs(result.fields[field] - value) <= 2.0 * (width or 0.0))]
+            far = np.abs(near - at).max(axis=0, initial=0.0) + spacing
+            for axis in (0, 1):
+                found[(*path, f"{name}_at", axis)] = None if width is None else rounded(far[axis])
     return found
 
 

@@ -78,19 +78,17 @@ class Twins(Remade):
             for twin in pair:
                 try:
                     found.append(self._on(twin, solved))
-                    self._require_another(twin)
                 except (SignoriniError, MemoryError) as error:
                     whys.append(f"on a mesh of {twin.words}: {error or 'not enough memory.'}")
-                    del found[pair.index(twin) :]
                     break
             if found:
                 return found, ""
         why = " ".join(whys) or "a finer mesh would take too long."
         return [], f"No half-width (±) says how far the mesh is from the plate; {why}"
 
-    def _require_another(self, twin: Twin) -> None:
+    def _require_another(self, mesh: Mesh) -> None:
         """Refuse a mesh that is none of another size."""
-        count, own = len(self._problems[twin.words].mesh.elements), len(self.mesh.elements)
+        count, own = len(mesh.elements), len(self.mesh.elements)
         if not abs(math.log2(count / own)) > _OTHER:
             raise SignoriniError(f"it has {count} elements, hardly other ones than the {own} of this mesh.")
 
@@ -101,6 +99,7 @@ class Twins(Remade):
         if twin.words not in self._problems:
             watch(Progress(stage="mesh"))
             discretised = discretise(twin.model, twin.mesh)
+            self._require_another(discretised.mesh)
             watch(Progress(stage="factor"))
             self._problems[twin.words] = contact_problem(discretised)
         return solved(self._problems[twin.words], watch)
@@ -111,7 +110,7 @@ def compare(result: Result, others: list[Result]) -> Estimate:
     meshes = Meshes.of(result.mesh, [one.mesh for one in others])
     every = [next(one for one in (result, *others) if one.mesh is mesh) for mesh in meshes.every]
     trees = [figures(one) for one in every]
-    largest = largest_of(result)
+    largest = largest_of(result, max((support.gaps.max(initial=0.0) for support in result.supports), default=0.0))
     numbers, growing = compared(
         trees, meshes, result.model, result.singular, lambda path, value: largest[kind_of(path)]
     )
