@@ -92,6 +92,7 @@ enum News {
 impl ContactProblem {
     #[new]
     #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, by_active_set=false, room=None))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
         plate: &Plate,

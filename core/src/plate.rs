@@ -149,9 +149,9 @@ impl Plate {
         let chunks = stiffness.par_chunks_mut(PACKED * CHUNK).zip(beside);
         first.par_chunks(CHUNK).zip(chunks).for_each(|(which, (stiffness, (centres, thin)))| {
             let elements: Vec<_> =
-                which.iter().map(|&e| (plate.geometry(e), plate.sections(e), plate.materials.at(e))).collect();
+                which.iter().map(|&e| (plate.geometry(e), plate.materials.at(e), plate.sections(e))).collect();
             element::stiffness(kind, &elements, |at, found| {
-                let (geometry, sections, material) = &elements[at];
+                let (geometry, material, sections) = &elements[at];
                 let thinnest = plate.thickness.least_of(kind, which[at]);
                 let out = &mut stiffness[PACKED * at..PACKED * (at + 1)];
                 out.copy_from_slice(&found.packed);
@@ -170,10 +170,6 @@ impl Plate {
     /// Keeps moments and shears apart at nodes where they jump.
     pub fn with_stress_nodes(mut self, nodes: StressNodes) -> Result<Self, PlateError> {
         check_length("elements of stress nodes", nodes.elements.len(), self.elements.len())?;
-        // No more than elements have corners and midsides: what nobody could ask for is no reason to look for memory.
-        if nodes.count > 8 * self.elements.len() {
-            return Err(PlateError::Range { what: "stress nodes", index: 0 });
-        }
         for (element, &node) in nodes.elements.iter().enumerate().flat_map(|(e, own)| own.iter().map(move |n| (e, n))) {
             if node >= nodes.count {
                 return Err(PlateError::NoSuchNode { element, node });

@@ -28,10 +28,13 @@ use shape::serendipity;
 /// Numbers that the widest register holds.
 const MOST_LANES: usize = 8;
 
+/// An element, and what it is made of.
+pub type Made<'a> = (Geometry, &'a Material, Sections<'a>);
+
 /// Stiffness of elements, each put where its number says; those of mitc9 as many at a time as a register holds.
-pub fn stiffness(kind: Kind, elements: &[(Geometry, Sections, &Material)], mut put: impl FnMut(usize, &Stiffness)) {
+pub fn stiffness(kind: Kind, elements: &[Made], mut put: impl FnMut(usize, &Stiffness)) {
     if kind == Kind::Q8r {
-        for (at, (geometry, sections, material)) in elements.iter().enumerate() {
+        for (at, (geometry, material, sections)) in elements.iter().enumerate() {
             put(at, &q8r::stiffness(geometry, std::array::from_fn(|i| sections.at(i, material))));
         }
         return;
@@ -46,7 +49,7 @@ pub fn stiffness(kind: Kind, elements: &[(Geometry, Sections, &Material)], mut p
 struct SideBySide<'a, P> {
     triangle: bool,
     which: &'a [usize],
-    elements: &'a [(Geometry, Sections<'a>, &'a Material)],
+    elements: &'a [Made<'a>],
     put: &'a mut P,
 }
 
@@ -69,7 +72,7 @@ impl<P: FnMut(usize, &Stiffness)> WithSimd for SideBySide<'_, P> {
             let section = |point: usize| {
                 let mut each = [Section { bending: [[0.0; 3]; 3], shear: [[0.0; 2]; 2] }; MOST_LANES];
                 for (lane, each) in each[..S::F64_LANES].iter_mut().enumerate() {
-                    let (_, sections, material) = of(lane);
+                    let (_, material, sections) = of(lane);
                     *each = sections.at(point, material);
                 }
                 let mut section = Section { bending: [[zero; 3]; 3], shear: [[zero; 2]; 2] };
@@ -177,23 +180,23 @@ mod tests {
 
     #[test]
     fn an_element_has_the_bits_that_it_has_alone() {
-        let material = Material::isotropic(3.0, 0.2, 5.0 / 6.0);
+        let materials = [0.2, 0.3].map(|poisson| Material::isotropic(3.0, poisson, 5.0 / 6.0));
         let varying: [f64; 13] = std::array::from_fn(|k| 0.1 + 0.01 * k as f64);
         for kind in [Kind::Mitc9, Kind::Q8r] {
-            let elements: Vec<(Geometry, Sections)> = (0..11)
+            let elements: Vec<Made> = (0..11)
                 .map(|e| {
                     let triangle = kind == Kind::Mitc9 && e % 3 == 1;
                     let moved = |[x, y]: [f64; 2]| [x + 0.03 * e as f64 * y, y + 0.02 * e as f64 * x * y];
                     let at = if triangle { COLLAPSED } else { CORNERS }.map(moved);
                     let sections = if e % 2 == 0 { Sections::Constant(0.2) } else { Sections::Varying(&varying) };
-                    (Geometry { at, triangle }, sections)
+                    (Geometry { at, triangle }, &materials[usize::from(e > 4)], sections)
                 })
                 .collect();
             let mut met = vec![0; elements.len()];
-            stiffness(kind, &material, &elements, |at, found| {
+            stiffness(kind, &elements, |at, found| {
                 met[at] += 1;
-                let (geometry, sections) = &elements[at];
-                let section = |point| sections.at(point, &material);
+                let (geometry, material, sections) = &elements[at];
+                let section = |point| sections.at(point, material);
                 let alone = match kind {
                     Kind::Q8r => q8r::stiffness(geometry, std::array::from_fn(section)),
                     Kind::Mitc9 if geometry.triangle => mitc9::stiffness(&mitc7::apart(geometry, section)),
