@@ -83,7 +83,7 @@ def unlike(load):
 def shift(rng, tables):
     """Makes the load that grows a force or couple at one point."""
     last = tables["load"][-1]
-    size = random_models._extent(tables["plate"])
+    size = random_models.extent(tables["plate"])
     at = random_models.point(rng, tables["plate"])
     young, thickness = tables["material"]["E"], float(str(tables["plate"]["thickness"]).partition("*")[0].strip("()"))
     force = 1e-4 * young * thickness**3 / size
@@ -93,7 +93,7 @@ def shift(rng, tables):
 
 def extreme(rng, tables):
     """Loads without a resultant, at any scale, and supports that are far away."""
-    plate, size = tables["plate"], random_models._extent(tables["plate"])
+    plate, size = tables["plate"], random_models.extent(tables["plate"])
     factor = 10.0 ** rng.uniform(-8, 8) if rng.random() < 0.3 else 1.0
     kind = rng.choice(["curvature", "curvature", "forces", "any"])
     grows = [load for load in tables["load"] if load["case"] == "Q"]

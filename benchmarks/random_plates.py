@@ -23,7 +23,7 @@ from random import Random
 
 import numpy as np
 from scipy.optimize import linprog
-from scipy.sparse import bmat, csr_array
+from scipy.sparse import bmat
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
 import campaign
@@ -60,7 +60,7 @@ def balance(found, nodal):
     unit[1::3, 1:] = frames / size
     unit[2::3, 1:] = frames[:, ::-1] * [-1.0, 1.0] / size
     rows = contacts.rows
-    of_slopes = np.einsum("mi,mij->mj", rows.coefficients, unit[rows.dofs(found.mesh.elements)])
+    of_slopes = rows.matrix(found.mesh.elements, len(unit)) @ unit
     at_contacts = np.where(contacts.slope[:, None], of_slopes, contacts.direction[:, None] * lever(contacts.positions))
     columns = np.vstack([unit[held.dofs], lever(springs.positions), at_contacts])
     both_ways = np.concatenate([np.ones(held.dofs.sum() + len(springs.positions), bool), contacts.two_sided])
@@ -94,11 +94,7 @@ def deflection_exists(found):
     scale = max(np.abs(contacts.distance).max(initial=0.0), np.abs(held.values).max(initial=0.0))
     if scale == 0.0 or not len(rigid):
         return True
-    dofs = contacts.rows.dofs(found.mesh.elements)[rigid]
-    shape = (len(rigid), found.dof_count)
-    rows = csr_array(
-        (contacts.rows.coefficients[rigid].ravel(), (np.repeat(np.arange(len(rigid)), 24), dofs.ravel())), shape=shape
-    )
+    rows = contacts.rows.matrix(found.mesh.elements, found.dof_count)[rigid]
     # The least overlap, one for all: rows · u ≤ distance + overlap.
     upper = bmat([[rows, -np.ones((len(rigid), 1))]])
     two = contacts.two_sided[rigid]

@@ -9,7 +9,7 @@ import signorini
 
 TEXT = (Path(__file__).parents[1] / "docs" / "input.md").read_text("utf-8")
 SCHEMA = signorini.schema()
-LISTS = {"support", "load", "combination", "moving", "probe"}
+LISTS = {"zone", "support", "load", "combination", "moving", "probe"}
 # Tables of the schema that are values of a key, with the section that tells theirs.
 WITHIN = {"Area": "support", "Circle": "support", "Modifiers": "plate"}
 

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 from models import rectangular
+from scipy.sparse import block_array
+from scipy.sparse.linalg import spsolve
 
 from signorini import InputError, Model, path, solve
+from signorini.contact.problem import contact_problem
 from signorini.discretise import discretise
 from signorini.equilibrium.balance import rigid_freedom
 from signorini.equilibrium.limits import nearest_limit
@@ -86,6 +89,39 @@ def test_a_support_takes_the_mean_of_the_deflection_by_any_method(how, footprint
         np.testing.assert_allclose(result.supports[0].positions, AT, rtol=0, atol=0)
         assert forces.sum() == pytest.approx(100e3, rel=1e-9)
     np.testing.assert_allclose(reactions[1:], [reactions[0]] * 2, rtol=1e-7)
+
+
+@pytest.mark.parametrize("others", [[], [{"edge": "left", "fix": "clamped"}]], ids=["alone", "beside an edge"])
+@pytest.mark.parametrize("stiffness", [1e6, 1e9, 1e12, None])
+def test_wide_footprints_that_hold_both_ways_solve_the_equations_of_their_rows(stiffness, others):
+    """[K Gᵀ; G 0] with nothing condensed; K has the rows of elastic ones. Each footprint meets 25 elements."""
+    support = {"at": AT, "patch": [0.9, 0.9], **({"fix": "simple"} if stiffness is None else {"stiffness": stiffness})}
+    load = [{"force": 20e3, "at": [2.2, 1.7], "patch": [0.3, 0.2]}]
+    problem = contact_problem(rectangular(divisions=[24, 24], support=[support, *others], load=load))
+    free = ~problem.held
+    both = problem.G[problem.two_sided][:, free]
+    found = spsolve(
+        block_array([[problem.K[free][:, free], both.T], [both, None]], format="csc"),
+        np.concatenate([problem.load("all")[free], np.zeros(both.shape[0])]),
+    )
+    expected = np.zeros(len(free))
+    expected[free] = found[: free.sum()]
+    result = solve(problem.discretisation.model)["all"]
+    np.testing.assert_allclose(result.deflection, expected[::3], rtol=0, atol=1e-7 * abs(expected[::3]).max())
+
+
+@pytest.mark.parametrize(
+    "way", [{"fix": "simple"}, {"stiffness": 1e8}, {"resists": "down"}, {"resists": "down", "stiffness": 1e8}]
+)
+def test_wide_footprints_take_no_more_of_a_factor_than_points(way):
+    """Neither are their dofs put last, nor do the springs of elastic ones couple these with one another."""
+    entries = [
+        contact_problem(
+            rectangular(divisions=[32, 32], support=[{"at": AT, **way, **footprint}], load=[{"pressure": 5e3}])
+        ).core.factor_entries
+        for footprint in ({"patch": [1.0, 1.0]}, {})
+    ]
+    assert entries[0] < 1.05 * entries[1]
 
 
 def test_tables_and_paths_have_the_reactions_of_single_solves():
@@ -198,6 +234,13 @@ def test_a_footprint_beyond_the_plate_is_refused_with_its_place(item, at, others
         InputError, match=place + r".*The footprint of the point \[0, 2|" + place + r".*\[0\.2, 2|" + place
     ):
         discretise(rectangular(support=support, load=load))
+
+
+def test_points_off_the_plate_and_footprints_beyond_it_are_told_together():
+    pads = {"at": [[9, 2], [2, 2], [0.1, 2]], "patch": [0.5, 0.5], "resists": "down"}
+    with pytest.raises(InputError) as told:
+        discretise(rectangular(support=[HARD, pads], load=[{"pressure": 1e3}]))
+    assert [part.place for part in told.value.parts] == ["support[2].at[1]", "support[2].at[3]"]
 
 
 @pytest.mark.parametrize(

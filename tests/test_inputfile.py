@@ -186,7 +186,10 @@ def test_the_mesh_file_is_looked_for_beside_the_input_file(written):
             'slab.toml:13: support[1].stifness ("soil"): unknown',
         ),
         ("[[support]]\nat = [0, 0]\nstifness = 3", "unknown key 'stifness'. Did you mean 'stiffness'? Allowed here: "),
-        ("[solver]\nthickness = 3", "slab.toml:11: solver.thickness: unknown key 'thickness'. It belongs in [plate]."),
+        (
+            "[solver]\nthickness = 3",
+            "slab.toml:11: solver.thickness: unknown key 'thickness'. It belongs in [plate] or [[zone]].",
+        ),
         ("[solver]\ntitle = 'x'", "unknown key 'title'. It belongs above the first table."),
         ("mesh = 3", "load[1].mesh: unknown key 'mesh'. It is a table of its own: [mesh], or above the f"),
         (
@@ -453,7 +456,7 @@ def test_several_problems_are_one_error_in_the_order_of_the_file(written):
         "  slab.toml:3: material.nu: found 0.7; it must be less than 0.5.",
         "  slab.toml:12: support[1].gap: found -1; it must not be less than 0.",
         "  slab.toml:13: slver: unknown key 'slver'. Did you mean [solver]? Allowed here: title, units, material, "
-        "plate, mesh, support, load, combination, moving, probe, output, solver.",
+        "plate, zone, mesh, support, load, combination, moving, probe, output, solver.",
     ]
 
 

@@ -142,6 +142,18 @@ def test_areas_pass_over_holes_and_lines_do_not():
         check(model(plate={"holes": holes}, load=load))
 
 
+@pytest.mark.parametrize("stiffness", [{}, {"stiffness": 1e6}])
+def test_what_is_in_a_hole_alone_is_not_on_the_plate(stiffness):
+    # A small one is less than what a coarse mesh loses at the round outline.
+    for radius in (0.4, 0.02):
+        area = {"circle": {"center": [2, 2], "radius": radius}}
+        given = {"plate": {"holes": [{"circle": {"center": [2, 2], "radius": 0.5}}]}, "size": 1.5}
+        with pytest.raises(InputError, match=r"support\[1\].area: The area is not on the plate"):
+            check(model(**given, support=[{"area": area, "resists": "down", **stiffness}]))
+        with pytest.raises(InputError, match=r"load\[1\].area: The area is not on the plate"):
+            check(model(**given, load=[{"pressure": 2e3, "area": area}]))
+
+
 def test_the_mesh_follows_lines_outlines_and_jumps():
     support = [{"line": [[1, 1], [3.2, 6.3]], "fix": "simple"}, {"edge": "edge 2", "fix": "simple"}]
     load = [{"pressure": 1.0, "area": {"rectangle": [4.6, 0.7, 7.3, 2.9]}}]

@@ -97,7 +97,9 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                 ),
                 "limit": dict.fromkeys(["case", "factor"]),
                 "plus_minus": numbers,
-                "singular": [dict.fromkeys(["where", "line", "within", "what", "numbers", "source", "advice"])],
+                "singular": [
+                    dict.fromkeys(["where", "line", "limited", "within", "what", "numbers", "source", "advice"])
+                ],
                 "certificate": dict.fromkeys(
                     [
                         "penetration",

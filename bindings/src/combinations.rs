@@ -187,7 +187,7 @@ pub fn combine<'py>(
     ))
 }
 
-/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of several responses, with their curvatures (b, 3) and couples (b, 2e).
+/// [mx, my, mxy, qx, qy] at nodes (b, n, 5), or those of the plate's `stress_elements`, of several responses, with their curvatures (b, 3) and couples (b, 2e).
 #[pyfunction]
 pub fn response_stresses<'py>(
     py: Python<'py>,
@@ -211,7 +211,7 @@ pub fn stresses<'py>(
     curvatures: &PyReadonlyArray2<'_, f64>,
     couples: &PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    let (number, nodes) = (displacements.len(), plate.inner.node_count());
+    let (number, nodes) = (displacements.len(), plate.inner.stress_nodes().1);
     if displacements.iter().any(|(of, _)| !std::ptr::eq(*of, &*plate.inner)) {
         return Err(invalid("a displacement is of another plate"));
     }

@@ -6,8 +6,8 @@ use numpy::{
 };
 use pyo3::prelude::*;
 use signorini_core::assembly::{Assembly, Numbering};
-use signorini_core::element::{DOFS, Kind, Layered, Material, Section, Thickness};
-use signorini_core::plate;
+use signorini_core::element::{DOFS, Kind, Layered, Material, Materials, Section, Thickness};
+use signorini_core::plate::{self, StressNodes};
 use signorini_core::residual::{Displacement, internal_magnitudes, openings, residual};
 use signorini_core::stress;
 use std::sync::Arc;
@@ -17,7 +17,9 @@ use std::sync::Arc;
 /// `thickness` is one number or that of every element (e, p) at its `section_points`. `layered`, if given, has the
 /// elements (k,), in increasing order, inside which the thickness jumps, and at their points the rigidities (k, p, 9):
 /// rows 11, 12, 13, 22, 23, 33 of those in bending and 11, 12, 22 of those in shear. `rigidities` (9,) are the same of a
-/// plate of thickness 1, and `young` the largest Young's modulus. `frames` (n, 2), if given, holds
+/// plate of thickness 1, and `young` the largest Young's modulus. `others`, if given, has further materials: which of
+/// them each element (e,) is of, from 1, or 0, their Young's moduli (m,) and rigidities (m, 9). `stress_elements` (e, 8), if given, are the elements by the nodes of moments and
+/// shears, several at a place where these jump. `frames` (n, 2), if given, holds
 /// cos and sin of every node's first rotation direction.
 /// Displacements as the sum of two arrays of doubles.
 type HighAndLow<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
@@ -72,6 +74,17 @@ fn thickness_of(
     Ok(Thickness::Varying { at_points: at_points.as_array().iter().copied().collect(), layered })
 }
 
+fn elements_of(given: &PyReadonlyArray2<'_, i64>) -> PyResult<Vec<[usize; 8]>> {
+    let numbered = |nodes: [i64; 8]| {
+        let mut out = [0; 8];
+        for (o, n) in out.iter_mut().zip(nodes) {
+            *o = usize::try_from(n).map_err(|_| invalid(format!("an element names node {n}")))?;
+        }
+        Ok(out)
+    };
+    rows_of::<8, i64>("elements", given)?.into_iter().map(numbered).collect()
+}
+
 fn section(values: &[f64]) -> Section {
     let v = values;
     let bending = [[v[0], v[1], v[2]], [v[1], v[3], v[4]], [v[2], v[4], v[5]]];
@@ -98,7 +111,10 @@ pub fn displacement(
 #[pymethods]
 impl Plate {
     #[new]
-    #[pyo3(signature = (points, elements, thickness, young, rigidities, kind, frames=None, layered=None))]
+    #[pyo3(signature = (
+        points, elements, thickness, young, rigidities, kind, frames=None, layered=None, others=None,
+        stress_elements=None
+    ))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -110,24 +126,34 @@ impl Plate {
         kind: &str,
         frames: Option<PyReadonlyArray2<'_, f64>>,
         layered: Option<(PyReadonlyArray1<'_, i64>, PyReadonlyArray3<'_, f64>)>,
+        others: Option<(PyReadonlyArray1<'_, i64>, PyReadonlyArray1<'_, f64>, PyReadonlyArray2<'_, f64>)>,
+        stress_elements: Option<PyReadonlyArray2<'_, i64>>,
     ) -> PyResult<Self> {
         let kind = kind_of(kind)?;
         let points = rows_of::<2, f64>("points", &points)?;
-        let elements = rows_of::<8, i64>("elements", &elements)?
-            .into_iter()
-            .map(|nodes| {
-                let mut out = [0; 8];
-                for (o, n) in out.iter_mut().zip(nodes) {
-                    *o = usize::try_from(n).map_err(|_| invalid(format!("an element names node {n}")))?;
-                }
-                Ok(out)
-            })
-            .collect::<PyResult<Vec<_>>>()?;
+        let elements = elements_of(&elements)?;
         let thickness = thickness_of(kind, elements.len(), thickness, layered)?;
         let frames = frames.map(|f| rows_of::<2, f64>("frames", &f)).transpose()?;
-        let material = Material { young, unit: section(&rigidities) };
-        let inner = released(py, || plate::Plate::new(points, elements, thickness, material, kind, frames))?
-            .map_err(invalid)?;
+        let mut all = vec![Material { young, unit: section(&rigidities) }];
+        let mut of = Vec::new();
+        if let Some((number, young, rigidities)) = others {
+            let unit = rows_of::<9, f64>("rigidities", &rigidities)?;
+            let young = sized("Young's moduli", &young, unit.len())?;
+            all.extend(young.iter().zip(&unit).map(|(&young, unit)| Material { young, unit: section(unit) }));
+            of = indices("the elements' materials", &number, all.len())?.into_iter().map(|i| i as u32).collect();
+        }
+        let stress_elements = stress_elements.map(|given| elements_of(&given)).transpose()?;
+        let made = || {
+            let plate = plate::Plate::new(points, elements, thickness, Materials::several(all, of), kind, frames)?;
+            match stress_elements {
+                Some(elements) => {
+                    let count = elements.iter().flatten().max().map_or(0, |last| last + 1);
+                    plate.with_stress_nodes(StressNodes { elements, count })
+                }
+                None => Ok(plate),
+            }
+        };
+        let inner = released(py, made)?.map_err(invalid)?;
         Ok(Self { inner: Arc::new(inner) })
     }
 
@@ -234,7 +260,7 @@ impl Plate {
         })
     }
 
-    /// [mx, my, mxy, qx, qy] at nodes (n, 5) and at the elements' four samples (e, 4, 5): 2×2 Gauss points, of triangles
+    /// [mx, my, mxy, qx, qy] at nodes (n, 5), or those of `stress_elements`, and at the elements' four samples (e, 4, 5): 2×2 Gauss points, of triangles
     /// three near the corners and the centroid.
     fn stresses<'py>(
         &self,

@@ -106,6 +106,11 @@ impl Cholesky {
         Ok(done.is_ok().then_some(Self(matrix)))
     }
 
+    /// Whether every pivot is larger than this.
+    pub fn has_pivots_above(&self, least: f64) -> bool {
+        (0..self.0.ncols()).all(|i| self.0[(i, i)].powi(2) > least)
+    }
+
     pub fn solve_in_place(&self, right: MatMut<'_, f64>) {
         let mut memory = MemBuffer::new(StackReq::EMPTY);
         let parallelism = parallelism(self.0.nrows());

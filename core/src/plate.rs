@@ -5,7 +5,7 @@
 
 use crate::double_double::DoubleDouble;
 use crate::element::thin::{self, Mixed, Strains};
-use crate::element::{self, ALL_DOFS, Centre, DOFS, Geometry, Kind, Material, PACKED, Sections, Thickness};
+use crate::element::{self, ALL_DOFS, Centre, DOFS, Geometry, Kind, Material, Materials, PACKED, Sections, Thickness};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -61,13 +61,21 @@ pub struct Plate {
     elements: Vec<[usize; 8]>,
     pub thickness: Thickness,
     frames: Option<Vec<[f64; 2]>>,
-    pub material: Material,
+    pub materials: Materials,
     pub kind: Kind,
     /// Which of the matrices below each element has: those alike, up to their place, share one.
     matrix: Vec<u32>,
     stiffness: Vec<f64>,
     centres: Vec<Centre>,
     thin: Vec<bool>,
+    stress_nodes: Option<StressNodes>,
+}
+
+/// Nodes of moments and shears where these jump: on a jump there is one for each of its sides.
+pub struct StressNodes {
+    /// As the plate's own elements.
+    pub elements: Vec<[usize; 8]>,
+    pub count: usize,
 }
 
 impl Plate {
@@ -78,17 +86,22 @@ impl Plate {
         points: Vec<[f64; 2]>,
         elements: Vec<[usize; 8]>,
         thickness: Thickness,
-        material: Material,
+        materials: impl Into<Materials>,
         kind: Kind,
         frames: Option<Vec<[f64; 2]>>,
     ) -> Result<Self, PlateError> {
+        let materials = materials.into();
         if elements.is_empty() {
             return Err(PlateError::Empty);
         }
         check_finite("points", points.iter().flatten())?;
         check_thickness(&thickness, kind.points().len(), elements.len())?;
-        if !(material.young > 0.0 && material.young.is_finite() && material.unit.resists()) {
-            return Err(PlateError::Range { what: "material", index: 0 });
+        let sound = |m: &Material| m.young > 0.0 && m.young.is_finite() && m.unit.resists();
+        if let Some(index) = materials.all().iter().position(|material| !sound(material)) {
+            return Err(PlateError::Range { what: "material", index });
+        }
+        if !materials.fit(elements.len()) {
+            return Err(PlateError::Range { what: "materials of elements", index: 0 });
         }
         if let Some(frames) = &frames {
             check_finite("frames", frames.iter().flatten())?;
@@ -114,12 +127,13 @@ impl Plate {
             elements,
             thickness,
             frames,
-            material,
+            materials,
             kind,
             matrix: Vec::new(),
             stiffness: Vec::new(),
             centres: Vec::new(),
             thin: Vec::new(),
+            stress_nodes: None,
         };
         let first = plate.share_matrices();
         if let Some(&element) = first.par_iter().find_first(|&&e| plate.geometry(e).is_inverted()) {
@@ -130,16 +144,33 @@ impl Plate {
         let computed = stiffness.par_chunks_mut(PACKED).zip(first).map(|(out, e)| {
             let (geometry, sections) = (plate.geometry(e), plate.sections(e));
             let thinnest = plate.thickness.least_of(kind, e);
-            let found = element::stiffness(kind, &geometry, &plate.material, sections);
+            let found = element::stiffness(kind, &geometry, plate.materials.at(e), sections);
             let thin = kind == Kind::Mitc9 && thin::slenderness(&geometry, thinnest, size) > THIN;
             let softer =
-                thin.then(|| thin::factored_stiffness(&geometry, &plate.material, sections, thinnest)).flatten();
+                thin.then(|| thin::factored_stiffness(&geometry, plate.materials.at(e), sections, thinnest)).flatten();
             out.copy_from_slice(softer.as_ref().unwrap_or(&found.packed));
             (found.centre, thin)
         });
         let (centres, thin) = computed.unzip();
         (plate.stiffness, plate.centres, plate.thin) = (stiffness, centres, thin);
         Ok(plate)
+    }
+
+    /// Keeps moments and shears apart at nodes where they jump.
+    pub fn with_stress_nodes(mut self, nodes: StressNodes) -> Result<Self, PlateError> {
+        check_length("elements of stress nodes", nodes.elements.len(), self.elements.len())?;
+        for (element, &node) in nodes.elements.iter().enumerate().flat_map(|(e, own)| own.iter().map(move |n| (e, n))) {
+            if node >= nodes.count {
+                return Err(PlateError::NoSuchNode { element, node });
+            }
+        }
+        self.stress_nodes = Some(nodes);
+        Ok(self)
+    }
+
+    /// Elements by the nodes of moments and shears, and how many these are.
+    pub fn stress_nodes(&self) -> (&[[usize; 8]], usize) {
+        self.stress_nodes.as_ref().map_or((&self.elements, self.node_count()), |nodes| (&nodes.elements, nodes.count))
     }
 
     /// Says which matrix each element has, and returns the first element with each of them.
@@ -154,7 +185,7 @@ impl Plate {
                 first.len() as u32 - 1
             };
             let Geometry { at, triangle } = self.geometry(e);
-            let at = (triangle, at.map(|point| point.map(f64::to_bits)));
+            let at = (triangle, self.materials.number(e), at.map(|point| point.map(f64::to_bits)));
             match self.sections(e) {
                 Sections::Constant(_) => *known.entry((at, &[][..])).or_insert_with(new),
                 Sections::Varying(h) => *known.entry((at, bytemuck::cast_slice::<f64, u64>(h))).or_insert_with(new),
@@ -199,13 +230,13 @@ impl Plate {
 
     /// Strains of a thin element from displacements without its rigid motion.
     pub fn strains(&self, e: usize, stripped: &[DoubleDouble; DOFS]) -> Strains<'_> {
-        Strains::of(&self.geometry(e), &self.material, self.sections(e), self.centre(e), stripped)
+        Strains::of(&self.geometry(e), self.materials.at(e), self.sections(e), self.centre(e), stripped)
     }
 
     /// Bending and shear of a thin element apart, in the nodes' frames.
     pub fn mixed(&self, e: usize) -> Mixed {
         let mut mixed =
-            Mixed::of(&self.geometry(e), &self.material, self.sections(e), self.thickness.least_of(self.kind, e));
+            Mixed::of(&self.geometry(e), self.materials.at(e), self.sections(e), self.thickness.least_of(self.kind, e));
         let turn = |row: &mut [f64; ALL_DOFS]| {
             let nodal = row.first_chunk_mut().expect("dofs of nodes come first");
             self.into_frames(e, nodal);
@@ -337,7 +368,7 @@ impl Plate {
         let mut centre = vec![0.0; 2 * self.elements.len()];
         for e in 0..self.elements.len() {
             let geometry = self.geometry(e);
-            let all = element::curvature_load(self.kind, &geometry, &self.material, self.sections(e), curvature);
+            let all = element::curvature_load(self.kind, &geometry, self.materials.at(e), self.sections(e), curvature);
             let couples = [all[DOFS], all[DOFS + 1]];
             self.add_condensed(e, &all, &mut load);
             centre[2 * e] = couples[0];

@@ -168,6 +168,41 @@ pub struct Springs {
     pub base: Vec<f64>,
 }
 
+impl Springs {
+    /// Puts a spring on a row of some table behind the others.
+    pub fn push(&mut self, rows: &Rows, row: usize, stiffness: f64, base: f64) {
+        self.rows.push_from(rows, row);
+        self.stiffness.push(stiffness);
+        self.base.push(base);
+    }
+
+    /// Puts a spring on a single dof behind the others.
+    pub fn push_at(&mut self, plate: &Plate, dof: usize, stiffness: f64) {
+        let place = |nodes: &[usize; 8]| nodes.iter().position(|&node| node == dof / 3);
+        let found = plate.elements().iter().enumerate().find_map(|(e, nodes)| Some((e, place(nodes)?)));
+        let (element, local) = found.expect("every node has an element");
+        let mut row = [0.0; DOFS];
+        row[3 * local + dof % 3] = 1.0;
+        self.rows.element.push(element);
+        self.rows.coefficient.push(row);
+        self.stiffness.push(stiffness);
+        self.base.push(0.0);
+    }
+
+    /// Those over single elements, and those over several that have a stiffness.
+    pub fn narrow_and_wide(&self) -> (Self, Self) {
+        let (mut narrow, mut wide) = (Self::default(), Self::default());
+        for (row, &stiffness) in self.stiffness.iter().enumerate() {
+            match self.rows.further.contains_key(&row) {
+                false => narrow.push(&self.rows, row, stiffness, self.base[row]),
+                true if stiffness > 0.0 => wide.push(&self.rows, row, stiffness, self.base[row]),
+                true => {}
+            }
+        }
+        (narrow, wide)
+    }
+}
+
 /// f − K u − Σ k r (r·u − base) at every dof, those held included (there it is minus the support's force).
 pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &Displacement) -> Vec<f64> {
     // At rest there is nothing to sum.

@@ -2,8 +2,9 @@
 //!
 //! Sampled at the 2×2 Gauss points, where the derivatives of quadratic elements converge one order faster (Barlow
 //! 1976), and carried to the nodes by the bilinear function through the four values, averaged over the elements that
-//! meet there (Hinton & Campbell 1974). Of triangles moments are sampled at three points, and carried on by the linear
-//! function through them; shear is the element's mean.
+//! meet there (Hinton & Campbell 1974), but not across jumps of what the plate is made of (`Plate::stress_nodes`). Of
+//! triangles moments are sampled at three points, and carried on by the linear function through them; shear is the
+//! element's mean.
 
 use crate::element::quadrature::GAUSS_2;
 use crate::element::{self, ALL_DOFS, DOFS, Section, mitc7, shape::NODES};
@@ -45,7 +46,7 @@ impl Samples {
             let mean = mitc7::mean_shear(&geometry);
             strain.iter_mut().for_each(|strain| strain[3..].copy_from_slice(&mean));
         }
-        Self { strain, sections: std::array::from_fn(|i| sections.at(first + i, &plate.material)) }
+        Self { strain, sections: std::array::from_fn(|i| sections.at(first + i, plate.materials.at(e))) }
     }
 
     fn stress(
@@ -115,12 +116,13 @@ pub fn smoothed(
     (nodal, sampled)
 }
 
-/// Mean, over the elements that meet at a node, of what each one's samples give there.
+/// Mean, over the elements that meet at a node of the stresses, of what each one's samples give there.
 fn carried_to_nodes(plate: &Plate, sampled: impl Fn(usize) -> [Stress; 4]) -> Vec<Stress> {
     let of_squares: [[f64; 4]; 8] = std::array::from_fn(|i| bilinear(NODES[i][0], NODES[i][1]));
-    let mut nodal = vec![[0.0; 5]; plate.node_count()];
-    let mut meeting = vec![0u32; plate.node_count()];
-    for (e, nodes) in plate.elements().iter().enumerate() {
+    let (elements, count) = plate.stress_nodes();
+    let mut nodal = vec![[0.0; 5]; count];
+    let mut meeting = vec![0u32; count];
+    for (e, nodes) in elements.iter().enumerate() {
         let samples = sampled(e);
         let weights = if plate.is_triangle(e) { &ON_TRIANGLES } else { &of_squares };
         for (&node, weights) in nodes.iter().zip(weights).filter(|(_, weights)| **weights != [0.0; 4]) {

@@ -220,6 +220,40 @@ impl Curve {
         found
     }
 
+    /// The shares of its length at which this curve meets another, with the points; none of lines parallel to it.
+    pub fn crossings(&self, other: &Curve) -> Vec<(f64, Point)> {
+        let points: Vec<Point> = match (self.round, other.round) {
+            (None, _) => other.meets(self.from, self.to).into_iter().map(|t| other.at(t)).collect(),
+            (Some(_), None) => self.meets(other.from, other.to).into_iter().map(|t| self.at(t)).collect(),
+            (Some(one), Some(two)) => {
+                let axis = sub(two.centre, one.centre);
+                let apart = norm(axis);
+                let foot = 0.5 * (apart + (one.radius - two.radius) * (one.radius + two.radius) / apart);
+                let square = one.radius * one.radius - foot * foot;
+                // Of concentric ones the foot is not finite, and of those apart or one in the other nothing is left.
+                if !(square > 0.0 && foot.is_finite()) {
+                    return Vec::new();
+                }
+                let along = scale(axis, 1.0 / apart);
+                let middle = add(one.centre, scale(along, foot));
+                [square.sqrt(), -square.sqrt()].map(|h| add(middle, [-h * along[1], h * along[0]])).to_vec()
+            }
+        };
+        let slack = 1e-9 * self.radius().min(other.radius());
+        let on = |curve: &Curve, p: Point| slack.is_infinite() || distance(curve.at(curve.nearest(p)), p) <= slack;
+        let those = points.into_iter().filter(|&p| on(self, p) && on(other, p));
+        those.map(|p| (self.nearest(p), p)).collect()
+    }
+
+    /// The part between two shares, from one point to another that are there but for rounding.
+    pub fn part(&self, [begin, end]: [f64; 2], from: Point, to: Point) -> Curve {
+        let round = self.round.map(|round| {
+            let start = round.start + begin * round.sweep;
+            Round { start, sweep: (end - begin) * round.sweep, ..round }
+        });
+        Curve { from, to, round }
+    }
+
     /// Where this curve and one that goes on from its end meet again, other than by running into each other's ends.
     pub fn meets_next(&self, next: &Curve) -> Option<Point> {
         let corner = self.to;

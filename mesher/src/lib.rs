@@ -23,6 +23,7 @@ pub use geometry::Point;
 pub use outline::{Fault, Loop};
 pub use sizes::Refinement;
 
+use geometry::Curve;
 use outline::{Outline, directions, turned};
 use planar::Planar;
 use quadratic::Quadratic;
@@ -37,6 +38,8 @@ pub struct Wishes {
     /// Largest side of an element, were they all squares.
     pub size: f64,
     pub refinements: Vec<Refinement>,
+    /// Arcs for sides of elements to follow, before all lines: from a point through one to another.
+    pub arcs: Vec<[Point; 3]>,
     /// Straight lines for sides of elements to follow, those that matter most first. Not followed is what leaves the
     /// plate, or comes nearer to the outline or to lines before it than about half an element.
     pub lines: Vec<[Point; 2]>,
@@ -97,7 +100,10 @@ pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
     let (angle, slant) = directions(&given.sides);
     let frame = Frame { forth: [angle.cos(), -angle.sin()], back: [angle.cos(), angle.sin()] };
     let outline = given.mapped(|p| turned(p, frame.forth), -angle);
-    let lines: Vec<[Point; 2]> = wishes.lines.iter().map(|line| line.map(|p| turned(p, frame.forth))).collect();
+    let turned_arcs = wishes.arcs.iter().map(|arc| arc.map(|p| turned(p, frame.forth)));
+    let arcs = turned_arcs.filter_map(|[from, through, to]| Curve::arc(from, through, to));
+    let turned_lines = wishes.lines.iter().map(|line| line.map(|p| turned(p, frame.forth)));
+    let lines: Vec<Curve> = arcs.chain(turned_lines.map(|[from, to]| Curve::straight(from, to))).collect();
     let points: Vec<Point> = wishes.points.iter().map(|&p| turned(p, frame.forth)).collect();
     let mut refinements: Vec<Refinement> = wishes
         .refinements
@@ -150,7 +156,7 @@ struct Task<'a> {
     given: &'a Outline,
     outline: &'a Outline,
     sizes: &'a Sizes,
-    lines: &'a [[Point; 2]],
+    lines: &'a [Curve],
     points: &'a [Point],
     frame: &'a Frame,
 }
@@ -181,7 +187,7 @@ impl Task<'_> {
     fn made(&self, style: Style) -> Result<Quadratic, Vec<Point>> {
         let Task { given, outline, sizes, frame, .. } = *self;
         let mut planar = Planar::new(outline, sizes);
-        self.lines.iter().for_each(|&line| planar.follow_line(line));
+        self.lines.iter().for_each(|line| planar.follow_curve(line));
         self.points.iter().for_each(|&p| planar.follow_point(p));
         let (vertices, pieces) = planar.finish();
         let (mut seeds, grid) = seed(outline, sizes, vertices, &pieces, style);

@@ -1,6 +1,6 @@
 //! Sides of the outline and lines to follow, cut where they meet: vertices and the pieces between them.
 
-use crate::geometry::{Curve, Point, between, cross, distance, dot, nearest_share};
+use crate::geometry::{Curve, Point, cross, distance, dot, scale};
 use crate::outline::Outline;
 use crate::sizes::Sizes;
 
@@ -57,25 +57,25 @@ impl<'a> Planar<'a> {
     }
 
     /// Follows those parts of a line in the plate that come too near to nothing else.
-    pub fn follow_line(&mut self, [a, b]: [Point; 2]) {
-        let length = distance(a, b);
+    pub fn follow_curve(&mut self, line: &Curve) {
+        let length = line.length();
         if !(length > self.same) {
             return;
         }
         let mut shares = vec![0.0, 1.0];
         for side in &self.outline.sides {
-            shares.extend(side.curve.meets(a, b).iter().map(|&t| nearest_share(side.curve.at(t), a, b)));
-            let share = nearest_share(side.curve.from, a, b);
-            if distance(between(a, b, share), side.curve.from) <= self.same {
+            shares.extend(line.crossings(&side.curve).iter().map(|&(share, _)| share));
+            let share = line.nearest(side.curve.from);
+            if distance(line.at(share), side.curve.from) <= self.same {
                 shares.push(share);
             }
         }
         shares.sort_by(f64::total_cmp);
         shares.dedup_by(|t, s| (*t - *s) * length <= self.same);
         for w in shares.windows(2) {
-            let middle = between(a, b, 0.5 * (w[0] + w[1]));
+            let middle = line.at(0.5 * (w[0] + w[1]));
             if self.outline.contains(middle) && !self.is_on_outline(middle) {
-                self.follow(between(a, b, w[0]), between(a, b, w[1]));
+                self.follow(&line.part([w[0], w[1]], line.at(w[0]), line.at(w[1])));
             }
         }
     }
@@ -110,22 +110,20 @@ impl<'a> Planar<'a> {
         (self.vertices, pieces)
     }
 
-    fn follow(&mut self, p: Point, q: Point) {
+    fn follow(&mut self, line: &Curve) {
         let mut stops: Vec<Stop> = Vec::new();
-        for at in [p, q] {
-            stops.push(Stop { share: nearest_share(at, p, q), at, vertex: self.vertex_at(at) });
+        for (share, at) in [(0.0, line.from), (1.0, line.to)] {
+            stops.push(Stop { share, at, vertex: self.vertex_at(at) });
         }
         for (vertex, &at) in self.vertices.iter().enumerate() {
-            let share = nearest_share(at, p, q);
-            if distance(between(p, q, share), at) <= self.same {
+            let share = line.nearest(at);
+            if distance(line.at(share), at) <= self.same {
                 stops.push(Stop { share, at, vertex: Some(vertex) });
             }
         }
         for track in &self.tracks {
-            for t in track.curve.meets(p, q) {
-                let at = track.curve.at(t);
-                stops.push(Stop { share: nearest_share(at, p, q), at, vertex: self.vertex_at(at) });
-            }
+            let met = line.crossings(&track.curve);
+            stops.extend(met.into_iter().map(|(share, at)| Stop { share, at, vertex: self.vertex_at(at) }));
         }
         // Vertices first, so that of stops at one place the one with a vertex remains.
         stops.sort_by(|s, t| s.share.total_cmp(&t.share));
@@ -138,17 +136,16 @@ impl<'a> Planar<'a> {
                 _ => merged.push(stop),
             }
         }
-        let fresh: Vec<[Stop; 2]> = merged
-            .windows(2)
-            .filter(|w| self.track_at(between(w[0].at, w[1].at, 0.5)).is_none())
-            .map(|w| [w[0], w[1]])
-            .collect();
-        if !fresh.iter().all(|stretch| self.may_follow(stretch)) {
+        let stretches =
+            merged.windows(2).map(|w| ([w[0], w[1]], line.part([w[0].share, w[1].share], w[0].at, w[1].at)));
+        let fresh: Vec<([Stop; 2], Curve)> =
+            stretches.filter(|(_, part)| self.track_at(part.at(0.5)).is_none()).collect();
+        if !fresh.iter().all(|(ends, part)| self.may_follow(ends, part)) {
             return;
         }
-        for stretch in fresh {
-            let ends = stretch.map(|stop| self.vertex(stop.at));
-            let curve = Curve::straight(self.vertices[ends[0]], self.vertices[ends[1]]);
+        for (ends, part) in fresh {
+            let ends = ends.map(|stop| self.vertex(stop.at));
+            let curve = part.part([0.0, 1.0], self.vertices[ends[0]], self.vertices[ends[1]]);
             self.tracks.push(Track { curve, side: None, cuts: vec![(0.0, ends[0]), (1.0, ends[1])] });
         }
     }
@@ -167,9 +164,9 @@ impl<'a> Planar<'a> {
         vertex
     }
 
-    fn may_follow(&self, [from, to]: &[Stop; 2]) -> bool {
+    fn may_follow(&self, [from, to]: &[Stop; 2], part: &Curve) -> bool {
         let near = |at: Point| NEAR * self.sizes.at(at);
-        if distance(from.at, to.at) < near(between(from.at, to.at, 0.5)) {
+        if part.length() < near(part.at(0.5)) {
             return false;
         }
         for stop in [from, to] {
@@ -177,37 +174,46 @@ impl<'a> Planar<'a> {
                 return false;
             }
         }
+        // Straight lines come nearest to each other at an end; arcs may do so anywhere.
+        let stations = if part.is_straight() { 0 } else { (4.0 * part.length() / near(part.at(0.5))).ceil() as usize };
         let apart = self.vertices.iter().all(|&v| {
-            let off = distance(v, between(from.at, to.at, nearest_share(v, from.at, to.at)));
+            let off = distance(v, part.at(part.nearest(v)));
             off >= near(v) || distance(v, from.at) <= 2.0 * self.same || distance(v, to.at) <= 2.0 * self.same
-        });
-        let along = Curve::straight(from.at, to.at).direction(0.5);
+        }) && (1..stations)
+            .map(|i| part.at(i as f64 / stations as f64))
+            .all(|at| distance(at, from.at).min(distance(at, to.at)) < near(at) || self.is_clear(at, near(at)));
         apart
-            && [(from.at, along), (to.at, [-along[0], -along[1]])].into_iter().all(|(at, onward)| {
-                self.tracks.iter().all(|track| {
-                    let t = track.curve.nearest(at);
-                    if distance(track.curve.at(t), at) > 2.0 * self.same {
-                        return true;
-                    }
-                    let direction = track.curve.direction(t);
-                    let steep = cross(direction, onward).abs() >= SLANT;
-                    // At the end of a track the new line may go on where the track came from nowhere.
-                    let length = track.curve.length();
-                    steep
-                        || (t * length <= 2.0 * self.same && dot(direction, onward) < 0.0)
-                        || ((1.0 - t) * length <= 2.0 * self.same && dot(direction, onward) > 0.0)
-                })
-            })
+            && [(from.at, part.direction(0.0)), (to.at, scale(part.direction(1.0), -1.0))].into_iter().all(
+                |(at, onward)| {
+                    self.tracks.iter().all(|track| {
+                        let t = track.curve.nearest(at);
+                        if distance(track.curve.at(t), at) > 2.0 * self.same {
+                            return true;
+                        }
+                        let direction = track.curve.direction(t);
+                        let steep = cross(direction, onward).abs() >= SLANT;
+                        // At the end of a track the new line may go on where the track came from nowhere.
+                        let length = track.curve.length();
+                        steep
+                            || (t * length <= 2.0 * self.same && dot(direction, onward) < 0.0)
+                            || ((1.0 - t) * length <= 2.0 * self.same && dot(direction, onward) > 0.0)
+                    })
+                },
+            )
     }
 
     /// Whether a new vertex would be far enough from other vertices, and from tracks but the one it is on.
     fn has_room(&self, at: Point) -> bool {
         let near = NEAR * self.sizes.at(at);
-        self.vertices.iter().all(|&v| distance(v, at) >= near)
-            && self.tracks.iter().all(|track| {
-                let off = distance(track.curve.at(track.curve.nearest(at)), at);
-                off <= self.same || off >= near
-            })
+        self.vertices.iter().all(|&v| distance(v, at) >= near) && self.is_clear(at, near)
+    }
+
+    /// Whether a point is so far from all tracks but those it is on.
+    fn is_clear(&self, at: Point, near: f64) -> bool {
+        self.tracks.iter().all(|track| {
+            let off = distance(track.curve.at(track.curve.nearest(at)), at);
+            off <= self.same || off >= near
+        })
     }
 
     fn vertex_at(&self, p: Point) -> Option<usize> {

@@ -75,10 +75,10 @@ impl Quadratic {
                 all
             })
             .collect();
-        let mut middles: Vec<([usize; 2], usize, usize)> = Vec::with_capacity(halves.len() / 2 + 8);
+        let mut middles: Vec<([usize; 2], usize)> = Vec::with_capacity(halves.len() / 2 + 8);
         for &(ends, e, i) in &halves {
             if middles.last().is_none_or(|last| last.0 != ends) {
-                middles.push((ends, points.len(), e));
+                middles.push((ends, points.len()));
                 points.push(between(points[ends[0]], points[ends[1]], 0.5));
             }
             let place = if i == 2 && corners[e][3] == NONE { 7 } else { 4 + i };
@@ -88,22 +88,26 @@ impl Quadratic {
         let (mut sides, mut side_of, mut curved) = (Vec::new(), Vec::new(), Vec::new());
         for chord in &seeds.chords {
             let piece = &pieces[chord.piece];
-            let Some(side) = piece.side else {
+            if piece.side.is_none() && piece.curve.is_straight() {
                 continue;
-            };
+            }
             let [a, b] = chord.ends.map(|end| number[end]);
             let found = middles
                 .binary_search_by(|middle| middle.0.cmp(&[a.min(b), a.max(b)]))
-                .expect("the outline's chords are sides of elements");
-            let (_, middle, element) = middles[found];
+                .expect("chords are sides of elements");
+            let (ends, middle) = middles[found];
             let [from, to] = [0, 1].map(|end| share(chord.ends[end], chord.span[end]));
-            let curve = &given.sides[side].curve;
-            if !curve.is_straight() {
-                points[middle] = curve.at(0.5 * (from + to));
-                curved.push(element);
+            if !piece.curve.is_straight() {
+                let t = 0.5 * (from + to);
+                points[middle] =
+                    piece.side.map_or_else(|| turned(piece.curve.at(t), back), |side| given.sides[side].curve.at(t));
+                let first = halves.partition_point(|half| half.0 < ends);
+                curved.extend(halves[first..].iter().take_while(|half| half.0 == ends).map(|half| half.1));
             }
-            sides.push([a, middle, b]);
-            side_of.push([given.sides[side].ring, given.sides[side].number]);
+            if let Some(side) = piece.side {
+                sides.push([a, middle, b]);
+                side_of.push([given.sides[side].ring, given.sides[side].number]);
+            }
         }
         curved.sort_unstable();
         curved.dedup();

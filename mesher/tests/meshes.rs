@@ -166,6 +166,35 @@ fn lines_with_room_are_followed_and_others_left() {
 }
 
 #[test]
+fn arcs_are_followed_within_the_plate_and_their_sides_are_round() {
+    let plate = [polygon(&box_of([0.0, 0.0], [8.0, 6.0])), hole(&box_of([5.2, 1.0], [6.4, 2.0]), 1)];
+    let ring = |centre: Point, radius: f64| -> Vec<[Point; 3]> {
+        let round = circle("", centre, radius);
+        (0..4).map(|i| [round.corners[i], round.through[i].unwrap(), round.corners[(i + 1) % 4]]).collect()
+    };
+    for (centre, radius, part) in [([3.0, 3.0], 1.7, 1.0), ([0.0, 0.0], 2.5, 0.25), ([5.8, 3.0], 1.5, 0.882)] {
+        let arcs = ring(centre, radius);
+        let mesh = made(&turned(&plate, 0.0), &Wishes { arcs, ..of(0.5) });
+        let off = |node: usize| f64::hypot(mesh.points[node][0] - centre[0], mesh.points[node][1] - centre[1]) - radius;
+        let on = |node: usize| off(node).abs() < 1e-12;
+        let mut length = 0.0;
+        let corners = |e: &[usize; 8]| if e[2] == e[3] { vec![0, 1, 3] } else { vec![0, 1, 2, 3] };
+        for e in &mesh.elements {
+            for i in corners(e) {
+                let [a, b] = [e[i], e[(i + 1) % 4]];
+                if on(a) && on(b) {
+                    assert!(on(e[4 + i]), "a side of an arc is straight");
+                    length += f64::hypot(mesh.points[a][0] - mesh.points[b][0], mesh.points[a][1] - mesh.points[b][1]);
+                }
+            }
+        }
+        let whole = 2.0 * TAU * radius * part;
+        assert!((length - whole).abs() < 0.02 * whole, "{length} of {whole} around {centre:?}");
+        assert!(mesh.least_angle > 30.0, "{}", mesh.least_angle);
+    }
+}
+
+#[test]
 fn elements_are_smaller_where_that_is_asked_for_and_grow_slowly() {
     let plate = [polygon(&box_of([0.0, 0.0], [8.0, 6.0]))];
     let finest = Refinement { from: [3.0, 2.0], to: [3.0, 2.0], size: 0.05 };

@@ -105,6 +105,7 @@ fn plate(seed: u64) -> (Vec<Loop>, Wishes) {
     let size = 10f64.powf(random.within(-0.6, 1.0));
     let mut wishes = Wishes { size, ..Wishes::default() };
     if random.chance(0.5) {
+        wishes.arcs = (0..random.below(4)).map(|_| [(); 3].map(|()| random.point(10.0))).collect();
         wishes.lines = (0..random.below(8)).map(|_| [random.point(10.0), random.point(10.0)]).collect();
         wishes.points = (0..random.below(8)).map(|_| random.point(10.0)).collect();
     }

@@ -50,7 +50,12 @@ def lemke(
     start: _Bools | None = None,
 ) -> LcpSolution: ...
 def mesh_outline(
-    loops: list[tuple[_Floats, _Floats, list[str]]], size: float, refinements: _Floats, lines: _Floats, points: _Floats
+    loops: list[tuple[_Floats, _Floats, list[str]]],
+    size: float,
+    refinements: _Floats,
+    arcs: _Floats,
+    lines: _Floats,
+    points: _Floats,
 ) -> tuple[_Floats, _Ints, _Ints, _Ints]: ...
 def rest_response(problem: ContactProblem, held_value: _Floats) -> Response: ...
 def load_responses(problem: ContactProblem, loads: _Floats) -> list[Response]: ...
@@ -112,6 +117,8 @@ class Plate:
         kind: str,
         frames: _Floats | None = None,
         layered: tuple[_Ints, _Floats] | None = None,
+        others: tuple[_Ints, _Floats, _Floats] | None = None,
+        stress_elements: _Ints | None = None,
     ) -> Plate: ...
     @property
     def dof_count(self) -> int: ...

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from random import Random
 
 import random_models
@@ -41,7 +42,11 @@ def plate(seed: int, least: int = 8, most: int = 16) -> Model:
     if "divisions" in tables["mesh"]:
         scale = others.choice([3, 4, 5])
         tables["mesh"] = {"divisions": [min(max(least, scale * n), most) for n in tables["mesh"]["divisions"]]}
-    tables["probe"] = [{"at": [random_models.point(others, tables["plate"]) for _ in range(3)]}]
+    else:
+        tables["mesh"] = {"size": random_models.extent(tables["plate"]) / others.randint(least, most)}
+    drawn = (random_models.point(others, tables["plate"]) for _ in range(100))
+    on = (at for at in drawn if random_models.on_plate(tables["plate"], at))
+    tables["probe"] = [{"at": list(islice(on, 3))}]
     tables["output"] = {"combinations": "each"}
     return validate(tables)
 
@@ -64,7 +69,7 @@ def _compared(ours: Result, truth: Result) -> Iterator[Judged]:
     if ours.status != "solved" or truth.status != "solved" or ours.plus_minus is None:
         return
     values, widths, true = (leaves(tree) for tree in (figures(ours), ours.plus_minus, figures(truth)))
-    largest = largest_of(ours)
+    largest = largest_of(ours, max((support.gaps.max(initial=0.0) for support in ours.supports), default=0.0))
     for path, value in values.items():
         kind = kind_of(path)
         if path in true and kind not in ("closed", "open"):

@@ -22,7 +22,7 @@ class _Scale:
 def model(rng: Random) -> Tables:
     """Draw a model that says something: perhaps a mechanism, perhaps a load that nothing can hold."""
     plate, mesh = _plate(rng)
-    young, size = rng.choice([30e9, 1000.0, 2.1e5]), _extent(plate)
+    young, size = rng.choice([30e9, 1000.0, 2.1e5]), extent(plate)
     thickness = float(str(plate["thickness"]).partition("*")[0])
     stiffness = young * thickness**3 / 12 / size**2
     scale = _Scale(size, 1e-3 * size * stiffness, stiffness)
@@ -59,6 +59,10 @@ def model(rng: Random) -> Tables:
         _step(rng, tables)
     if rng.random() < 0.5:
         _turn(rng, tables["support"], size)
+    if rng.random() < 0.25:
+        _reshape(rng, tables)
+    if rng.random() < 0.5:
+        _spread(rng, tables, size)
     return tables
 
 
@@ -83,6 +87,101 @@ def _turn(rng: Random, supports: list[Tables], size: float) -> None:
     for support in supports:
         if support.get("fix", "simple") != "simple" and rng.random() < 0.8:
             support["rotation"] = turned if rng.random() < 0.9 else rng.choice(slopes)
+
+
+def _reshape(rng: Random, tables: Tables) -> None:
+    """Cut a hole into the plate, or a corner off a rectangle; edges are those of the new outline."""
+    plate = tables["plate"]
+    if plate["shape"] == "rectangle" and rng.random() < 0.5:
+        (x, y), (a, b) = plate.pop("origin", [0.0, 0.0]), plate.pop("size")
+        corner: list[Any] = rng.choice(
+            [
+                [[x + a, y + 0.5 * b], [x + 0.6 * a, y + 0.5 * b], [x + 0.6 * a, y + b]],
+                [[x + a, y + 0.4 * b], [x + 0.7 * a, y + b]],
+                [[x + a, y + 0.5 * b], {"through": [x + 0.9 * a, y + 0.9 * b], "to": [x + 0.5 * a, y + b]}],
+            ]
+        )
+        plate |= {"shape": "polygon", "points": [[x, y], [x + a, y], *corner, [x, y + b]]}
+        for item in (*tables["support"], *tables["load"]):
+            if "edge" in item:
+                item["edge"] = rng.sample(_edges(plate), min(len(item["edge"]), 2))
+    else:
+        (x, y), most = _middle(rng, plate)
+        r = most * rng.choice([0.5, 0.25])
+        plate["holes"] = [
+            rng.choice(
+                [{"circle": {"center": [x, y], "radius": r}}, {"rectangle": [x - r, y - 0.6 * r, x + r, y + 0.6 * r]}]
+            )
+        ]
+        if rng.random() < 0.2:
+            tables["support"].append({"edge": ["hole 1"], "resists": rng.choice(["down", "both"])})
+    # Its mesh may have triangles, which q8r has not, and points that were on it may be off it.
+    plate.pop("element", None)
+    tables["mesh"] = {"size": extent(plate) * rng.choice([0.3, 0.2, 0.12])}
+    for item in (*tables["support"], *tables["load"]):
+        if "at" in item:
+            many = isinstance(item["at"][0], list)
+            moved = [_onto(rng, plate, at) for at in (item["at"] if many else [item["at"]])]
+            item["at"] = moved if many else moved[0]
+
+
+def _onto(rng: Random, plate: Tables, at: list[float]) -> list[float]:
+    """Draw a point that is on the plate if one is not."""
+    while not on_plate(plate, at):
+        at = point(rng, plate)
+    return at
+
+
+def _spread(rng: Random, tables: Tables, size: float) -> None:
+    """Give what acts at points footprints, a bit farther inside; say a couple about the axes."""
+    plate = tables["plate"]
+    (x, y), _ = _middle(rng, plate)
+    for item in (*tables["support"], *tables["load"]):
+        if "at" not in item or item.get("fix", "simple") != "simple" or rng.random() < 0.2:
+            continue
+        a, b = (size * rng.choice([0.02, 0.05, 0.12]) for _ in range(2))
+        given = item["at"] if isinstance(item["at"][0], list) else [item["at"]]
+        inside = [[x + 0.8 * (u - x), y + 0.8 * (v - y)] for u, v in given]
+        if all(on_plate(plate, [u + i * a, v + j * b]) for u, v in inside for i in (-0.5, 0.5) for j in (-0.5, 0.5)):
+            item["at"] = inside
+            item |= rng.choice([{"patch": [a, b]}, {"radius": 0.5 * min(a, b)}])
+        if "moment" in item and rng.random() < 0.5:
+            mx, my = item.pop("moment")
+            item["couple_about"] = {"x": my, "y": -mx}
+
+
+def on_plate(plate: Tables, at: list[float]) -> bool:
+    """Whether a point is on the plate, off its holes; of arcs their chords count."""
+    (u, v), inside = at, True
+    if plate["shape"] == "rectangle":
+        (x, y), (a, b) = plate.get("origin", [0.0, 0.0]), plate["size"]
+        inside = x <= u <= x + a and y <= v <= y + b
+    elif plate["shape"] == "polygon":
+        inside = _within(_corners(plate), at)
+    else:
+        x, y = plate.get("center", [0.0, 0.0])
+        angle = math.degrees(math.atan2(v - y, u - x)) % 360
+        inside = plate.get("inner", 0.0) <= math.hypot(u - x, v - y) <= extent(plate) and angle <= plate["sector"]
+    for hole in plate.get("holes", []):
+        if "circle" in hole:
+            (x, y), r = hole["circle"]["center"], hole["circle"]["radius"]
+            inside &= math.hypot(u - x, v - y) >= r
+        else:
+            x, y, x1, y1 = hole["rectangle"]
+            inside &= not (x < u < x1 and y < v < y1)
+    return inside
+
+
+def _corners(plate: Tables) -> list[list[float]]:
+    return [at for one in plate["points"] for at in ([one["through"], one["to"]] if isinstance(one, dict) else [one])]
+
+
+def _within(corners: list[list[float]], at: list[float]) -> bool:
+    crossings = 0
+    for (a, b), (c, d) in zip(corners, corners[1:] + corners[:1], strict=True):
+        if (b > at[1]) != (d > at[1]):
+            crossings += at[0] < a + (at[1] - b) / (d - b) * (c - a)
+    return crossings % 2 == 1
 
 
 def _plate(rng: Random) -> tuple[Tables, Tables]:
@@ -111,7 +210,9 @@ def _plate(rng: Random) -> tuple[Tables, Tables]:
     return plate, {"divisions": divisions}
 
 
-def _extent(plate: Tables) -> float:
+def extent(plate: Tables) -> float:
+    if plate["shape"] == "polygon":
+        return float(plate["points"][1][0] - plate["points"][0][0])
     return float(plate["size"][0] if plate["shape"] == "rectangle" else plate.get("outer", plate.get("radius")))
 
 
@@ -120,11 +221,17 @@ def point(rng: Random, plate: Tables) -> list[float]:
     if plate["shape"] == "rectangle":
         origin = plate.get("origin", [0.0, 0.0])
         return [o + s * _part(rng) for o, s in zip(origin, plate["size"], strict=True)]
-    inner, outer = plate.get("inner", 0.0), _extent(plate)
+    if plate["shape"] == "polygon":
+        return [lower + _part(rng) * (upper - lower) for lower, upper in _bounds(plate)]
+    inner, outer = plate.get("inner", 0.0), extent(plate)
     radius = inner + (outer - inner) * (0.02 + 0.96 * _part(rng))
     angle = math.radians(plate["sector"]) * (0.001 + 0.998 * _part(rng))
     x, y = plate.get("center", [0.0, 0.0])
     return [x + radius * math.cos(angle), y + radius * math.sin(angle)]
+
+
+def _bounds(plate: Tables) -> list[tuple[float, float]]:
+    return [(min(axis), max(axis)) for axis in zip(*_corners(plate), strict=True)]
 
 
 def _part(rng: Random) -> float:
@@ -132,6 +239,8 @@ def _part(rng: Random) -> float:
 
 
 def _edges(plate: Tables) -> list[str]:
+    if plate["shape"] == "polygon":
+        return [f"edge {number}" for number in range(1, len(plate["points"]) + 1)]
     if plate["shape"] == "rectangle":
         return ["left", "right", "bottom", "top"]
     outline = ["rim"] if plate["shape"] == "disc" else ["inner", "outer"]
@@ -161,18 +270,21 @@ def _place(rng: Random, plate: Tables, size: float, kinds: list[str]) -> Tables:
 
 
 def _concentric(rng: Random, plate: Tables) -> Tables:
-    inner, outer = plate.get("inner", 0.0), _extent(plate)
+    inner, outer = plate.get("inner", 0.0), extent(plate)
     return {"center": plate.get("center", [0.0, 0.0]), "radius": inner + (outer - inner) * rng.choice([0.5, 0.7, 1.0])}
 
 
 def _middle(rng: Random, plate: Tables) -> tuple[list[float], float]:
     """Draw a point well inside the plate, and how far it is from its outline at least."""
+    if plate["shape"] == "polygon":
+        (x, x1), (y, y1) = _bounds(plate)
+        return [0.7 * x + 0.3 * x1, 0.7 * y + 0.3 * y1], 0.2 * min(x1 - x, y1 - y)
     if plate["shape"] == "rectangle":
         parts = [rng.choice([0.5, rng.uniform(0.3, 0.7)]) for _ in range(2)]
         origin = plate.get("origin", [0.0, 0.0])
         at = [o + s * t for o, s, t in zip(origin, plate["size"], parts, strict=True)]
         return at, min(s * min(t, 1 - t) for s, t in zip(plate["size"], parts, strict=True))
-    inner, outer = plate.get("inner", 0.0), _extent(plate)
+    inner, outer = plate.get("inner", 0.0), extent(plate)
     angle = math.radians(min(plate["sector"], 90)) / 2
     radius = 0.5 * (inner + outer)
     x, y = plate.get("center", [0.0, 0.0])

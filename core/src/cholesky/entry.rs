@@ -13,6 +13,8 @@ pub(super) trait Entry: Copy + Send + Sync {
 
     fn add(&mut self, other: Self);
 
+    fn is_zero(&self) -> bool;
+
     /// vector ← (L₁⁻¹v₁, −L₂L₁⁻¹v₁) for the columns (L₁, L₂) of a supernode, whose v₂ is zero.
     fn eliminate(columns: &[f64], count: usize, vector: &mut [Self]);
 
@@ -25,6 +27,10 @@ impl Entry for f64 {
 
     fn add(&mut self, other: Self) {
         *self += other;
+    }
+
+    fn is_zero(&self) -> bool {
+        *self == 0.0
     }
 
     fn eliminate(columns: &[f64], count: usize, vector: &mut [Self]) {
@@ -46,6 +52,10 @@ impl Entry for Lanes {
 
     fn add(&mut self, other: Self) {
         self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a += b);
+    }
+
+    fn is_zero(&self) -> bool {
+        self.0 == [0.0; LANES]
     }
 
     fn eliminate(columns: &[f64], count: usize, vector: &mut [Self]) {

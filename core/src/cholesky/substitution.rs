@@ -144,13 +144,16 @@ impl Share {
         (share, foreign)
     }
 
-    /// The part's own rows solved, and what they add to the others.
+    /// The part's own rows solved, and what they add to the others; a sparse vector reads little of L.
     fn forward<E: Entry>(&self, values: &[f64], vector: &mut [E]) {
         let mut dense = vec![E::ZERO; self.tallest];
         for node in &self.supernodes {
             let below = &self.below[node.below..node.below + node.height - node.columns];
             let own = node.first..node.first + node.columns;
             let dense = &mut dense[..node.height];
+            if vector[own.clone()].iter().all(E::is_zero) {
+                continue;
+            }
             dense[..node.columns].copy_from_slice(&vector[own.clone()]);
             dense[node.columns..].fill(E::ZERO);
             for panel in layout::panels(node.columns, node.height) {

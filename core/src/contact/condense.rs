@@ -17,8 +17,13 @@
 
 mod condensed;
 mod flexibility;
+mod forward_rows;
 mod rigid;
+mod schur;
 mod stiffness;
+mod wide_springs;
 
+pub(super) use condensed::picks_single_dofs;
 pub use condensed::{Condensed, ContactState, Form, InterfaceResidual, PosedLcp, Work};
 pub(super) use rigid::FreeMotions;
+pub(super) use wide_springs::{WideSprings, pins};

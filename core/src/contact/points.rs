@@ -158,10 +158,10 @@ impl ActivePoints {
 
     /// Adds the springs of points that hang on several elements, those of no stiffness too: K keeps its pattern.
     pub fn add_footprint_springs(&self, stiffness: &[f64], springs: &mut Springs) {
-        for &i in self.further.keys() {
-            self.push_row(i, &mut springs.rows);
-            springs.stiffness.push(stiffness[i]);
-            springs.base.push(0.0);
+        let mut rows = Rows::default();
+        for (at, &i) in self.further.keys().enumerate() {
+            self.push_row(i, &mut rows);
+            springs.push(&rows, at, stiffness[i], 0.0);
         }
     }
 }

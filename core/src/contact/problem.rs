@@ -1,6 +1,6 @@
 //! A plate on its supports, factored once.
 
-use super::condense::Condensed;
+use super::condense::{Condensed, WideSprings, picks_single_dofs, pins};
 use super::points::ActivePoints;
 use super::scale::Scale;
 use crate::assembly::{Assembly, HELD, Numbering};
@@ -46,11 +46,50 @@ pub struct Seconds {
 /// K with the springs of some points on top, factored, and what it is at the condensed points.
 pub struct Factored {
     pub factor: Factor,
+    /// Springs over several elements, unless they are in the factor.
+    wide: Option<WideSprings>,
     pub condensed: Condensed,
     /// Stiffness carried at each point of the active set.
     pub carried: Vec<f64>,
     /// Whether every dof is a little stiffer than it is, since what holds the plate is lost in rounding.
     pub firmer: bool,
+}
+
+impl Factored {
+    /// Overwrites vectors in elimination order, one after the other, with what [`Factored::backward`] makes K̃⁻¹ times each.
+    pub(super) fn forward(&self, vectors: &mut [f64]) -> Result<(), FactorError> {
+        self.factor.forward(vectors)?;
+        self.hold(vectors);
+        Ok(())
+    }
+
+    pub(super) fn backward(&self, vectors: &mut [f64]) -> Result<(), FactorError> {
+        self.factor.backward(vectors)
+    }
+
+    fn hold(&self, forward: &mut [f64]) {
+        if let Some(springs) = &self.wide {
+            forward.chunks_exact_mut(self.factor.len()).for_each(|vector| springs.hold(vector));
+        }
+    }
+
+    /// Overwrites vectors in elimination order, one after the other, with K̃⁻¹ times each, with the bits that it has alone.
+    pub(super) fn solve_side_by_side(&self, vectors: &mut [f64]) -> Result<(), FactorError> {
+        if self.wide.is_none() {
+            return self.factor.solve_side_by_side(vectors);
+        }
+        self.forward(vectors)?;
+        self.backward(vectors)
+    }
+
+    /// Lets the points be pushed: adds forces on them to a vector after [`Factored::forward`].
+    pub(super) fn push(&self, force: &[f64], forward: &mut [f64]) -> Result<(), FactorError> {
+        let mut pushed = vec![0.0; forward.len()];
+        self.condensed.push(force, &mut pushed)?;
+        self.hold(&mut pushed);
+        forward.iter_mut().zip(&pushed).for_each(|(total, value)| *total += value);
+        Ok(())
+    }
 }
 
 pub struct ContactProblem {
@@ -69,6 +108,7 @@ pub struct ContactProblem {
     /// By what what is left of a condensed point's gap is a length.
     pub(super) levers: Vec<f64>,
     analysis: Analysis,
+    way: Way,
     pub(super) first_limit: f64,
 }
 
@@ -85,23 +125,25 @@ impl ContactProblem {
     ) -> Result<Self, FactorError> {
         let clock = Instant::now();
         let (constraints, active, order) = split(&plate, constraints, by_active_set);
+        let rows = &constraints.rows;
         let mut trailing = vec![false; plate.dof_count()];
-        for row in 0..constraints.rows.len() {
-            for (dof, _) in constraints.rows.entries(&plate, row) {
-                trailing[dof] = true;
-            }
+        for row in (0..rows.len()).filter(|row| !rows.further.contains_key(row)) {
+            rows.entries(&plate, row).for_each(|(dof, _)| trailing[dof] = true);
         }
         let numbering = Numbering::new(&plate, &held, &trailing);
         let ordering = clock.elapsed().as_secs_f64();
 
         let first_limit = Self::first_limit(&plate, &active);
         let all_closed = active.penalized(first_limit).stiffness;
+        let scale = Scale::of(&plate);
         let mut parts = Parts {
             plate: &plate,
             springs: &springs,
             constraints: &constraints,
             active: &active,
             numbering: &numbering,
+            scale: &scale,
+            way: Way::Apart,
             analysis: None,
             seconds: Seconds { order: ordering, ..Seconds::default() },
         };
@@ -109,14 +151,26 @@ impl ContactProblem {
         // found apart from it, exactly, and solves with care take back what it adds. Beside held dofs they would be rounded,
         // and elements with motions of their own that nothing resists are no such plate.
         let may_float = plate.kind == Kind::Mitc9 && !held.contains(&true);
-        let base = match parts.factored(all_closed.clone(), 0.0) {
-            Err(FactorError::NotPositiveDefinite { .. }) if may_float => {
-                parts.factored(all_closed, tolerances::FIRMER)?
+        let mut ways = Vec::new();
+        if plate.kind == Kind::Mitc9 && parts.has_wide_springs() {
+            ways.push(Way::Apart);
+        }
+        ways.push(Way::Whole);
+        if may_float {
+            ways.push(Way::Firmer);
+        }
+        let mut base = Err(FactorError::NotPositiveDefinite { column: 0 });
+        for way in ways {
+            (parts.way, parts.analysis) = (way, None);
+            base = parts.factored(all_closed.clone());
+            if !matches!(base, Err(FactorError::NotPositiveDefinite { .. })) {
+                break;
             }
-            found => found?,
+        }
+        let base = base?;
+        let Parts { analysis: Some(analysis), seconds, way, .. } = parts else {
+            unreachable!("a factor has its analysis")
         };
-        let Parts { analysis: Some(analysis), seconds, .. } = parts else { unreachable!("a factor has its analysis") };
-        let scale = Scale::of(&plate);
         let levers = (0..constraints.rows.len()).map(|row| scale.lever(&constraints.rows, row)).collect();
         Ok(Self {
             plate,
@@ -131,6 +185,7 @@ impl ContactProblem {
             scale,
             levers,
             analysis,
+            way: if way == Way::Firmer { Way::Whole } else { way },
             first_limit,
         })
     }
@@ -143,10 +198,12 @@ impl ContactProblem {
             constraints: &self.constraints,
             active: &self.active,
             numbering: &self.numbering,
+            scale: &self.scale,
+            way: self.way,
             analysis: Some(self.analysis.clone()),
             seconds: Seconds::default(),
         };
-        parts.factored(carried, 0.0)
+        parts.factored(carried)
     }
 
     /// Every contact point, in the caller's order; the factor's part left out.
@@ -190,8 +247,8 @@ impl ContactProblem {
     /// K̃⁻¹ times a nodal load.
     pub fn apply_inverse(&self, load: &[f64]) -> Result<Vec<f64>, FactorError> {
         let mut ordered = self.gather(load);
-        self.base.factor.forward(&mut ordered)?;
-        self.base.factor.backward(&mut ordered)?;
+        self.base.forward(&mut ordered)?;
+        self.base.backward(&mut ordered)?;
         Ok(self.scatter(&ordered))
     }
 
@@ -205,6 +262,17 @@ impl ContactProblem {
     }
 }
 
+/// How a plate is factored.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// Springs over several elements apart from the factor.
+    Apart,
+    /// All springs in it.
+    Whole,
+    /// All springs in it, and every dof a little stiffer than it is.
+    Firmer,
+}
+
 /// What a factor is made of, and the seconds that making it takes.
 struct Parts<'a> {
     plate: &'a Plate,
@@ -212,19 +280,48 @@ struct Parts<'a> {
     constraints: &'a Constraints,
     active: &'a ActivePoints,
     numbering: &'a Numbering,
+    scale: &'a Scale,
+    way: Way,
     /// Of the first factor, for those after it.
     analysis: Option<Analysis>,
     seconds: Seconds,
 }
 
 impl Parts<'_> {
-    /// The factor with every dof stiffer by a part of its own.
-    fn factored(&mut self, carried: Vec<f64>, firmer: f64) -> Result<Factored, FactorError> {
-        let &mut Self { plate, springs, constraints, numbering, .. } = self;
+    /// Whether springs over several elements can, and need, be kept out of the factor. Beside points at dofs of their own, whose
+    /// stiffness the factor's last block is, they cannot.
+    fn has_wide_springs(&self) -> bool {
+        let Constraints { rows, regularization, .. } = self.constraints;
+        let carried = rows.further.keys().any(|&row| regularization[row] > 0.0);
+        let any = carried || !self.springs.rows.further.is_empty() || !self.active.further.is_empty();
+        any && (rows.is_empty() || !picks_single_dofs(&self.by_column(rows)))
+    }
+
+    /// Rows by columns of the factor.
+    fn by_column(&self, rows: &Rows) -> Vec<Vec<(usize, f64)>> {
+        let column = &self.numbering.column;
+        let entries = |row| rows.entries(self.plate, row).map(|(dof, c)| (column[dof], c));
+        (0..rows.len()).map(|row| entries(row).filter(|entry| entry.0 != HELD).collect()).collect()
+    }
+
+    fn factored(&mut self, carried: Vec<f64>) -> Result<Factored, FactorError> {
+        let &mut Self { plate, constraints, numbering, way, .. } = self;
         let clock = Instant::now();
         let bedding = self.active.stiffness_by_element(plate, &carried);
-        let mut springs = with_regularization(springs, constraints);
+        let mut springs = with_regularization(self.springs, constraints);
         self.active.add_footprint_springs(&carried, &mut springs);
+        let mut wide = Springs::default();
+        if way == Way::Apart {
+            (springs, wide) = springs.narrow_and_wide();
+        }
+        if !wide.rows.is_empty() {
+            let pins = pins(plate, numbering, self.scale);
+            for (pin, &stiffness) in pins.stiffness.iter().enumerate() {
+                springs.push(&pins.rows, pin, stiffness, 0.0);
+                wide.push(&pins.rows, pin, -stiffness, 0.0);
+            }
+        }
+        let firmer = if way == Way::Firmer { tolerances::FIRMER } else { 0.0 };
         let matrix = Assembly::new(plate, &springs, &bedding, numbering).firmer(firmer);
         let known = match self.analysis.take() {
             Some(known) => known,
@@ -241,38 +338,29 @@ impl Parts<'_> {
         self.seconds.factor += clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
+        let trailing = factor.trailing_block(numbering.trailing)?;
+        let wide = match wide.rows.is_empty() {
+            true => None,
+            false => Some(WideSprings::of(&factor, &trailing, &self.by_column(&wide.rows), &wide.stiffness)?),
+        };
         let rows = &constraints.rows;
-        let first = numbering.len() - numbering.trailing;
-        let entries: Vec<Vec<(usize, f64)>> = (0..rows.len())
-            .map(|row| {
-                rows.entries(plate, row)
-                    .filter(|&(dof, _)| numbering.column[dof] != HELD)
-                    .map(|(dof, c)| (numbering.column[dof] - first, c))
-                    .collect()
-            })
-            .collect();
         let moves = |motion: &Vec<f64>| (0..rows.len()).map(|row| rows.dot(plate, row, motion)).collect();
         let condensed = Condensed::new(
-            factor.trailing_block(numbering.trailing)?,
-            entries,
             constraints.regularization.clone(),
             constraints.compliance.clone(),
             constraints.two_sided.clone(),
             &constraints.free_motions.iter().map(moves).collect::<Vec<_>>(),
-        )?;
+        )
+        .on(&factor, trailing, &self.by_column(rows), wide.as_ref())?;
         self.seconds.condense += clock.elapsed().as_secs_f64();
-        Ok(Factored { factor, condensed, carried, firmer: firmer > 0.0 })
+        Ok(Factored { factor, wide, condensed, carried, firmer: way == Way::Firmer })
     }
 }
 
 pub(super) fn with_regularization(springs: &Springs, constraints: &Constraints) -> Springs {
     let mut all = springs.clone();
-    for (i, &delta) in constraints.regularization.iter().enumerate() {
-        if delta > 0.0 {
-            all.rows.push_from(&constraints.rows, i);
-            all.stiffness.push(delta);
-            all.base.push(0.0);
-        }
+    for (i, &delta) in constraints.regularization.iter().enumerate().filter(|(_, delta)| **delta > 0.0) {
+        all.push(&constraints.rows, i, delta, 0.0);
     }
     all
 }

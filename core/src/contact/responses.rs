@@ -169,18 +169,16 @@ impl ContactProblem {
     fn correct_together(&self, drafts: &mut [Draft], round: usize) -> Result<(), FactorError> {
         let Factored { factor, condensed, .. } = &self.base;
         let mut open: Vec<&mut Draft> = drafts.iter_mut().filter(|draft| !draft.settled).collect();
-        let leading = factor.len() - self.numbering.trailing;
         let mut block: Vec<f64> = open.iter().flat_map(|draft| self.gather(&draft.imbalance)).collect();
-        factor.forward(&mut block)?;
+        self.base.forward(&mut block)?;
         let mut increments = vec![Vec::new(); open.len()];
-        if self.imposed() {
+        if let Some(stiffness) = &condensed.stiffness {
             for ((column, draft), increment) in block.chunks_exact_mut(factor.len()).zip(&open).zip(&mut increments) {
-                let force = condensed.condensed_force(&column[leading..]);
-                *increment = condensed.holding_forces(&force, &draft.remaining);
-                column[leading..].copy_from_slice(&condensed.prescribing(&draft.remaining));
+                *increment = stiffness.holding_forces(&stiffness.condensed_force(column), &draft.remaining);
+                stiffness.prescribe(&draft.remaining, column);
             }
         }
-        factor.backward(&mut block)?;
+        self.base.backward(&mut block)?;
         for ((column, draft), increment) in block.chunks_exact(factor.len()).zip(&mut open).zip(&increments) {
             let (before, worst) = (draft.response.clone(), draft.worst);
             for (&dof, &value) in self.numbering.dof.iter().zip(column) {

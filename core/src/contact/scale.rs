@@ -29,7 +29,7 @@ impl Scale {
         let elements = plate.elements().len();
         let squares: f64 = (0..elements).map(|e| plate.geometry(e).size().powi(2)).sum();
         let arm = (0.5 * (squares / elements as f64).log2()).round().exp2();
-        let rigidity = plate.material.young * plate.thickness.most().powi(3) / 12.0;
+        let rigidity = plate.materials.young() * plate.thickness.most().powi(3) / 12.0;
         Self { centre, size, arm, stiffness: rigidity / (size * size) }
     }
 

@@ -46,6 +46,16 @@ pub(super) const LOOSE_PIVOT: f64 = 1e-13;
 /// enough for its arithmetic: several roundings, so that every pivot is positive.
 pub(super) const FIRMER: f64 = 64.0 * f64::EPSILON;
 
+/// Stiffness of pins, over D/a²: about a plate's own under a point load.
+pub(super) const PIN: f64 = 100.0;
+
+/// Lever, over the plate's size, at which held dofs hold a motion so weakly that a pin had better.
+pub(super) const LEVER: f64 = 1e-3;
+
+/// Flexibility of pins, of which springs over several elements leave less than this part where they hold the plate as softly:
+/// the least part that elimination keeps of slender plates.
+pub(super) const WIDE_PIVOT: f64 = 1e-9;
+
 /// Condensation onto the contact points.
 pub(super) mod interface {
     /// A point whose stiffness the factor carries to this part of it is carried whole: both are rounded a few times.

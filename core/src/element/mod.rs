@@ -18,7 +18,7 @@ pub mod thin;
 pub use geometry::{Geometry, Jacobian};
 pub use kind::Kind;
 pub use matrices::{ALL_DOFS, Centre, DOFS, PACKED, Stiffness, StrainMatrix, packed};
-pub use section::{Layered, Material, Section, Sections, Thickness};
+pub use section::{Layered, Material, Materials, Section, Sections, Thickness};
 use shape::serendipity;
 
 /// Stiffness of one element.

@@ -44,6 +44,50 @@ impl Material {
     }
 }
 
+/// Of what each element of a plate is.
+#[derive(Clone, Debug)]
+pub struct Materials {
+    all: Vec<Material>,
+    /// Which of them each element is of; empty where there is one.
+    of: Vec<u32>,
+}
+
+impl From<Material> for Materials {
+    fn from(material: Material) -> Self {
+        Self { all: vec![material], of: Vec::new() }
+    }
+}
+
+impl Materials {
+    /// Several materials, and which of them each element is of.
+    pub const fn several(all: Vec<Material>, of: Vec<u32>) -> Self {
+        Self { all, of }
+    }
+
+    pub fn number(&self, e: usize) -> u32 {
+        self.of.get(e).copied().unwrap_or(0)
+    }
+
+    pub fn at(&self, e: usize) -> &Material {
+        &self.all[self.number(e) as usize]
+    }
+
+    pub fn all(&self) -> &[Material] {
+        &self.all
+    }
+
+    /// Whether so many elements have materials that are there.
+    pub fn fit(&self, elements: usize) -> bool {
+        let of_each = self.of.len() == elements && self.of.iter().all(|&number| (number as usize) < self.all.len());
+        of_each || (self.of.is_empty() && self.all.len() == 1)
+    }
+
+    /// Young's modulus, the largest.
+    pub fn young(&self) -> f64 {
+        self.all.iter().map(|material| material.young).fold(0.0, f64::max)
+    }
+}
+
 /// Rigidities: [mxx, myy, mxy] from [κxx, κyy, 2κxy] and [qx, qy] from [γx, γy].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {

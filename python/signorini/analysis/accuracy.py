@@ -128,7 +128,7 @@ def _bending(mesh: Mesh, solved: Sequence[Result], axis: int) -> tuple[Floats, F
     sides = ((0, 4, 1), (3, 6, 2)) if axis == 0 else ((0, 7, 3), (1, 5, 2))
     most = np.zeros(len(joints) - 1)
     for result in solved:
-        moment = result.moment[mesh.elements]
+        moment = result.moment[result.stress_nodes.elements]
         size = np.abs(moment).max()
         if not size > 0:
             continue

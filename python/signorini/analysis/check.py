@@ -20,7 +20,7 @@ from signorini.equilibrium.words import explain
 from signorini.errors import InputError
 from signorini.mesh.quality import Quality
 from signorini.model import Combination, Model
-from signorini.results.marks import load_marks, support_marks
+from signorini.results.marks import load_marks, support_marks, zone_marks
 from signorini.results.warnings import model_warnings, no_resultant
 from signorini.singularities.named import Singularity, singularities
 
@@ -127,6 +127,7 @@ class Check:
         found = self.discretisation
         figure = check_picture(
             Plan.of(found.mesh.points, found.mesh.elements),
+            zones=zone_marks(found),
             supports=support_marks(found),
             loads=load_marks(found),
             poorest=(Quality.of(found.mesh).corner, self.quality),

@@ -17,8 +17,9 @@ on 230 thousand dofs and 1500 on 3.7 million, elements alike; where none are ali
 _PER_PAIR = 200.0
 """Bytes of condensed matrices and of Lemke's tableau for a pair of contact points, measured on 1600 and 3025 points."""
 
-_PER_PAIR_UNDER_FOOTPRINTS = 24.0
-"""Bytes of the dense end of the factor for a pair of deflections under footprints: 18, measured on 7000."""
+_PER_FOOTPRINT = 300.0
+"""Bytes that the row of a footprint takes after substitution, over the root of the dofs: of so many it reaches a few
+times that in the elimination tree. 900 on 232 thousand dofs took 270."""
 
 _PER_PAIR_IN_STEPS = 32.0
 """Bytes beside these that proximal steps take for a pair, for the M of one step and its tableau; on 3844 points."""
@@ -140,29 +141,27 @@ def require_memory_for_points(points: int, advice: str, place: Place) -> None:
     _require(needed_by_points, points, f"The problem of {points:,} contact points that need condensing", advice, place)
 
 
-def needed_by_footprints(dofs: int) -> float:
-    """Estimate the bytes that so many deflections under footprints take, which are condensed together.
-
-    Measured with 2 to 8 thousand of them.
+def needed_by_footprints(footprints: int, dofs: int) -> float:
+    """Estimate the bytes that the rows of so many footprints take beside the factor of so many dofs.
 
     Examples
     --------
-    >>> round(needed_by_footprints(8100) / 1e9, 1)
-    1.6
+    >>> round(needed_by_footprints(900, 232_000) / 1e6)
+    130
     """
-    return _PER_PAIR_UNDER_FOOTPRINTS * dofs**2
+    return _PER_FOOTPRINT * footprints * math.sqrt(dofs)
 
 
-def require_memory_for_footprints(dofs: int, place: Place) -> None:
+def require_memory_for_footprints(footprints: int, dofs: int, place: Place) -> None:
     """Refuse footprints that cannot fit.
 
     Raises
     ------
     InputError
-        If they would take more memory than there is; the message says how many of their dofs fit.
+        If they would take more memory than there is; the message says how many fit.
     """
-    what = f"The problem of {dofs:,} deflections under footprints"
-    _require(needed_by_footprints, dofs, what, "Take a coarser mesh there, or smaller footprints.", place)
+    what = f"The problem of {footprints:,} supports with footprints"
+    _require(lambda count: needed_by_footprints(count, dofs), footprints, what, "Take fewer of them.", place)
 
 
 def require_memory_for_proximal_steps(dofs: int, points: int) -> None:

@@ -159,7 +159,7 @@ def certify(
         bending = _rigidity(found, found.thickness.max()) * bent / size**2
         rest = _UNSEEN * _largest(bending, _by_force(beside, across))
         if idle:
-            shear = found.model.material.young * found.thickness.max()
+            shear = found.model.young * found.thickness.max()
             rest = max(rest, _UNSEEN * shear * _largest(length, contacts.distance))
         scale = _largest(_by_force(load.nodal, across) or _largest(_by_force(at_holds, across), force), rest)
         pressing = _largest(scale, force)
@@ -261,9 +261,8 @@ def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Flo
 def _balance(found: Discretisation, nodal: Floats, against: Floats) -> tuple[float, float]:
     """Largest resultant of a load and of what supports set against it, and the size it is part of."""
     size = found.mesh.size
-    motions = found.rigid_motions / np.array([1.0, size, size])
     # Threads of a linear algebra library would cost more than these sums.
-    resultant = np.einsum("ij,i->j", motions, nodal - against)
+    resultant = np.einsum("ij,i->j", found.rigid_motions, nodal - against) / np.array([1.0, size, size])
     return _largest(resultant), max(_reaching(found, nodal), _reaching(found, against))
 
 
@@ -289,8 +288,9 @@ def _totals(found: Discretisation, at_holds: Floats, pull: Floats, reaction: Flo
 
 def _reaching(found: Discretisation, nodal: Floats) -> float:
     """Sum of the magnitudes that nodal forces have in a resultant."""
-    reach = np.abs(found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).max(axis=1)
-    return float((np.abs(nodal) * reach).sum())
+    moves = found.rigid_motions.T
+    turning = np.maximum(np.abs(moves[1]), np.abs(moves[2])) / found.mesh.size
+    return float((np.abs(nodal) * np.maximum(np.abs(moves[0]), turning)).sum())
 
 
 def _loaded_deflection(found: Discretisation, nodal: Floats) -> float:
@@ -310,7 +310,7 @@ def _bending_force(found: Discretisation, hi: Floats) -> float:
 
 
 def _rigidity(found: Discretisation, thickness: float) -> float:
-    return found.model.material.young * float(thickness) ** 3 / 12
+    return found.model.young * float(thickness) ** 3 / 12
 
 
 def _by_force(nodal: Floats, across: float) -> float:

@@ -17,7 +17,6 @@ from signorini.base.memory import (
 from signorini.contact.slenderness import of_shape
 from signorini.contact.softness import softest
 from signorini.discretise import ContactPoints, Discretisation
-from signorini.discretise.rigidity import Rigidity
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import RigidFreedom, restraining_points
 from signorini.errors import InputError, SignoriniError
@@ -79,7 +78,7 @@ def factored(found: Discretisation, freedom: RigidFreedom, base: Method) -> _cor
     """
     by_active_set = base == "active_set"
     _require_condensable(_condensed_points(found, base), not by_active_set, found.model.solver.method)
-    require_memory_for_footprints(_dofs_of_footprints(found, base), ("support",))
+    require_memory_for_footprints(_condensed_footprints(found, base), found.dof_count, ("support",))
     # The points of the active set are springs to the condensed ones, and hold what they hold.
     motions = freedom.motions[:, :0] if by_active_set else freedom.motions
     return core_problem(found, found.contacts, regularization(found, freedom), motions, by_active_set)
@@ -90,11 +89,11 @@ def _condensed_points(found: Discretisation, base: Method) -> int:
     return int(found.contacts.two_sided.sum()) if base == "active_set" else len(found.contacts)
 
 
-def _dofs_of_footprints(found: Discretisation, base: Method) -> int:
-    """How many deflections the footprints among the condensed points hang on."""
+def _condensed_footprints(found: Discretisation, base: Method) -> int:
+    """How many of them have footprints over several elements."""
     contacts = found.contacts
     condensed = contacts.two_sided if base == "active_set" else np.ones(len(contacts), np.bool_)
-    return len(np.unique(found.mesh.elements[contacts.rows[condensed].further.elements]))
+    return len(np.unique(contacts.rows[condensed].further.owners))
 
 
 def _require_condensable(points: int, of_all: bool, asked: str) -> None:
@@ -150,16 +149,17 @@ def core_problem(
 def regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
     """Stiffness (m,) that the factor carries at contact points.
 
-    Compliant ones are there with their own, unless they are stiffer than the plate in shear; where one-sided supports
-    alone hold the plate, some rigid ones are there too, about as stiff as a plate under a point load.
+    Compliant ones are there with their own, unless they are stiffer than the plate in shear or have footprints; where
+    one-sided supports alone hold the plate, some others are there too, about as stiff as a plate under a point load.
     """
     contacts, thickness = found.contacts, found.thickness.max()
-    shear = Rigidity.of(found.model).in_shear * thickness
+    shear = max(rigidity.in_shear for rigidity in found.zones.rigidities) * thickness
     with np.errstate(divide="ignore"):
         stiffness = np.where(contacts.compliance > 0, 1.0 / contacts.compliance, np.inf)
     carried = np.where(stiffness <= shear, stiffness, 0.0)
+    carried[np.unique(contacts.rows.further.owners)] = 0.0
     if not freedom.regular:
-        rigidity = _CARRIED * found.model.material.young * thickness**3 / 12
+        rigidity = _CARRIED * found.model.young * thickness**3 / 12
         needed = np.zeros(len(contacts))
         needed[contacts.two_sided] = rigidity
         needed[restraining_points(freedom, np.minimum(stiffness, rigidity / found.mesh.size**2))] = rigidity

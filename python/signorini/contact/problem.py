@@ -252,8 +252,9 @@ class ContactProblem(Remade):
         """Pose the LCP of one nodal load (3n,).
 
         "stiffness" has the gaps for unknowns. "dual" has the reactions, but gaps at points whose stiffness the factor
-        carries: elastic ones softer than the plate in shear and, where one-sided supports alone hold the plate, as many
-        as it has rigid motions. ``gap_is_z`` marks them. "auto" takes the better conditioned one, `better_form`.
+        carries: elastic ones softer than the plate in shear, but for footprints, and, where one-sided supports alone
+        hold the plate, as many as it has rigid motions. ``gap_is_z`` marks them. "auto" takes the better conditioned
+        one, `better_form`.
 
         Raises
         ------
@@ -297,9 +298,12 @@ class ContactProblem(Remade):
     @cached_property
     def better_form(self) -> Literal["dual", "stiffness"]:
         """The better conditioned form of the LCP: "stiffness" where every contact point is at a node of its own."""
-        rows = self.G[:, ~self.discretisation.held.dofs]
-        rows.eliminate_zeros()
-        alone = (np.diff(rows.indptr) == 1).all() and len(np.unique(rows.indices)) == rows.nnz
+        rows = self.G
+        free = ~self.discretisation.held.dofs[rows.indices] & (rows.data != 0.0)
+        if np.count_nonzero(free) != len(self.gaps):
+            return "dual"
+        many = np.diff(np.concatenate([[0], np.cumsum(free)])[rows.indptr])
+        alone = (many == 1).all() and len(np.unique(rows.indices[free])) == len(many)
         return "stiffness" if alone else "dual"
 
     def dual(self, load: Floats) -> tuple[Floats, Floats]:

@@ -79,7 +79,7 @@ def doubtful(found: Discretisation, freedom: RigidFreedom, reaction: Floats, gap
     dependence = Dependence.of(found)
     if len(dependence.points):
         # Where every point is closed gaps are rounding, of what the reactions bend the plate by.
-        rigidity = found.model.material.young * found.thickness.max() ** 3 / 12 / found.mesh.size**2
+        rigidity = found.model.young * found.thickness.max() ** 3 / 12 / found.mesh.size**2
         bent = np.abs(reaction).sum(axis=1) / rigidity
         travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(found.contacts.distance).max() + bent
         touching = gap[:, dependence.points] <= _DOUBTFUL * travel[:, None]
@@ -254,7 +254,7 @@ def _force(found: Discretisation, nodal: Floats, answer: Answer) -> float:
     forces = np.abs(nodal.reshape(-1, 3)).max(axis=0) / [1.0, size, size]
     bending = 0.0
     if not nodal.any():
-        bending = found.model.material.young * found.thickness.max() ** 3 / 12 * float(np.abs(answer.hi[::3]).max())
+        bending = found.model.young * found.thickness.max() ** 3 / 12 * float(np.abs(answer.hi[::3]).max())
     return max(float(forces.max()), bending / size**2, float(np.abs(answer.reaction).max(initial=0.0))) or 1.0
 
 

@@ -51,7 +51,7 @@ def softest(found: Discretisation, doubtful: bool = False) -> Softest | None:
     supports, which = np.unique(who, return_inverse=True)
     total = np.bincount(which, stiffness)
     index, least = int(supports[total.argmin()]), float(total.min())
-    own = found.model.material.young * float(found.thickness.max()) ** 3 / 12 / found.mesh.size**2
+    own = found.model.young * float(found.thickness.max()) ** 3 / 12 / found.mesh.size**2
     if least >= _SOFTEST * own * (_DOUBTFUL if doubtful else 1.0):
         return None
     enough = max(_SURE * _SOFTEST * own, _MORE * least)

@@ -16,8 +16,8 @@ import numpy as np
 from signorini.discretise.outlines import outline
 from signorini.discretise.places import region
 from signorini.discretise.quadrature.arcs import arcs_of
-from signorini.discretise.rigidity import Rigidity
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.zones import Zones
 from signorini.mesh import Mesh
 from signorini.model import Plate, Support
 from signorini.shapes import Circle, Curve, Polyline, Region, Ring
@@ -44,10 +44,12 @@ class PlateStiffness:
     in_shear: Floats
 
     @classmethod
-    def of(cls, mesh: Mesh, rigidity: Rigidity, thickness: Floats) -> Self:
+    def of(cls, mesh: Mesh, zones: Zones, thickness: Floats) -> Self:
         """Take the thickness (ne, p) at the points of the elements' integrals, or (1, 1)."""
         h = np.broadcast_to(thickness.mean(axis=1), len(mesh.elements))
-        bending, shear = rigidity.in_waves * h**3, rigidity.in_shear * h
+        number = zones.of_elements.rigidity
+        unit = np.array([[rigidity.in_waves, rigidity.in_shear] for rigidity in zones.rigidities])[number]
+        bending, shear = unit[:, 0] * h**3, unit[:, 1] * h
         # sin(πx/a) sin(πy/a), with a² the element's area.
         wave = 2.0 * np.pi**2 / mesh.element_area
         return cls(1.0 / (1.0 / (bending * wave**2) + 1.0 / (shear * wave)), shear)

@@ -25,10 +25,11 @@ from signorini.discretise.parts import Parts, parts_of
 from signorini.discretise.placed import placed
 from signorini.discretise.places import located
 from signorini.discretise.redundancy import Repeated, that_can_act
-from signorini.discretise.rigidity import Rigidity
 from signorini.discretise.rows import Bools, Floats, Rows
+from signorini.discretise.stressnodes import Sides, StressNodes, stress_nodes_of
 from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
 from signorini.discretise.thickness import Thickness, thickness_of
+from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
@@ -43,7 +44,9 @@ class Discretisation(Remade):
     model: Model
     mesh: Mesh
     plate: _core.Plate
+    zones: Zones
     thickness: Thickness
+    stress_nodes: StressNodes
     plate_stiffness: PlateStiffness
     held: Held
     springs: Springs
@@ -82,6 +85,8 @@ class Discretisation(Remade):
 
         These follow from the others where no dof is held; at held dofs each has its own.
         """
+        if not len(self.repeated.points):
+            return self.contact_rows
         return self.points.rows.matrix(self.mesh.elements, self.dof_count)
 
     @cached_property
@@ -108,6 +113,11 @@ class Discretisation(Remade):
     def rigid_motions(self) -> Floats:
         """Nodal vectors (3n, 3) of the rigid motions w = 1, w = x − x0, w = y − y0 about the plate's middle."""
         return self.held.rigid_motions(self.mesh.points, self.middle)
+
+    @cached_property
+    def probe_sides(self) -> Sides:
+        """Where probes are, on every side of a jump."""
+        return self.stress_nodes.sides(self.probe_positions, self.probes)
 
     @property
     def middle(self) -> Floats:
@@ -161,13 +171,14 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     supports = placed(model, mesh, problems)
     held = hold(mesh, supports, problems)
     # A thickness that is wrong keeps no other problem from being found.
-    thickness, rigidity = Thickness(np.full((1, 1), mesh.size)), Rigidity.of(model)
+    thickness, zones = Thickness(np.full((1, 1), mesh.size)), Zones.of(model, mesh, problems)
+    stress_nodes = StressNodes.of_mesh(mesh)
     with problems.collected():
-        thickness = thickness_of(model, mesh, rigidity)
-    plate = _plate(model, mesh, rigidity, thickness, held)
-    stiffness = PlateStiffness.of(mesh, rigidity, thickness.at_points)
+        thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones)
+    plate = _plate(mesh, zones, thickness, stress_nodes, held)
+    stiffness = PlateStiffness.of(mesh, zones, thickness.at_points)
     springs, contacts = springs_and_contacts(model.plate, mesh, plate, held.dofs, stiffness, supports, problems)
-    still = case_loads(model, mesh, plate, held, problems)
+    still = case_loads(zones, mesh, plate, held, problems)
     probes = [Location(np.zeros(0, np.int64), np.zeros((0, 2)))]
     for index, probe in enumerate(model.probe):
         with problems.collected():
@@ -181,7 +192,9 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
         model,
         mesh,
         plate,
+        zones,
         thickness,
+        stress_nodes,
         stiffness,
         held,
         springs,
@@ -206,20 +219,26 @@ def _advice(given: object) -> str:
 
 
 def _plate_of(found: Discretisation) -> _core.Plate:
-    return _plate(found.model, found.mesh, Rigidity.of(found.model), found.thickness, found.held)
+    return _plate(found.mesh, found.zones, found.thickness, found.stress_nodes, found.held)
 
 
-def _plate(model: Model, mesh: Mesh, rigidity: Rigidity, thickness: Thickness, held: Held) -> _core.Plate:
+def _plate(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: StressNodes, held: Held) -> _core.Plate:
+    plates, others = zones.rigidities[0], None
+    if len(zones.rigidities) > 1:
+        units = np.array([rigidity.for_core for rigidity in zones.rigidities[1:]])
+        others = zones.of_elements.rigidity, zones.young[1:], units
     try:
         return _core.Plate(
             mesh.points,
             mesh.elements,
             thickness.for_core,
-            model.material.young,
-            rigidity.for_core,
-            model.plate.element,
+            float(zones.young[0]),
+            plates.for_core,
+            zones.model.plate.element,
             held.frames,
             thickness.layered,
+            others,
+            stress_nodes.elements if len(stress_nodes.further) else None,
         )
     except ValueError as error:
         raise InputError(f"{error}. Change the mesh or the thickness.", place=("plate",)) from None

@@ -10,12 +10,13 @@ from signorini import _core
 from signorini.discretise.footprints import Footprints
 from signorini.discretise.frames import Held
 from signorini.discretise.places import Sampled, along_curve, in_area, located, mesh_edges
-from signorini.discretise.quadrature import Quadrature
+from signorini.discretise.quadrature import Quadrature, area_quadrature
+from signorini.discretise.quadrature.stepped import Levels, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
+from signorini.discretise.zones import Zones
 from signorini.errors import Place, Problems
-from signorini.expression import Expression
 from signorini.mesh import Mesh
-from signorini.model import Area, Load, Model
+from signorini.model import Load
 
 _GAUSS = 3
 _GAUSS_VARYING = 5
@@ -85,14 +86,15 @@ def _sum(a: Floats, b: Floats) -> Floats:
     return np.where(np.abs(total) <= _CANCELLED * (np.abs(a) + np.abs(b)), 0.0, total)
 
 
-def case_loads(model: Model, mesh: Mesh, plate: _core.Plate, held: Held, problems: Problems) -> dict[str, CaseLoad]:
+def case_loads(zones: Zones, mesh: Mesh, plate: _core.Plate, held: Held, problems: Problems) -> dict[str, CaseLoad]:
     """Every load case of the model, by name."""
+    model = zones.model
     cases: dict[str, CaseLoad] = {}
     motions = held.rigid_motions(mesh.points, mesh.middle) / [1.0, mesh.size, mesh.size]
     footprints = Footprints(mesh, model.support)
     for index, load in enumerate(model.load):
         with problems.collected():
-            found = _weighed(motions, _load(model, mesh, plate, footprints, load, ("load", index)))
+            found = _weighed(motions, _load(zones, mesh, plate, footprints, load, ("load", index)))
             cases[load.case] = cases[load.case] + found if load.case in cases else found
     return {case: replace(_weighed(motions, load), acting=frozenset([case])) for case, load in cases.items()}
 
@@ -104,17 +106,19 @@ def _weighed(motions: Floats, load: CaseLoad) -> CaseLoad:
     return replace(load, weighing=np.zeros_like(load.nodal)) if balanced and load.nodal.any() else load
 
 
-def _load(model: Model, mesh: Mesh, plate: _core.Plate, footprints: Footprints, load: Load, place: Place) -> CaseLoad:
+def _load(zones: Zones, mesh: Mesh, plate: _core.Plate, footprints: Footprints, load: Load, place: Place) -> CaseLoad:
+    model = zones.model
     nodal = np.zeros(3 * mesh.node_count)
     curvature, couples = np.zeros(3), np.zeros(2 * len(mesh.elements))
     match load.kind:
         case "pressure":
             assert load.pressure is not None
-            _press(model, mesh, nodal, load.pressure, load.area, place, "pressure")
+            order = _GAUSS if load.pressure.is_constant else _GAUSS_VARYING
+            over = in_area(mesh, model.plate, load.area, place, order, levels=load.pressure.levels)
+            pressure = load.pressure(*over.positions.T, place=(*place, "pressure"))
+            push(mesh, nodal, over.elements, over.xi, over.weights * pressure)
         case "self_weight":
-            weight = model.material.unit_weight
-            assert weight is not None
-            _press(model, mesh, nodal, model.plate.thickness, None, place, "self_weight", weight)
+            _weigh(zones, mesh, nodal)
         case "line_load":
             assert load.line_load is not None
             order = _GAUSS if load.line_load.is_constant else _GAUSS_VARYING
@@ -144,20 +148,32 @@ def _load(model: Model, mesh: Mesh, plate: _core.Plate, footprints: Footprints, 
     return CaseLoad(nodal, curvature, couples, np.zeros_like(nodal) if load.kind == "curvature" else nodal)
 
 
-def _press(
-    model: Model,
-    mesh: Mesh,
-    nodal: Floats,
-    pressure: Expression,
-    area: Area | str | None,
-    place: Place,
-    key: str,
-    factor: float = 1.0,
-) -> None:
-    order = _GAUSS if pressure.is_constant else _GAUSS_VARYING
-    points = in_area(mesh, model.plate, area, place, order, levels=pressure.levels)
-    force = factor * points.weights * pressure(*points.positions.T, place=(*place, key))
-    push(mesh, nodal, points.elements, points.xi, force)
+def _weigh(zones: Zones, mesh: Mesh, nodal: Floats) -> None:
+    """Add the plate's weight to a nodal vector (3n,)."""
+    over = _over_plate(zones, mesh)
+    made = zones.at(over.elements, over.positions)
+    weight = zones.unit_weights[made.material] * zones.thickness(made.thickness, over.positions)
+    push(mesh, nodal, over.elements, over.xi, over.weights * weight)
+
+
+def _over_plate(zones: Zones, mesh: Mesh) -> Quadrature:
+    """Points all over the plate to integrate its thickness by."""
+    order = _GAUSS if all(formula.is_constant for formula in zones.formulas) else _GAUSS_VARYING
+    levels: Levels = [level for formula in dict.fromkeys(zones.formulas) for level in formula.levels]
+    over = area_quadrature(mesh, None, order, levels=levels)
+    parted = np.flatnonzero(zones.parted.any(axis=0))
+    if not len(parted):
+        return over
+    levels = [*levels, *zones.borders]
+    across = crossed(mesh, parted, levels)
+    cut = cut_by(mesh, parted, [level for level, some in zip(levels, across, strict=True) if some.any()], order)
+    rest = ~np.isin(over.elements, parted)
+    return Quadrature(
+        np.concatenate([over.elements[rest], cut.elements]),
+        np.concatenate([over.xi[rest], cut.xi]),
+        np.concatenate([over.weights[rest], cut.weights]),
+        np.concatenate([over.positions[rest], cut.positions]),
+    )
 
 
 def _turning(over: Quadrature, couple: tuple[float, float]) -> Floats:

@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from signorini.base.memory import require_memory
+from signorini.discretise.borders import arcs_of, room
 from signorini.discretise.places import curve, region
 from signorini.errors import InputError, Place, Problems
 from signorini.expression import Expression
@@ -27,6 +28,7 @@ from signorini.model import (
     RectanglePlate,
     Refinement,
     Support,
+    Zone,
 )
 from signorini.model.footprint import footprints
 from signorini.shapes import Curve, Floats, Region
@@ -120,7 +122,8 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
     match plate:
         case RectanglePlate():
             (x, y), (a, b) = plate.origin, plate.size
-            shapes = [*_shapes(model), *(drawing for drawing, _ in _steps(model, (x, y, x + a, y + b)))]
+            steps = (drawing for drawing, _ in _steps(model, (x, y, x + a, y + b)))
+            shapes = [*_borders(model), *_shapes(model), *steps]
             x_lines = [line for shape in shapes for line in shape.x_lines]
             y_lines = [line for shape in shapes for line in shape.y_lines]
             refined = [(box, one.size) for one in model.mesh.refine for box in one.boxes((x, y, x + a, y + b))]
@@ -136,20 +139,23 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
 
 def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     """A mesh along the outline, holes, and straight lines of supports, loads and jumps."""
-    lines = [np.zeros((0, 4))]
+    size, borders = plate.element_size(model.mesh), _borders(model)
+    lines = [border.outline.segments.reshape(-1, 4) for border in borders]
     for drawing, (x0, y0, x1, y1) in _steps(model, plate.outline.bounds):
         lines.append(np.array([[x, y0, x, y1] for x in drawing.x_lines]).reshape(-1, 4))
         lines.append(np.array([[x0, y, x1, y] for y in drawing.y_lines]).reshape(-1, 4))
     lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model)]
     refined = [rows for part in model.mesh.refine for rows in _refined(plate, part)]
+    refined += [room(borders, plate.contours, size)] if borders else []
     points = [at for part in model.mesh.refine for at in part.at or ()]
     try:
         return outlined(
             plate.contours,
-            plate.element_size(model.mesh),
+            size,
             np.concatenate([np.zeros((0, 5)), *refined]),
-            np.concatenate(lines),
+            np.concatenate([np.zeros((0, 4)), *lines]),
             np.array(points).reshape(-1, 2),
+            np.array([arc for border in borders for arc in arcs_of(border)]).reshape(-1, 6),
         )
     except OutlineError as error:
         raise InputError(error.message, place=_place_of(plate, error)) from None
@@ -186,6 +192,11 @@ def _refined(plate: OutlinedPlate, part: Refinement) -> Iterator[Floats]:
         yield np.column_stack([held, held, np.full(len(held), part.size)])
 
 
+def _borders(model: Model) -> tuple[Region, ...]:
+    """What the mesh follows first: the borders of zones."""
+    return tuple(zone.region for zone in model.zone)
+
+
 def _shapes(model: Model) -> Iterator[Region | Curve]:
     items: list[Support | Load] = [*model.support, *model.load]
     for item in items:
@@ -197,12 +208,13 @@ def _shapes(model: Model) -> Iterator[Region | Curve]:
 def _radii(model: Model, center: Point, outer: float) -> list[float]:
     (x, y), r = center, outer
     steps = [drawing for drawing, _ in _steps(model, (x - r, y - r, x + r, y + r))]
-    return [radius for shape in [*_shapes(model), *steps] for radius in shape.radii(center)]
+    return [radius for shape in [*_borders(model), *_shapes(model), *steps] for radius in shape.radii(center)]
 
 
 def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
     """Where expressions jump, as far as a mesh may follow it, within a box and that of what each acts on."""
-    items: list[tuple[Support | Load | None, Expression | None]] = [(None, model.plate.thickness)]
+    items: list[tuple[Support | Load | Zone | None, Expression | None]] = [(None, model.plate.thickness)]
+    items += [(zone, zone.thickness) for zone in model.zone]
     for support in model.support:
         if support.area is None and (support.stiffness is None or support.at is not None):
             continue  # it acts at nodes, or at points of its own
@@ -215,8 +227,8 @@ def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
             yield level.drawing(within), within
 
 
-def _within(item: Support | Load | None, box: Box) -> Box:
-    shape = None if item is None else region(item.area) or curve(item)
+def _within(item: Support | Load | Zone | None, box: Box) -> Box:
+    shape = None if item is None else region(item.area) or (None if isinstance(item, Zone) else curve(item))
     if shape is None:
         return box
     return tuple(f(a, b) for f, a, b in zip((max, max, min, min), box, shape.bounds, strict=True))  # type: ignore[return-value]

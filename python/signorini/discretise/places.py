@@ -174,6 +174,8 @@ def _require_on_plate(
 
     A sector stands for the whole plate and cuts circles about its center.
     """
+    if points.total == 0:
+        raise InputError(f"{what} is not on the plate. Move it onto the plate.", place=place)
     whole = shape.area if isinstance(shape, Rectangle | Circle | Polygon) else shape.length
     missing = off_plate(mesh, shape, points)
     match plate, shape:
@@ -190,8 +192,7 @@ def _require_on_plate(
             missing = missing - beyond if missing > beyond * (1.0 + _SECTOR_SLACK) else 0.0
     if missing > 0:
         off = f"has {100 * missing / whole:.3g} % of its size off the plate"
-        part = "is not on the plate" if points.total == 0 else off
-        raise InputError(f"{what} {part}. Cut it to the plate.", place=place)
+        raise InputError(f"{what} {off}. Cut it to the plate.", place=place)
 
 
 def _sampled(points: LineQuadrature) -> Sampled:

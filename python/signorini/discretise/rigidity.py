@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from signorini.discretise.rows import Floats
-from signorini.model import Model
+from signorini.model import Material, Model
 from signorini.model.plate import Modifiers
 
 
@@ -42,8 +42,12 @@ class Rigidity:
 
     @classmethod
     def of(cls, model: Model) -> Self:
-        """Take those of a model, orthotropic ones turned from the material's axes to x and y."""
-        material, factor, modifiers = model.material, model.plate.shear_factor, model.plate.modifiers
+        """Take those of a model's plate."""
+        return cls.made_of(model.material, model.plate.shear_factor, model.plate.modifiers)
+
+    @classmethod
+    def made_of(cls, material: Material, factor: float, modifiers: Modifiers) -> Self:
+        """Take a material's, those of an orthotropic one turned from its axes to x and y."""
         if material.E is not None and material.nu is not None:
             return cls.isotropic(material.E, material.nu, factor).modified(modifiers)
         axes = material.axes

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from signorini import _core
-from signorini.discretise.quadrature.stepped import Cut, crossed, cut_by
+from signorini.discretise.quadrature.stepped import Cut, crossed, cut_by, sides_of
 from signorini.discretise.rigidity import Rigidity
-from signorini.discretise.rows import Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.zones import Zones
 from signorini.errors import InputError, point
 from signorini.mesh import Mesh
-from signorini.model import Model
 
 _RANGE = (1e-6, 10.0)
 """Thickness over the plate's size: beyond, double precision holds no plate, or the plate is a block."""
@@ -58,7 +58,7 @@ class Thickness:
         return float(self.at_points[0, 0]) if self.at_points.size == 1 else self.at_points
 
 
-def thickness_of(model: Model, mesh: Mesh, rigidity: Rigidity) -> Thickness:
+def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
     """Evaluate the thickness.
 
     Raises
@@ -66,58 +66,93 @@ def thickness_of(model: Model, mesh: Mesh, rigidity: Rigidity) -> Thickness:
     InputError
         If it is not that of a plate somewhere; the message names the place.
     """
-    formula, kind = model.plate.thickness, model.plate.element
-    if formula.is_constant:
-        value = np.array([[formula.value]])
-        _require_plate(mesh, value.ravel(), mesh.points[:1])
-        return Thickness(value)
+    formulas, kind = zones.formulas, zones.model.plate.element
+    cut_by_zones = zones.parted.any(axis=0)
+    if not cut_by_zones.any() and all(formula.is_constant for formula in formulas):
+        by_formula = np.array([formula.value for formula in formulas])
+        value = by_formula[zones.of_elements.thickness]
+        _require_plate(zones, mesh, value, zones.of_elements.thickness, mesh.points[mesh.elements[:, 0]])
+        if (value == value[0]).all():
+            return Thickness(value[:1, None])
     xi = np.where(mesh.triangles[:, None, None], _core.section_points(kind, True), _core.section_points(kind))
     points = np.empty_like(xi)
     for shapes, some in ((_core.serendipity, ~mesh.triangles), (_core.triangular, mesh.triangles)):
         if some.any():
             points[some] = shapes(xi[some][0])[0] @ mesh.nodes[some]
-    at_points = _evaluated(model, mesh, points.reshape(-1, 2)).reshape(points.shape[:2])
-    levels = [level for level in formula.levels if level.jumps]
-    across = crossed(mesh, np.arange(len(mesh.elements)), levels)
-    elements = np.flatnonzero(across.any(axis=0))
+    every = np.arange(len(mesh.elements))
+    at_points, _ = _evaluated(zones, mesh, np.repeat(every, points.shape[1]), points.reshape(-1, 2))
+    at_points = at_points.reshape(points.shape[:2])
+    levels, across = _crossing(zones, mesh)
+    elements = np.flatnonzero(across.any(axis=0) | cut_by_zones)
     if not len(elements):
         return Thickness(at_points)
     levels = [level for level, by_element in zip(levels, across, strict=True) if by_element.any()]
     cut = cut_by(mesh, elements, levels, _ORDER, quarter=True)
-    inside = _evaluated(model, mesh, cut.positions)
-    fronts = _jumps(model, mesh, cut)
+    inside = _evaluated(zones, mesh, cut.elements, cut.positions)
+    fronts = _jumps(zones, mesh, cut)
     jumping = np.unique(fronts.elements)
-    return Thickness(at_points, (jumping, _sections(rigidity, mesh, xi[jumping], jumping, cut, inside, fronts)))
+    return Thickness(at_points, (jumping, _sections(zones.rigidities, mesh, xi[jumping], jumping, cut, inside, fronts)))
 
 
-def _evaluated(model: Model, mesh: Mesh, points: Floats) -> Floats:
-    thickness = model.plate.thickness(*points.T, above=0.0, place=("plate", "thickness"))
-    _require_plate(mesh, thickness, points)
-    return thickness
+def _crossing(zones: Zones, mesh: Mesh) -> tuple[list[Callable[[Floats], Floats]], Bools]:
+    """Levels where the thickness may jump or a zone ends, and which elements (levels, ne) each of them crosses."""
+    levels: list[Callable[[Floats], Floats]] = []
+    found: list[Bools] = []
+    of_elements = zones.of_elements.thickness
+    for formula in dict.fromkeys(zones.formulas):
+        mine = np.array([one is formula for one in zones.formulas])[of_elements] | zones.parted.any(axis=0)
+        _look(mesh, [level for level in formula.levels if level.jumps], mine, levels, found)
+    for zone, parted in zip(zones.model.zone, zones.parted, strict=True):
+        _look(mesh, sides_of(zone.region), parted, levels, found)
+    return levels, np.array(found).reshape(len(levels), len(mesh.elements))
 
 
-def _require_plate(mesh: Mesh, thickness: Floats, points: Floats) -> None:
+def _look(
+    mesh: Mesh,
+    more: Sequence[Callable[[Floats], Floats]],
+    some: Bools,
+    levels: list[Callable[[Floats], Floats]],
+    found: list[Bools],
+) -> None:
+    """Add levels, and which of some elements (ne,) they cross."""
+    elements = np.flatnonzero(some)
+    for level, across in zip(more, crossed(mesh, elements, more), strict=True):
+        levels.append(level)
+        found.append(np.zeros(len(some), np.bool_))
+        found[-1][elements] = across
+
+
+def _evaluated(zones: Zones, mesh: Mesh, elements: Ints, points: Floats) -> tuple[Floats, Ints]:
+    """Thickness (q,) at points (q, 2) of elements (q,), and whose rigidity they have."""
+    made = zones.at(elements, points)
+    thickness = zones.thickness(made.thickness, points)
+    _require_plate(zones, mesh, thickness, made.thickness, points)
+    return thickness, made.rigidity
+
+
+def _require_plate(zones: Zones, mesh: Mesh, thickness: Floats, who: Ints, points: Floats) -> None:
     thinnest, thickest = _RANGE[0] * mesh.size, _RANGE[1] * mesh.size
     wrong = (thickness < thinnest) | (thickness > thickest)
     if wrong.any():
-        at = point(points[np.argmax(wrong)], mesh.size)
+        first = int(np.argmax(wrong))
+        at = point(points[first], mesh.size)
         raise InputError(
-            f"Found the thickness {thickness[np.argmax(wrong)]:g} at {at}; on a plate {mesh.size:g} long it "
+            f"Found the thickness {thickness[first]:g} at {at}; on a plate {mesh.size:g} long it "
             f"must be from {thinnest:g} to {thickest:g}. Are the units those of the plate's size?",
-            place=("plate", "thickness"),
+            place=zones.places[who[first]],
         )
 
 
 @dataclass(frozen=True, eq=False)
 class _Fronts:
-    """Pieces (f,) of the steps at which the thickness jumps: normals (f, 2), and length times jump, for a weight."""
+    """Pieces (f,) of the steps at which the stiffness jumps: normals (f, 2), and length times jump, for a weight."""
 
     elements: Ints
     normals: Floats
     weights: Floats
 
 
-def _jumps(model: Model, mesh: Mesh, cut: Cut) -> _Fronts:
+def _jumps(zones: Zones, mesh: Mesh, cut: Cut) -> _Fronts:
     size = np.sqrt(mesh.element_area[cut.front_elements])
     ends = mesh.map(np.repeat(cut.front_elements, 2), cut.fronts.reshape(-1, 2)).reshape(-1, 2, 2)
     along = ends[:, 1] - ends[:, 0]
@@ -127,17 +162,24 @@ def _jumps(model: Model, mesh: Mesh, cut: Cut) -> _Fronts:
     normals = np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None]
     ahead = fronts[:, 1] - fronts[:, 0]
     beside = _BESIDE * np.column_stack([ahead[:, 1], -ahead[:, 0]]) / np.hypot(*ahead.T)[:, None]
-    one, other = (
-        _evaluated(model, mesh, mesh.map(elements, np.clip(fronts.mean(axis=1) + side * beside, -1.0, 1.0)))
+    (one, first), (other, second) = (
+        _evaluated(zones, mesh, elements, mesh.map(elements, np.clip(fronts.mean(axis=1) + side * beside, -1.0, 1.0)))
         for side in (-1.0, 1.0)
     )
-    step = np.abs(one - other)
-    real = step > _SAME * np.maximum(one, other)
+    real = (np.abs(one - other) > _SAME * np.maximum(one, other)) | (first != second)
+    bending = np.array([rigidity.in_waves for rigidity in zones.rigidities])
+    step = np.abs(bending[first] * one**3 - bending[second] * other**3)
     return _Fronts(elements[real], normals[real], (step * length)[real])
 
 
 def _sections(
-    rigidity: Rigidity, mesh: Mesh, xi: Floats, elements: Ints, cut: Cut, thickness: Floats, fronts: _Fronts
+    rigidities: Sequence[Rigidity],
+    mesh: Mesh,
+    xi: Floats,
+    elements: Ints,
+    cut: Cut,
+    inside: tuple[Floats, Ints],
+    fronts: _Fronts,
 ) -> Floats:
     """Rigidities (k, p, 9) of elements as laminates of strips along the step (docs/theory.md, section 4).
 
@@ -145,41 +187,67 @@ def _sections(
     """
     n = fronts.normals
     bent = np.column_stack([n**2, 2.0 * n.prod(axis=1)])
-    means = _quarter_means(mesh, xi, elements, cut, thickness)
-    b = _laminate(means(3), means(-3), rigidity.bending, _mean_square(elements, fronts, rigidity.bending, bent))
-    s = _laminate(means(1), means(-1), rigidity.shear, _mean_square(elements, fronts, rigidity.shear, n))
+    place = np.searchsorted(elements, fronts.elements)
+    weights = fronts.weights / np.bincount(place, fronts.weights, len(elements))[place]
+    used, number = np.unique(inside[1], return_inverse=True)
+    means = _quarter_means(mesh, xi, elements, cut, inside[0], number)
+    own = [rigidities[i] for i in used]
+    b = _laminate(means, 3, np.array([one.bending for one in own]), bent, place, weights)
+    s = _laminate(means, 1, np.array([one.shear for one in own]), n, place, weights)
     (i, j), (k, m) = np.triu_indices(3), np.triu_indices(2)
     return np.concatenate([b[..., i, j], s[..., k, m]], axis=-1)
 
 
-def _quarter_means(mesh: Mesh, xi: Floats, elements: Ints, cut: Cut, thickness: Floats) -> Callable[[int], Floats]:
-    """Mean of a power of the thickness over the quarters around each point (k, p, 2) of the elements: (k, p)."""
+def _quarter_means(
+    mesh: Mesh, xi: Floats, elements: Ints, cut: Cut, thickness: Floats, number: Ints
+) -> Callable[[int], Floats]:
+    """Mean of a power of the thickness over the quarters around each point (k, p, 2) of the elements.
+
+    Over the parts of each of the materials with numbers alone, so that they add up: (materials, k, p).
+    """
     mine = np.isin(cut.elements, elements)
     quarter = (cut.xi[mine] > 0.0) @ np.array([1, 2])
-    place = 4 * np.searchsorted(elements, cut.elements[mine]) + quarter
+    count, kinds = 4 * len(elements), int(number.max()) + 1
+    place = count * number[mine] + 4 * np.searchsorted(elements, cut.elements[mine]) + quarter
     weights, thickness = cut.weights[mine], thickness[mine]
     signs = np.array([[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
     around = (xi[:, :, None] * signs > -_SHORT).all(axis=3) | mesh.triangles[elements, None, None]
 
     def sums(power: int) -> Floats:
-        by_quarter = np.bincount(place, weights * thickness**power, 4 * len(elements)).reshape(-1, 4)
-        return np.asarray(np.einsum("kq,kpq->kp", by_quarter, around))
+        by_quarter = np.bincount(place, weights * thickness**power, kinds * count).reshape(kinds, -1, 4)
+        return np.asarray(np.einsum("mkq,kpq->mkp", by_quarter, around))
 
-    area = sums(0)
+    area = sums(0).sum(axis=0)
     return lambda power: sums(power) / area
 
 
-def _mean_square(elements: Ints, fronts: _Fronts, plate: Floats, strains: Floats) -> Floats:
-    """Mean (k, d, d), over the fronts of each element, of what the plate (d, d) resists strains (f, d) across with."""
-    forces = strains @ plate
-    vectors = forces / np.sqrt((forces * strains).sum(axis=1))[:, None]
-    place = np.searchsorted(elements, fronts.elements)
-    total = np.zeros((len(elements), vectors.shape[1], vectors.shape[1]))
-    np.add.at(total, place, np.einsum("f,fi,fj->fij", fronts.weights, vectors, vectors))
-    return np.asarray(total / np.bincount(place, fronts.weights, len(elements))[:, None, None])
+def _laminate(
+    means: Callable[[int], Floats], power: int, plates: Floats, strains: Floats, place: Ints, weights: Floats
+) -> Floats:
+    """Rigidities (k, p, d, d): the mean along the step; across it, the inverse of the mean of inverses.
 
-
-def _laminate(along: Floats, inverse: Floats, plate: Floats, across: Floats) -> Floats:
-    """Rigidities (k, p, d, d): the mean along the step; across it, the inverse of the mean of inverses."""
-    drop = along - np.maximum(1.0 / inverse, _SOFTEST * along)
-    return np.asarray(along[..., None, None] * plate - drop[..., None, None] * across[:, None])
+    Parameters
+    ----------
+    means : function
+        Means (m, k, p) of a power of the thickness.
+    power : int
+        That with which the rigidities go.
+    plates : (m, d, d) array
+        Rigidities of the materials at thickness 1.
+    strains : (f, d) array
+        Across each front.
+    place, weights : (f,) arrays
+        Its element, and how much it counts there.
+    """
+    along, part, inverse = means(power), means(0), means(-power)
+    mean = np.einsum("mkp,mij->kpij", along, plates)
+    forces = np.einsum("fi,mij->mfj", strains, plates)
+    across = np.einsum("mfj,fj->mf", forces, strains)
+    vectors = forces / np.sqrt(across)[..., None]
+    for at in range(mean.shape[1]):
+        thick, share, thin = along[:, place, at], part[:, place, at], inverse[:, place, at]
+        soft = np.maximum(1.0 / (thin / across).sum(axis=0), _SOFTEST * (thick * across).sum(axis=0))
+        common = np.einsum("mf,mfi->fi", share / across, forces)
+        drop = np.einsum("mf,mfi,mfj->fij", thick, vectors, vectors) - np.einsum("f,fi,fj->fij", soft, common, common)
+        np.subtract.at(mean[:, at], place, weights[:, None, None] * drop)
+    return np.asarray(mean)

@@ -252,24 +252,30 @@ class Mesh(Remade):
             Elements and reference points.
         """
         points = np.asarray(points, dtype=np.float64)
+        point, held = self.holding(points)
+        first = np.unique(point, return_index=True)[1]
+        elements = np.full(len(points), -1, dtype=np.int64)
+        reference = np.full((len(points), 2), np.nan)
+        elements[point[first]] = held.elements[first]
+        reference[point[first]] = held.xi[first]
+        return Location(elements, reference)
+
+    def holding(self, points: Floats) -> tuple[Ints, Location]:
+        """Find every element that points (q, 2) are in, as `locate` does: the points' numbers (k,), and where."""
         point, element = self._tree.pairs(points)
         xi, found = invert(self.nodes[element], points[point])
         past = self.past(element, xi)
         inside = found & (past <= self._reach[element]).all(axis=1)
         point, element, xi, past = point[inside], element[inside], xi[inside], past[inside]
         order = np.lexsort((element, np.maximum(past, 0.0).max(axis=1, initial=0.0), point))
-        first = order[np.unique(point[order], return_index=True)[1]]
-        elements = np.full(len(points), -1, dtype=np.int64)
-        reference = np.full((len(points), 2), np.nan)
-        elements[point[first]] = element[first]
-        snap = past[first] <= self._rounding[element[first], None]
-        triangles = self.triangles[element[first]]
+        point, element, xi, past = point[order], element[order], xi[order], past[order]
+        snap = past <= self._rounding[element, None]
+        triangles = self.triangles[element]
         lower = np.where(snap[:, [3, 0]], np.where(triangles, 0.0, -1.0)[:, None], -np.inf)
         upper = np.where(snap[:, [1, 2]], 1.0, np.inf)
-        xi = np.clip(xi[first], lower, upper)
+        xi = np.clip(xi, lower, upper)
         over = np.where(triangles & snap[:, 1], np.maximum(xi.sum(axis=1) - 1.0, 0.0), 0.0)
-        reference[point[first]] = xi - 0.5 * over[:, None]
-        return Location(elements, reference)
+        return point, Location(element, xi - 0.5 * over[:, None])
 
     def past(self, element: Ints, xi: Floats) -> Floats:
         """Measure how far (q, 4) reference points (q, 2) lie past the sides of elements (q,).

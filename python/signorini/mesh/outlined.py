@@ -29,6 +29,7 @@ def outlined(
     refinements: Floats | None = None,
     lines: Floats | None = None,
     points: Floats | None = None,
+    arcs: Floats | None = None,
 ) -> Mesh:
     """Mesh what lies within a contour and outside the holes in it.
 
@@ -46,6 +47,8 @@ def outlined(
         the plate, or come nearer to the outline or to earlier ones than about half an element.
     points : (p, 2) float array, optional
         Points for nodes, likewise.
+    arcs : (a, 6) float array, optional
+        Arcs from x, y through x, y to x, y, followed likewise, before all lines, with all nodes on them.
 
     Returns
     -------
@@ -75,7 +78,8 @@ def outlined(
         )
         for contour in contours
     ]
-    rows = [np.zeros((0, k)) if given is None else given for given, k in ((refinements, 5), (lines, 4), (points, 2))]
+    asked = ((refinements, 5), (arcs, 6), (lines, 4), (points, 2))
+    rows = [np.zeros((0, k)) if given is None else given for given, k in asked]
     try:
         nodes, elements, sides, of = mesh_outline(loops, size, *rows)
     except ValueError as error:

@@ -23,6 +23,7 @@ from signorini.model.plate import (
 from signorini.model.support import Support
 from signorini.model.validation import validate
 from signorini.model.whole import Model, Solver, Units
+from signorini.model.zone import Zone
 
 Plate = RectanglePlate | DiscPlate | AnnulusPlate | PolygonPlate | MeshPlate
 
@@ -51,5 +52,6 @@ __all__ = [
     "Solver",
     "Support",
     "Units",
+    "Zone",
     "validate",
 ]

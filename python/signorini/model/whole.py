@@ -19,6 +19,7 @@ from signorini.model.output import FEW, Output
 from signorini.model.plate import AnyPlate, Material, MeshPlate
 from signorini.model.problems import TOP, tables_of
 from signorini.model.support import Support
+from signorini.model.zone import Zone
 
 _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
@@ -69,6 +70,7 @@ class Model(Table):
     units: Units = Field(default=Units(), description="Labels of the units, for the output.")
     material: Material = Field(description="The plate's material.")
     plate: AnyPlate = Field(description="The plate's outline, thickness and element.")
+    zone: tuple[Zone, ...] = Field(default=(), description="Parts of the plate that are made otherwise.")
     mesh: MeshOptions = Field(default=MeshOptions(), description="How finely the plate is meshed.")
     support: Annotated[tuple[Support, ...], AfterValidator(_named)] = Field(default=(), description="The supports.")
     load: tuple[Load, ...] = Field(min_length=1, description="The loads, at least one.")
@@ -84,6 +86,16 @@ class Model(Table):
     def cases(self) -> tuple[str, ...]:
         """Names of the load cases that stay where they are, in the order in which they first appear."""
         return tuple(dict.fromkeys(load.case for load in self.load))
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The plate's material, and those that zones have."""
+        return (self.material, *(zone.material for zone in self.zone if zone.material is not None))
+
+    @property
+    def young(self) -> float:
+        """Young's modulus, the largest there is."""
+        return max(material.young for material in self.materials)
 
     @property
     def positions(self) -> Positions:
@@ -125,6 +137,12 @@ class Model(Table):
                 yield (
                     ("load", index, "self_weight"),
                     "self_weight needs the material's unit_weight, which is not given.",
+                )
+        for index, zone in enumerate(self.zone if any(load.self_weight for load in self.load) else ()):
+            if zone.material is not None and zone.material.unit_weight is None:
+                yield (
+                    ("zone", index, "material"),
+                    "there is a load of self_weight, which needs this material's unit_weight.",
                 )
         yield from self._moving_complaints()
         yield from self._combination_complaints()

@@ -13,6 +13,7 @@ from signorini.analysis.solve import Results
 from signorini.analysis.twins.compared import Meshes, compared
 from signorini.analysis.twins.leaves import with_numbers
 from signorini.discretise.rows import Floats
+from signorini.discretise.stressnodes import StressNodes
 from signorini.formats.vtk import write_vtu
 from signorini.mesh import Mesh
 from signorini.output.names import TABLE, envelope_files
@@ -79,7 +80,7 @@ def _envelope(results: Results, combined: Combined, mesh: Mesh, group: str) -> d
     fields = {}
     for field, extremes in envelope.fields.items():
         high, low = envelope.peaks(field)
-        fields[field] = _ends(name, extremes, mesh.points, high, low)
+        fields[field] = _ends(name, extremes, combined.layout.nodes, high, low)
     for field, (places, extremes) in envelope.pressures.items():
         elastic = field == "contact_pressure"
         at = mesh.points[places] if elastic else mesh.points[mesh.elements[places]].mean(axis=1)
@@ -93,22 +94,25 @@ def _envelope(results: Results, combined: Combined, mesh: Mesh, group: str) -> d
     }
 
 
-def write_envelope(mesh: Mesh, envelope: Envelope, path: str | os.PathLike[str]) -> None:
+def write_envelope(nodes: StressNodes, envelope: Envelope, path: str | os.PathLike[str]) -> None:
     """Write a .vtu file: of every field its extremes, and the numbers of the rows that they come from."""
+    mesh = nodes.mesh
     at_nodes: dict[str, Floats] = {}
     of_elements: dict[str, Floats] = {}
-    nodes = np.arange(mesh.node_count)
-    for name, (places, extremes) in ({n: (nodes, e) for n, e in envelope.fields.items()} | envelope.pressures).items():
+    fields = {name: (np.arange(len(of.largest)), of) for name, of in envelope.fields.items()}
+    for name, (places, extremes) in (fields | envelope.pressures).items():
         rigid = name == "rigid_contact_pressure"
         for side, value, by in (
             ("max", extremes.largest, extremes.largest_by),
             ("min", extremes.smallest, extremes.smallest_by),
         ):
             for ending, values, elsewhere in (("", value, 0.0), ("_row", by, NONE)):
-                data = np.full(len(mesh.elements) if rigid else len(nodes), float(elsewhere))
+                count = len(mesh.elements) if rigid else max(mesh.node_count, len(values))
+                data = np.full(count, float(elsewhere))
                 data[places] = values
                 (of_elements if rigid else at_nodes)[f"{name}_{side}{ending}"] = data
-    write_vtu(path, mesh.points, mesh.elements, at_nodes, of_elements)
+    at_nodes = {name: nodes.spread(data) for name, data in at_nodes.items()}
+    write_vtu(path, nodes.points, nodes.elements, at_nodes, of_elements)
 
 
 def _ends(name: Name, extremes: Extremes, places: Floats, high: int, low: int) -> dict[str, Any]:

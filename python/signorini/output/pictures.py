@@ -51,9 +51,10 @@ def write_pictures(results: Results, named: Iterable[tuple[Result, str]], direct
     # Only this function needs matplotlib.
     from signorini.plot import Picture, Plan, save_pictures
 
-    mesh, model = results.discretisation.mesh, results.discretisation.model
+    found = results.discretisation
+    mesh, model, nodes = found.mesh, found.model, found.stress_nodes
     drawn = [(*pair, support_marks(mesh, model.support, pair[0].supports)) for pair in named]
-    plan = Plan.of(mesh.points, mesh.elements)
+    plan = Plan.of(found.stress_nodes.points, nodes.elements)
     for ending, fields in _PICTURES.items():
         if ending == PRESSURE and not has_areas(results):
             continue
@@ -63,7 +64,7 @@ def write_pictures(results: Results, named: Iterable[tuple[Result, str]], direct
             limits[field] = min(low for low, _ in ranges), max(high for _, high in ranges)
 
         def panels(result: Result, limits: dict[str, tuple[float, float]] = limits) -> list[Panel]:
-            parts = (mesh, result.fields, result.supports, model.units)
+            parts = (nodes, result.fields, result.supports, model.units)
             return [panel(field, *parts, limit, result.extremes) for field, limit in limits.items()]
 
         pictures = [

@@ -55,15 +55,15 @@ def write(
     try:
         with replacing_together(target, partial(former_results, target), seal=JSON) as beside:
             named = list(slugs(results))
-            mesh = results.discretisation.mesh
+            solved = results.discretisation
             if named:
-                vtu = Vtu(mesh.points, mesh.elements)
+                vtu = Vtu(solved.stress_nodes.points, solved.stress_nodes.elements)
                 for result, slug in named:
                     vtu.write(beside / f"{slug}.vtu", *vtk_fields(result))
             write_pictures(results, named, beside)
             write_refinement(results, beside)
             for group, name in envelope_files(results).items():
-                write_envelope(mesh, results.combined.over(group), beside / name)
+                write_envelope(results.discretisation.stress_nodes, results.combined.over(group), beside / name)
             if table is not None:
                 Path(table).rename(beside / TABLE)
             (beside / CSV).write_text(reactions_csv(results), encoding="utf-8")

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from signorini.plot.balance import BalanceMark
 from signorini.plot.field import contour, line
 from signorini.plot.load_path import load_path_picture
-from signorini.plot.marks import LoadMark, SupportMark, draw_legend, supports
+from signorini.plot.marks import LoadMark, SupportMark, ZoneMark, draw_legend, supports
 from signorini.plot.pictures import (
     DRAWN_BY,
     Panel,
@@ -35,6 +35,7 @@ __all__ = [
     "Plan",
     "PressureLayer",
     "SupportMark",
+    "ZoneMark",
     "check_picture",
     "contour",
     "draw_legend",

@@ -24,6 +24,7 @@ from signorini.plot.plan import INK, inches_per_unit, literal
 _LOADS = ("#b3261e", "#7a3e9d", "#b8860b", "#1b6e53", "#c2185b", "#4d5b9e")
 """Colours of load cases, one after the other."""
 _EDGE = "#d95f02"
+_ZONE = "#3f6f8f"
 _ACTIONS = {
     "down": "pushes up only",
     "up": "holds down only",
@@ -247,6 +248,37 @@ def draw_load(mark: LoadMark, axes: Axes, colour: str) -> Entry:
     for piece in _pieces(positions):
         axes.fill(*piece.T, zorder=3, **look)
     return words, (Patch(**look),)
+
+
+@dataclass(frozen=True)
+class ZoneMark:
+    """A zone as it is drawn.
+
+    Attributes
+    ----------
+    words : str
+        What it is, in the legend, after its number.
+    outline : ndarray, shape (k, 2)
+    """
+
+    words: str
+    outline: NDArray[np.float64]
+
+
+def draw_zones(marks: Iterable[ZoneMark], axes: Axes, plate: Path) -> list[Entry]:
+    """Draw zones on a plate, with their numbers from 1, and return their entries in the legend."""
+    entries: list[Entry] = []
+    look: dict[str, Any] = {"facecolor": to_rgba(_ZONE, 0.22), "edgecolor": _ZONE, "linewidth": 0.9}
+    for number, mark in enumerate(marks, 1):
+        for drawn in axes.fill(*mark.outline.T, zorder=1.5, **look):
+            drawn.set_clip_path(plate, axes.transData)
+        # Its number is at the corner from which it is read, where few marks are.
+        x, y = mark.outline[np.lexsort((mark.outline[:, 0], -mark.outline[:, 1]))[0]]
+        axes.annotate(
+            str(number), (x, y), (3, -3), textcoords="offset points", va="top", fontsize=8, color=_ZONE, zorder=3.5
+        )
+        entries.append((f"zone {number}: {mark.words}", (Patch(**look),)))
+    return entries
 
 
 def draw_loads(marks: Iterable[LoadMark], axes: Axes) -> list[Entry]:

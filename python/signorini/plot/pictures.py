@@ -22,7 +22,17 @@ from signorini.base.files import replacing
 from signorini.errors import InputError
 from signorini.plot.balance import BalanceMark, draw_balances
 from signorini.plot.field import PAPER, Scale, add_colour_bar, checked_field, draw_field
-from signorini.plot.marks import Entry, LoadMark, SupportMark, draw_legend, draw_loads, draw_supports, legend_words
+from signorini.plot.marks import (
+    Entry,
+    LoadMark,
+    SupportMark,
+    ZoneMark,
+    draw_legend,
+    draw_loads,
+    draw_supports,
+    draw_zones,
+    legend_words,
+)
 from signorini.plot.plan import INK, Plan, draw_outlines, draw_sheet, inches_per_unit, literal, set_window
 from signorini.plot.pressure import PressureLayer, draw_pressure, pressure_scale
 
@@ -178,6 +188,7 @@ def save_pictures(plan: Plan, pictures: Sequence[Picture], length: str = "") -> 
 def check_picture(
     plan: Plan,
     *,
+    zones: Iterable[ZoneMark] = (),
     supports: Iterable[SupportMark] = (),
     loads: Iterable[LoadMark] = (),
     balance: Iterable[BalanceMark] = (),
@@ -191,6 +202,7 @@ def check_picture(
     Parameters
     ----------
     plan : Plan
+    zones : iterable of ZoneMark
     supports : iterable of SupportMark
     loads : iterable of LoadMark
     balance : iterable of BalanceMark
@@ -218,9 +230,9 @@ def check_picture(
         )
     page = _Page(plan, 1, length, bars=False)
     (axes,) = page.plans
-    draw_sheet(axes, plan)
+    sheet = draw_sheet(axes, plan)
     draw_outlines(axes, plan, inner=0.3)
-    entries = draw_supports(supports, axes) + draw_loads(loads, axes)
+    entries = draw_zones(zones, axes, sheet) + draw_supports(supports, axes) + draw_loads(loads, axes)
     if numbers:
         _number_nodes(axes, plan)
     entries += draw_balances(balance, axes)

@@ -91,9 +91,10 @@ def plan_axes(plan: Plan, title: str) -> Axes:
     return axes
 
 
-def draw_sheet(axes: Axes, plan: Plan) -> None:
-    """Fill the plate with a pale colour."""
-    axes.tricontourf(plan.triangles, np.zeros(len(plan.triangles.x)), levels=[-1, 1], colors=[_SHEET])
+def draw_sheet(axes: Axes, plan: Plan) -> Path:
+    """Fill the plate with a pale colour, and return its outline with holes."""
+    drawn = axes.tricontourf(plan.triangles, np.zeros(len(plan.triangles.x)), levels=[-1, 1], colors=[_SHEET])
+    return drawn.get_paths()[0]
 
 
 def draw_outlines(axes: Axes, plan: Plan, inner: float) -> None:

@@ -45,8 +45,10 @@ class Layout:
     at_rest: Mapping[int, AreaContact]
     fields: tuple[str, ...]
     probes: Floats
+    nodes: Floats
+    """Positions (s, 2) of the nodes of stresses; the first are those of the mesh."""
     away: Mapping[str, Bools]
-    """Of every field which nodes (n,) are away from where it has no limit, under any load that stays where it is."""
+    """Of every field which of its nodes are away from where it has no limit, under any load that stays where it is."""
 
     @classmethod
     def of(cls, found: Discretisation, fields: Sequence[str]) -> Layout:
@@ -57,7 +59,8 @@ class Layout:
         # Not wheels: what they pass over has its limit while they are elsewhere.
         named = singularities(found, found.model.cases)
         away = {name: away_from(found.mesh, named, NUMBERS.get(name, "")) for name in fields}
-        return cls(found.model, points, at_rest, tuple(fields), found.probe_positions, away)
+        away |= {name: nodes[found.stress_nodes.nodes] for name, nodes in away.items() if name in NUMBERS}
+        return cls(found.model, points, at_rest, tuple(fields), found.probe_positions, found.stress_nodes.points, away)
 
     @property
     def point_count(self) -> int:
@@ -207,11 +210,10 @@ class Block:
         own = np.searchsorted(layout.around_areas, np.flatnonzero(area.on_nodes))
         return self.on_areas[np.ix_(rows, own)]
 
-    def columns(self, layout: Layout, nodes: Floats, keys: Named, loads: Named = ()) -> Iterator[tuple[str, Column]]:
+    def columns(self, layout: Layout, keys: Named, loads: Named = ()) -> Iterator[tuple[str, Column]]:
         """Yield every column (k,) with its name.
 
-        ``nodes`` (n, 2) are the positions of the mesh's nodes, ``keys`` the columns that tell the rows apart, ``loads``
-        those that say what is on the plate.
+        ``keys`` are the columns that tell the rows apart, ``loads`` those that say what is on the plate.
         """
         yield from keys
         yield "status", ["solved" if solved else "no_equilibrium" for solved in self.solved]
@@ -240,7 +242,7 @@ class Block:
         for at, name in enumerate(layout.fields):
             for side, what in enumerate(("max", "min")):
                 yield f"{what}:{name}", self.peaks[:, at, side]
-                place = np.where(self.solved[:, None], nodes[self.places[:, at, side]], np.nan)
+                place = np.where(self.solved[:, None], layout.nodes[self.places[:, at, side]], np.nan)
                 yield f"{what}_x:{name}", place[:, 0]
                 yield f"{what}_y:{name}", place[:, 1]
         for index, name in enumerate(FIGURES):

@@ -133,7 +133,7 @@ class Envelope:
     Parameters
     ----------
     fields : dict of Extremes
-        At every node (n,), by the field's name.
+        At every node of a field, by its name.
     pressures : dict
         "contact_pressure" at the nodes of elastic areas, "rigid_contact_pressure" on the elements of rigid ones: which
         nodes or elements (k,), and the extremes there.
@@ -144,7 +144,7 @@ class Envelope:
     bearings : Concurrent
         Of the bearings' reactions, in the order of the layout.
     away : dict
-        Of moments and shears which nodes (n,) are away from where they have no limit: peaks elsewhere count.
+        Of every field which of its nodes are away from where they have no limit: peaks elsewhere count.
     """
 
     fields: dict[str, Extremes]
@@ -162,7 +162,7 @@ class Envelope:
             names.append("reaction")
         on = {"contact_pressure": layout.pressures.nodes, "rigid_contact_pressure": layout.pressures.elements}
         return cls(
-            {name: Extremes.none(mesh.node_count) for name in names},
+            {name: Extremes.none(len(layout.away.get(name, mesh.points))) for name in names},
             {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
             tuple(_nothing_of(layout, index) for index in range(len(layout.supports))),
             Extremes.none(len(FIELDS) * len(layout.probes)),

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini.discretise.rows import Bools, Floats
-from signorini.mesh import Mesh
+from signorini.discretise.stressnodes import StressNodes
 from signorini.singularities.named import Singularity, away_from
 
 NUMBERS = {"mx": "moment", "my": "moment", "mxy": "moment", "qx": "shear", "qy": "shear"}
@@ -37,29 +37,32 @@ class FieldExtremes:
 
     @classmethod
     def of(
-        cls, values: Floats, mesh: Mesh, away: Bools, singular: Sequence[Singularity] = (), number: str = ""
+        cls, values: Floats, nodes: StressNodes, away: Bools, singular: Sequence[Singularity] = (), number: str = ""
     ) -> FieldExtremes:
-        """Find the extremes of a field (n,) at nodes (n,) that are ``away`` from singularities of its number."""
+        """Find the extremes of a field at nodes of the mesh (n,) that are ``away`` from singularities of its number."""
+        places, away = nodes.points[: len(values)], away[nodes.nodes[: len(values)]]
         ends: list[tuple[float, tuple[float, float], str]] = []
         for signed in (values, -values):
             node, peak = int(np.where(away, signed, -np.inf).argmax()), int(signed.argmax())
-            x, y = mesh.points[node].tolist()
-            beside = "" if away[peak] else _nearest(mesh.points[peak], singular, number)
+            x, y = places[node].tolist()
+            beside = "" if away[peak] else _nearest(places[peak], singular, number)
             ends.append((float(values[node]), (x, y), beside))
         return cls(*ends[0], *ends[1])
 
 
-def extremes(fields: Mapping[str, Floats], mesh: Mesh, singular: Sequence[Singularity]) -> dict[str, FieldExtremes]:
+def extremes(
+    fields: Mapping[str, Floats], nodes: StressNodes, singular: Sequence[Singularity]
+) -> dict[str, FieldExtremes]:
     """Find the extremes of the deflection, and of moments and shears away from where these have no limit."""
-    away = {number: away_from(mesh, singular, number) for number in ("", *dict.fromkeys(NUMBERS.values()))}
+    away = {number: away_from(nodes.mesh, singular, number) for number in ("", *dict.fromkeys(NUMBERS.values()))}
     found = {}
     for name in ("deflection", *NUMBERS):
         number = NUMBERS.get(name, "")
-        found[name] = FieldExtremes.of(fields[name], mesh, away[number], singular, number)
+        found[name] = FieldExtremes.of(fields[name], nodes, away[number], singular, number)
     return found
 
 
 def _nearest(at: Floats, singular: Sequence[Singularity], number: str) -> str:
     """What singularity of a number is nearest."""
-    those = [one for one in singular if number in one.numbers and one.where and not one.line]
+    those = [one for one in singular if number in one.numbers and one.where and not (one.line or one.limited)]
     return min(those, key=lambda one: min(math.dist(at, place) for place in one.where)).what

@@ -213,7 +213,7 @@ class LoadPath(States[float]):
             ("t", np.array([stop.t for stop in self.stops])),
             ("event", [self.words(row) for row in range(count)]),
         ]
-        return together([block.columns(layout, found.mesh.points, keys)]), envelope
+        return together([block.columns(layout, keys)]), envelope
 
     def words(self, index: int) -> str:
         """Say what the supports do at a stop, by its number from 0; nothing where less than a quarter of one does."""

@@ -20,7 +20,7 @@ from signorini.shapes import Region
 from signorini.shapes.tessellation import tessellate
 
 if TYPE_CHECKING:
-    from signorini.plot import LoadMark, PressureLayer, SupportMark
+    from signorini.plot import LoadMark, PressureLayer, SupportMark, ZoneMark
 
 _AROUND = 180
 _ALONG = 200
@@ -95,6 +95,23 @@ def support_marks(found: Discretisation) -> list[SupportMark]:
         positions = [found.mesh.points[held], springs.positions[springs.support == index]]
         positions.append(contacts.positions[contacts.support == index])
         marks.append(support_mark(found.mesh, support, np.unique(np.concatenate(positions), axis=0)))
+    return marks
+
+
+def zone_marks(found: Discretisation) -> list[ZoneMark]:
+    """Draw the zones of a model, with what they change in the legend."""
+    from signorini.plot import ZoneMark
+
+    marks = []
+    for zone in found.model.zone:
+        parts = [] if zone.thickness is None else [f"thickness {zone.thickness.source}"]
+        if zone.material is not None:
+            own = zone.material
+            parts.append(f"E = {own.E:.4g}" if own.E is not None else f"Ex = {own.Ex:.4g}, Ey = {own.Ey:.4g}")
+        if zone.modifiers is not None:
+            parts += [f"{key} × {value:.4g}" for key, value in zone.modifiers if value != 1.0]
+        assert isinstance(zone.area, Area)  # "all" is refused
+        marks.append(ZoneMark(", ".join(parts) or "as the plate", _outline(zone.area)))
     return marks
 
 

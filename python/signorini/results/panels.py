@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from signorini.discretise.rows import Floats
+from signorini.discretise.stressnodes import StressNodes
 from signorini.mesh import Mesh
 from signorini.model import Support
 from signorini.model.whole import Units
@@ -50,7 +51,7 @@ def field_range(field: str, fields: Mapping[str, Floats], supports: Sequence[Sup
 
 def panel(
     field: str,
-    mesh: Mesh,
+    nodes: StressNodes,
     fields: Mapping[str, Floats],
     supports: Sequence[SupportResult],
     units: Units,
@@ -68,9 +69,9 @@ def panel(
         largest = [("max", value, at.tolist())] if value > 0 else []
         return Panel([pressure_layer(area) for area in areas], label, colours, limits, largest)
     values = fields[field]
-    ends = extremes.get(field) or FieldExtremes.of(values, mesh, np.ones(len(values), np.bool_))
+    ends = extremes.get(field) or FieldExtremes.of(values, nodes, np.ones(nodes.mesh.node_count, np.bool_))
     named = [("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at)]
-    return Panel(values, label, colours, limits, named)
+    return Panel(nodes.spread(fields[field]), label, colours, limits, named)
 
 
 def quantity(field: str, units: Units) -> str:

@@ -8,14 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini.discretise.rows import Floats
-from signorini.mesh import Location, Mesh
+from signorini.discretise.stressnodes import StressNodes
+from signorini.mesh import Location
 from signorini.results.contact_field import without_shared_borders
 from signorini.results.support_result import SupportResult
 
 
 @dataclass(frozen=True)
 class ProbeResult:
-    """What a point of the plate shows.
+    """What a point of the plate shows; where moments and shears jump, of each the side where it is larger in size.
 
     Parameters
     ----------
@@ -37,13 +38,18 @@ class ProbeResult:
 
 
 def probe_results(
-    fields: Floats, mesh: Mesh, supports: Sequence[SupportResult], where: Location, positions: Floats
+    fields: Floats,
+    nodes: StressNodes,
+    supports: Sequence[SupportResult],
+    where: Location,
+    positions: Floats,
 ) -> list[ProbeResult]:
-    """Interpolate nodal fields (n, 8), in the order of `ProbeResult`, to positions (q, 2), and ask for the pressure."""
+    """Interpolate fields (s, 8), in the order of `ProbeResult`, to positions (q, 2), and ask for the pressure."""
     if not len(positions):
         return []
-    values = mesh.shape_functions(where.elements, where.xi)
-    at_points = np.einsum("qi,qif->qf", values, fields[mesh.elements[where.elements]])
+    sides = nodes.sides(positions, where)
+    values = nodes.mesh.shape_functions(sides.where.elements, sides.where.xi)
+    at_points = sides.larger(np.einsum("qi,qif->qf", values, fields[nodes.elements[sides.where.elements]]))
     return [
         ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p)
         for (x, y), v, p in zip(

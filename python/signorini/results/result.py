@@ -19,6 +19,7 @@ from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import Certificate
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
+from signorini.discretise.stressnodes import StressNodes
 from signorini.errors import InputError, point
 from signorini.formats.vtk import displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
@@ -53,9 +54,12 @@ class Result(Remade):
         Positive down.
     rotation : (n, 2) array
         Slopes θx, θy.
-    moment : (n, 3) array
-        mx, my, mxy, positive when they sag; averaged at nodes from the superconvergent points.
-    shear : (n, 2) array
+    stress_nodes : StressNodes
+        Nodes (s,) of moments and shears: the mesh's, and behind them, for those on a jump of what the plate is made
+        of, one for each further side; and the elements (ne, 8) by them.
+    moment : (s, 3) array
+        mx, my, mxy, positive when they sag; averaged at nodes from the superconvergent points, but across no jump.
+    shear : (s, 2) array
         qx, qy.
     nodal_reaction : (n,) array
         Upward force of the supports at points, along lines and edges on every node that they act on. Areas have
@@ -89,6 +93,7 @@ class Result(Remade):
     certificate: Certificate
     deflection: Floats
     rotation: Floats
+    stress_nodes: StressNodes
     moment: Floats
     shear: Floats
     nodal_reaction: Floats
@@ -112,7 +117,7 @@ class Result(Remade):
     ) -> Self:
         """Recover every field from a contact solution; the last of ``methods`` found it.
 
-        ``stress`` (n, 5) are the moments and shears at the nodes, where they are known already.
+        ``stress`` (s, 5) are the moments and shears at the nodes, where they are known already.
         """
         *unsettled, method = methods
         begun = time.perf_counter()
@@ -133,7 +138,8 @@ class Result(Remade):
         supports = tuple(
             support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
         )
-        fields = np.column_stack([nodal[:, 0], rotation, stress])
+        nodes = found.stress_nodes
+        fields = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(rotation), stress])
         return cls(
             name,
             "solved",
@@ -147,11 +153,12 @@ class Result(Remade):
             certificate,
             nodal[:, 0],
             rotation,
+            nodes,
             stress[:, :3],
             stress[:, 3:],
             nodal_reaction[::3],
             supports,
-            tuple(probe_results(fields, found.mesh, supports, found.probes, found.probe_positions)),
+            tuple(probe_results(fields, nodes, supports, found.probes, found.probe_positions)),
             time.perf_counter() - begun,
             result_warnings(found, load, nodal[:, 0], answer.not_unique),
             singularities(found, load.acting),
@@ -174,10 +181,11 @@ class Result(Remade):
 
     @cached_property
     def fields(self) -> Mapping[str, Floats]:
-        """Every field (n,) by name: deflection, rotation_x, rotation_y, mx, my, mxy, qx, qy."""
-        values = np.column_stack([self.deflection, self.rotation, self.moment, self.shear])
-        values.flags.writeable = False
-        return dict(zip(FIELDS, values.T, strict=True))
+        """Every field by name: deflection, rotation_x, rotation_y (n,), mx, my, mxy, qx, qy (s,)."""
+        values = [self.deflection, *self.rotation.T, *self.moment.T, *self.shear.T]
+        for field in values:
+            field.flags.writeable = False
+        return dict(zip(FIELDS, values, strict=True))
 
     @cached_property
     def extremes(self) -> Mapping[str, FieldExtremes]:
@@ -198,7 +206,7 @@ class Result(Remade):
         >>> round(mx.max), mx.max_at, mx.max_beside
         (9907, (2.0, 2.0), '')
         """
-        return extremes(self.fields, self.mesh, self.singular)
+        return extremes(self.fields, self.stress_nodes, self.singular)
 
     @cached_property
     def estimate(self) -> Estimate:
@@ -245,8 +253,8 @@ class Result(Remade):
             If a point is not on the plate, or none at all.
         """
         positions, where = self._located(points)
-        fields = np.column_stack(list(self.fields.values()))
-        return probe_results(fields, self.mesh, self.supports, where, positions)
+        fields = np.column_stack([self.stress_nodes.spread(field) for field in self.fields.values()])
+        return probe_results(fields, self.stress_nodes, self.supports, where, positions)
 
     def pressure(self, points: Points) -> Floats:
         """Contact pressure (q,) of the area supports at points (q, 2) of the plate, positive where they push it up.
@@ -308,9 +316,10 @@ class Result(Remade):
         self._require_fields()
         if field == "pressure" and not any(support.area is not None for support in self.model.support):
             raise InputError('There is no "pressure": no support of this model is an area.', place="field")
-        plan, units = Plan.of(self.mesh.points, self.mesh.elements), self.model.units
+        nodes, units = self.stress_nodes, self.model.units
+        plan = Plan.of(nodes.points, nodes.elements)
         marks = support_marks(self.mesh, self.model.support, self.supports)
-        drawn = panel(field, self.mesh, self.fields, self.supports, units, limits, self.extremes)
+        drawn = panel(field, nodes, self.fields, self.supports, units, limits, self.extremes)
         if ax is None:
             return field_picture(plan, [drawn], marks, title=self.heading, length=units.length).axes[0]
         draw_legend(ax, draw_panel(ax, plan, drawn, marks))
@@ -332,7 +341,7 @@ class Result(Remade):
             If the file cannot be written.
         """
         self._require_fields()
-        write_vtu(path, self.mesh.points, self.mesh.elements, *vtk_fields(self))
+        write_vtu(path, self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self))
 
     def _repr_html_(self) -> str:
         """Show the supports' table in a notebook."""
@@ -353,7 +362,7 @@ class Result(Remade):
 
 
 def vtk_fields(result: Result) -> tuple[dict[str, Floats], dict[str, Floats]]:
-    """Fields of a .vtu file by name: at the nodes, and of the elements."""
+    """Fields of a .vtu file by name: at the nodes of stresses, and of the elements."""
     data = {
         "deflection": result.deflection,
         "displacement": displacement_vector(result.deflection),
@@ -373,13 +382,13 @@ def vtk_fields(result: Result) -> tuple[dict[str, Floats], dict[str, Floats]]:
         if any(area.support.stiffness is None for area in areas):
             of_elements["rigid_contact_pressure"] = np.zeros(len(result.mesh.elements))
             of_elements["rigid_contact_pressure"][pressures.elements] = pressures.on_elements(forces)
-    return data, of_elements
+    return {name: result.stress_nodes.spread(values) for name, values in data.items()}, of_elements
 
 
 def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
     """Build the result of a combination without equilibrium: NaN for every number, and the reason."""
     nan = float("nan")
-    count = found.mesh.node_count
+    count, of_stress = found.mesh.node_count, found.stress_nodes.count
     nothing = np.full(count, nan)
     return Result(
         name,
@@ -394,8 +403,9 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
         Certificate(nan, nan, nan, nan, nan),
         nothing,
         np.full((count, 2), nan),
-        np.full((count, 3), nan),
-        np.full((count, 2), nan),
+        found.stress_nodes,
+        np.full((of_stress, 3), nan),
+        np.full((of_stress, 2), nan),
         nothing,
         (),
         (),

@@ -15,6 +15,7 @@ from signorini.discretise.rows import Floats
 from signorini.errors import point
 from signorini.model import Support
 from signorini.model.footprint import KEYS as FOOTPRINT
+from signorini.model.zone import KEYS
 from signorini.results.support_points import SupportPoints
 from signorini.shapes.depths import depth
 
@@ -50,7 +51,7 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
     """
     if found not in _KNOWN:
         of_supports = *_one_place(found), *_overlaps(found), *_never_act(found)
-        _KNOWN[found] = (*_unit_of_modulus(found), *_one_element(found), *of_supports)
+        _KNOWN[found] = (*_unit_of_modulus(found), *_one_element(found), *_zones(found), *of_supports)
     return _KNOWN[found]
 
 
@@ -92,7 +93,7 @@ def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
 
 
 def _unit_of_modulus(found: Discretisation) -> Iterator[str]:
-    units, modulus = found.model.units, found.model.material.young
+    units, modulus = found.model.units, found.model.young
     if units.force not in _NEWTONS or units.length not in _METRES:
         return
     pascals = modulus * _NEWTONS[units.force] / _METRES[units.length] ** 2
@@ -101,6 +102,24 @@ def _unit_of_modulus(found: Discretisation) -> Iterator[str]:
             f"E = {modulus:.4g} {units.force}/{units.length}² is {pascals:.4g} Pa, and what plates are made of has "
             f"{_SOFTEST:.0e} to {_STIFFEST:.0e}: was another unit meant?"
         )
+
+
+def _zones(found: Discretisation) -> Iterator[str]:
+    """Zones that say the same of one place; a later one within an earlier one is meant."""
+    for (one, earlier), (other, later) in combinations(enumerate(found.model.zone, 1), 2):
+        first, second = found.zones.inside[[one - 1, other - 1]]
+        both = first & second
+        keys = " and ".join(key for key in earlier.given(KEYS) if key in later.given(KEYS))
+        if not keys or (both == second).all() or not both.any():
+            continue
+        if (both == first).all():
+            yield f"The {keys} of zone {one} counts nowhere: zone {other}, which comes later, covers it. Put it behind."
+        else:
+            at = point(found.mesh.points[found.mesh.elements[np.argmax(both), :4]].mean(axis=0))
+            yield (
+                f"Zones {one} and {other} overlap, such as at {at}: there the {keys} of zone {other} counts, the later "
+                "one. Is that meant?"
+            )
 
 
 def _never_act(found: Discretisation) -> Iterator[str]:

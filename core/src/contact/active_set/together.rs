@@ -30,7 +30,7 @@ impl ContactProblem {
         watch: &mut dyn FnMut() -> bool,
     ) -> Result<Vec<ContactSolution>, FactorError> {
         let start = reference.map(Reference::start);
-        let factor = &start.as_ref().and_then(|start| start.factored).unwrap_or(&self.base).factor;
+        let with = start.as_ref().and_then(|start| start.factored).unwrap_or(&self.base);
         let mut under_way: Vec<UnderWay> = Vec::with_capacity(AT_ONCE);
         let mut left = loads.iter().enumerate();
         let mut solved: Vec<Option<ContactSolution>> = loads.iter().map(|_| None).collect();
@@ -66,8 +66,8 @@ impl ContactProblem {
                     Next::End(outcome) => solved[load.number] = Some(load.newton.ended(outcome)),
                 }
             }
-            factor.solve_side_by_side(&mut block)?;
-            for (load, answer) in under_way.iter_mut().zip(block.chunks_exact(factor.len())) {
+            with.solve_side_by_side(&mut block)?;
+            for (load, answer) in under_way.iter_mut().zip(block.chunks_exact(with.factor.len())) {
                 load.answer = Some(answer.to_vec());
             }
         }

@@ -1,16 +1,16 @@
 //! The contact points of a factored plate, and what is asked of them.
 
-use crate::dense::{self, Cholesky, Lu, OutOfMemory};
-use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
-use faer::{Mat, Par};
+use super::forward_rows::ForwardRows;
+use super::schur::Schur;
+use super::wide_springs::WideSprings;
+use crate::cholesky::{Factor, FactorError};
+use crate::dense::{Cholesky, Lu, OutOfMemory};
+use faer::Mat;
+use std::collections::HashSet;
 use std::sync::OnceLock;
 
 /// The contact points of a factored plate.
 pub struct Condensed {
-    /// L of the Schur complement of K̃ onto the contact dofs.
-    pub(super) trailing: Mat<f64>,
-    /// Entries of each row on the contact dofs.
-    pub(super) rows: Vec<Vec<(usize, f64)>>,
     /// δ: what the factor carries on top of K, by point.
     pub regularization: Vec<f64>,
     /// C: compliance of each support, 0 where it is rigid.
@@ -19,9 +19,17 @@ pub struct Condensed {
     pub two_sided: Vec<bool>,
     /// Gu of each free rigid motion, one a column.
     pub(super) moves: Mat<f64>,
-    /// S, where the rows pick single dofs.
-    pub(super) stiffness: Option<Mat<f64>>,
-    pub(super) flexibility: OnceLock<Mat<f64>>,
+    /// Where the rows pick single dofs; then the flexibility is made when it is first asked for.
+    pub(crate) stiffness: Option<Schur>,
+    flexibility: OnceLock<Flexibility>,
+}
+
+/// The plate at its contact points by flexibility.
+pub(super) struct Flexibility {
+    /// G after forward substitution.
+    rows: ForwardRows,
+    /// P̃ = G K̃⁻¹ Gᵀ.
+    pub(super) matrix: Mat<f64>,
 }
 
 /// Which of reaction and gap the LCP has for unknowns.
@@ -37,7 +45,7 @@ pub enum Form {
 pub struct InterfaceResidual {
     /// G K̃⁻¹ r: displacement of the points under the imbalance r; empty where the stiffness serves.
     pub displacement: Vec<f64>,
-    /// r condensed onto the contact points; zero where the flexibility serves.
+    /// r condensed onto the contact points; empty where there is no stiffness.
     pub force: Vec<f64>,
     /// What is left of each gap.
     pub remaining: Vec<f64>,
@@ -83,29 +91,36 @@ pub(super) enum StateFactor {
 }
 
 impl Condensed {
-    /// `trailing` is the factor's last block, `rows` the contact rows over its dofs, `moves` how each free rigid motion
-    /// moves the points.
-    pub fn new(
-        trailing: Mat<f64>,
-        rows: Vec<Vec<(usize, f64)>>,
+    /// `moves` is how each free rigid motion moves the points; the plate is yet to come.
+    pub(crate) fn new(
         regularization: Vec<f64>,
         compliance: Vec<f64>,
         two_sided: Vec<bool>,
         moves: &[Vec<f64>],
-    ) -> Result<Self, OutOfMemory> {
-        let stiffness = if picks_single_dofs(&rows, trailing.nrows()) {
-            let product = dense::product(trailing.as_ref(), trailing.transpose())?;
-            Some(dense::matrix(rows.len(), rows.len(), |i, j| {
-                let ((p, a), (q, b)) = (rows[i][0], rows[j][0]);
-                let carried = if i == j { regularization[i] } else { 0.0 };
-                0.5 * (product[(p, q)] + product[(q, p)]) / (a * b) - carried
-            })?)
-        } else {
-            None
-        };
-        let moves = Mat::from_fn(rows.len(), moves.len(), |i, k| moves[k][i]);
-        let flexibility = OnceLock::new();
-        Ok(Self { trailing, rows, regularization, compliance, two_sided, moves, stiffness, flexibility })
+    ) -> Self {
+        let moves = Mat::from_fn(compliance.len(), moves.len(), |i, k| moves[k][i]);
+        Self { regularization, compliance, two_sided, moves, stiffness: None, flexibility: OnceLock::new() }
+    }
+
+    /// On a factor that ends with the block `trailing`, `rows` the contact rows by its columns, `springs` what K̃ has beside it.
+    pub(crate) fn on(
+        mut self,
+        factor: &Factor,
+        trailing: Mat<f64>,
+        rows: &[Vec<(usize, f64)>],
+        springs: Option<&WideSprings>,
+    ) -> Result<Self, FactorError> {
+        if picks_single_dofs(rows) {
+            self.stiffness = Some(Schur::of(factor.len(), trailing, rows, &self.regularization)?);
+            return Ok(self);
+        }
+        let rows = ForwardRows::of(factor, &trailing, rows)?;
+        let mut matrix = rows.products(&rows)?;
+        if let Some(springs) = springs {
+            matrix -= springs.held(&rows)?;
+        }
+        self.flexibility.get_or_init(|| Flexibility { rows, matrix });
+        Ok(self)
     }
 
     pub fn len(&self) -> usize {
@@ -121,49 +136,34 @@ impl Condensed {
         if self.stiffness.is_some() { Form::Stiffness } else { Form::Dual }
     }
 
-    /// Forces on the points, from the last part of a forward-substituted right-hand side: f̂ = L z.
-    ///
-    /// Zero where the rows do not pick single dofs.
-    pub fn condensed_force(&self, forward: &[f64]) -> Vec<f64> {
-        if self.stiffness.is_none() {
-            return vec![0.0; self.len()];
+    pub(super) fn flexibility(&self) -> Result<&Flexibility, OutOfMemory> {
+        if let (None, Some(stiffness)) = (self.flexibility.get(), &self.stiffness) {
+            let rows = stiffness.forward_rows()?;
+            let matrix = rows.products(&rows)?;
+            self.flexibility.get_or_init(|| Flexibility { rows, matrix });
         }
-        let on_dof = |i: usize| (0..=i).map(|j| self.trailing[(i, j)] * forward[j]).sum::<f64>();
-        self.rows.iter().map(|row| on_dof(row[0].0) / row[0].1).collect()
+        Ok(self.flexibility.get().expect("made here or with the factor"))
     }
 
-    /// Forces f̂ − S y that hold the points at displacements y under the forces f̂; where the rows pick single dofs.
-    pub(crate) fn holding_forces(&self, force: &[f64], moved: &[f64]) -> Vec<f64> {
-        let Some(stiffness) = &self.stiffness else { return force.to_vec() };
-        let of_motion = |i: usize| (0..self.len()).map(|j| stiffness[(i, j)] * moved[j]).sum::<f64>();
-        force.iter().enumerate().map(|(i, f)| f - of_motion(i)).collect()
+    /// What an imbalance does at the points, after forward substitution; past `remaining` gaps.
+    pub(crate) fn interface(
+        &self,
+        form: Form,
+        forward: &[f64],
+        remaining: &[f64],
+    ) -> Result<InterfaceResidual, OutOfMemory> {
+        let force = self.stiffness.as_ref().map_or(Vec::new(), |stiffness| stiffness.condensed_force(forward));
+        let displacement = match form {
+            Form::Stiffness if self.stiffness.is_some() => Vec::new(),
+            _ => self.flexibility()?.rows.dot(forward),
+        };
+        Ok(InterfaceResidual { displacement, force, remaining: remaining.to_vec() })
     }
 
-    /// The last part of a forward-substituted vector whose back substitution moves the points by `moved`: z = Lᵀu.
-    pub fn prescribing(&self, moved: &[f64]) -> Vec<f64> {
-        let mut on_dofs = vec![0.0; self.trailing.nrows()];
-        for (row, y) in self.rows.iter().zip(moved) {
-            on_dofs[row[0].0] = y / row[0].1;
-        }
-        let size = on_dofs.len();
-        (0..size).map(|i| (i..size).map(|j| self.trailing[(j, i)] * on_dofs[j]).sum()).collect()
-    }
-
-    /// Gu of what back substitution makes of a forward-substituted vector, given its last part: contact rows live there.
-    pub(crate) fn moved(&self, forward: &[f64]) -> Vec<f64> {
-        let mut on_dofs = Mat::from_fn(forward.len(), 1, |i, _| forward[i]);
-        solve_upper_triangular_in_place(self.trailing.transpose(), on_dofs.as_mut(), Par::Seq);
-        self.rows.iter().map(|row| row.iter().map(|&(dof, c)| c * on_dofs[(dof, 0)]).sum()).collect()
-    }
-
-    /// The last part of a vector Gᵀ·force after forward substitution; the rest of it is zero.
-    pub(crate) fn forwarded(&self, force: &[f64]) -> Vec<f64> {
-        let mut on_dofs = Mat::<f64>::zeros(self.trailing.nrows(), 1);
-        for (row, force) in self.rows.iter().zip(force) {
-            row.iter().for_each(|&(dof, c)| on_dofs[(dof, 0)] += c * force);
-        }
-        solve_lower_triangular_in_place(self.trailing.as_ref(), on_dofs.as_mut(), Par::Seq);
-        (0..on_dofs.nrows()).map(|i| on_dofs[(i, 0)]).collect()
+    /// Adds forces on the points to a forward-substituted vector.
+    pub(crate) fn push(&self, force: &[f64], forward: &mut [f64]) -> Result<(), OutOfMemory> {
+        self.flexibility()?.rows.add(force, forward);
+        Ok(())
     }
 
     /// The LCP past `reaction`s already acting, with the free motions imposed.
@@ -188,7 +188,7 @@ impl Condensed {
         reaction: &[f64],
     ) -> Result<PosedLcp, OutOfMemory> {
         match (form, &self.stiffness) {
-            (Form::Stiffness, Some(stiffness)) => self.stiffness_lcp(stiffness, interface, reaction),
+            (Form::Stiffness, Some(stiffness)) => self.stiffness_lcp(&stiffness.matrix, interface, reaction),
             (Form::Stiffness, None) => self.flexibility_lcp(interface, reaction, true),
             (Form::Dual, _) => self.flexibility_lcp(interface, reaction, false),
         }
@@ -211,7 +211,7 @@ impl Condensed {
     /// Factors the equations of one contact state; `None` if they are singular.
     pub fn state(&self, closed: Vec<bool>) -> Result<Option<ContactState>, OutOfMemory> {
         match &self.stiffness {
-            Some(stiffness) => self.stiffness_state(stiffness, closed),
+            Some(stiffness) => self.stiffness_state(&stiffness.matrix, closed),
             None => self.flexibility_state(closed),
         }
     }
@@ -219,14 +219,14 @@ impl Condensed {
     /// Increments of the reactions of closed points, and displacements of all, in one contact state.
     pub fn solve_state(&self, state: &ContactState, interface: &InterfaceResidual) -> Result<Response, OutOfMemory> {
         match &self.stiffness {
-            Some(stiffness) => Ok(self.solve_stiffness_state(stiffness, state, interface)),
+            Some(stiffness) => Ok(self.solve_stiffness_state(&stiffness.matrix, state, interface)),
             None => self.solve_flexibility_state(state, interface),
         }
     }
 }
 
 /// Whether every row has one entry and no two rows share a dof.
-fn picks_single_dofs(rows: &[Vec<(usize, f64)>], dofs: usize) -> bool {
-    let mut taken = vec![false; dofs];
-    rows.iter().all(|row| row.len() == 1 && !std::mem::replace(&mut taken[row[0].0], true))
+pub(crate) fn picks_single_dofs(rows: &[Vec<(usize, f64)>]) -> bool {
+    let mut taken = HashSet::new();
+    rows.iter().all(|row| row.len() == 1 && taken.insert(row[0].0))
 }

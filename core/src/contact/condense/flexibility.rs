@@ -3,26 +3,9 @@
 use super::condensed::{Condensed, ContactState, InterfaceResidual, PosedLcp, Response, StateFactor};
 use crate::contact::tolerances;
 use crate::dense::{self, Lu, OutOfMemory, row_major};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{MatMut, MatRef, Par};
+use faer::{MatMut, MatRef};
 
 impl Condensed {
-    /// P̃ = G (L Lᵀ)⁻¹ Gᵀ.
-    fn flexibility(&self) -> Result<MatRef<'_, f64>, OutOfMemory> {
-        if let Some(known) = self.flexibility.get() {
-            return Ok(known.as_ref());
-        }
-        let mut half = dense::matrix(self.trailing.nrows(), self.rows.len(), |_, _| 0.0)?;
-        for (j, row) in self.rows.iter().enumerate() {
-            for &(dof, c) in row {
-                half[(dof, j)] += c;
-            }
-        }
-        solve_lower_triangular_in_place(self.trailing.as_ref(), half.as_mut(), Par::rayon(0));
-        let flexibility = dense::product(half.transpose(), half.as_ref())?;
-        Ok(self.flexibility.get_or_init(|| flexibility).as_ref())
-    }
-
     /// Whether the factor carries the whole stiffness of a compliant point.
     pub(crate) fn absorbed(&self, i: usize) -> bool {
         self.compliance[i] > 0.0
@@ -63,7 +46,7 @@ impl Condensed {
         reaction: &[f64],
         closed_first: bool,
     ) -> Result<PosedLcp, OutOfMemory> {
-        let p = self.flexibility()?;
+        let p = self.flexibility()?.matrix.as_ref();
         let closing = self.closing(p, interface, reaction);
         let exchanged = |i: usize| closed_first || self.two_sided[i] || self.regularization[i] > 0.0;
         let (mut inside, outside): (Vec<usize>, Vec<usize>) = (0..self.len()).partition(|&i| exchanged(i));
@@ -126,7 +109,7 @@ impl Condensed {
 
     /// Points whose unknown enters the equations of others.
     pub(super) fn flexibility_state(&self, closed: Vec<bool>) -> Result<Option<ContactState>, OutOfMemory> {
-        let p = self.flexibility()?;
+        let p = self.flexibility()?.matrix.as_ref();
         let enters = |i: usize| if closed[i] { !self.absorbed(i) } else { self.regularization[i] > 0.0 };
         let unknown: Vec<usize> = (0..self.len()).filter(|&i| enters(i)).collect();
         if unknown.is_empty() {
@@ -143,7 +126,7 @@ impl Condensed {
         state: &ContactState,
         interface: &InterfaceResidual,
     ) -> Result<Response, OutOfMemory> {
-        let p = self.flexibility()?;
+        let p = self.flexibility()?.matrix.as_ref();
         let closing = self.closing(p, interface, &vec![0.0; self.len()]);
         let mut reaction = vec![0.0; self.len()];
         let mut gap = vec![0.0; self.len()];

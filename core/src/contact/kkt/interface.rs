@@ -49,14 +49,9 @@ impl ContactProblem {
         form: Form,
     ) -> Result<Reduced, FactorError> {
         let mut forward = self.gather(imbalance);
-        with.factor.forward(&mut forward)?;
-        let trailing = &forward[forward.len() - self.numbering.trailing..];
-        let force = with.condensed.condensed_force(trailing);
-        let needs_flexibility = form == Form::Dual || with.condensed.better_form() == Form::Dual;
-        let displacement =
-            if needs_flexibility && !with.condensed.is_empty() { with.condensed.moved(trailing) } else { Vec::new() };
-        let remaining = remaining.to_vec();
-        Ok(Reduced { forward, interface: InterfaceResidual { displacement, force, remaining } })
+        with.forward(&mut forward)?;
+        let interface = with.condensed.interface(form, &forward, remaining)?;
+        Ok(Reduced { forward, interface })
     }
 
     /// Motion of the plate and increments of the reactions in one contact state.
@@ -67,21 +62,20 @@ impl ContactProblem {
         reduced: Reduced,
     ) -> Result<Correction, FactorError> {
         let Reduced { mut forward, interface } = reduced;
-        let leading = forward.len() - self.numbering.trailing;
         let mut reaction = Vec::new();
         if !with.condensed.is_empty() {
             let response = with.condensed.solve_state(state, &interface)?;
-            if with.condensed.better_form() == Form::Stiffness {
-                forward[leading..].copy_from_slice(&with.condensed.prescribing(&response.moved));
-            } else {
-                let carried = with.condensed.regularization.iter().zip(&response.moved).map(|(d, y)| d * y);
-                let push: Vec<f64> = carried.zip(&response.reaction).map(|(c, r)| c - r).collect();
-                let ahead = with.condensed.forwarded(&push);
-                forward[leading..].iter_mut().zip(&ahead).for_each(|(total, push)| *total += push);
+            match &with.condensed.stiffness {
+                Some(stiffness) => stiffness.prescribe(&response.moved, &mut forward),
+                None => {
+                    let carried = with.condensed.regularization.iter().zip(&response.moved).map(|(d, y)| d * y);
+                    let push: Vec<f64> = carried.zip(&response.reaction).map(|(c, r)| c - r).collect();
+                    with.push(&push, &mut forward)?;
+                }
             }
             reaction = response.reaction;
         }
-        with.factor.backward(&mut forward)?;
+        with.backward(&mut forward)?;
         Ok(Correction::of(self.scatter(&forward), reaction))
     }
 }

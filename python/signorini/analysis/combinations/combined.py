@@ -121,7 +121,7 @@ def combine(
         run.solve(block, rowed)
         if sink is not None:
             keys = [("combination", [combination.name for combination in rowed])]
-            sink(block.columns(layout, found.mesh.points, keys, _loads(found.model, rowed)))
+            sink(block.columns(layout, keys, _loads(found.model, rowed)))
     worst = {name: float(value) for name, value in zip(FIGURES, run.worst, strict=True)}
     envelope = Envelope.none(layout, found.mesh)
     for of_group in run.envelopes.values():
@@ -196,7 +196,9 @@ class _Run:
         rows, coefficients = rows[certain], np.ascontiguousarray(coefficients[certain])
         block.solved[rows] = True
         block.certificate[rows] = figures[certain]
-        block.probes[rows] = _core.superpose(coefficients, terms.probes)
+        sides = self.problem.discretisation.probe_sides
+        at_sides = _core.superpose(coefficients, terms.probes).reshape(len(rows), len(sides.point), len(FIELDS))
+        block.probes[rows] = sides.larger(at_sides).reshape(len(rows), block.probes.shape[1])
         block.on_areas[rows] = _core.superpose(coefficients, terms.on_areas)
         self._put_supports(block, rows, _core.superpose(coefficients, terms.fixed), reaction[rows], gap, closed)
         for group, own in _by_group(groups, rows):

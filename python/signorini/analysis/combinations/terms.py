@@ -16,6 +16,7 @@ from signorini.analysis.combinations.certificate_bounds import Proof, Sizes, Wat
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Floats, Ints
+from signorini.results.extremes import NUMBERS
 from signorini.results.result import FIELDS
 from signorini.results.support_points import SupportPoints
 
@@ -98,8 +99,9 @@ class _Measured:
         elements, rows, further, stiffness, base = self._springs
         self._still = (elements, rows, further, stiffness, np.zeros_like(base))
         self._supports = [SupportPoints.of(found, index) for index in range(len(found.model.support))]
-        self._values: Floats = found.mesh.shape_functions(found.probes.elements, found.probes.xi)
-        self._fields: list[Floats] = []
+        self._at = found.probe_sides.where
+        self._values: Floats = found.mesh.shape_functions(self._at.elements, self._at.xi)
+        self._fields: list[list[Floats]] = []
         self._nodes = nodes
         self._on_areas: list[Floats] = []
         self._probes: list[Floats] = []
@@ -112,8 +114,7 @@ class _Measured:
         if loads is None:
             nothing = CaseLoad.none(found.mesh.node_count, len(found.mesh.elements))
             loads = [nothing] * len(responses)
-        nodes = found.mesh.node_count
-        stresses = np.zeros((len(responses), nodes, 5))
+        stresses = np.zeros((len(responses), found.stress_nodes.count, 5))
         if len(self._values) or set(self._names) - {"deflection"}:
             curvatures, couples = (
                 np.array([getattr(load, part) for load in loads]) for part in ("curvature", "couples")
@@ -127,20 +128,21 @@ class _Measured:
         springs = self._springs if at_rest else self._still
         displacement = hi + lo
         nodal = displacement.reshape(-1, 3)
-        every = np.column_stack([nodal[:, 0], found.held.to_global(nodal[:, 1:]), stress])
+        nodes = found.stress_nodes
+        every = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(found.held.to_global(nodal[:, 1:])), stress])
         spread = found.contact_rows.T @ reaction
         imbalance = found.plate.residual(springs, load.nodal, hi, lo) - spread
         at_holds = np.where(found.held.dofs, imbalance, 0.0)
         pull = found.spring_forces(hi, lo, springs[4])
         on_plate = at_holds + spread + found.spring_rows.T @ pull
         self._on_areas.append(nodal[self._nodes, 0])
-        kept = [every[:, FIELDS.index(name)] for name in self._names]
+        kept = [every[: nodes.count if name in NUMBERS else len(nodal), FIELDS.index(name)] for name in self._names]
         if self._names:
             points, off = found.off_areas
             at_nodes = at_holds + found.contact_rows.T @ (points[: len(reaction)] * reaction)
             kept.append((at_nodes + found.spring_rows.T @ (off * pull))[::3])
-        self._fields.append(np.array(kept).reshape(len(kept), found.mesh.node_count))
-        at_probes = np.einsum("qi,qif->qf", self._values, every[found.mesh.elements[found.probes.elements]])
+        self._fields.append(kept)
+        at_probes = np.einsum("qi,qif->qf", self._values, every[nodes.elements[self._at.elements]])
         self._probes.append(at_probes.ravel())
         forces = [np.concatenate([at_holds[::3][points.nodes], pull[points.springs]]) for points in self._supports]
         self._fixed.append(np.concatenate([np.zeros(0), *forces]))

@@ -8,7 +8,7 @@ import numpy as np
 
 from signorini.discretise.rows import Bools, Floats
 
-FASTEST, FASTEST_OF_POINTS = 0.9, 0.3
+FASTEST, FASTEST_OF_POINTS = 0.9, 0.5
 """Order of convergence that changes are trusted to show at most: what looks faster on three meshes may be chance. What
 acts at a point lets a Mindlin plate give way by the logarithm of the mesh's size there, which is slower than any power.
 """
@@ -16,8 +16,10 @@ acts at a point lets a Mindlin plate give way by the logarithm of the mesh's siz
 _SLOWEST = 0.2
 """Order that is assumed at least where changes do not shrink: what is left is then seven times the last change."""
 
-_OF_BEFORE = 0.25
-"""Part of the change before it that the last one counts as at least, for the same reason."""
+_OF_BEFORE, _OF_BEFORE_WHERE_COARSE = 0.25, 0.5
+"""Part of the change before it that the last one counts as at least: two meshes may agree by chance, on coarse ones
+where a finer one had to be asked all the more.
+"""
 
 _GROWS = 0.85
 """Last change over the one before, on meshes of half the size, from which on a number that grows is said to have no
@@ -83,7 +85,8 @@ def half_widths(
             shown = np.log(np.abs(before) / change) / np.log(sizes[2] / sizes[1])
         told = ~np.isnan(before)
         order = np.where(told & (change > 0), np.clip(np.nan_to_num(shown, nan=fastest), _SLOWEST, fastest), order)
-        last = np.where(told, np.fmax(last, _OF_BEFORE * np.abs(before)), last)
+        part = _OF_BEFORE if own == 0 else _OF_BEFORE_WHERE_COARSE
+        last = np.where(told, np.fmax(last, part * np.abs(before)), last)
         size = np.abs(values)
         growing = (size[0] > size[1]) & (size[1] > size[2]) & (shown <= np.log(1 / _GROWS) / np.log(2))
         growing &= ~limited & (change > _COUNTS * largest) & (values[0] * values[2] > 0)

@@ -30,12 +30,12 @@ def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
 def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> dict[Path, float | None]:
     """Half-widths of the places of extremes: how far nodes reach that may hold the extreme, within its half-width."""
     found: dict[Path, float | None] = {}
-    spacing, points = 0.5 * side(result.mesh), result.mesh.points
+    spacing, points = 0.5 * side(result.mesh), result.stress_nodes.points
     for field, ends in result.extremes.items():
         path: Path = ("fields", field) if field in NUMBERS else (field,)
         for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at)):
             width = numbers[(*path, name)]
-            near = points[np.abs(result.fields[field] - value) <= 2.0 * (width or 0.0)]
+            near = points[np.flatnonzero(np.abs(result.fields[field] - value) <= 2.0 * (width or 0.0))]
             far = np.abs(near - at).max(axis=0, initial=0.0) + spacing
             for axis in (0, 1):
                 found[(*path, f"{name}_at", axis)] = None if width is None else rounded(far[axis])

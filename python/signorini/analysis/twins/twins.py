@@ -110,7 +110,7 @@ def compare(result: Result, others: list[Result]) -> Estimate:
     meshes = Meshes.of(result.mesh, [one.mesh for one in others])
     every = [next(one for one in (result, *others) if one.mesh is mesh) for mesh in meshes.every]
     trees = [figures(one) for one in every]
-    largest = largest_of(result)
+    largest = largest_of(result, max((support.gaps.max(initial=0.0) for support in result.supports), default=0.0))
     numbers, growing = compared(
         trees, meshes, result.model, result.singular, lambda path, value: largest[kind_of(path)]
     )

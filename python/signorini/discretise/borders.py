@@ -1,0 +1,118 @@
+"""Borders of zones as a mesh follows them: their arcs, and the sizes of elements that leave room for them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from signorini.discretise.rows import Bools, Floats
+from signorini.shapes import Region
+from signorini.shapes.contours import Contour, circle
+
+_AROUND = 12
+"""Elements around a circle at least."""
+_LEAST = 0.125
+"""Part of the element size below which room is not made: so near things are seldom meant to be apart."""
+_TOUCHING = 1e-9
+
+
+def arcs_of(border: Region) -> Iterator[tuple[float, ...]]:
+    """Yield the quarters of circles, each by three points.
+
+    Examples
+    --------
+    >>> from signorini.shapes import Circle
+    >>> [round(x, 3) for x in next(arcs_of(Circle((0.0, 0.0), 1.0)))]
+    [1.0, 0.0, 0.707, 0.707, 0.0, 1.0]
+    """
+    for x, y, radius in border.outline.circles.tolist():
+        drawn = circle((x, y), radius, "")
+        ends = (*drawn.corners[1:], drawn.corners[0])
+        for begin, through, end in zip(drawn.corners, drawn.through, ends, strict=True):
+            assert through is not None  # a circle is of arcs
+            yield (*begin, *through, *end)
+
+
+def room(borders: Sequence[Region], contours: Sequence[Contour], size: float) -> Floats:
+    """Give straight pieces along borders with sizes (k, 5) that let a mesh of elements of a size follow them.
+
+    They are short sides and small circles, and where a side is near to another one, or to one of the plate's contours,
+    that it does not meet.
+
+    Examples
+    --------
+    >>> from signorini.shapes import Rectangle
+    >>> from signorini.shapes.contours import straight
+    >>> plate = straight(((0, 0), (8, 0), (8, 6), (0, 6)), "abcd")
+    >>> found = room([Rectangle(0.2, 2.0, 3.0, 4.0)], [plate], 0.5)
+    >>> len(found), float(found[:, 4].min().round(3))
+    (10, 0.2)
+    """
+    sides = [side for border in borders for side in _sides_of(border)]
+    others = [*sides, *(side for contour in contours for side in _chords(contour))]
+    extent = np.ptp(np.concatenate([np.zeros((0, 2)), *(side.reshape(-1, 2) for side in others)]), axis=0).max()
+    found = [np.zeros((0, 5))]
+    for side in sides:
+        length = float(np.hypot(*(side[:, 1] - side[:, 0]).T).sum())
+        closed = bool((side[0, 0] == side[-1, 1]).all())
+        own = length / _AROUND if closed else length
+        pieces = _divided(side, 0.5 * size)
+        apart = np.full(len(pieces), min(own, size))
+        for other in others:
+            if other is not side and not _meet(side, other, _TOUCHING * extent):
+                apart = np.minimum(apart, _distance(pieces.mean(axis=1), other))
+        near = apart < size
+        sizes = np.maximum(apart[near], min(_LEAST * size, own))
+        found.append(np.column_stack([pieces[near].reshape(-1, 4), sizes]))
+    return np.concatenate(found)
+
+
+def _sides_of(border: Region) -> Iterator[Floats]:
+    """Yield straight sides, and circles by their chords, (k, 2, 2)."""
+    yield from border.outline.segments[:, None]
+    for x, y, radius in border.outline.circles.tolist():
+        yield _joined(circle((x, y), radius, "").points()[::5])
+
+
+def _chords(contour: Contour) -> Iterator[Floats]:
+    ends = _joined(contour.points())
+    yield from ends[:, None]
+
+
+def _joined(points: Floats) -> Floats:
+    return np.stack([points, np.roll(points, -1, axis=0)], axis=1)
+
+
+def _divided(side: Floats, longest: float) -> Floats:
+    """Pieces (q, 2, 2) of chords that are no longer."""
+    parts = []
+    for a, b in side:
+        count = max(1, int(np.ceil(np.hypot(*(b - a)) / longest)))
+        stations = a + np.linspace(0.0, 1.0, count + 1)[:, None] * (b - a)
+        parts.append(np.stack([stations[:-1], stations[1:]], axis=1))
+    return np.concatenate(parts)
+
+
+def _distance(points: Floats, chords: Floats) -> Floats:
+    """Distance (q,) of points from the nearest chord (k, 2, 2)."""
+    begin, along = chords[:, 0], chords[:, 1] - chords[:, 0]
+    offset = points[:, None] - begin
+    share = np.clip((offset * along).sum(axis=2) / (along**2).sum(axis=1), 0.0, 1.0)
+    return np.asarray(np.hypot(*np.moveaxis(offset - share[..., None] * along, -1, 0)).min(axis=1))
+
+
+def _meet(one: Floats, other: Floats, touching: float) -> bool:
+    """Whether chords cross or touch others."""
+    near = min(_distance(one.reshape(-1, 2), other).min(), _distance(other.reshape(-1, 2), one).min())
+    return bool(near <= touching or _crossed(one, other).any())
+
+
+def _crossed(one: Floats, other: Floats) -> Bools:
+    (a, b), (c, d) = ((part[..., 0, :], part[..., 1, :]) for part in (one[:, None], other[None]))
+
+    def turn(p: Floats, q: Floats, r: Floats) -> Floats:
+        u, v = q - p, r - p
+        return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+
+    return np.asarray((turn(a, b, c) * turn(a, b, d) < 0.0) & (turn(c, d, a) * turn(c, d, b) < 0.0))

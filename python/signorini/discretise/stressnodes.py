@@ -1,0 +1,187 @@
+"""Nodes of moments and shears: where what the plate is made of jumps, one for each side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from signorini.base.remade import Remade
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.zones import Zones
+from signorini.mesh import Location, Mesh
+from signorini.mesh.isoparametric import real_sides
+
+_BESIDE = 1e-3
+"""How far beside a side of an element its thickness is looked up, and at twice that, of the way to its middle."""
+_SAME = 1e-6
+"""Part of the thickness below which it does not jump: of a smooth one that is less than what its curvature makes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sides:
+    """Points in each element that they are on: the points' numbers (k,), in order, and where."""
+
+    point: Ints
+    where: Location
+
+    def larger(self, values: Floats) -> Floats:
+        """Of numbers (..., k, f) of every side the largest in size of each point: (..., q, f).
+
+        Examples
+        --------
+        >>> nowhere = Location(np.zeros(3, np.int64), np.zeros((3, 2)))
+        >>> Sides(np.array([0, 0, 1]), nowhere).larger(np.array([[1.0, 5.0], [-2.0, 3.0], [4.0, 4.0]]))
+        array([[-2.,  5.],
+               [ 4.,  4.]])
+        """
+        first = np.flatnonzero(np.diff(self.point, prepend=-1))
+        if len(first) == len(self.point):
+            return values
+        high, low = (extreme.reduceat(values, first, axis=-2) for extreme in (np.maximum, np.minimum))
+        return np.where(high >= -low, high, low)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StressNodes(Remade):
+    """Nodes of moments and shears: the mesh's (n,), and behind them further ones (d,) on jumps.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    further : (d,) int array
+        The mesh's node that each further one is at: for every node on a jump there is one for each further side.
+    around : (k,) int array
+        Elements that have any of them.
+    rows : (k, 8) int array
+        The nodes of these elements.
+    """
+
+    mesh: Mesh
+    further: Ints
+    around: Ints
+    rows: Ints
+
+    @classmethod
+    def of_mesh(cls, mesh: Mesh) -> Self:
+        """The nodes of a mesh, where nothing jumps."""
+        none = np.zeros(0, np.int64)
+        return cls(mesh, none, none, np.zeros((0, 8), np.int64))
+
+    @cached_property
+    def nodes(self) -> Ints:
+        """The mesh's node (n + d,) that each is at."""
+        return np.concatenate([np.arange(self.mesh.node_count), self.further])
+
+    @cached_property
+    def points(self) -> Floats:
+        """Their positions (n + d, 2)."""
+        return np.asarray(self.mesh.points[self.nodes])
+
+    @cached_property
+    def elements(self) -> Ints:
+        """The elements (ne, 8) by these nodes."""
+        elements = self.mesh.elements
+        if len(self.further):
+            elements = elements.copy()
+            elements[self.around] = self.rows
+        return elements
+
+    @property
+    def count(self) -> int:
+        """Number of nodes, n + d."""
+        return self.mesh.node_count + len(self.further)
+
+    def spread(self, values: Floats) -> Floats:
+        """Give nodal values (n, ...), or those at these nodes (s, ...), at these nodes."""
+        return values if len(values) == self.count else np.asarray(values[self.nodes])
+
+    def sides(self, positions: Floats, where: Location) -> Sides:
+        """Find points (q, 2) of the mesh, whose first elements are known, on every side of a jump."""
+        if not len(self.further):
+            return Sides(np.arange(len(positions)), where)
+        return Sides(*self.mesh.holding(positions))
+
+
+def stress_nodes_of(mesh: Mesh, zones: Zones) -> StressNodes:
+    """Part nodes on jumps: elements around a node that meet in sides without a jump have it in common.
+
+    Examples
+    --------
+    >>> from signorini.errors import Problems
+    >>> from signorini.mesh.meshers import rectangle
+    >>> from signorini.model import Model
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 2], "thickness": 0.2},
+    ...     zone=[{"area": {"rectangle": [2, 0, 4, 2]}, "thickness": 0.4}],
+    ...     load=[{"pressure": 1e3}],
+    ... )
+    >>> mesh = rectangle((0.0, 0.0), (4.0, 2.0), (2, 1))
+    >>> found = stress_nodes_of(mesh, Zones.of(model, mesh, Problems()))
+    >>> mesh.node_count, mesh.points[found.nodes[13:]].tolist()
+    (13, [[2.0, 0.0], [2.0, 1.0], [2.0, 2.0]])
+    """
+    own = StressNodes.of_mesh(mesh)
+    if not zones.model.zone and not any(level.jumps for level in zones.formulas[0].levels):
+        return own
+    sides = np.flatnonzero(real_sides(mesh.elements).ravel())
+    triples = mesh.sides.reshape(-1, 3)
+    order = sides[np.argsort(triples[sides, 1], kind="stable")]
+    second = np.flatnonzero(triples[order[1:], 1] == triples[order[:-1], 1])
+    pairs = np.column_stack([order[second], order[second + 1]])
+    jumps = _jumps(mesh, zones, pairs)
+    if not jumps.any():
+        return own
+    return _parted(mesh, pairs[~jumps], np.unique(triples[pairs[jumps, 0]]))
+
+
+def _jumps(mesh: Mesh, zones: Zones, pairs: Ints) -> Bools:
+    """Whether what the plate is made of jumps between elements, at sides (k, 2) that are in two of them."""
+    begin, end = mesh.corners_of_sides(pairs.ravel() // 4, pairs.ravel() % 4)
+    elements, middle = pairs.ravel() // 4, 0.5 * (begin + end)
+    near, far = (
+        _made(mesh, zones, elements, mesh.inward(elements, middle, 1.0 - part)) for part in (_BESIDE, 2.0 * _BESIDE)
+    )
+    # At the side itself, but for what curvature makes: of a taper nothing.
+    thickness = (2.0 * near[0] - far[0]).reshape(-1, 2)
+    differs = np.abs(np.diff(thickness, axis=1)[:, 0]) > _SAME * thickness.max(axis=1)
+    return np.asarray(differs | (np.diff(near[1].reshape(-1, 2), axis=1)[:, 0] != 0))
+
+
+def _made(mesh: Mesh, zones: Zones, elements: Ints, xi: Floats) -> tuple[Floats, Ints]:
+    points = mesh.map(elements, xi)
+    made = zones.at(elements, points)
+    return zones.thickness(made.thickness, points), made.rigidity
+
+
+def _parted(mesh: Mesh, joined: Ints, nodes: Ints) -> StressNodes:
+    """Part nodes (j,) between elements that no sides (k, 2) without a jump join there."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    count = mesh.node_count
+    on_jump = np.zeros(count, np.bool_)
+    on_jump[nodes] = True
+    # Of every element the nodes on jumps, once: a triangle repeats one.
+    element, local = np.nonzero(on_jump[mesh.elements])
+    keys, place = np.unique(mesh.elements[element, local] + count * element, return_inverse=True)
+    triples = mesh.sides.reshape(-1, 3)[joined[:, 0]]
+    side, which = np.nonzero(on_jump[triples])
+    one, other = (np.searchsorted(keys, triples[side, which] + count * (joined[side, i] // 4)) for i in range(2))
+    graph = coo_array((np.ones(len(one)), (one, other)), shape=(len(keys), len(keys)))
+    _, group = connected_components(graph, directed=False)
+    # Of a node's groups that of the first element keeps the node's number.
+    node = keys % count
+    first = np.full(group.max() + 1, len(keys))
+    np.minimum.at(first, group, np.arange(len(keys)))
+    by_node = np.lexsort((first, node[first]))
+    further = np.append(False, np.diff(node[first][by_node]) == 0)
+    number = np.empty(len(first), np.int64)
+    number[by_node] = np.where(further, count - 1 + np.cumsum(further), node[first][by_node])
+    around, row = np.unique(element, return_inverse=True)
+    rows = mesh.elements[around]
+    rows[row, local] = number[group[place]]
+    return StressNodes(mesh, node[first][by_node][further], around, rows)

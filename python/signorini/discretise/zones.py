@@ -1,0 +1,148 @@
+"""What the plate is made of where: its own thickness and stiffness, or those of zones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import product
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from signorini.discretise.places import in_area
+from signorini.discretise.quadrature.stepped import sides_of
+from signorini.discretise.rigidity import Rigidity
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.errors import Place, Problems
+from signorini.expression import Expression
+from signorini.mesh import Mesh
+from signorini.mesh.isoparametric import CENTROID
+from signorini.model import Model
+
+_SLIVER = 0.01
+"""Part of an element, or of a zone that is smaller, by which a border may miss the sides that follow it: of a circle
+around which elements take up to 45° a parabola misses as much."""
+
+
+class Made(NamedTuple):
+    """Whose thickness and material a place has, 0 the plate's and i that of zone i, and which of the rigidities."""
+
+    thickness: Ints
+    material: Ints
+    rigidity: Ints
+
+
+@dataclass(frozen=True, eq=False)
+class Zones:
+    """The zones of a model on a mesh.
+
+    Parameters
+    ----------
+    model : Model
+    inside, parted : (z, ne) bool arrays
+        Elements in each zone, of those that its border parts by their middles; and those that it parts.
+    rigidities : tuple of Rigidity
+        The plate's, and what others there may be.
+    young : (r,) array
+        The largest Young's modulus of each.
+    number : (z + 1, z + 1) int array
+        Which rigidities a zone's material, or the plate's, has with another one's modifiers.
+    """
+
+    model: Model
+    inside: Bools
+    parted: Bools
+    rigidities: tuple[Rigidity, ...]
+    young: Floats
+    number: Ints
+
+    @classmethod
+    def of(cls, model: Model, mesh: Mesh, problems: Problems) -> Self:
+        """Find the elements of every zone; what leaves the plate is among the problems."""
+        count = len(mesh.elements)
+        inside, parted = np.zeros((2, len(model.zone), count), np.bool_)
+        every = np.arange(count)
+        for index, zone in enumerate(model.zone):
+            with problems.collected():
+                found = in_area(mesh, model.plate, zone.area, ("zone", index), 3)
+                part = np.bincount(found.elements, found.weights, count)
+                least = _SLIVER * np.minimum(mesh.element_area, zone.region.area)
+                parted[index] = (part > least) & (part < mesh.element_area - least)
+                middles = mesh.map(every, mesh.triangles[:, None] * CENTROID)
+                inside[index] = np.where(parted[index], zone.region.contains(middles), part > least)
+        return cls(model, inside, parted, *_rigidities(model))
+
+    @property
+    def formulas(self) -> tuple[Expression, ...]:
+        """Thickness of the plate, and of every zone, that of the plate where it has none."""
+        plate = self.model.plate.thickness
+        return (plate, *(plate if zone.thickness is None else zone.thickness for zone in self.model.zone))
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Where the formulas stand in the input."""
+        return (("plate", "thickness"), *(("zone", index, "thickness") for index in range(len(self.model.zone))))
+
+    @property
+    def borders(self) -> list[Callable[[Floats], Floats]]:
+        """Levels (`signorini.discretise.quadrature.stepped`) along the borders of zones that part elements."""
+        zones = zip(self.model.zone, self.parted, strict=True)
+        return [side for zone, parted in zones if parted.any() for side in sides_of(zone.region)]
+
+    @property
+    def unit_weights(self) -> Floats:
+        """Weight per volume of the plate's material and those of zones, NaN where there is none."""
+        materials = [self.model.material, *(zone.material or self.model.material for zone in self.model.zone)]
+        return np.array([np.nan if one.unit_weight is None else one.unit_weight for one in materials])
+
+    @property
+    def of_elements(self) -> Made:
+        """What elements (ne,) are made of, those that a border parts by their middles."""
+        return self._made(self.inside)
+
+    def at(self, elements: Ints, points: Floats) -> Made:
+        """Say what points (q, 2) in elements (q,) are made of."""
+        inside = self.inside[:, elements]
+        for index, zone in enumerate(self.model.zone):
+            beside = self.parted[index, elements]
+            inside[index, beside] = zone.region.contains(points[beside])
+        return self._made(inside)
+
+    def thickness(self, who: Ints, points: Floats) -> Floats:
+        """Evaluate the thickness (q,) at points (q, 2), by the formulas with numbers (q,)."""
+        found = np.empty(len(points))
+        for number in np.unique(who):
+            mine = who == number
+            found[mine] = self.formulas[number](*points[mine].T, above=0.0, place=self.places[number])
+        return found
+
+    def _made(self, inside: Bools) -> Made:
+        material = self._last("material", inside)
+        return Made(self._last("thickness", inside), material, self.number[material, self._last("modifiers", inside)])
+
+    def _last(self, key: str, inside: Bools) -> Ints:
+        """The last zone that has a key, of places inside (z, q) of zones; 0 the plate."""
+        found = np.zeros(inside.shape[1], np.int64)
+        for index, zone in enumerate(self.model.zone):
+            if getattr(zone, key) is not None:
+                found[inside[index]] = index + 1
+        return found
+
+
+def _rigidities(model: Model) -> tuple[tuple[Rigidity, ...], Floats, Ints]:
+    """Rigidities with Young's moduli, those alike once, and which a material has with modifiers."""
+    zones = list(enumerate(model.zone, 1))
+    materials = {0: model.material} | {i: zone.material for i, zone in zones if zone.material is not None}
+    modifiers = {0: model.plate.modifiers} | {i: zone.modifiers for i, zone in zones if zone.modifiers is not None}
+    known: dict[bytes, int] = {}
+    made: list[tuple[Rigidity, float]] = []
+    number = np.zeros((len(zones) + 1, len(zones) + 1), np.int64)
+    for (i, material), (j, factors) in product(materials.items(), modifiers.items()):
+        rigidity = Rigidity.made_of(material, model.plate.shear_factor, factors)
+        key = np.append(rigidity.for_core, material.young).tobytes()
+        if key not in known:
+            known[key] = len(made)
+            made.append((rigidity, material.young))
+        number[i, j] = known[key]
+    rigidities, young = zip(*made, strict=True)
+    return rigidities, np.array(young), number

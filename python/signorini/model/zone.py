@@ -1,0 +1,41 @@
+"""Parts of the plate that are made otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pydantic import ConfigDict, Field
+
+from signorini.model.area import AnyArea, Area
+from signorini.model.base import Complaint, PositiveScalar, Table
+from signorini.model.plate import Material, Modifiers
+from signorini.shapes import Region
+
+KEYS = ("thickness", "material", "modifiers")
+
+
+class Zone(Table):
+    """A part of the plate with a thickness, material or modifiers of its own; where zones overlap, later ones win."""
+
+    model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": [key]} for key in KEYS]})
+
+    area: AnyArea = Field(description="A table with one of rectangle, circle, polygon.")
+    thickness: PositiveScalar | None = Field(
+        default=None, description="Thickness there: a number, or an expression in x and y; default that of the plate."
+    )
+    material: Material | None = Field(default=None, description="The material there; default that of the plate.")
+    modifiers: Modifiers | None = Field(
+        default=None, description="Factors of the stiffness there, in place of those of the plate."
+    )
+
+    @property
+    def region(self) -> Region:
+        """The region of the plane."""
+        assert isinstance(self.area, Area)  # "all" is refused
+        return self.area.region
+
+    def _complaints(self) -> Iterator[Complaint]:
+        if self.area == "all":
+            yield ("area",), 'found "all"; what the whole plate is made of stands in [plate] and [material].'
+        if not self.given(KEYS):
+            yield (), f"it changes nothing; give {', '.join(KEYS[:-1])} or {KEYS[-1]}."

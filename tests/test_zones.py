@@ -1,0 +1,184 @@
+"""Zones: parts of the plate with a thickness, material or modifiers of their own."""
+
+import pickle
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from signorini import InputError, Model, solve
+from signorini.analysis.check import check
+from signorini.discretise import discretise
+
+CONCRETE = {"E": 30e9, "nu": 0.2, "unit_weight": 25e3}
+MIDDLE = {"rectangle": [3, 2, 5, 4]}
+THICK = {"area": MIDDLE, "thickness": 0.4}
+
+
+def slab(*zones, plate=None, **given):
+    tables = {
+        "material": CONCRETE,
+        "plate": {"shape": "rectangle", "size": [8, 6], "thickness": 0.2} | (plate or {}),
+        "mesh": {"divisions": [16, 12]},
+        "zone": zones,
+        "support": [{"edge": ["left", "right"], "fix": "simple"}],
+        "load": [{"pressure": 5e3}],
+    }
+    return Model(**tables | given)
+
+
+def solved(*zones, **given):
+    return solve(slab(*zones, **given))["all"]
+
+
+def test_a_zone_like_the_plate_changes_no_bit():
+    plain = solved()
+    for zone in ({"thickness": 0.2}, {"material": CONCRETE}, {"modifiers": {}}):
+        alike = solved({"area": MIDDLE, **zone})
+        assert (alike.deflection == plain.deflection).all() and (alike.moment == plain.moment).all()
+
+
+@pytest.mark.parametrize(
+    ("own", "plate", "material"),
+    [
+        (
+            {"modifiers": {"bending": 0.5, "twist": 0.1, "shear": 0.7}},
+            {"modifiers": {"bending": 0.5, "twist": 0.1, "shear": 0.7}},
+            CONCRETE,
+        ),
+        (
+            {"material": {"Ex": 30e9, "Ey": 10e9, "nu_xy": 0.2, "Gxy": 5e9, "angle": 30}},
+            {},
+            {"Ex": 30e9, "Ey": 10e9, "nu_xy": 0.2, "Gxy": 5e9, "angle": 30},
+        ),
+        ({"thickness": "0.2 + 0.01*x"}, {"thickness": "0.2 + 0.01*x"}, CONCRETE),
+    ],
+)
+def test_a_zone_over_the_whole_plate_is_the_plate(own, plate, material):
+    zoned = solved({"area": {"rectangle": [0, 0, 8, 6]}, **own})
+    whole = solved(plate=plate, material=material)
+    assert zoned.deflection == approx(whole.deflection, rel=1e-12)
+    assert zoned.moment == approx(whole.moment, rel=1e-9, abs=1e-9 * np.abs(whole.moment).max())
+
+
+def test_a_zone_of_thickness_is_a_step_of_the_formula():
+    formula = "where((x > 3) and (x < 5) and (y > 2) and (y < 4), 0.4, 0.2)"
+    zoned, stepped = solved(THICK), solved(plate={"thickness": formula})
+    assert zoned.deflection == approx(stepped.deflection, rel=1e-12)
+    assert zoned.moment == approx(stepped.moment, abs=1e-10 * np.abs(stepped.moment).max())
+
+
+def test_borders_are_lines_of_the_mesh():
+    zone = {"area": {"rectangle": [3.1, 1.7, 5.3, 4.2]}, "thickness": 0.4}
+    freely = {"plate": {"holes": [{"rectangle": [0.4, 0.6, 1.2, 1.4]}]}, "mesh": {"size": 0.5}}
+    for given in ({}, freely):
+        found = discretise(slab(zone, **given))
+        assert not found.zones.parted.any()
+        inside = found.zones.inside[0]
+        assert found.mesh.element_area[inside].sum() == approx(2.2 * 2.5, rel=1e-12)
+
+
+def test_zones_have_their_weight_cut_elements_too():
+    heavy = CONCRETE | {"unit_weight": 60e3}
+    for area, size in (({"circle": {"center": [4, 3], "radius": 1.3}}, np.pi * 1.69), (MIDDLE, 4.0)):
+        result = solved({"area": area, "thickness": 0.3, "material": heavy}, load=[{"self_weight": True}])
+        total = 48 * 0.2 * 25e3 + size * (0.3 * 60e3 - 0.2 * 25e3)
+        assert sum(result.reactions.values()) == approx(total, rel=1e-5)
+
+
+def test_where_zones_overlap_later_ones_win_key_by_key():
+    wide, narrow = {"rectangle": [2, 1, 6, 5]}, MIDDLE
+    zones = [
+        {"area": wide, "thickness": 0.3},
+        {"area": narrow, "modifiers": {"bending": 0.5}},
+        {"area": narrow, "thickness": 0.4},
+    ]
+    found = discretise(slab(*zones))
+    element = found.mesh.locate(np.array([[4.1, 3.1], [2.1, 1.1], [0.1, 0.1]])).elements
+    made = found.zones.of_elements
+    assert made.thickness[element].tolist() == [3, 1, 0]
+    assert made.rigidity[element].tolist() == [1, 0, 0]
+
+
+def test_overlaps_that_are_seldom_meant_are_told():
+    other = {"area": {"rectangle": [4, 3, 6, 5]}, "thickness": 0.3}
+    (partly,) = check(slab(THICK, other)).warnings
+    assert partly.startswith("Zones 1 and 2 overlap, such as at [4.25, 3.25]: there the thickness of zone 2 counts")
+    (hidden,) = check(slab(THICK, {"area": {"rectangle": [2, 1, 6, 5]}, "thickness": 0.3})).warnings
+    assert "zone 1 counts nowhere: zone 2, which comes later, covers it" in hidden
+    assert not check(slab({"area": {"rectangle": [2, 1, 6, 5]}, "thickness": 0.3}, THICK)).warnings
+
+
+@pytest.mark.parametrize(
+    ("zone", "message"),
+    [
+        ({"area": MIDDLE}, r"zone\[1\]: it changes nothing; give thickness, material or modifiers"),
+        ({"area": "all", "thickness": 0.3}, r'zone\[1\].area: found "all"'),
+        ({"area": {"rectangle": [7, 2, 9, 4]}, "thickness": 0.3}, r"zone\[1\].area: The area has 50 % of its size off"),
+        ({"area": {"rectangle": [9, 2, 10, 4]}, "thickness": 0.3}, r"zone\[1\].area: The area is not on the plate"),
+        ({"area": MIDDLE, "thickness": "x - 4"}, r"zone\[1\].thickness: .* must be greater than 0"),
+        ({"area": MIDDLE, "thickness": 1e-9}, r"zone\[1\].thickness: Found the thickness 1e-09"),
+        ({"area": MIDDLE, "material": {"E": 1e9, "nu": 0.2}}, r"zone\[1\].material: there is a load of self_weight"),
+    ],
+)
+def test_what_is_wrong_with_a_zone_is_told_with_its_place(zone, message):
+    with pytest.raises(InputError, match=message):
+        discretise(slab(zone, load=[{"self_weight": True}]))
+
+
+def test_a_zone_may_lie_over_a_hole():
+    polygon = {"shape": "rectangle", "size": [8, 6], "holes": [{"rectangle": [4, 3, 6, 5]}]}
+    result = solved(THICK, plate=polygon, mesh={"size": 0.5}, load=[{"self_weight": True}])
+    total = (48 - 4) * 0.2 * 25e3 + (4 - 1) * 0.2 * 25e3
+    assert sum(result.reactions.values()) == approx(total, rel=1e-9)
+    assert result.certificate.passed
+
+
+def test_moments_keep_their_sides_of_a_jump():
+    held = [{"edge": ["bottom", "top"], "fix": "symmetry"}, {"edge": ["left"], "fix": "clamped"}]
+    model = slab(
+        {"area": {"rectangle": [5, 0, 10, 1]}, "thickness": 0.4},
+        plate={"size": [10, 1]},
+        mesh={"divisions": [10, 2]},
+        support=held,
+        load=[{"moment": [0, 0], "at": [1, 0.5]}, {"line_load": 1e3, "edge": ["right"]}],
+        probe=[{"at": [[5, 0.5], [4.999999, 0.5], [5.000001, 0.5]]}],
+    )
+    result = solve(model)["all"]
+    nodes = result.stress_nodes
+    assert len(result.moment) == len(result.shear) == nodes.count == result.mesh.node_count + 5
+    on_jump = np.flatnonzero(result.mesh.points[nodes.nodes][:, 0] == 5)
+    assert len(on_jump) == 10
+    assert result.moment[on_jump, 0] == approx(-5e3, rel=1e-6)
+    both, before, behind = result.probes
+    for number in range(3):
+        pair = before.moment[number], behind.moment[number]
+        assert both.moment[number] == approx(max(pair, key=abs), rel=1e-4, abs=1e-3)
+    assert both.deflection == approx(before.deflection, rel=1e-5)
+
+
+def test_combinations_paths_and_paths_know_the_sides():
+    parted = [{"pressure": 5e3, "case": "G"}, {"force": 20e3, "at": [2.2, 1.3], "case": "Q"}]
+    points = [{"at": [[1, 1], [7, 1], [1, 5], [7, 5]], "resists": "down"}]
+    rows = {"columns": ["G", "Q"], "rows": {"one": [1.0, 0.0], "two": [1.35, 1.5]}}
+    probes = [{"at": [[3, 3], [3, 4], [1.1, 1.2]]}]
+    given = {"load": parted, "support": points, "probe": probes}
+    table = solve(slab(THICK, combination=[{"generate": "table", **rows}], output={"combinations": "table"}, **given))
+    each = solve(slab(THICK, combination=[{"name": "two", "factors": {"G": 1.35, "Q": 1.5}}], **given))["two"]
+    row = {name: values[1] for name, values in table.table.items()}
+    for number, probe in enumerate(each.probes, 1):
+        names = [f"probe[{number}]:{name}" for name in ("mx", "my", "mxy", "qx", "qy")]
+        assert [row[name] for name in names] == approx([*probe.moment, *probe.shear], rel=1e-8, abs=1e-6)
+    assert row["max:mx"] == approx(each.fields["mx"].max(), rel=1e-9)
+    assert len(table.envelope.fields["mx"].largest) == each.stress_nodes.count > each.mesh.node_count
+    again = pickle.loads(pickle.dumps(each))
+    assert (again.moment == each.moment).all()
+
+
+def test_a_point_on_a_border_reads_the_larger_side():
+    result = solved(THICK)
+    (border,) = result.probe([(3, 3)])
+    beside = result.probe([(2.9999999, 3), (3.0000001, 3)])
+    for number in range(3):
+        assert border.moment[number] == approx(max((one.moment[number] for one in beside), key=abs), rel=1e-4, abs=1)
+    assert abs(border.moment[1] - beside[0].moment[1]) > 1e4
