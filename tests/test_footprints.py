@@ -236,6 +236,13 @@ def test_a_footprint_beyond_the_plate_is_refused_with_its_place(item, at, others
         discretise(rectangular(support=support, load=load))
 
 
+def test_points_off_the_plate_and_footprints_beyond_it_are_told_together():
+    pads = {"at": [[9, 2], [2, 2], [0.1, 2]], "patch": [0.5, 0.5], "resists": "down"}
+    with pytest.raises(InputError) as told:
+        discretise(rectangular(support=[HARD, pads], load=[{"pressure": 1e3}]))
+    assert [part.place for part in told.value.parts] == ["support[2].at[1]", "support[2].at[3]"]
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [

@@ -37,9 +37,10 @@ class FieldExtremes:
 
     @classmethod
     def of(
-        cls, values: Floats, places: Floats, away: Bools, singular: Sequence[Singularity] = (), number: str = ""
+        cls, values: Floats, nodes: StressNodes, away: Bools, singular: Sequence[Singularity] = (), number: str = ""
     ) -> FieldExtremes:
-        """Find the extremes of a field (n,) at places (n, 2) that are ``away`` from singularities of its number."""
+        """Find the extremes of a field at nodes of the mesh (n,) that are ``away`` from singularities of its number."""
+        places, away = nodes.points[: len(values)], away[nodes.nodes[: len(values)]]
         ends: list[tuple[float, tuple[float, float], str]] = []
         for signed in (values, -values):
             node, peak = int(np.where(away, signed, -np.inf).argmax()), int(signed.argmax())
@@ -56,13 +57,12 @@ def extremes(
     away = {number: away_from(nodes.mesh, singular, number) for number in ("", *dict.fromkeys(NUMBERS.values()))}
     found = {}
     for name in ("deflection", *NUMBERS):
-        values, number = fields[name], NUMBERS.get(name, "")
-        at = nodes.nodes[: len(values)]
-        found[name] = FieldExtremes.of(values, nodes.points[: len(values)], away[number][at], singular, number)
+        number = NUMBERS.get(name, "")
+        found[name] = FieldExtremes.of(fields[name], nodes, away[number], singular, number)
     return found
 
 
 def _nearest(at: Floats, singular: Sequence[Singularity], number: str) -> str:
     """What singularity of a number is nearest."""
-    those = [one for one in singular if number in one.numbers and one.where and not one.line]
+    those = [one for one in singular if number in one.numbers and one.where and not (one.line or one.limited)]
     return min(those, key=lambda one: min(math.dist(at, place) for place in one.where)).what

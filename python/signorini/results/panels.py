@@ -69,7 +69,7 @@ def panel(
         largest = [("max", value, at.tolist())] if value > 0 else []
         return Panel([pressure_layer(area) for area in areas], label, colours, limits, largest)
     values = fields[field]
-    ends = extremes.get(field) or FieldExtremes.of(values, nodes.points, np.ones(len(values), np.bool_))
+    ends = extremes.get(field) or FieldExtremes.of(values, nodes, np.ones(nodes.mesh.node_count, np.bool_))
     named = [("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at)]
     return Panel(nodes.spread(fields[field]), label, colours, limits, named)
 

@@ -120,7 +120,7 @@ def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     order = np.argsort(mesh.points[:, 0])
     x, y = mesh.points[order].T
     for one in named:
-        for at in one.where if number in one.numbers and not one.line and not one.limited else ():
+        for at in one.where if number in one.numbers and not (one.line or one.limited) else ():
             # Only nodes of a strip about it may be so near.
             near = slice(*np.searchsorted(x, (at[0] - 1.01 * one.within, at[0] + 1.01 * one.within)))
             away[order[near]] &= np.hypot(x[near] - at[0], y[near] - at[1]) > one.within
