@@ -15,6 +15,7 @@ from signorini.analysis.check import check
 from signorini.analysis.twins import twins as twins_module
 from signorini.analysis.twins.half_width import half_widths
 from signorini.analysis.twins.meshes import twins_of
+from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.mesh.meshers import disc
 from signorini.mesh.refined import refined
@@ -256,14 +257,16 @@ def test_a_combination_without_equilibrium_has_none() -> None:
 
 
 def test_the_sizes_of_other_meshes() -> None:
-    def others(*divisions: int) -> list[list[object]]:
-        model = rectangular(divisions=divisions, support=[{"edge": EDGES, "fix": "simple"}], load=[{"pressure": 1.0}])
-        mesh = solve(model)["all"].mesh
+    def others(*divisions: int, **options: float) -> list[list[object]]:
+        given = {"support": [{"edge": EDGES, "fix": "simple"}], "load": [{"pressure": 1.0}]}
+        model = rectangular(mesh={"divisions": divisions} | options, **given)
+        mesh = discretise(model).mesh
         return [[twin.model.mesh.divisions for twin in pair] for pair in twins_of(model, mesh)]
 
     assert others(4, 6) == [[(8, 12), (16, 24)], [(8, 12), (2, 3)], [(2, 3), (1, 2)]]
     assert others(24, 24) == [[(48, 48), (12, 12)], [(12, 12), (6, 6)]]
     assert others(33, 40) == [[(66, 80), (17, 20)], [(17, 20), (9, 10)]]
+    assert others(50, 60, accuracy=0.01)[0] == [(100, 120), (25, 30)]
     assert others(50, 60) == [[(25, 30), (13, 15)]]
     assert others(1, 3) == [[(2, 6), (4, 12)], [(2, 6)]]
 
