@@ -87,7 +87,9 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                 ),
                 "limit": dict.fromkeys(["case", "factor"]),
                 "plus_minus": numbers,
-                "singular": [dict.fromkeys(["where", "line", "within", "what", "numbers", "source", "advice"])],
+                "singular": [
+                    dict.fromkeys(["where", "line", "limited", "within", "what", "numbers", "source", "advice"])
+                ],
                 "certificate": dict.fromkeys(
                     [
                         "penetration",
@@ -263,7 +265,7 @@ def test_no_name_is_a_formula_and_every_number_a_number(oddly_named: signorini.R
     assert "'-W" in {row["combination"] for row in rows}
     found = results_json(oddly_named)
     assert [combination["name"] for combination in found["combinations"]] == NAMES
-    assert any(stop.event.startswith("=feet opens") for stop in path.stops)
+    assert any(event.support == "=feet" for event in path.support_events)
     assert "'=feet opens" in path_csv(path)
 
 

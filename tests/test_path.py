@@ -2,6 +2,7 @@
 
 import csv
 import json
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -265,6 +266,86 @@ load = [{ case = "G", force = 1, at = [0, 0.5] }, { case = "Q", force = 1, at = 
     for index, name in enumerate(("hinge", "left", "right")):
         shown = found.table[f"reaction:{name}"]
         assert shown == pytest.approx([stop.reactions[index] for stop in found.stops], abs=1e-12)
+
+
+BED = """
+units = { length = "m", force = "kN" }
+material = { E = 30e6, nu = 0.2 }
+plate = { shape = "rectangle", size = [4, 4], thickness = 0.3 }
+mesh = { divisions = [10, 10] }
+support = [
+  { name = "soil", area = "all", resists = "down", stiffness = 2e4 },
+  { name = "prop", at = [0.2, 0.2], resists = "up", gap = 1.0 },
+]
+load = [{ case = "G", pressure = 8 }, { case = "Q", force = 100, at = [3.8, 3.8], patch = [0.4, 0.4] }]
+"""
+
+
+@pytest.fixture(scope="module")
+def bedded(tmp_path_factory: pytest.TempPathFactory):
+    """What a path of a plate on soil prints and writes."""
+    file = tmp_path_factory.mktemp("bed") / "bed.toml"
+    file.write_text(BED)
+    result = run("path", file, "--from", "G", "--add", "Q", "--until", 1.8)
+    assert result.exit_code == 0, result.output
+    directory = file.with_name("bed-path")
+    rows = list(csv.DictReader((directory / "path.csv").open(encoding="utf-8", newline="")))
+    return result.output, json.loads((directory / "path.json").read_text()), rows
+
+
+def test_of_an_area_its_parts_are_events_and_not_its_points(bedded) -> None:
+    shown, found, rows = bedded
+    assert len(found["stops"]) > 30
+    events = [event for event in found["support_events"] if event["support"] == "soil"]
+    assert [(event["change"], event["closed"]) for event in events[1:]] == [("part closed", 0.75), ("part closed", 0.5)]
+    assert events[0]["change"] == "begins to open"
+    assert events[0]["at"] == found["events"][0]["at"]
+    table = [line for line in shown.splitlines() if " soil " in line and line[0].isdigit()]
+    assert len(table) == len(events)
+    t = [float(line.split()[0]) for line in table]
+    assert t == sorted(t) and t == pytest.approx([event["t"] for event in events], rel=1e-5)
+    assert "soil is closed to 50%" in table[2]
+    told = [row["event"] for row in rows if row["event"]]
+    assert len(told) == len(found["support_events"]) + 2
+
+
+def test_stops_of_a_path_say_how_much_of_an_area_is_closed_and_its_pressure(bedded) -> None:
+    _, found, rows = bedded
+    half = next(event for event in found["support_events"] if event["closed"] == 0.5)
+    (number,) = [number for number, stop in enumerate(found["stops"]) if stop["t"] == half["t"]]
+    row, stop = rows[number], found["stops"][number]["supports"]
+    tables = tomllib.loads(BED)
+    solved = signorini.solve(
+        signorini.validate(tables | {"combination": [{"name": "half", "factors": {"G": 1, "Q": half["t"]}}]})
+    )
+    soil = solved["half"].supports[0]
+    for key, value in (("contact_area", soil.contact_area), ("max_pressure", soil.max_pressure)):
+        assert float(row[f"{key}:soil"]) == stop[0][key] == pytest.approx(value, rel=1e-6)
+        assert row[f"{key}:prop"] == "" and stop[1][key] is None
+    assert stop[0]["closed_part"] == pytest.approx(0.5, abs=0.02)
+
+
+def test_parts_of_an_area_have_half_widths_and_points_of_the_mesh_have_none(bedded) -> None:
+    _, found, rows = bedded
+    half_widths = found["plus_minus"]["support_events"]
+    for event, width in zip(found["support_events"], half_widths, strict=True):
+        assert 0 < width["t"] < 0.1 * event["t"]
+    assert {one["t"] for one in found["plus_minus"]["events"]} == {None}
+    told = [row["t_plus_minus"] for row in rows if "soil" in row["event"]]
+    assert [float(width) for width in told] == [one["t"] for one in half_widths]
+    assert {row["t_plus_minus"] for row in rows if not row["event"]} == {""}
+
+
+def test_a_path_warns_where_deflections_leave_the_theory_and_is_drawn_as_far(slab: Path) -> None:
+    tables = tomllib.loads(SLAB)
+    tables["load"][1]["at"] = [2.0, 2.5]
+    found = signorini.path(signorini.validate(tables), "G", "Q", until=1e5)
+    (warning,) = found.warnings
+    assert "is beyond the thickness, 0.2 m" in warning
+    assert path_json(found)["warnings"][0] == warning
+    above = found.plot().axes[0]
+    assert above.get_xlim()[1] < 1e5
+    assert "too large to be drawn" in above.texts[0].get_text()
 
 
 def test_a_path_says_where_more_answers_than_one_are_right() -> None:

@@ -136,6 +136,23 @@ def test_a_moment_under_a_point_force_has_no_half_width_and_is_named() -> None:
     assert sentence in results_json(signorini.solve(model))["combinations"][0]["warnings"]
 
 
+def test_what_a_clamped_point_carries_turns_without_a_limit_wherever_it_is() -> None:
+    found = solve(
+        rectangular(
+            plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.5},
+            divisions=[8, 8],
+            support=[{"at": [1.9, 2.1], "fix": "clamped"}],
+            load=[{"pressure": 1e3, "area": {"rectangle": [2.5, 0.5, 3.5, 3.5]}}],
+            probe=[{"at": [3.5, 3.2]}],
+        )
+    )["all"]
+    assert found.plus_minus is not None
+    (width,) = found.plus_minus["probes"]
+    assert (width["deflection"], width["rotation"][0], found.plus_minus["deflection"]["max"]) == (None, None, None)
+    assert all(moment > 0 for moment in width["moment"])
+    assert "probe at [3.5, 3.2] deflection, θx" in found.estimate.warnings[0]
+
+
 def test_no_number_of_a_plate_without_singularities_is_said_to_have_no_limit() -> None:
     for divisions in ((2, 2), (3, 3), (5, 4), (20, 20)):
         model = rectangular(

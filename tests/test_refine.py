@@ -144,6 +144,16 @@ def test_a_disc_is_refined_everywhere() -> None:
     assert steps[-1].worst <= 0.02 < steps[0].worst
 
 
+def test_while_meshes_are_refined_progress_says_how_far_the_last_one_came() -> None:
+    seen: list[str] = []
+    results = solve(asked(0.1), lambda now: seen.append(str(now)))
+    first, *others = results.refinement
+    assert others
+    assert seen[0] == "meshing"
+    assert f"mesh 2, ± {first.worst:.2g} on {first.elements} elements: meshing" in seen
+    assert any(line.startswith("mesh 2, ") and line.endswith("of a quarter of its size") for line in seen)
+
+
 def test_where_memory_ends_it_is_said_what_it_would_take(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(accuracy, "fits", lambda wanted: False)
     results = solve(asked(0.01))

@@ -234,13 +234,38 @@ def test_only_what_acts_is_named():
     assert len(check(results.model).singular) == 1
 
 
+@pytest.mark.parametrize("footprint", [{"patch": [0.1, 0.02]}, {"radius": 0.05}])
+def test_a_footprint_far_smaller_than_an_element_is_named_as_unresolved(footprint):
+    small = {"support": [HARD, {"name": "foot", "at": [[1, 1], [3, 1]], **footprint}]}
+    small["load"] = [{"force": 1e4, "at": [2.3, 2.2], **footprint}]
+    found, (load, foot) = named(**small)
+    assert str(load) == (
+        "The footprint of load[1], 0.1 wide, acts as a point on this mesh: moment and shear at it are too small. "
+        "Take elements of 0.05 there (mesh.refine)."
+    )
+    assert (load.where, foot.where, foot.source) == (((2.3, 2.2),), ((1, 1), (3, 1)), "foot")
+    assert load.limited
+    assert away_from(found.mesh, [load], "moment").all()
+    places = [[2.3, 2.2], [1, 1], [3, 1]]
+    assert named(**small, mesh={"refine": [{"at": places, "size": 0.05}]})[1] == ()
+
+
+def test_wheels_with_small_prints_are_named_as_unresolved():
+    truck = {"case": "truck", "line": [[0.5, 2], [3.5, 2]], "step": 1.0, "axles": [[0, 1e4]], "patch": [0.05, 0.1]}
+    combination = [{"name": "traffic", "generate": "positions", "factors": {"truck": 1}}]
+    _, found = named(moving=[truck], combination=combination)
+    assert {one.what for one in found} == {"The footprint of wheels of truck, 0.1 wide,"}
+    truck["patch"] = [0.3, 0.4]
+    assert named(moving=[truck], combination=combination)[1] == ()
+
+
 def test_wheels_are_named_where_they_stand():
     moving = {"case": "truck", "line": [[0, 2], [4, 2]], "step": 2, "axles": [0, 1e4]}
     model = rectangular(support=[HARD], load=[PRESSURE], moving=[moving])
     found = discretise(model)
     (one,) = singularities(found, {"truck@2"})
     assert one.where == ((2.0, 2.0),)
-    patched = rectangular(support=[HARD], load=[PRESSURE], moving=[{**moving, "patch": [0.3, 0.3]}])
+    patched = rectangular(support=[HARD], load=[PRESSURE], moving=[{**moving, "patch": [0.8, 0.8]}])
     assert singularities(discretise(patched)) == ()
 
 

@@ -6,6 +6,7 @@ use crate::ordering::nested_dissection;
 use crate::plate::Plate;
 use crate::residual::Springs;
 use rayon::prelude::*;
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// Marks a dof that is held and has no column.
@@ -233,15 +234,17 @@ impl<'a> NodeColumns<'a> {
         Self { of, node: usize::MAX, slot, neighbours: Vec::new(), block: Vec::new() }
     }
 
-    /// Finds a node's neighbours, itself among them.
+    /// Finds a node's neighbours, itself among them, without those whose columns all come before its own.
     fn meet(&mut self, node: usize) {
         for &n in &self.neighbours {
             self.slot[n] = usize::MAX;
         }
         self.neighbours.clear();
         self.node = node;
+        let columns = |n: usize| self.of.numbering.column[3 * n..3 * n + 3].iter().filter(|&&c| c != HELD);
+        let Some(first) = columns(node).min() else { return };
         for n in self.of.around(node) {
-            if self.slot[n] == usize::MAX {
+            if self.slot[n] == usize::MAX && columns(n).max() >= Some(first) {
                 self.slot[n] = self.neighbours.len();
                 self.neighbours.push(n);
             }
@@ -260,10 +263,25 @@ impl<'a> NodeColumns<'a> {
             }
             let lower = plate.element_stiffness(e);
             for (i, &n) in plate.elements()[e].iter().enumerate() {
-                let block = &mut self.block[self.slot[n]];
-                for a in 0..3 {
-                    for b in 0..3 {
-                        block[a][b] += lower[packed(3 * i + a, 3 * local + b)];
+                let Some(block) = self.block.get_mut(self.slot[n]) else { continue };
+                // In the packed triangle the entries of a row follow one another.
+                match i.cmp(&local) {
+                    Ordering::Greater => {
+                        for a in 0..3 {
+                            let row = &lower[packed(3 * i + a, 3 * local)..][..3];
+                            (0..3).for_each(|b| block[a][b] += row[b]);
+                        }
+                    }
+                    Ordering::Less => {
+                        for b in 0..3 {
+                            let row = &lower[packed(3 * local + b, 3 * i)..][..3];
+                            (0..3).for_each(|a| block[a][b] += row[a]);
+                        }
+                    }
+                    Ordering::Equal => {
+                        for a in 0..3 {
+                            (0..3).for_each(|b| block[a][b] += lower[packed(3 * i + a, 3 * i + b)]);
+                        }
                     }
                 }
                 if let Some(bed) = bedding.get(e) {
@@ -279,7 +297,7 @@ impl<'a> NodeColumns<'a> {
         for (at, link) in linked.of(node) {
             let own = link.row[at].1;
             for (n, row) in &link.row {
-                let block = &mut self.block[self.slot[*n]];
+                let Some(block) = self.block.get_mut(self.slot[*n]) else { continue };
                 for a in 0..3 {
                     for b in 0..3 {
                         block[a][b] += link.stiffness * row[a] * own[b];
@@ -294,7 +312,7 @@ impl<'a> NodeColumns<'a> {
             for &spring in &attached[e] {
                 let (row, k) = (&springs.rows.coefficient[spring], springs.stiffness[spring]);
                 for (i, &n) in plate.elements()[e].iter().enumerate() {
-                    let block = &mut self.block[self.slot[n]];
+                    let Some(block) = self.block.get_mut(self.slot[n]) else { continue };
                     for a in 0..3 {
                         for b in 0..3 {
                             block[a][b] += k * row[3 * i + a] * row[3 * local + b];

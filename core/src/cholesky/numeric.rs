@@ -16,13 +16,14 @@ pub(super) struct Plan {
     entries: Vec<usize>,
     /// Numbers that each part leaves to its parent.
     left: Vec<usize>,
-    /// Most numbers at a time on each of two stacks: what supernodes of even and of odd depth leave, one after the other.
+    /// Most numbers that each part has at a time on each of two stacks: what supernodes of even and of odd depth leave, one
+    /// after the other.
     ///
     /// A supernode's children are on top of one when it puts its own on the other.
-    stacks: [usize; 2],
+    stacks: Vec<[usize; 2]>,
     odd: Vec<bool>,
-    /// Most numbers of a supernode, the upper triangle among them.
-    panel: usize,
+    /// Most numbers of a supernode of each part, the upper triangle among them.
+    panels: Vec<usize>,
 }
 
 impl Plan {
@@ -33,20 +34,22 @@ impl Plan {
                 odd[s] = !odd[parent];
             }
         }
-        let mut plan = Self { entries: Vec::new(), left: Vec::new(), stacks: [0; 2], odd, panel: 0 };
+        let mut plan = Self { entries: Vec::new(), left: Vec::new(), stacks: Vec::new(), odd, panels: Vec::new() };
         for part in &parts.0 {
-            let mut tops = [0; 2];
+            let (mut tops, mut stacks, mut panel) = ([0; 2], [0; 2], 0);
             for s in part.supernodes.clone() {
                 let side = usize::from(plan.odd[s]);
                 if !part.roots.contains(&s) {
                     tops[side] += left(tree, s);
-                    plan.stacks[side] = plan.stacks[side].max(tops[side]);
+                    stacks[side] = tops[side].max(stacks[side]);
                 }
                 if part.children.is_empty() {
                     tops[1 - side] -= tree.children(s).map(|child| left(tree, child)).sum::<usize>();
                 }
-                plan.panel = plan.panel.max(tree.width(s) * tree.height(s));
+                panel = (tree.width(s) * tree.height(s)).max(panel);
             }
+            plan.stacks.push(stacks);
+            plan.panels.push(panel);
             let size = |s: usize| layout::size(tree.width(s), tree.height(s));
             plan.entries.push(part.supernodes.clone().map(size).sum());
             plan.left.push(part.roots.iter().map(|&root| left(tree, root)).sum());
@@ -145,8 +148,6 @@ struct Desk<'a> {
     diagonal: Vec<f64>,
     /// Row of a place in the supernode at hand.
     local: Vec<u32>,
-    stacks: [Buffer; 2],
-    panel: Buffer,
     scratch: MemBuffer,
     runs: Vec<Run>,
 }
@@ -157,7 +158,7 @@ struct Job<'a> {
     plan: &'a Plan,
     matrix: &'a dyn Matrix,
     desks: Mutex<Vec<Desk<'a>>>,
-    /// Buffers whose numbers have been added to a parent's.
+    /// Buffers whose numbers are no longer needed.
     spare: Mutex<Vec<Buffer>>,
     done: Vec<Mutex<Option<Result<Done, FactorError>>>>,
 }
@@ -170,16 +171,12 @@ impl<'a> Job<'a> {
         let mut local = Vec::new();
         local.try_reserve_exact(self.tree.columns()).map_err(|_| FactorError::OutOfMemory)?;
         local.resize(self.tree.columns(), 0);
-        let [even, odd] = self.plan.stacks;
-        let stacks = [Buffer::new(even)?, Buffer::new(odd)?];
         let scratch = front::scratch().ok_or(FactorError::OutOfMemory)?;
         Ok(Desk {
             read: self.matrix.reader(),
             entries: Vec::new(),
             diagonal: Vec::new(),
             local,
-            stacks,
-            panel: Buffer::new(self.plan.panel)?,
             scratch,
             runs: Vec::new(),
         })
@@ -187,11 +184,18 @@ impl<'a> Job<'a> {
 
     /// The smallest buffer that is large enough, whatever stands in it.
     fn buffer(&self, len: usize) -> Result<Buffer, FactorError> {
+        if len == 0 {
+            return Buffer::new(0);
+        }
         let mut spare = lock(&self.spare);
         let fits = (0..spare.len()).filter(|&at| spare[at].len() >= len).min_by_key(|&at| spare[at].len());
         match fits {
             Some(at) => Ok(spare.swap_remove(at)),
-            None => Buffer::new(len),
+            None => {
+                // Upwards in the tree fronts grow: what is too small now has had its use.
+                spare.clear();
+                Buffer::new(len)
+            }
         }
     }
 
@@ -212,9 +216,12 @@ impl<'a> Job<'a> {
         let mut desk = self.desk()?;
         let mut done = Done { values: Vec::new(), weakest: NO_PIVOT, left: self.buffer(self.plan.left[index])? };
         done.values.try_reserve_exact(self.plan.entries[index]).map_err(|_| FactorError::OutOfMemory)?;
-        let result = self.supernodes(index, &given, &mut desk, &mut done);
+        let [even, odd] = self.plan.stacks[index];
+        let mut stacks = [self.buffer(even)?, self.buffer(odd)?];
+        let mut panel = self.buffer(self.plan.panels[index])?;
+        let result = self.supernodes(index, &given, &mut desk, &mut stacks, &mut panel, &mut done);
         lock(&self.desks).push(desk);
-        lock(&self.spare).extend(given);
+        lock(&self.spare).extend(given.into_iter().chain(stacks).chain([panel]));
         result.map(|()| done)
     }
 
@@ -223,10 +230,12 @@ impl<'a> Job<'a> {
         index: usize,
         given: &[Buffer],
         desk: &mut Desk<'_>,
+        stacks: &mut [Buffer; 2],
+        panel: &mut [f64],
         done: &mut Done,
     ) -> Result<(), FactorError> {
         let (tree, part) = (self.tree, &self.parts.0[index]);
-        let Desk { read, entries, diagonal, local, stacks, panel, scratch, runs } = desk;
+        let Desk { read, entries, diagonal, local, scratch, runs } = desk;
         let (mut tops, mut out) = ([0; 2], 0);
         for s in part.supernodes.clone() {
             let (width, height) = (tree.width(s), tree.height(s));

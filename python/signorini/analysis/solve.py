@@ -6,7 +6,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path as FilePath
 
 from signorini.analysis.accuracy import Refined, refined, worst_of
@@ -280,8 +280,14 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
         steps.append(reached)
         finer, warning = refined(results.model, results.full, steps)
         if finer is not None:
-            results = _solved(finer, watcher, table)
+            before = f"mesh {len(steps) + 1}, ± {reached.worst:.2g} on {reached.elements} elements"
+            results = _solved(finer, partial(_refining, watcher, before), table)
     return replace(results, refinement=tuple(steps), accuracy_warning=warning)
+
+
+def _refining(watcher: Watcher, before: str, now: Progress) -> object:
+    """Show what is being done on a finer mesh, with how far the mesh before it came."""
+    return watcher(replace(now, reached=before))
 
 
 def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None) -> Results:

@@ -27,6 +27,9 @@ class Progress:
         What begins: meshing, assembling and factoring, once each, and then the contact problem of every combination.
     twin : str
         The other mesh that is being solved, such as "twice its size", to see how far this one is from the plate.
+    reached : str
+        Where an accuracy is asked for, how far the mesh before this one came: "mesh 3, ± 0.12 on 400 elements"; before
+        the second mesh empty.
 
     Examples
     --------
@@ -40,10 +43,12 @@ class Progress:
     residual: float = 1.0
     stage: Literal["mesh", "factor", "contact"] = "contact"
     twin: str = ""
+    reached: str = ""
 
     def __str__(self) -> str:
         """Say it in a line."""
-        return f"{self._said}, on a mesh of {self.twin}" if self.twin else self._said
+        said = f"{self._said}, on a mesh of {self.twin}" if self.twin else self._said
+        return f"{self.reached}: {said}" if self.reached else said
 
     @property
     def _said(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 from rich.text import Text
 
-from signorini.cli.cells import estimated, in_unit, number, size_of
+from signorini.cli.cells import compared, in_unit, number, size_of
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.results.load_path import LoadPath
 
@@ -29,18 +29,21 @@ def print_path(console: Console, path: LoadPath) -> None:
     columns = [Column("t"), Column("event"), *numbers(f"largest deflection{in_unit(units.length)}")]
     rows = Grid([*columns, *numbers(*(f"{name}{in_unit(units.force)}" for name in names))], heads=2)
     farthest = size_of([stop.utmost for stop in path.stops])
-    kept = list(path.stops)
-    left_out = max(len(kept) - _MOST_EVENTS, 0)
+    told = [(index, words) for index in range(len(path.stops)) if (words := path.words(index))]
+    left_out = max(len(told) - _MOST_EVENTS, 0)
     half = _MOST_EVENTS // 2
-    for index, stop in enumerate(kept):
-        if left_out and index == half:
+    for place, (index, words) in enumerate(told):
+        if left_out and place == half:
             rows.add("...", f"{left_out} more events, all in path.csv", *[""] * (1 + len(names)))
-        if left_out and half <= index < half + left_out:
+        if left_out and half <= place < half + left_out:
             continue
+        stop = path.stops[index]
         largest = size_of(stop.reactions)
         shown = [number(value, largest) for value in stop.reactions.tolist()[: len(names)]]
-        rows.add(_at(path, index), path.words(index), number(stop.utmost, farthest), *shown)
+        rows.add(_at(path, index), words, number(stop.utmost, farthest), *shown)
     rows.show(console)
+    if any(support.place != "at" for support in model.support):
+        say(console, f"of lines and areas each quarter is an event; all {len(path.stops)} stops are in path.csv")
     say(console, _ending(path))
     for begin, end, one in path.not_unique[:_MOST_STRETCHES]:
         say(console, f"From t = {begin:.9g} to {end:.9g} {one.otherwise}: more answers than one are right.")
@@ -48,20 +51,19 @@ def print_path(console: Console, path: LoadPath) -> None:
         say(console, f"So on {len(path.not_unique) - _MOST_STRETCHES} more stretches, all in path.json.")
     say(console, "reactions positive up" if names else "reactions of the supports, positive up, are in path.csv")
     say(console, f"certificate, the worst of {len(path.stops)} stops: {path.certificate}")
-    counts = path.estimate.elements if path.model.estimated else ()
-    compared = f"± by {', '.join(map(str, counts[:-1]))} and {counts[-1]} elements" if counts else "not known, no ±"
-    say(console, f"of the equations; of the mesh: {compared}")
-    for sentence in path.estimate.warnings if path.model.estimated else ():
+    estimated = model.estimated
+    say(console, f"of the equations; of the mesh: {compared(path.estimate.elements if estimated else (), estimated)}")
+    for sentence in (*path.warnings, *(path.estimate.warnings if estimated else ())):
         say(console, f"Warning: {sentence}", style="yellow")
 
 
 def _at(path: LoadPath, index: int) -> str:
-    """The t of a stop, within the widest that its events show."""
-    t, widths = path.stops[index].t, path.estimate.stops[index] if path.model.estimated else ()
-    told = [width for width in widths if width is not None]
-    if not widths or not path.estimate.elements:
-        return f"{t:.9g}"
-    return estimated(t, max(told) if len(told) == len(widths) else None, t)
+    """The t of a stop, to digits that keep the order, and how far it is from the plate's."""
+    t = f"{path.stops[index].t:.6g}"
+    if not path.model.estimated or not path.estimate.elements:
+        return t
+    width = 0.0 if path.words(index) == "end" and path.ending == "no_more_events" else path.half_width(index)
+    return f"{t} ± {'?' if width is None else f'{width:.2g}'}" if width != 0 else t
 
 
 def _ending(path: LoadPath) -> str:

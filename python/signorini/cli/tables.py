@@ -321,12 +321,12 @@ def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], of:
 
 
 def _print_singular(console: Console, named: Iterable[Singularity]) -> None:
-    """Say what has no limit as the mesh is refined, each once."""
-    sentences = list(dict.fromkeys(map(str, named)))
+    """Say what has no limit as the mesh is refined, and what this one is too coarse for, each once."""
+    sentences = list(dict.fromkeys(f"{'Unresolved' if one.limited else 'Singular'}: {one}" for one in named))
     for sentence in sentences[:_MOST_WARNINGS]:
-        say(console, f"Singular: {sentence}", style="yellow")
+        say(console, sentence, style="yellow")
     if (left := len(sentences) - _MOST_WARNINGS) > 0:
-        say(console, f"And {left} more without a limit.", style="yellow")
+        say(console, f"And {left} more of such places, all in results.json.", style="yellow")
     if sentences:
         console.print()
 

@@ -261,9 +261,8 @@ def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Flo
 def _balance(found: Discretisation, nodal: Floats, against: Floats) -> tuple[float, float]:
     """Largest resultant of a load and of what supports set against it, and the size it is part of."""
     size = found.mesh.size
-    motions = found.rigid_motions / np.array([1.0, size, size])
     # Threads of a linear algebra library would cost more than these sums.
-    resultant = np.einsum("ij,i->j", motions, nodal - against)
+    resultant = np.einsum("ij,i->j", found.rigid_motions, nodal - against) / np.array([1.0, size, size])
     return _largest(resultant), max(_reaching(found, nodal), _reaching(found, against))
 
 
@@ -289,8 +288,9 @@ def _totals(found: Discretisation, at_holds: Floats, pull: Floats, reaction: Flo
 
 def _reaching(found: Discretisation, nodal: Floats) -> float:
     """Sum of the magnitudes that nodal forces have in a resultant."""
-    reach = np.abs(found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).max(axis=1)
-    return float((np.abs(nodal) * reach).sum())
+    moves = found.rigid_motions.T
+    turning = np.maximum(np.abs(moves[1]), np.abs(moves[2])) / found.mesh.size
+    return float((np.abs(nodal) * np.maximum(np.abs(moves[0]), turning)).sum())
 
 
 def _loaded_deflection(found: Discretisation, nodal: Floats) -> float:

@@ -298,9 +298,12 @@ class ContactProblem(Remade):
     @cached_property
     def better_form(self) -> Literal["dual", "stiffness"]:
         """The better conditioned form of the LCP: "stiffness" where every contact point is at a node of its own."""
-        rows = self.G[:, ~self.discretisation.held.dofs]
-        rows.eliminate_zeros()
-        alone = (np.diff(rows.indptr) == 1).all() and len(np.unique(rows.indices)) == rows.nnz
+        rows = self.G
+        free = ~self.discretisation.held.dofs[rows.indices] & (rows.data != 0.0)
+        if np.count_nonzero(free) != len(self.gaps):
+            return "dual"
+        many = np.diff(np.concatenate([[0], np.cumsum(free)])[rows.indptr])
+        alone = (many == 1).all() and len(np.unique(rows.indices[free])) == len(many)
         return "stiffness" if alone else "dual"
 
     def dual(self, load: Floats) -> tuple[Floats, Floats]:

@@ -85,6 +85,8 @@ class Discretisation(Remade):
 
         These follow from the others where no dof is held; at held dofs each has its own.
         """
+        if not len(self.repeated.points):
+            return self.contact_rows
         return self.points.rows.matrix(self.mesh.elements, self.dof_count)
 
     @cached_property

@@ -7,6 +7,7 @@ import io
 import itertools
 import json
 import os
+from collections.abc import Iterator
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path as FilePath
@@ -23,6 +24,8 @@ from signorini.results.load_path import LoadPath
 from signorini.results.path_stop import PathStop
 
 SCHEMA = 1
+_OF_POINTS = ("opens", "closes")
+"""What points of supports do that another mesh has too."""
 
 
 def path_json(path: LoadPath) -> dict[str, Any]:
@@ -60,25 +63,50 @@ def path_json(path: LoadPath) -> dict[str, Any]:
             for stop in path.events
             for switch in stop.switched
         ],
+        "support_events": [
+            {
+                "t": event.t,
+                "support": event.support,
+                "at": None if event.at is None else list(event.at),
+                "change": event.change,
+                "closed": event.closed,
+            }
+            for event in path.support_events
+        ],
         "stops": [_stop(path, stop) for stop in path.stops],
+        "warnings": [*path.warnings, *(estimate.warnings if estimate else ())],
         "plus_minus": None if estimate is None else _half_widths(path, estimate),
     }
 
 
 def _half_widths(path: LoadPath, estimate: PathEstimate) -> dict[str, Any]:
-    """Half-widths of the end and of every event's t; the limit is of the supports' outlines, and has none."""
+    """Half-widths of the end and of every event's t; the limit is of the supports' outlines, and has none.
+
+    Contact points of lines and areas are of the mesh, and have none.
+    """
+    told = zip(path.support_events, estimate.events, strict=True)
+    of_points = {(event.row, event.support, event.at): width for event, width in told if event.change in _OF_POINTS}
     return {
         "end": estimate.end,
         "events": [
-            {"t": width, "support": switch.support, "at": None, "change": switch.change}
-            for stop, widths in zip(path.stops, estimate.stops, strict=True)
-            for switch, width in zip(stop.switched, widths or (None,) * len(stop.switched), strict=True)
+            {
+                "t": of_points.get((row, switch.support, switch.at)),
+                "support": switch.support,
+                "at": None,
+                "change": switch.change,
+            }
+            for row, stop in enumerate(path.stops)
+            for switch in stop.switched
+        ],
+        "support_events": [
+            {"t": width, "support": event.support, "at": None, "change": event.change, "closed": None}
+            for event, width in zip(path.support_events, estimate.events, strict=True)
         ],
     }
 
 
 def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
-    supports = zip(path.model.support, stop.reactions.tolist(), stop.closed.tolist(), stop.counts.tolist(), strict=True)
+    supports = zip(path.model.support, *_columns(stop), strict=True)
     positions = path.problem.discretisation.probe_positions.tolist()
     return {
         "t": stop.t,
@@ -89,11 +117,21 @@ def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
             "min_at": list(stop.smallest_at),
         },
         "supports": [
-            {"name": support.name, "reaction": reaction, "closed": closed, "open": count - closed}
-            for support, reaction, closed, count in supports
+            {"name": support.name} | dict(zip(_OF_SUPPORTS, values, strict=True)) for support, *values in supports
         ],
         "probes": [{"at": at, "deflection": w} for at, w in zip(positions, stop.deflections.tolist(), strict=True)],
     }
+
+
+_OF_SUPPORTS = ("reaction", "closed", "open", "closed_part", "contact_area", "max_pressure")
+
+
+def _columns(stop: PathStop) -> Iterator[list[Any]]:
+    """What is said of supports at a stop, each a list (s,); None where a support has no such number."""
+    numbers = (stop.reactions, stop.closed, stop.counts - stop.closed, stop.parts)
+    yield from (values.tolist() for values in numbers)
+    for values in (stop.contact_areas, stop.max_pressures):
+        yield [None if np.isnan(value) else value for value in values.tolist()]
 
 
 def path_csv(path: LoadPath) -> str:
@@ -102,15 +140,17 @@ def path_csv(path: LoadPath) -> str:
     names = [support.name for support in path.model.support]
     positions = path.problem.discretisation.probe_positions.tolist()
     table = csv.writer(text, lineterminator="\n")
+    estimate = path.estimate if path.model.estimated else None
     table.writerow(
-        ["t", "event", "deflection_max", "deflection_min"]
-        + [f"{what}:{name}" for name in names for what in ("reaction", "closed", "open")]
+        ["t", "t_plus_minus", "event", "deflection_max", "deflection_min"]
+        + [f"{what}:{name}" for name in names for what in _OF_SUPPORTS]
         + [f"probe[{i}]:deflection" for i in range(1, len(positions) + 1)]
     )
     for index, stop in enumerate(path.stops):
-        supports = zip(stop.reactions.tolist(), stop.closed.tolist(), (stop.counts - stop.closed).tolist(), strict=True)
+        supports = zip(*_columns(stop), strict=True)
         row = [
             stop.t,
+            None if estimate is None else path.half_width(index),
             name_cell(path.words(index)),
             stop.largest,
             stop.smallest,

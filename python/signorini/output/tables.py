@@ -129,6 +129,7 @@ def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
         {
             "where": [list(at) for at in one.where],
             "line": one.line,
+            "limited": one.limited,
             "within": one.within,
             "what": one.what,
             "numbers": list(one.numbers),

@@ -28,6 +28,7 @@ def load_path_picture(
     closed: Mapping[str, ArrayLike],
     *,
     limit: float | None = None,
+    until: float | None = None,
     title: str = "",
     factor: str = "t",
     length: str = "",
@@ -44,6 +45,8 @@ def load_path_picture(
         By support, the part from 0 to 1 of its points that is closed on each stretch.
     limit : float, optional
         The factor at which equilibrium ends, if it does at the end of the path.
+    until : float, optional
+        The factor at which deflections leave what the theory is of; what is beyond is not drawn.
     title, factor, length : str
         Above the picture; what the factor is; the unit of length.
 
@@ -71,6 +74,9 @@ def load_path_picture(
     ):
         if values.shape != (expected,):
             raise InputError(f"{name!r} has the shape {values.shape}; for these t it must be ({expected},).")
+    if until is not None:
+        stops, curves, parts = _drawn(stops, curves, parts, until)
+        limit = limit if limit is not None and limit <= until else None
     figure = Figure(figsize=(7.4, 3.9 + 0.34 * max(len(parts), 1)), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3.1, 0.34 * max(len(parts), 1) + 0.2])
     figure.suptitle(literal(title), fontsize=11, color=INK)
@@ -79,12 +85,13 @@ def load_path_picture(
     unit = literal(f" [{length}]" if length else "")
     above.set_ylabel(f"deflection{unit}, positive down", fontsize=9, color=INK)
     below.set_xlabel(literal(factor), fontsize=9, color=INK)
-    if limit is not None:
+    end, words = (until, "beyond, too large to be drawn") if limit is None else (limit, "equilibrium ends")
+    if end is not None:
         for axes in (above, below):
-            axes.axvline(limit, color="#b3261e", linewidth=1.4)
+            axes.axvline(end, color="#b3261e", linewidth=1.4)
         above.annotate(
-            "equilibrium ends",
-            (limit, 1.0),
+            words,
+            (end, 1.0),
             xycoords=("data", "axes fraction"),
             xytext=(-4, -4),
             textcoords="offset points",
@@ -94,6 +101,16 @@ def load_path_picture(
             color="#b3261e",
         )
     return figure
+
+
+def _drawn(
+    stops: Floats, curves: Mapping[str, Floats], parts: Mapping[str, Floats], until: float
+) -> tuple[Floats, dict[str, Floats], dict[str, Floats]]:
+    """What of a path is not beyond a factor."""
+    last = int(np.searchsorted(stops, until))
+    kept = np.append(stops[:last], until)
+    cut = {name: np.append(values[:last], np.interp(until, stops, values)) for name, values in curves.items()}
+    return kept, cut, {name: values[:last] for name, values in parts.items()}
 
 
 def _draw_curves(axes: Axes, stops: Floats, curves: Mapping[str, Floats]) -> None:

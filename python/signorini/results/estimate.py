@@ -38,14 +38,14 @@ class PathEstimate:
     ----------
     end : float or None
         Half-width of the t at which it ends.
-    stops : tuple of tuple of float or None
-        Of every stop the half-widths of its t, as each point that opens or closes there shows it.
+    events : tuple of float or None
+        Half-widths of the t of every event.
     elements, warnings
         As those of an `Estimate`.
     """
 
     end: float | None
-    stops: tuple[tuple[float | None, ...], ...]
+    events: tuple[float | None, ...]
     elements: tuple[int, ...]
     warnings: tuple[str, ...]
 

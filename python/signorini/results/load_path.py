@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -27,15 +28,20 @@ from signorini.results.columns import Block, Column, Layout, together
 from signorini.results.envelope import Envelope
 from signorini.results.estimate import PathEstimate, PathEstimator
 from signorini.results.notebook import path_table
+from signorini.results.path_events import PathEvent, in_words, path_events
 from signorini.results.path_stop import PathStop
 from signorini.results.result import FIELDS, Result
 from signorini.results.states import States
+from signorini.results.warnings import model_warnings, too_far
 
 if TYPE_CHECKING:
     from signorini.plot import Figure
 
 AT_LIMIT = 1e-6
 """Distance from the limit of equilibrium, over the limit, that is none: the last contact sets barely hold the plate."""
+
+_DRAWN = 2.0
+"""Deflections over the thickness up to which a path is drawn: beyond, nothing of the theory is left."""
 
 Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
@@ -111,7 +117,7 @@ class LoadPath(States[float]):
     def estimate(self) -> PathEstimate:
         """Half-widths of the t of every event and of the end; the path is followed on other meshes for them."""
         if self.estimator is None:
-            return PathEstimate(None, ((),) * len(self.stops), (), ())
+            return PathEstimate(None, (None,) * len(self.support_events), (), ())
         return self.estimator.estimate(self)
 
     @property
@@ -128,6 +134,21 @@ class LoadPath(States[float]):
     def ends_with_the_mesh(self) -> bool:
         """Whether it stops where the mesh's points, but not yet the supports' outlines, cease to balance the load."""
         return self.ending == "stopped" and self.end >= self.mesh_limit * (1 - AT_LIMIT)
+
+    @cached_property
+    def support_events(self) -> tuple[PathEvent, ...]:
+        """What the supports do: points open or close, lines and areas begin to, have done so, or pass a quarter."""
+        return path_events(self.model.support, self.stops)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What of the model, and of the deflections on the way, is seldom meant."""
+        found = self.discretisation
+        thinnest = found.thickness.min()
+        for stop in self.stops:
+            for far in too_far(found, self.at(stop.t).deflection) if abs(stop.utmost) > thinnest else ():
+                return (*model_warnings(found), f"At t = {stop.t:.6g}: {far}")
+        return model_warnings(found)
 
     @property
     def events(self) -> tuple[PathStop, ...]:
@@ -195,16 +216,33 @@ class LoadPath(States[float]):
         return together([block.columns(layout, keys)]), envelope
 
     def words(self, index: int) -> str:
-        """Say what happens at a stop, by its number from 0."""
+        """Say what the supports do at a stop, by its number from 0; nothing where less than a quarter of one does."""
         index = arguments.index(index, len(self.stops), "stop", "index")
-        stop = self.stops[index]
-        event = stop.event or ("begin" if index == 0 else "end")
+        event = in_words([self.support_events[number] for number in self._numbers.get(index, ())])
+        event = event or {0: "begin", len(self.stops) - 1: "end"}.get(index, "")
         jumps = index < len(self.segments) and self.segments[index].jumps
-        return f"{event}; the plate moves on its own until another support holds it" if jumps else event
+        moves = "the plate moves on its own until another support holds it"
+        return "; ".join(part for part in (event, moves * jumps) if part)
+
+    def half_width(self, index: int) -> float | None:
+        """The widest half-width of the t of a stop that its events show, or of the end; None where one has none."""
+        ends = {len(self.stops) - 1: self.estimate.end, 0: 0.0}
+        widths = [self.estimate.events[number] for number in self._numbers.get(index, ())] or [ends.get(index)]
+        known = [width for width in widths if width is not None]
+        return max(known) if known and len(known) == len(widths) else None
+
+    @cached_property
+    def _numbers(self) -> Mapping[int, Sequence[int]]:
+        found: dict[int, list[int]] = {}
+        for number, event in enumerate(self.support_events):
+            found.setdefault(event.row, []).append(number)
+        return found
 
     def _repr_html_(self) -> str:
         rows = [
-            (stop.t, self.words(index), stop.utmost, stop.reactions.tolist()) for index, stop in enumerate(self.stops)
+            (stop.t, words, stop.utmost, stop.reactions.tolist())
+            for index, stop in enumerate(self.stops)
+            if (words := self.words(index))
         ]
         return path_table([support.name for support in self.model.support], rows, self.model.units)
 
@@ -218,21 +256,34 @@ class LoadPath(States[float]):
         """
         from signorini.plot import load_path_picture
 
-        positions = self.problem.discretisation.probe_positions.tolist()
+        found = self.problem.discretisation
+        positions = found.probe_positions.tolist()
         at_probes = np.array([stop.deflections for stop in self.stops])
         extremes = {name: np.array([getattr(stop, name) for stop in self.stops]) for name in ("largest", "smallest")}
         curves = {f"at {point(at)}": at_probes[:, i] for i, at in enumerate(positions)}
         supports = self.model.support
-        parts = np.array([stop.closed / np.maximum(stop.counts, 1) for stop in self.stops[:-1]])
+        parts = np.array([stop.parts for stop in self.stops[:-1]])
         return load_path_picture(
             [stop.t for stop in self.stops],
             curves or extremes,
             dict(zip((support.name for support in supports), parts.reshape(-1, len(supports)).T, strict=True)),
             limit=self.end if self.ending == "no_equilibrium" else None,
+            until=self._drawn,
             title=", ".join(part for part in (self.model.title, self.name) if part),
             factor=f"t, the factor of {self.add}",
             length=self.model.units.length,
         )
+
+    @property
+    def _drawn(self) -> float | None:
+        """The t at which deflections leave what is drawn, if that is after the first event."""
+        far = _DRAWN * self.discretisation.thickness.max()
+        for begin, end in pairwise(self.stops):
+            before, after = abs(begin.utmost), abs(end.utmost)
+            if after > far >= before:
+                t = begin.t + (far - before) / (after - before) * (end.t - begin.t)
+                return t if not self.support_events or t > self.support_events[0].t else None
+        return None
 
     def _beside(self, t: float) -> Iterator[Floats]:
         """Reactions (m,) amid the segments that end or begin at t, or are about it."""

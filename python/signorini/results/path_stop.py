@@ -11,11 +11,7 @@ from signorini.base.brief import Brief
 from signorini.contact.answer import Answer
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
-from signorini.errors import point
-from signorini.results.support_result import support_result
-
-_MOST_POINTS = 3
-"""Points of one support named at an event."""
+from signorini.results.support_result import SupportResult, support_result
 
 
 @dataclass(frozen=True)
@@ -54,6 +50,10 @@ class PathStop(Brief):
         Total of every support, positive when it pushes the plate up.
     closed, counts : (s,) arrays
         Closed points of every support from here on, and how many points it has.
+    parts : (s,) array
+        The part of every support that is closed from here on, by points, length or area.
+    contact_areas, max_pressures : (s,) arrays
+        Of areas; else NaN.
     deflections : (q,) array
         At the model's probes.
     largest, smallest : float
@@ -69,6 +69,9 @@ class PathStop(Brief):
     reactions: Floats
     closed: Ints
     counts: Ints
+    parts: Floats
+    contact_areas: Floats
+    max_pressures: Floats
     deflections: Floats
     largest: float
     smallest: float
@@ -81,17 +84,6 @@ class PathStop(Brief):
     def utmost(self) -> float:
         """The extreme of the deflection that is larger in size, negative where the plate lifts most."""
         return self.smallest if -self.smallest > self.largest else self.largest
-
-    @property
-    def event(self) -> str:
-        """What opens and closes here, in words; empty at the beginning and at the end."""
-        said = []
-        for name, change in dict.fromkeys((switch.support, switch.change) for switch in self.switched):
-            places = [switch.at for switch in self.switched if (switch.support, switch.change) == (name, change)]
-            some = " ".join(point(at) for at in places[:_MOST_POINTS])
-            more = f" and {len(places) - _MOST_POINTS} more" if len(places) > _MOST_POINTS else ""
-            said.append(f"{name} {change} at {some}{more}")
-        return "; ".join(said)
 
 
 def switches(found: Discretisation, points: Ints, answer: Answer) -> tuple[Switch, ...]:
@@ -130,6 +122,9 @@ def path_stop(
         np.array([support.reaction for support in supports]),
         np.array([support.closed_count for support in supports]),
         np.array([len(support.closed) for support in supports]),
+        np.array([_part(support) for support in supports]),
+        np.array([support.contact_area for support in supports], dtype=np.float64),
+        np.array([support.max_pressure for support in supports], dtype=np.float64),
         np.einsum("qi,qi->q", values, deflection[elements]),
         float(deflection[most]),
         float(deflection[least]),
@@ -138,3 +133,9 @@ def path_stop(
         float(works.sum()),
         float(np.abs(works).sum()),
     )
+
+
+def _part(support: SupportResult) -> float:
+    """The part of a support that is closed; 1 of what acts nowhere."""
+    whole = float(support.weights.sum())
+    return 1.0 if support.closed.all() else float(support.weights[support.closed].sum()) / whole

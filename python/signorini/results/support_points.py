@@ -63,10 +63,11 @@ class SupportPoints:
         contacts, parts = found.points, found.parts[index]
         nodes, springs, rows = parts.nodes, parts.springs, parts.rows
         share = 1.0 / np.bincount(found.held.holders[:, 0], minlength=found.mesh.node_count)[nodes]
-        points = contacts.pick(rows[0])
-        elements, places, weight, shares = points.rows.elements, points.positions, points.weights, None
-        if (points.shared >= 0).any():
-            elements, shares = _shares(points.shared, points.weights)
+        first = rows[0]
+        elements, places, weight = contacts.rows.elements[first], contacts.positions[first], contacts.weights[first]
+        shared, shares = contacts.shared[first], None
+        if (shared >= 0).any():
+            elements, shares = _shares(shared, weight)
             # An element is where its mean is, which comes before points that it shares.
             places = places[shares.indices[shares.indptr[:-1]]]
             weight = shares @ weight

@@ -45,6 +45,8 @@ class Singularity:
     source : str
         The support's name, the load case, or "plate".
     line : bool
+    limited : bool
+        Whether it has a limit, of which elements of this size know nothing: a footprint smaller than they are.
     within : float
         How far from there numbers are taken for its peak: the plate's thickness.
     """
@@ -55,10 +57,15 @@ class Singularity:
     advice: str
     source: str
     line: bool = False
+    limited: bool = False
     within: float = 0.0
 
     def __str__(self) -> str:
         """Say it in a sentence."""
+        if self.limited:
+            return (
+                f"{self.what} acts as a point on this mesh: {_listed(self.numbers)} at it are too small. {self.advice}"
+            )
         have = "have" if len(self.numbers) > 1 else "has"
         return f"{self.what}: {_listed(self.numbers)} {have} no limit as the mesh is refined. {self.advice}"
 
@@ -69,6 +76,9 @@ _AROUND = 1e-5
 _ALIKE = 1e-3
 """Part of the thickness by which it may vary around there without a jump."""
 _EIGHT = np.array([[np.cos(a), np.sin(a)] for a in np.radians(22.5 + 45.0 * np.arange(8))])
+_RESOLVED = 0.5
+"""Part of the element around it that a footprint is at least: a mesh line follows its sides then. Under a third of an
+element moments are a fifth too small, under a tenth a third."""
 _MOST_PLACES = 6
 """Places that a sentence names; results.json has all."""
 
@@ -102,13 +112,13 @@ def singularities(found: Discretisation, cases: Collection[str] | None = None) -
 def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     """Which nodes (n,) are no part of a peak of "moment", "shear" or another number without a limit.
 
-    They are farther than ``within`` from where it has none. Nodes of larger elements there stay, although their values
-    are partly of what is there: to leave them out would leave out more of the plate the coarser its mesh is. Where no
-    node is left, all are.
+    They are farther than ``within`` from where it has none, however fine the mesh. Nodes of larger elements there stay,
+    although their values are partly of what is there: to leave them out would leave out more of the plate the coarser
+    its mesh is. Where no node is left, all are.
     """
     from scipy.spatial import KDTree
 
-    those = [one for one in named if number in one.numbers and one.where and not one.line]
+    those = [one for one in named if number in one.numbers and one.where and not one.line and not one.limited]
     if not those:
         return np.ones(mesh.node_count, np.bool_)
     places = np.array([at for one in those for at in one.where])
@@ -141,15 +151,19 @@ def _of_loads(found: Discretisation, case: str) -> Iterator[Singularity]:
                 kind = "Couple" if couple else "Force"
                 numbers = ("deflection", *(("rotation",) if couple else ()), "moment", "shear")
                 yield Singularity(load.at, f"{kind} at a point of {place}", numbers, _FOOTPRINT, case)
+        elif load.at is not None:
+            yield from _unresolved(found, load.at, _width(load), place, case)
         elif load.line_load is not None and (ends := _ends_of_load(found, load)):
             what = f"End or corner of the line load of {place}"
             yield Singularity(ends, what, ("shear",), "Take shears from beside it.", case)
     for moving in found.model.moving:
         travelled = moving.positions.get(case)
-        if travelled is not None and moving.patch is None:
+        if travelled is not None:
             wheels = np.array([at for at, _, _ in moving.wheels(travelled)])
             on = found.mesh.locate(wheels).inside
-            if on.any():
+            if moving.patch is not None:
+                yield from _unresolved(found, wheels, max(moving.patch), f"wheels of {moving.case}", case)
+            elif on.any():
                 places = _points(wheels[on])
                 numbers = ("deflection", "moment", "shear")
                 yield Singularity(places, f"Wheels of {moving.case}", numbers, "Give them a patch.", case)
@@ -165,6 +179,8 @@ def _of_supports(found: Discretisation) -> Iterator[Singularity]:
                 numbers += () if determinate else ("reaction",)
                 advice = "Clamp an edge or a line." if slopes else _FOOTPRINT
                 yield Singularity(support.at, f"{support.name} at a point", numbers, advice, support.name)
+            else:
+                yield from _unresolved(found, support.at, _width(support), support.name, support.name)
             continue
         yield from _of_outline(found, support)
         steps = any(level.jumps for one in (support.settlement, support.gap) for level in one.levels)
@@ -172,6 +188,21 @@ def _of_supports(found: Discretisation) -> Iterator[Singularity]:
             what = f"Step of the settlement or gap of {support.name}"
             numbers = ("moment", "shear", "pressure", "reaction")
             yield Singularity((), what, numbers, "Give it a ramp, or the support a stiffness.", support.name)
+
+
+def _unresolved(
+    found: Discretisation, at: Sequence[tuple[float, float]] | Floats, size: float, name: str, source: str
+) -> Iterator[Singularity]:
+    """Footprints about points that are much smaller than the elements that they are in."""
+    places = np.array(at).reshape(-1, 2)
+    here = found.mesh.locate(places)
+    coarse = here.inside & (size < _RESOLVED * np.sqrt(found.mesh.element_area[here.elements]))
+    if coarse.any():
+        what, advice = (
+            f"The footprint of {name}, {size:.3g} wide,",
+            f"Take elements of {0.5 * size:.2g} there (mesh.refine).",
+        )
+        yield Singularity(_points(places[coarse]), what, ("moment", "shear"), advice, source, limited=True)
 
 
 def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity]:
@@ -353,6 +384,11 @@ def _bends(back: Floats, on: Floats) -> bool:
 def _around(center: tuple[float, float], radius: float) -> Floats:
     turn = 2 * np.pi * np.arange(_TURN) / _TURN
     return np.asarray(center + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
+
+
+def _width(item: Load | Support) -> float:
+    """The longer side of an item's footprint."""
+    return 2.0 * item.radius if item.radius is not None else max(item.patch or (0.0,))
 
 
 def _points(places: Floats) -> tuple[tuple[float, float], ...]:

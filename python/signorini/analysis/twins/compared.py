@@ -64,7 +64,7 @@ def compared(
         values,
         meshes.sizes,
         meshes.own,
-        FASTEST_OF_POINTS if acts_at_points(model) else FASTEST,
+        FASTEST_OF_POINTS if acts_at_points(model) or any(one.limited for one in singular) else FASTEST,
         beside(paths, np.abs(values[0] - values[1])),
         np.array([largest(path, value) for path, value in own.items()]),
         np.array([not may_grow(path, trees[meshes.own], singular, meshes.reach) for path in paths], np.bool_),

@@ -106,22 +106,28 @@ def acts_at_points(model: Model) -> bool:
 def may_grow(path: Path, figures: Mapping[str, Any], singular: Sequence[Singularity], reach: float) -> bool:
     """Whether a number may grow for ever as the mesh is refined: it is of what a singularity within reach is named for.
 
-    Of supports it is one of their own, of envelopes one anywhere.
+    Of supports it is one of their own, of envelopes one anywhere. Where supports at points give way the whole plate
+    moves, and extremes of the deflection are wherever they are.
     """
+    supports = {support["name"] for support in figures["supports"]}
     kind = "pressure" if "max_pressure" in path else kind_of(path)
     if path[0] == "probes" and isinstance(path[2], str):
         kind = _FIELD_OF.get(path[2], kind)
     for one in singular:
+        if "deflection" in one.numbers and one.source in supports and kind in ("deflection", "rotation"):
+            return True
         if kind not in one.numbers:
             continue
-        if path[0] == "fields" or (path[0] == "supports" and one.source == figures["supports"][path[1]]["name"]):
+        if path[0] in ("fields", "deflection") or (
+            path[0] == "supports" and one.source == figures["supports"][path[1]]["name"]
+        ):
             return True
-        if path[0] == "probes" and _away(figures["probes"][path[1]]["at"], one) <= max(reach, one.within):
+        if path[0] == "probes" and away(figures["probes"][path[1]]["at"], one) <= max(reach, one.within):
             return True
     return False
 
 
-def _away(at: Sequence[float], singularity: Singularity) -> float:
+def away(at: Sequence[float], singularity: Singularity) -> float:
     """Distance of a point from a singularity."""
     where = singularity.where
     if not singularity.line:

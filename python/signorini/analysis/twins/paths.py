@@ -19,7 +19,7 @@ from signorini.contact.problem import ContactProblem
 from signorini.errors import SignoriniError
 from signorini.results.estimate import Estimate, PathEstimate
 from signorini.results.load_path import LoadPath
-from signorini.results.path_stop import Switch
+from signorini.results.path_events import PathEvent, crossings
 from signorini.results.result import Result
 
 
@@ -43,15 +43,14 @@ class PathTwins(Remade):
         return self.twins.others(self.follow, several=True)
 
     def estimate(self, path: LoadPath) -> PathEstimate:
-        """Compare the events of a path: by support, what opens or closes, place, and how often before."""
+        """Compare the events of a path: by support, what it does, of points where, and how often before."""
         others, warning = self.paths
         if not others:
-            return PathEstimate(None, ((),) * len(path.stops), (), (warning,))
+            return PathEstimate(None, (None,) * len(path.support_events), (), (warning,))
         meshes = Meshes.of(path.mesh, [other.mesh for other in others])
         every = [next(one for one in (path, *others) if one.mesh is mesh) for mesh in meshes.every]
-        switched = [list(_occurrences(one)) for one in every]
-        own = switched[meshes.own]
-        t = [[_matching(one, found, meshes.reach) for one in own] for found in switched]
+        own = list(_occurrences(path))
+        t = [[_matching(event, count, one, meshes.reach) for event, count in own] for one in every]
         values = np.array(
             [[*row, path_.end if path_.ending == path.ending else np.nan] for row, path_ in zip(t, every, strict=True)]
         )
@@ -60,11 +59,10 @@ class PathTwins(Remade):
         size = np.abs(values[meshes.own])
         widths = half_widths(values, meshes.sizes, meshes.own, fastest, none, size, none == 0)[0]
         *of_events, end = (rounded(width) for width in widths.tolist())
-        left = iter(of_events)
-        stops = tuple(tuple(next(left) for _ in stop.switched) for stop in path.stops)
         # Where equilibrium ends the outlines of the supports say, and where the user asked to.
-        exact = path.ending in ("no_equilibrium", "until")
-        return PathEstimate(0.0 if exact else end, stops, meshes.elements, ())
+        # If nothing opens or closes any more it is any t beyond.
+        ends = {"no_equilibrium": 0.0, "until": 0.0, "no_more_events": None}
+        return PathEstimate(ends.get(path.ending, end), tuple(of_events), meshes.elements, ())
 
     def estimate_at(self, t: float, result: Result) -> Estimate:
         """Compare a result at some t."""
@@ -79,22 +77,27 @@ class PathTwins(Remade):
         return compare(result, found) if found else Estimate(None, (), (warning,))
 
 
-def _occurrences(path: LoadPath) -> Iterator[tuple[Switch, int, float]]:
-    """Every point that opens or closes, how often it has done so before, and its t."""
-    before: dict[Switch, int] = {}
-    for stop in path.stops:
-        for switch in stop.switched:
-            yield switch, before.get(switch, 0), stop.t
-            before[switch] = before.get(switch, 0) + 1
+def _occurrences(path: LoadPath) -> Iterator[tuple[PathEvent, int]]:
+    """Every event, and how often the same has happened before."""
+    before: dict[tuple[object, ...], int] = {}
+    for event in path.support_events:
+        where = event.at if event.change in ("opens", "closes") else event.closed * (event.change == "part closed")
+        same = event.support, event.change, event.opening, where
+        yield event, before.get(same, 0)
+        before[same] = before.get(same, 0) + 1
 
 
-def _matching(one: tuple[Switch, int, float], found: list[tuple[Switch, int, float]], reach: float) -> float:
-    """The t at which the same happens on another mesh, at the nearest point; NaN where nothing like it does."""
-    switch, count, _ = one
+def _matching(event: PathEvent, count: int, path: LoadPath, reach: float) -> float:
+    """The t at which the same happens on another mesh, of points at the nearest one; NaN where nothing like it does."""
+    if event.change not in ("opens", "closes"):
+        index = [support.name for support in path.model.support].index(event.support)
+        found = crossings(path.stops, index, event)
+        return found[count] if count < len(found) else math.nan
+    assert event.at is not None  # it is a point
     alike = [
-        (math.dist(switch.at, other.at), abs(times - count), t)
-        for other, times, t in found
-        if (other.support, other.closes) == (switch.support, switch.closes)
+        (math.dist(event.at, other.at), abs(times - count), other.t)
+        for other, times in _occurrences(path)
+        if other.at is not None and (other.support, other.change) == (event.support, event.change)
     ]
     distance, times, t = min(alike, default=(math.inf, 0, math.nan))
     return t if distance <= reach and times == 0 else math.nan

@@ -1,0 +1,113 @@
+"""Does anything grow for ever without a name? Random plates with points, on four meshes each of half the size.
+
+Of every plate the numbers of results.json, and the largest moments and shears at nodes away from all places that are
+named for them, by two elements of the first mesh or `within`. What grows on all three steps, by the rule of
+signorini.analysis.twins.half_width, has to be named: on fewer, what a boundary layer does grows too while elements are
+larger than the plate is thick.
+
+    python benchmarks/singular_numbers.py [--count 100] [--first 700000] [--along 8 12] [--seconds 3600]
+    python benchmarks/singular_numbers.py --check        a few, to see that the script works
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import signal
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
+import half_width_coverage
+
+from signorini import SignoriniError, solve
+from signorini.analysis.twins.half_width import FASTEST, half_widths
+from signorini.analysis.twins.leaves import acts_at_points, away, kind_of, largest_of, leaves, may_grow
+from signorini.analysis.twins.meshes import side
+from signorini.results.figures import figures
+
+_TOO_LONG = 30
+
+
+class Late(BaseException):
+    """A plate took too long."""
+
+
+def _late(number, frame):
+    raise Late
+
+
+def unnamed(seed, along):
+    """Numbers of a plate that grow without a name; None where there is no such plate, or no answer."""
+    try:
+        model = half_width_coverage.plate(seed, *along)
+        if not acts_at_points(model):
+            return None
+        first = model.effective_combinations[0]
+        model = model.model_copy(update={"combination": (first,)})
+        meshes = [model.plate.scaled(model.mesh, factor) for factor in (0.125, 0.25, 0.5, 1.0)]
+        results = [solve(model.model_copy(update={"mesh": mesh}))[first.name] for mesh in meshes]
+    except SignoriniError:
+        return None
+    if any(result.status != "solved" for result in results):
+        return None
+    sizes = [side(result.mesh) for result in results]
+    reach, own = 2.0 * sizes[-1], results[-1]
+    largest = largest_of(own, max((support.gaps.max(initial=0.0) for support in own.supports), default=0.0))
+    trees = [figures(result) for result in results]
+    found = [leaves(tree) for tree in trees]
+    limited = [path for path in found[-1] if not may_grow(path, trees[-1], own.singular, reach)]
+    rows = [
+        (".".join(map(str, path)), largest[kind_of(path)], [of.get(path, np.nan) for of in found]) for path in limited
+    ]
+    for kind in ("moment", "shear"):
+        peaks = [_peak(result, kind, reach) for result in results]
+        rows.append((f"largest {kind} at {peaks[0][1]}", largest[kind], [peak for peak, _ in peaks]))
+    values, none = np.array([row[2] for row in rows]).T, np.zeros(len(rows))
+    size = np.array([row[1] for row in rows])
+    steps = ((values[k : k + 3], sizes[k : k + 3]) for k in (0, 1))
+    growing = np.all([half_widths(*step, 2, FASTEST, none, size, none > 0)[1] for step in steps], axis=0)
+    return [f"{row[0]}: {row[2][::-1]}" for row, grows in zip(rows, growing, strict=True) if grows]
+
+
+def _peak(result, kind, reach):
+    """The largest of a field at nodes away from what is named for it, and where."""
+    named = [one for one in result.singular if kind in one.numbers]
+    points = result.mesh.points
+    far = np.array([min((away(at, one) - max(reach, one.within) for one in named), default=1.0) > 0 for at in points])
+    size = np.where(far, np.abs(getattr(result, kind)).max(axis=1), 0.0)
+    return float(size.max()), points[size.argmax()].round(6).tolist()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=100, help="plates with points and an answer")
+    parser.add_argument("--first", type=int, default=700_000)
+    parser.add_argument("--along", type=int, nargs=2, default=[8, 12], help="elements along a side, at least and most")
+    parser.add_argument("--seconds", type=float, default=math.inf, help="begin no plate after so long")
+    parser.add_argument("--check", action="store_true")
+    asked = parser.parse_args()
+    signal.signal(signal.SIGPROF, _late)
+    plates, late, guilty, begun, seed = 0, 0, 0, time.monotonic(), asked.first
+    while plates < (3 if asked.check else asked.count) and time.monotonic() - begun < asked.seconds:
+        signal.setitimer(signal.ITIMER_PROF, _TOO_LONG)
+        try:
+            found = unnamed(seed, asked.along)
+        except Late:
+            found, late = None, late + 1
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        plates += found is not None
+        guilty += bool(found)
+        for line in found or ():
+            print(f"seed {seed}, {line}", flush=True)
+        seed += 1
+    print(
+        f"{plates} plates with points, {guilty} with numbers that grow without a name; {late} took over {_TOO_LONG} s"
+    )
+
+
+if __name__ == "__main__":
+    main()
