@@ -71,14 +71,14 @@ class Singularity:
 
 
 _FOOTPRINT = "Give it a footprint, patch or radius."
-_RESOLVED = 0.5
-"""Part of the element around it that a footprint is at least: a mesh line follows its sides then. Under a third of an
-element moments are a fifth too small, under a tenth a third."""
 _AROUND = 1e-5
 """Part of the plate's size at which it is looked around a corner of a zone."""
 _ALIKE = 1e-3
 """Part of the thickness by which it may vary around there without a jump."""
 _EIGHT = np.array([[np.cos(a), np.sin(a)] for a in np.radians(22.5 + 45.0 * np.arange(8))])
+_RESOLVED = 0.5
+"""Part of the element around it that a footprint is at least: a mesh line follows its sides then. Under a third of an
+element moments are a fifth too small, under a tenth a third."""
 _MOST_PLACES = 6
 """Places that a sentence names; results.json has all."""
 
