@@ -239,3 +239,20 @@ def test_a_load_path_and_its_states_know_zones():
     assert found.events
     again = solve(slab(THICK, support=points, load=loads, combination=[{"factors": {"G": 1, "Q": 0.02}}]))
     assert found.at(0.02).deflection == approx(again["combination 1"].deflection, rel=1e-8, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "area",
+    [
+        {"circle": {"center": [1.23, 1.3], "radius": 1e-3}},
+        {"rectangle": [1.23, 0, 1.23 + 1e-8, 4]},
+    ],
+)
+def test_a_zone_too_small_to_be_seen_changes_nothing(area):
+    plate = {"shape": "rectangle", "size": [6, 4], "thickness": 0.2}
+    rest = {"mesh": {"divisions": [12, 8], "error": False}, "support": [{"edge": ["left", "right"], "fix": "simple"}]}
+    rest |= {"material": {"E": 30e9, "nu": 0.2}, "plate": plate, "load": [{"pressure": 5e3}]}
+    (bare,) = solve(Model(**rest)).values()
+    (found,) = solve(Model(**rest, zone=[{"area": area, "thickness": 0.1}])).values()
+    # The mesh follows the strip.
+    assert found.deflection.max() == approx(bare.deflection.max(), rel=2e-3)
