@@ -263,12 +263,12 @@ def test_the_sizes_of_other_meshes() -> None:
         mesh = discretise(model).mesh
         return [[twin.model.mesh.divisions for twin in pair] for pair in twins_of(model, mesh)]
 
-    assert others(4, 6) == [[(8, 12), (16, 24)], [(8, 12), (2, 3)], [(2, 3), (1, 2)]]
-    assert others(24, 24) == [[(48, 48), (12, 12)], [(12, 12), (6, 6)]]
-    assert others(33, 40) == [[(66, 80), (17, 20)], [(17, 20), (9, 10)]]
+    assert others(4, 6) == [[(8, 12), (16, 24)], [(8, 12), (2, 3)], [(2, 3), (1, 2)], [(8, 12)]]
+    assert others(24, 24) == [[(48, 48), (12, 12)], [(12, 12), (6, 6)], [(48, 48)]]
+    assert others(33, 40) == [[(66, 80), (17, 20)], [(17, 20), (9, 10)], [(66, 80)]]
     assert others(50, 60, accuracy=0.01)[0] == [(100, 120), (25, 30)]
     assert others(50, 60) == [[(25, 30), (13, 15)]]
-    assert others(1, 3) == [[(2, 6), (4, 12)], [(2, 6)]]
+    assert others(1, 3) == [[(2, 6), (4, 12)], [(2, 6)], [(2, 6)]]
 
 
 def test_plates_read_from_a_file_are_divided_on_request(tmp_path: Path) -> None:
@@ -350,6 +350,30 @@ def test_rows_of_a_table_and_its_envelope_have_half_widths(tmp_path: Path) -> No
     widths = envelope["plus_minus"]
     assert widths["supports"][2]["reaction"]["max"] == pytest.approx(max(found["reaction:wall:plus_minus"]), rel=0.5)
     assert all(same_shape(envelope[key], widths[key]) for key in ("fields", "supports", "probes"))
+
+
+def test_rows_of_a_table_whose_lines_leave_no_coarser_mesh_are_compared_with_a_finer_one() -> None:
+    pads = [[x, y] for x in (0.5, 1.5, 2.5, 3.5) for y in (0.5, 1.5, 2.5, 3.5)]
+    results = signorini.solve(
+        rectangular(
+            mesh={"size": 0.5},
+            support=[{"edge": EDGES, "fix": "simple"}],
+            load=[{"case": "Q", "force": 1e3, "at": pads, "patch": [0.5, 0.5]}],
+            combination=[{"name": "Q", "factors": {"Q": 1.0}}],
+            output={"combinations": "table"},
+        )
+    )
+    assert results.no_others == "" and len(results.others) > 0
+    (table,) = [results_json(results)["table"]]
+    assert table["warnings"] == []
+
+
+def test_rows_of_a_table_without_half_widths_say_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("signorini.analysis.twins.twins.twins_of", lambda *_: iter(()))
+    results = signorini.solve(slab(output={"combinations": "table"}))
+    assert results_json(results)["table"]["warnings"] == [
+        "No half-width (±) says how far the mesh is from the plate; a finer mesh would take too long."
+    ]
 
 
 def test_every_event_of_a_path_and_its_end_have_half_widths() -> None:

@@ -194,14 +194,23 @@ class Results(States[str], Mapping[str, Result]):
         for result in self.full.values():
             _ = result.asked_estimate
         if self.model.estimated and self.model.tabulated:
-            self.__dict__["others"] = self._on_other_meshes(table)
+            self.__dict__["_compared"] = self._on_other_meshes(table)
 
-    @cached_property
+    @property
     def others(self) -> tuple[tuple[Combined, Mesh], ...]:
         """What is known of all combinations together on other meshes, and these; none where none are asked for."""
-        return self._on_other_meshes(None) if self.model.estimated else ()
+        return self._compared[0]
 
-    def _on_other_meshes(self, table: str | os.PathLike[str] | None) -> tuple[tuple[Combined, Mesh], ...]:
+    @property
+    def no_others(self) -> str:
+        """Why there are no other meshes, where they are asked for; empty where there are."""
+        return self._compared[1]
+
+    @cached_property
+    def _compared(self) -> tuple[tuple[tuple[Combined, Mesh], ...], str]:
+        return self._on_other_meshes(None) if self.model.estimated else ((), "")
+
+    def _on_other_meshes(self, table: str | os.PathLike[str] | None) -> tuple[tuple[tuple[Combined, Mesh], ...], str]:
         files: list[FilePath] = []
 
         def solved(problem: ContactProblem, watcher: Watcher) -> tuple[Combined, Mesh]:
@@ -211,13 +220,13 @@ class Results(States[str], Mapping[str, Result]):
             return found
 
         try:
-            found, _ = self.twins.others(solved, several=True)
+            found, why = self.twins.others(solved, several=True)
             if table is not None and found:
                 self._widen(FilePath(table), files, [mesh for _, mesh in found])
         finally:
             for file in files:
                 file.unlink()
-        return tuple(found)
+        return tuple(found), why
 
     def _widen(self, table: FilePath, files: Sequence[FilePath], others: Sequence[Mesh]) -> None:
         # Only this function needs pyarrow.

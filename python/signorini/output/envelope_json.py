@@ -51,6 +51,8 @@ def table_warnings(results: Results) -> Iterator[str]:
     if extremes is not None:
         down = extremes.largest >= -extremes.smallest
         yield from too_far(results.discretisation, np.where(down, extremes.largest, extremes.smallest))
+    if results.no_others:
+        yield results.no_others
 
 
 def envelope_json(results: Results, group: str = "") -> dict[str, Any] | None:

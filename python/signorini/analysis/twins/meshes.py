@@ -66,6 +66,9 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
         yield (_twin(model, mesh, 0.5), *(_twin(model, mesh, 2.0) for _ in range(along > 1)))
     if along > 1:
         yield _twin(model, mesh, 2.0), _twin(model, mesh, 4.0)
+    if 4 * count <= _CHEAP:
+        # Lines that the mesh follows may leave no larger elements.
+        yield (_twin(model, mesh, 0.5),)
 
 
 _WORDS = {0.25: "a quarter of its size", 0.5: "half its size", 2.0: "twice its size", 4.0: "four times its size"}
