@@ -256,3 +256,22 @@ def test_a_zone_too_small_to_be_seen_changes_nothing(area):
     (found,) = solve(Model(**rest, zone=[{"area": area, "thickness": 0.1}])).values()
     # The mesh follows the strip.
     assert found.deflection.max() == approx(bare.deflection.max(), rel=2e-3)
+
+
+def test_rows_that_cannot_follow_a_border_give_way_to_elements_that_do():
+    circle = {"area": {"circle": {"center": [4, 3], "radius": 1.3}}, "thickness": 0.4}
+    skew = {"area": {"polygon": [[3, 2], [5, 2.3], [4.5, 4.2]]}, "thickness": 0.4}
+    for zone in (circle, skew):
+        model = slab(zone, mesh={"size": 0.5})
+        assert model.divisions is None and not discretise(model).zones.parted.any()
+        counted, quadratic = slab(zone), slab(zone, mesh={"size": 0.5}, plate={"element": "q8r"})
+        assert counted.divisions == quadratic.divisions == (16, 12) and discretise(counted).zones.parted.any()
+        followed, cut = (solve(one)["all"].deflection.max() for one in (model, counted))
+        assert followed == approx(cut, rel=0.02)
+    disc = {"shape": "disc", "radius": 3, "thickness": 0.2}
+    rim = {"plate": disc, "support": [{"edge": "rim"}], "load": [{"pressure": 1e3}]}
+    zone = {"area": {"circle": {"radius": 2}}, "thickness": 0.4}
+    model = Model(material=CONCRETE, zone=[zone], **rim)
+    assert model.divisions is None and not discretise(model).zones.parted.any()
+    result = solved(circle, mesh={"size": 0.5})
+    assert result.certificate.passed and result.plus_minus["deflection"]["max"] < 0.02 * result.deflection.max()

@@ -81,8 +81,8 @@ def refined(model: Model, results: Mapping[str, Result], steps: Sequence[Refined
             "a footprint or mesh.refine."
         )
     shrinking = float(np.clip((reached.worst / asked) ** (1 / ORDER), _LEAST, _MOST))
-    mesh = plate.scaled(model.mesh, 1 / shrinking)
-    if isinstance(plate, RectanglePlate) and plate.divisions(model.mesh) is not None:
+    mesh = plate.scaled(model.mesh, 1 / shrinking, model.divisions)
+    if isinstance(plate, RectanglePlate) and model.divisions is not None:
         solved = [result for result in results.values() if result.status == "solved"]
         mesh = _graded(plate, solved, shrinking)
     count = math.ceil(reached.elements * shrinking**2)

@@ -53,7 +53,7 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
         return _read(model, plate, mesh)
     if mesh is not None:
         return mesh, model
-    divisions = plate.divisions(model.mesh)
+    divisions = model.divisions
     if divisions is None:
         made = _outlined(model, plate)
         require_memory(len(made.elements), ("mesh",))

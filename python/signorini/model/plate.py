@@ -26,6 +26,7 @@ from signorini.model.contour import Corners, Holes, contour
 from signorini.model.meshoptions import MeshOptions
 from signorini.model.problems import BRANCHES
 from signorini.model.words import describe
+from signorini.shapes import Region
 from signorini.shapes.contours import Contour, circle, sector, straight
 
 _DEFAULT_ALONG = 20
@@ -187,8 +188,12 @@ class OutlinedPlate(_Plate):
         """Least numbers of elements along the two directions."""
         return 1, 1
 
-    def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
-        """Mesh options for elements larger by a factor, as far as there are enough of them."""
+    def follows(self, border: Region) -> bool:
+        """Whether a mesh of the plate can have a border for its lines."""
+        return True
+
+    def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
+        """Mesh options for elements larger by a factor, as far as there are enough of them, in rows if they are so."""
         refine = tuple(one.model_copy(update={"size": one.size * factor}) for one in mesh.refine)
         return MeshOptions(size=self.element_size(mesh) * factor, refine=refine)
 
@@ -215,15 +220,19 @@ class _PatternedPlate(OutlinedPlate):
         first, second = (max(count, least) for count, least in zip(counts, self.fewest, strict=True))
         return first, second
 
-    def scaled(self, mesh: MeshOptions, factor: float) -> MeshOptions:
-        """Mesh options for elements larger by a factor, as far as there are enough of them."""
-        scaled, divisions = super().scaled(mesh, factor), self.divisions(mesh)
+    def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
+        """Mesh options for elements larger by a factor, as far as there are enough of them, in rows if they are so."""
+        scaled = super().scaled(mesh, factor, divisions)
         if divisions is None:
             return scaled
         first, second = (
             max(math.ceil(count / factor), least) for count, least in zip(divisions, self.fewest, strict=True)
         )
         return scaled.model_copy(update={"divisions": (first, second), "size": None})
+
+    def follows(self, border: Region) -> bool:
+        """Whether a mesh of the plate can have a border for its lines: circles around the centre seldom have room."""
+        return False
 
     @abstractmethod
     def _lengths(self) -> tuple[float, float]:
@@ -249,6 +258,11 @@ class RectanglePlate(_PatternedPlate):
         (x, y), (a, b) = self.origin, self.size
         corners = ((x, y), (x + a, y), (x + a, y + b), (x, y + b))
         return straight(corners, ("bottom", "right", "top", "left"))
+
+    def follows(self, border: Region) -> bool:
+        """Whether a mesh of the plate can have a border for its lines: rows have lines along the axes alone."""
+        ends = border.outline.segments
+        return not len(border.outline.circles) and bool((ends[:, 0] == ends[:, 1]).any(axis=1).all())
 
     def _lengths(self) -> tuple[float, float]:
         return self.size

@@ -93,6 +93,19 @@ class Model(Table):
         return (self.material, *(zone.material for zone in self.zone if zone.material is not None))
 
     @property
+    def divisions(self) -> tuple[int, int] | None:
+        """Numbers of elements in rows; None where they fill the outline as they fit.
+
+        They do so where rows cannot follow the border of a zone, unless they are counted or of an element that has no
+        triangles.
+        """
+        plate, rows = self.plate, self.mesh.divisions is not None
+        if isinstance(plate, MeshPlate):
+            return None
+        rows |= plate.element == "q8r" or all(plate.follows(zone.region) for zone in self.zone)
+        return plate.divisions(self.mesh) if rows else None
+
+    @property
     def young(self) -> float:
         """Young's modulus, the largest there is."""
         return max(material.young for material in self.materials)
@@ -152,7 +165,7 @@ class Model(Table):
             for key in [*self.mesh.given(("divisions", "size", "accuracy")), *(["refine"] if self.mesh.refine else [])]:
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
             return
-        divisions = self.plate.divisions(self.mesh)
+        divisions = self.divisions
         if divisions is None:
             if self.mesh.divisions is not None:
                 shape = self.plate.shape

@@ -46,7 +46,7 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
     Where several loads are to be solved, coarser ones are preferred on smaller plates too.
     """
     count, plate = len(mesh.elements), model.plate
-    divisions = None if isinstance(plate, MeshPlate) else plate.divisions(model.mesh)
+    divisions = model.divisions
     if isinstance(plate, MeshPlate) or (divisions is None and mesh.spanning.any() and count <= _CHEAP):
         # Where the outline alone says how large elements are, meshes of other sizes have the same ones.
         yield tuple(
@@ -76,7 +76,8 @@ _WORDS = {0.25: "a quarter of its size", 0.5: "half its size", 2.0: "twice its s
 
 def _twin(model: Model, mesh: Mesh, factor: float) -> Twin:
     assert not isinstance(model.plate, MeshPlate)
-    return Twin(model.model_copy(update={"mesh": model.plate.scaled(model.mesh, factor)}), None, _WORDS[factor])
+    scaled = model.plate.scaled(model.mesh, factor, model.divisions)
+    return Twin(model.model_copy(update={"mesh": scaled}), None, _WORDS[factor])
 
 
 def _divided(model: Model, mesh: Mesh, factor: float) -> Twin:
