@@ -11,7 +11,9 @@ from signorini.contact.problem import contact_problem
 from signorini.discretise import discretise
 from signorini.equilibrium.balance import rigid_freedom
 from signorini.equilibrium.limits import nearest_limit
+from signorini.model.output import Output
 from signorini.results.marks import load_marks, support_marks
+from signorini.results.result import vtk_fields
 
 HARD = {"edge": ["left", "right", "bottom", "top"], "fix": "hard"}
 FOOTPRINTS = [{"patch": [0.7, 0.5]}, {"radius": 0.33}, {"patch": [0.02, 0.05]}, {"patch": [2.2, 3.1]}, {}]
@@ -234,6 +236,13 @@ def test_a_footprint_beyond_the_plate_is_refused_with_its_place(item, at, others
         discretise(rectangular(support=support, load=load))
 
 
+def test_points_off_the_plate_and_footprints_beyond_it_are_told_together():
+    pads = {"at": [[9, 2], [2, 2], [0.1, 2]], "patch": [0.5, 0.5], "resists": "down"}
+    with pytest.raises(InputError) as told:
+        discretise(rectangular(support=[HARD, pads], load=[{"pressure": 1e3}]))
+    assert [part.place for part in told.value.parts] == ["support[2].at[1]", "support[2].at[3]"]
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
@@ -299,6 +308,18 @@ def test_supports_on_the_same_footprint_share_or_contradict():
     assert shared.supports[1].reaction == pytest.approx(shared.supports[2].reaction, rel=1e-9)
     with pytest.raises(InputError, match="contradict each other"):
         solve(rectangular(support=[left, here, here | {"settlement": 1e-3}], load=[{"pressure": 1e3}]))
+
+
+@pytest.mark.parametrize("how", [{"fix": "simple"}, {"resists": "down"}, {"stiffness": 1e8}])
+def test_reactions_of_footprints_are_no_forces_on_nodes(how, tmp_path):
+    """Spread over the mesh by its shape functions they would pull at some nodes."""
+    model = rectangular(support=[{"name": "pads", "at": AT, "patch": [0.7, 0.5]} | how], load=[{"pressure": 1e3}])
+    result = solve(model)["all"]
+    assert result.reactions["pads"] == pytest.approx(16e3)
+    assert not result.nodal_reaction.any()
+    table = solve(model.model_copy(update={"output": Output(combinations="table")}))
+    assert "reaction" not in table.envelope.fields
+    assert "reaction" not in vtk_fields(result)[0]
 
 
 def test_pictures_show_footprints():

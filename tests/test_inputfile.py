@@ -191,7 +191,11 @@ def test_the_mesh_file_is_looked_for_beside_the_input_file(written):
             "slab.toml:11: solver.thickness: unknown key 'thickness'. It belongs in [plate] or [[zone]].",
         ),
         ("[solver]\ntitle = 'x'", "unknown key 'title'. It belongs above the first table."),
-        ("mesh = 3", "load[1].mesh: unknown key 'mesh'. It is a table of its own: [mesh]."),
+        ("mesh = 3", "load[1].mesh: unknown key 'mesh'. It is a table of its own: [mesh], or above the f"),
+        (
+            "plate = { shape = 'disc' }",
+            "load[1].plate: unknown key 'plate'. It is a table of its own: [plate], or",
+        ),
         ("[units]\nlength = 3", "slab.toml:11: units.length: found 3; it must be text in quotes."),
         (
             "[[support]]",

@@ -57,7 +57,17 @@ def keys(node: object) -> object:
 def test_results_json_has_every_key_of_the_contract(results: signorini.Results) -> None:
     found = results_json(results)
     support = dict.fromkeys(
-        ["name", "kind", "reaction", "closed", "open", "contact_area", "max_pressure", "contact_boundary"]
+        [
+            "name",
+            "kind",
+            "reaction",
+            "closed",
+            "open",
+            "contact_area",
+            "max_pressure",
+            "max_tension",
+            "contact_boundary",
+        ]
     )
     ends, beside = ["max", "max_at", "min", "min_at"], ["max_beside", "min_beside"]
     numbers = {
@@ -180,6 +190,21 @@ def bedded() -> signorini.Results:
     pull = {"case": "G", "force": -30, "at": [0, 4]}
     loads = [{"case": "G", "pressure": 5}, pull]
     return signorini.solve(model(support=[soil, grout], load=loads, combination=[{"name": "G", "factors": {"G": 1}}]))
+
+
+@pytest.mark.parametrize("resists", ["up", "both", "down"])
+def test_areas_that_pull_give_their_largest_tension(resists: str) -> None:
+    ties = {"name": "ties", "area": "all", "resists": resists, "stiffness": 1e4}
+    stand = {"name": "stand", "at": [[1, 1], [3, 1], [2, 3]]}
+    results = signorini.solve(model(support=[ties, stand], load=[{"pressure": -5}], combination=[], probe=[]))
+    found = results_json(results)["combinations"][0]
+    support, width = found["supports"][0], found["plus_minus"]["supports"][0]
+    lowest = results["all"].pressure(results["all"].mesh.points).min()
+    assert support["max_tension"] == pytest.approx(-lowest if resists != "down" else 0, rel=0.05)
+    assert (support["max_tension"] > 0) == (resists != "down")
+    assert width["max_tension"] >= 0
+    (row,) = [row for row in csv.DictReader(io.StringIO(reactions_csv(results))) if row["support"] == "ties"]
+    assert float(row["max_tension"]) == support["max_tension"]
 
 
 def test_pressure_and_edge_of_contact_are_in_results_json(bedded: signorini.Results) -> None:

@@ -8,7 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.tri._tricontour import TriContourSet
+from models import rectangular
 
+from signorini import solve
 from signorini.errors import InputError
 from signorini.plot import (
     BalanceMark,
@@ -18,6 +20,7 @@ from signorini.plot import (
     Plan,
     PressureLayer,
     SupportMark,
+    ZoneMark,
     check_picture,
     contour,
     field_picture,
@@ -28,6 +31,7 @@ from signorini.plot import (
     supports,
 )
 from signorini.plot.marks import legend_words
+from signorini.results.panels import support_marks
 from signorini.shapes.tessellation import tessellate
 
 # A square whose right edge bulges, and its neighbour on the left.
@@ -319,6 +323,16 @@ def test_node_numbers_are_drawn_on_request() -> None:
         check_picture(many, numbers=True)
 
 
+def test_the_check_picture_shows_zones_on_the_plate_alone_with_their_numbers() -> None:
+    outline = np.array([[0.2, 0.2], [3.0, 0.2], [3.0, 0.8], [0.2, 0.8], [0.2, 0.2]])
+    axes = check_picture(PLAN, zones=[ZoneMark("thickness 0.4", outline)]).axes[0]
+    (drawn,) = (part for part in axes.patches if part.get_clip_path() is not None and len(part.get_xy()) >= 5)
+    assert drawn.get_clip_path() is not axes.patch
+    assert [text.get_text() for text in axes.texts] == ["1"]
+    legend = axes.get_figure().legends or [axes.get_legend()]
+    assert "zone 1: thickness 0.4" in [text.get_text() for text in legend[0].get_texts()]
+
+
 def test_the_check_picture_shows_resultants_and_the_lines_the_plate_tips_about() -> None:
     marks = [
         BalanceMark("calm", (0.5, 0.5)),
@@ -438,6 +452,17 @@ def test_an_area_is_its_outline_and_the_edge_of_contact() -> None:
     np.testing.assert_array_equal(axes.lines[-1].get_xydata()[1:], edge)
     assert any(np.array_equal(part.get_xydata(), outline) for part in axes.lines)
     assert "max 0.95" in {text.get_text() for text in axes.texts}
+
+
+def test_the_outline_of_an_area_is_closed_where_its_points_are() -> None:
+    soil = {"name": "soil", "area": "all", "resists": "down", "stiffness": 1e5}
+    load = [{"pressure": 1e3}, {"force": 3e5, "at": [3.5, 3.5], "patch": [0.5, 0.5]}]
+    result = solve(rectangular(divisions=[8, 8], support=[soil], load=load))["all"]
+    (mark,) = support_marks(result.mesh, result.model.support, result.supports)
+    pressed = result.pressure(np.clip(mark.positions[1:], 0, 4)) > 0
+    assert mark.closed is not None
+    assert 0.2 < pressed.mean() < 0.8
+    assert (mark.closed[1:] == pressed).mean() > 0.9
 
 
 def test_a_picture_is_saved_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

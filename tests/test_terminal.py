@@ -155,7 +155,7 @@ def test_the_largest_moments_and_shears_of_every_combination_are_shown() -> None
     """With their places and half-widths, and where they are larger still."""
     results = signorini.solve(model(2, units={"length": "m", "force": "kN"}))
     lines = shown(print_results, results, WIDE).splitlines()
-    rows = [line for line in lines if line.startswith("moment mx [kN m/m]")]
+    rows = [line for line in lines if line.startswith("moment mx [kN m/m]") and line.endswith("]")]
     for row, result in zip(rows, results.values(), strict=True):
         ends, width = result.extremes["mx"], result.plus_minus["fields"]["mx"]
         for side, at in (("max", ends.max_at), ("min", ends.min_at)):
@@ -164,6 +164,37 @@ def test_the_largest_moments_and_shears_of_every_combination_are_shown() -> None
     left_out = [line for line in lines if line.startswith("without a limit there, and left out: mx")]
     assert left_out
     assert all(line.endswith(("at pads at a point", "at force at a point of load[2]")) for line in left_out)
+
+
+def test_supports_that_are_rigid_and_limits_of_equilibrium_are_told() -> None:
+    stand = {"name": "stand", "at": [[1, 1], [3, 1], [2, 3]]}
+    results = signorini.solve(model(1, support=[stand]))
+    shown_ = shown(print_results, results, 60)
+    assert "◆ holds both ways  without ~: rigid" in shown_
+    legs = {"name": "legs", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}
+    results = signorini.solve(model(2, support=[legs]))
+    case, factor = results.limits["ULS 2: 1.35 G + 0.125 Q"]
+    assert f"equilibrium would end with {case} at {factor:.4g} times its factor" in shown(print_results, results, WIDE)
+
+
+@pytest.mark.parametrize("count", [2, 30])
+def test_a_check_asks_for_limits_of_the_first_rows_of_a_table_too(count: int) -> None:
+    legs = {"name": "legs", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}
+    found = check(model(count, support=[legs]))
+    assert found.resultants[1].limit == signorini.solve(model(2, support=[legs])).limits["ULS 2: 1.35 G + 0.125 Q"]
+    assert "not asked" not in shown(print_check, found, WIDE)
+
+
+def test_what_is_nothing_is_shown_as_nothing() -> None:
+    """A plate at rest on soil has moments, pressures' changes and gaps by rounding."""
+    soil = {"name": "soil", "area": "all", "resists": "down", "stiffness": 1e4}
+    results = signorini.solve(
+        model(1, support=[soil], load=[{"case": "G", "pressure": 5}, {"case": "Q", "pressure": 1}])
+    )
+    lines = shown(print_results, results, WIDE).splitlines()
+    text = "\n".join(line for line in lines if not line.startswith("certificate"))
+    assert not re.search(r"\de-(1[3-9]|[2-9]\d)", text)
+    assert "0 ± 0" not in text
 
 
 def test_warnings_are_printed_once_after_the_tables() -> None:

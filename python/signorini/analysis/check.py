@@ -29,6 +29,9 @@ _FORMATS = (".png", ".svg", ".pdf")
 _HEAD = 1000
 """Bytes of a picture within which its metadata are."""
 
+ASKED = 20
+"""Rows of a table of which the limit of equilibrium is asked, a linear program a case."""
+
 
 @dataclass(frozen=True)
 class Resultant:
@@ -47,8 +50,8 @@ class Resultant:
     message : str
         Why no reactions balance it; empty where they do.
     brink : bool
-        Whether they only just do: the load is on the edge of what the supports can hold. Of many combinations neither
-        this nor the limit is asked.
+        Whether they only just do: the load is on the edge of what the supports can hold. Of rows of a table this and
+        the limit are asked of the first twenty, and the limit of those that cannot be balanced.
     limit : (case, factor) or None
         The nearest limit of equilibrium: the case, and the factor on top of its own that reaches it alone.
     axis : ((x, y), (x, y)) or None
@@ -215,13 +218,16 @@ def _resultants(found: Discretisation, freedom: RigidFreedom) -> Iterator[Result
     size = {case: float(np.abs(load[::3]).sum()) for case, load in weighing.items()}
     scale = np.array([1.0, found.mesh.size, found.mesh.size])
     motions = allowed_motions(freedom.outline)
-    for combination in combinations:
+    for number, combination in enumerate(combinations):
+        if number < ASKED:
+            yield _resultant(found, freedom, combination)
+            continue
         factors = combination.factors or {}
         resultant = np.sum([np.zeros(3), *(factor * of_case[case] for case, factor in factors.items())], axis=0)
         total = sum(abs(factor) * size[case] for case, factor in factors.items())
         work = motions @ (resultant / scale @ freedom.motions) if len(motions) else np.zeros(0)
         why = imbalance_of(found, freedom, combination) if work.max(initial=0.0) > WORK * total else None
-        yield _of(found, combination, resultant, total, why)
+        yield _of(found, combination, resultant, total, why, limit=None if why is None else why.limit)
 
 
 def _resultant(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> Resultant:

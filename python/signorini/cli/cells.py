@@ -52,6 +52,8 @@ def estimated(value: float, width: float | None, largest: float = 0.0, digits: i
     --------
     >>> estimated(714.8123, 0.37), estimated(0.00422472, 4.71e-6), estimated(200000.0, 1e-8, largest=2e5)
     ('714.8 ± 0.4', '0.004225 ± 0.000005', '200000 ± 0')
+    >>> estimated(1e-23, 2e-23, largest=5.0), estimated(0.0, 0.0)
+    ('0', '0')
     >>> estimated(-1.93456e-7, 3.1e-9), estimated(12.3, None), estimated(5.0, 21.3), estimated(1e-9, 3e-8)
     ('-1.93e-07 ± 4e-09', '12.3 ± ?', '5 ± 22', '0 ± 3e-08')
     >>> estimated(0.3, 120.0), estimated(0.0, 8.1e4), estimated(0.0, 3.2e5), estimated(1e-5, 120.0)
@@ -61,7 +63,7 @@ def estimated(value: float, width: float | None, largest: float = 0.0, digits: i
     if width is None:
         return f"{shown} ± ?"
     if width <= 10 * ROUNDING * largest:
-        return f"{shown} ± 0"
+        return shown if shown == "0" else f"{shown} ± 0"
     size = math.floor(math.log10(width))
     size -= width < 3 * 10**size * (1 - 1e-9)
     finest = math.floor(math.log10(abs(value))) - digits + 1 if shown != "0" else size

@@ -20,6 +20,8 @@ _GLUE = "\ue000"
 """Stands, while lines are broken, for a space at which none may be."""
 _TOGETHER = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=[±+−-]) (?=[\d?])|\[[^\[\]]{1,40}\]")
 """The space between a number and its unit, or its sign; a point, or a unit behind a title."""
+_PAGE = 120
+"""Signs within which rows stand side by side, also where there is no end to a line, as in a file."""
 _LEAST, _SPARE = 16, 24
 """Widths that a column of words keeps where it has them, or the table is turned; and a spare one, or it is dropped."""
 
@@ -77,7 +79,7 @@ class Grid:
         while (widths := self._widths(kept, console.width)) is None:
             spare = [index for index in kept if self.columns[index].spare]
             if not spare:
-                self._show_turned(console)
+                self.show_turned(console)
                 return
             kept.remove(spare[-1])
         self._print(console, kept, widths)
@@ -114,7 +116,9 @@ class Grid:
             for level in range(max(map(len, cells))):
                 console.print(_line(columns, widths, [cell[level] if level < len(cell) else Text() for cell in cells]))
 
-    def _show_turned(self, console: Console) -> None:
+    def show_turned(self, console: Console) -> None:
+        """Print it with its rows side by side, as many as there is room for."""
+        room = min(console.width, _PAGE)
         first = Text(" ").join(_glued(column.title) for column in self.columns[: self.heads] if column.title)
         heads = [Text(" ").join(cell for cell in row[: self.heads] if cell) for row in self.rows]
         names = [column.title for column in self.columns[self.heads :]]
@@ -128,13 +132,13 @@ class Grid:
                 for index, name in enumerate(names, start=self.heads):
                     part.add(name, *(row[index] for row in mine))
                 kept = list(range(count + 1))
-                widths = part._widths(kept, console.width)
+                widths = part._widths(kept, room)
                 if widths is not None or count == 1:
                     break
                 count -= 1
             if begin:
                 console.print()
-            part._print(console, kept, widths or [console.width // 2 - len(_GAP)] * 2)
+            part._print(console, kept, widths or [room // 2 - len(_GAP)] * 2)
             begin += count
 
 

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-import numpy as np
 from rich.console import Console
 from rich.text import Text
 
-from signorini.analysis.check import Check
+from signorini.analysis.check import ASKED, Check
 from signorini.analysis.solve import Results
 from signorini.analysis.twins.leaves import largest_of
 from signorini.cli.cells import cell, compared, in_unit, number, per_area, point, size_of, unit_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.discretise import Discretisation
-from signorini.model import Support, Units
+from signorini.model import Support
 from signorini.output.envelope_json import table_warnings
 from signorini.results.extremes import NUMBERS
 from signorini.results.panels import quantity
@@ -31,8 +30,6 @@ _MOST_POINTS = 20
 """Points of supports whose reactions are listed; of more the largest."""
 _MOST_OPEN = 8
 """Open points named where not all points are listed; where more are open their number says enough."""
-_MOST_LISTED = 20
-"""Combinations listed by `check`, and as many again of those that cannot be balanced."""
 _MOST_WARNINGS = 20
 
 
@@ -54,7 +51,7 @@ def print_results(console: Console, results: Results) -> None:
     for result in results.full.values() if not results.model.tabulated else ():
         console.print()
         if result.status == "solved":
-            _print_result(console, result)
+            _print_result(console, result, results.limits[result.name])
         else:
             say(console, f"{result.name}: no equilibrium", style="bold red")
     console.print()
@@ -103,15 +100,14 @@ def print_check(console: Console, check: Check) -> None:
     titles = (f"load{in_unit(units.force)}", f"acts at{in_unit(units.length)}", "balanced", "limit")
     loads = Grid([Column("combination"), *numbers(*titles)])
     largest = size_of([resultant.force for resultant in check.resultants])
-    listed = [r for number, r in enumerate(check.resultants) if number < _MOST_LISTED or r.message]
-    for resultant in listed[: 2 * _MOST_LISTED]:
+    listed = [r for number, r in enumerate(check.resultants) if number < ASKED or r.message]
+    for resultant in listed[: 2 * ASKED]:
         at = point(resultant.at, found.mesh.size) if resultant.at else f"couple {point(resultant.couple)}"
         verdict = Text("no", style="bold red") if resultant.message else Text("just" if resultant.brink else "yes")
-        none = "not asked" if found.model.tabulated else "none"
-        limit = f"{resultant.limit[0]} at {resultant.limit[1]:.4g}" if resultant.limit else none
+        limit = f"{resultant.limit[0]} at {resultant.limit[1]:.4g}" if resultant.limit else "none"
         loads.add(resultant.name, number(resultant.force, largest), at, verdict, limit)
     loads.show(console)
-    if left := len(check.resultants) - len(listed[: 2 * _MOST_LISTED]):
+    if left := len(check.resultants) - len(listed[: 2 * ASKED]):
         unbalanced = sum(bool(resultant.message) for resultant in check.resultants)
         say(console, f"and {left} more; of all {len(check.resultants)} combinations {unbalanced} cannot be balanced")
     console.print()
@@ -149,7 +145,7 @@ def _print_summary(console: Console, results: Results) -> None:
         if result.status != "solved":
             shown.add(Text(result.name, style="bold red"), "", "", "", *[""] * len(names))
             continue
-        widths, load = result.asked_estimate.plus_minus, _load(result)
+        widths, load = result.asked_estimate.plus_minus, largest_of(result)["reaction"]
         ends = (
             cell(float(end), widths, ("deflection", name), size)
             for name, end in (("max", result.deflection.max()), ("min", result.deflection.min()))
@@ -165,9 +161,9 @@ def _print_summary(console: Console, results: Results) -> None:
     console.print()
 
 
-def _print_result(console: Console, result: Result) -> None:
-    units, load = result.model.units, _load(result)
-    widths = result.asked_estimate.plus_minus
+def _print_result(console: Console, result: Result, limit: tuple[str, float] | None) -> None:
+    units, largest = result.model.units, largest_of(result)
+    widths, load = result.asked_estimate.plus_minus, largest["reaction"]
     before = f" after {' and '.join(result.unsettled)} did not settle" if result.unsettled else ""
     how = f": solved by {result.method}{before}, {result.iterations} {result.counted}"
     say(console, Text(result.name, style="bold") + Text(how))
@@ -184,36 +180,37 @@ def _print_result(console: Console, result: Result) -> None:
         opened = sum(found.open_count for found in result.supports)
         rows.add("", "all", "", number(total, load), str(closed), str(opened))
     rows.show(console)
-    _print_points(console, result)
+    _print_points(console, result, largest)
     for index, found in enumerate(result.supports):
         if found.contact_area is not None and found.max_pressure is not None:
-            within = cell(found.contact_area, widths, ("supports", index, "contact_area"))
+            within = cell(found.contact_area, widths, ("supports", index, "contact_area"), largest["contact_area"])
             area = f"{within}{unit_of(units.length, 2)}"
-            largest = cell(found.max_pressure, widths, ("supports", index, "max_pressure"))
-            pressure = f"{largest} {per_area(units)}".rstrip()
-            say(console, f"{found.name}, in contact: {area}, largest pressure {pressure}")
+            pressed = cell(found.max_pressure, widths, ("supports", index, "max_pressure"), largest["pressure"])
+            pressure = f"{pressed} {per_area(units)}".rstrip()
+            said = f"{found.name}, in contact: {area}, largest pressure {pressure}"
+            if found.max_tension:
+                pulled = cell(found.max_tension, widths, ("supports", index, "max_tension"), largest["pressure"])
+                said += f", largest tension {pulled} {per_area(units)}".rstrip()
+            say(console, said)
     _print_deflection(console, result)
-    _print_extremes(console, result)
+    _print_extremes(console, result, largest)
+    if limit is not None:
+        say(console, f"equilibrium would end with {limit[0]} at {limit[1]:.4g} times its factor")
     say(console, f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red")
     say(console, f"of the equations; of the mesh: {compared(result.asked_estimate.elements, result.model.estimated)}")
     if result.probes:
         console.print()
-        _print_probes(console, result, units)
+        _print_probes(console, result, largest)
 
 
-def _load(result: Result) -> float:
-    """The size of all that supports do, with which one reaction is compared."""
-    return float(np.abs(result.nodal_reaction).sum())
-
-
-def _print_points(console: Console, result: Result) -> None:
+def _print_points(console: Console, result: Result, largest: Mapping[str, float]) -> None:
     """Reactions of point supports, of many the largest."""
     every = [
         (found, index) for found in result.supports if found.place == "at" for index in range(len(found.reactions))
     ]
     if not every:
         return
-    units, load, size = result.model.units, _load(result), result.mesh.size
+    units, size = result.model.units, result.mesh.size
     widths = result.asked_estimate.plus_minus
     number_of = {id(found): index for index, found in enumerate(result.supports)}
     most = sorted(every, key=lambda one: -abs(one[0].reactions[one[1]]))[:_MOST_POINTS]
@@ -224,8 +221,8 @@ def _print_points(console: Console, result: Result) -> None:
         if (id(found), index) in kept:
             at = point(found.positions[index].tolist(), size)
             of_point = ("supports", number_of[id(found)], "points", index)
-            gap = cell(float(found.gaps[index]), widths, (*of_point, "gap"), size_of(result.deflection))
-            reaction = cell(float(found.reactions[index]), widths, (*of_point, "reaction"), load)
+            gap = cell(float(found.gaps[index]), widths, (*of_point, "gap"), largest["deflection"])
+            reaction = cell(float(found.reactions[index]), widths, (*of_point, "reaction"), largest["reaction"])
             shown.add(_named(found, index), at, reaction, gap, "closed" if found.closed[index] else "open")
     console.print()
     shown.show(console)
@@ -252,12 +249,11 @@ def _print_deflection(console: Console, result: Result) -> None:
     say(console, f"deflection, positive down: {', '.join(parts)}")
 
 
-def _print_extremes(console: Console, result: Result) -> None:
+def _print_extremes(console: Console, result: Result, largest: Mapping[str, float]) -> None:
     """Print the largest and smallest moments and shears, and at what they are larger still."""
     units, size, widths = result.model.units, result.mesh.size, result.asked_estimate.plus_minus
     where = f"at{in_unit(units.length)}"
     shown = Grid([Column("moments and shears"), *numbers("largest", where, "smallest", where)])
-    largest = largest_of(result)
     beside: dict[str, list[str]] = {}
     for name, kind in NUMBERS.items():
         found, cells = result.extremes[name], []
@@ -272,31 +268,23 @@ def _print_extremes(console: Console, result: Result) -> None:
         say(console, f"without a limit there, and left out: {', '.join(names)} at {what[0].lower()}{what[1:]}")
 
 
-def _print_probes(console: Console, result: Result, units: Units) -> None:
-    both = units.force and units.length
-    moment = f" [{units.force} {units.length}/{units.length}]" if both else ""
-    shear = f" [{units.force}/{units.length}]" if both else ""
-    titles = [f"deflection{in_unit(units.length)}", "θx", "θy", *(f"{name}{moment}" for name in ("mx", "my", "mxy"))]
-    pressed = any(probe.pressure is not None for probe in result.probes)
-    titles += [f"qx{shear}", f"qy{shear}", *pressed * [f"pressure{in_unit(per_area(units))}"]]
-    rows = Grid(numbers(f"probe{in_unit(units.length)}", *titles))
-    kinds = ("deflection",), ("rotation_x", "rotation_y"), ("mx", "my", "mxy"), ("qx", "qy")
-    largest = [max(size_of(result.fields[name]) for name in kind) for kind in kinds for _ in kind]
-    widths = result.asked_estimate.plus_minus
-    keys: list[tuple[str | int, ...]] = [("deflection",)]
-    keys += [(key, place) for key, count in (("rotation", 2), ("moment", 3), ("shear", 2)) for place in range(count)]
+def _print_probes(console: Console, result: Result, largest: Mapping[str, float]) -> None:
+    """Print the fields at probes, a row each, and a column a probe."""
+    units, widths = result.model.units, result.asked_estimate.plus_minus
+    parts: list[tuple[str, tuple[str, ...]]] = [("deflection", ("deflection",))]
+    parts += [("rotation", ("rotation_x", "rotation_y")), ("moment", ("mx", "my", "mxy")), ("shear", ("qx", "qy"))]
+    parts += [("pressure", ("pressure",))] * any(probe.pressure is not None for probe in result.probes)
+    titles = [quantity(field, units) for _, fields in parts for field in fields]
+    shown = Grid([Column(f"at{in_unit(units.length)}"), *numbers(*titles)])
     for index, probe in enumerate(result.probes):
-        values = (probe.deflection, *probe.rotation, *probe.moment, *probe.shear)
-        of_probe = ("probes", index)
-        shown = (
-            cell(value, widths, (*of_probe, *key), size, 5)
-            for value, key, size in zip(values, keys, largest, strict=True)
-        )
-        pressure = pressed * [
-            "" if probe.pressure is None else cell(probe.pressure, widths, (*of_probe, "pressure"), digits=5)
-        ]
-        rows.add(point(probe.at, result.mesh.size), *shown, *pressure)
-    rows.show(console)
+        cells = []
+        for key, fields in parts:
+            value = getattr(probe, key)
+            for place, found in enumerate(value) if len(fields) > 1 else ((None, value),):
+                path = ("probes", index, key) if place is None else ("probes", index, key, place)
+                cells.append("" if found is None else cell(found, widths, path, largest[key], 5))
+        shown.add(point(probe.at, result.mesh.size), *cells)
+    shown.show_turned(console)
 
 
 def _by_sentence(results: Results) -> dict[str, list[str]]:
@@ -334,7 +322,9 @@ def _print_singular(console: Console, named: Iterable[Singularity]) -> None:
 def _print_legend(console: Console, supports: Sequence[Support]) -> None:
     marks = _marks(console)
     used = {kind for support in supports for kind in kinds(support)}
-    say(console, "  ".join(f"{marks[kind]} {meaning}" for kind, meaning in MEANINGS.items() if kind in used))
+    said = [f"{marks[kind]} {meaning}" for kind, meaning in MEANINGS.items() if kind in used]
+    said += [f"without {marks['elastic']}: rigid"] * any(support.stiffness is None for support in supports)
+    say(console, "  ".join(said))
 
 
 def _symbol(support: Support, console: Console) -> str:

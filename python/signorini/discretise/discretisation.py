@@ -91,8 +91,8 @@ class Discretisation(Remade):
 
     @cached_property
     def off_areas(self) -> tuple[Bools, Bools]:
-        """Which contact points (m + r,), repeated ones behind, and which springs (s,), are of no area."""
-        off = np.array([support.area is None for support in self.model.support], np.bool_)
+        """Which contact points (m + r,), repeated ones behind, and which springs (s,), are of no area or footprint."""
+        off = np.array([support.on_nodes for support in self.model.support], np.bool_)
         return off[self.points.support], off[self.springs.support]
 
     @cached_property

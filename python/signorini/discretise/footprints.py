@@ -50,9 +50,16 @@ class Footprints:
         shapes = footprints(item)
         if not shapes or item.at is None:
             return []
-        located(self._mesh, item.at, (*place, "at"))
-        found, problems = [], []
+        found: list[Quadrature] = []
+        problems: list[InputError] = []
+        try:
+            located(self._mesh, item.at, (*place, "at"))
+        except InputError as error:
+            problems.append(error)
+        inside = self._mesh.locate(np.array(item.at)).inside
         for index, (at, shape) in enumerate(zip(item.at, shapes, strict=True)):
+            if not inside[index]:
+                continue
             points = area_quadrature(self._mesh, shape, _GAUSS)
             whole = self._on_plate(at, shape)
             missing = off_plate(self._mesh, shape, points, whole)

@@ -209,9 +209,12 @@ def _unknown_key(path: Place, table: type[BaseModel]) -> str:
     key = str(path[-1])
     headers = {name: f"[[{name}]]" if name in LISTS else f"[{name}]" for name, tables in TOP.items() if tables}
     near = _nearest(key, table.model_fields)
-    hint = (
-        f" Did you mean {headers[near]}?" if len(path) == 1 and near in headers else _suggest(key, table.model_fields)
-    )
+    if len(path) > 1 and key in headers:
+        hint = f" It is a table of its own: {headers[key]}, or above the first header {key} = {{ ... }}."
+    elif len(path) == 1 and near in headers:
+        hint = f" Did you mean {headers[near]}?"
+    else:
+        hint = _suggest(key, table.model_fields)
     if not hint:
         inner = [name for name, below in tables_of(table).items() if _has(below, key)]
         shapes = [shape for shape, plate in BRANCHES["plate"].items() if key in plate.model_fields]
@@ -220,8 +223,6 @@ def _unknown_key(path: Place, table: type[BaseModel]) -> str:
             hint = f" It goes with shape = {' or '.join(map(describe, shapes))}."
         elif inner and len(path) > 1:
             hint = f" It goes within {' or '.join(inner)}: {inner[0]} = {{ {key} = ... }}."
-        elif key in headers:
-            hint = f" It is a table of its own: {headers[key]}."
         elif key in TOP:
             hint = " It belongs above the first table."
         elif owners:

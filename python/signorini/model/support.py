@@ -144,6 +144,11 @@ class Support(Table):
         return tuple(part for part in _COMPONENTS if part in held)
 
     @property
+    def on_nodes(self) -> bool:
+        """Whether its reactions are forces on nodes: not spread over an area or a footprint."""
+        return self.area is None and not self.given(FOOTPRINT)
+
+    @property
     def holds_w(self) -> bool:
         """Whether it acts on the deflection, one way or both, not on slopes alone."""
         return self.resists is not None or "w" in self.fixed

@@ -65,7 +65,7 @@ def write_pictures(results: Results, named: Iterable[tuple[Result, str]], direct
 
         def panels(result: Result, limits: dict[str, tuple[float, float]] = limits) -> list[Panel]:
             parts = (nodes, result.fields, result.supports, model.units)
-            return [panel(field, *parts, limit, result.singular) for field, limit in limits.items()]
+            return [panel(field, *parts, limit, result.extremes) for field, limit in limits.items()]
 
         pictures = [
             Picture(directory / f"{slug}{ending}.png", partial(panels, result), marks, caption(result, ending))

@@ -22,6 +22,7 @@ _COLUMNS = (
     *("combination", "support", "kind", "point", "x", "y", "reaction", "gap", "state"),
     *("closed", "open", "contact_area", "max_pressure"),
     *("reaction_plus_minus", "gap_plus_minus", "contact_area_plus_minus", "max_pressure_plus_minus"),
+    "max_tension",
 )
 _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure")
 

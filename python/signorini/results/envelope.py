@@ -158,7 +158,7 @@ class Envelope:
     def none(cls, layout: Layout, mesh: Mesh) -> Envelope:
         """Nothing met yet."""
         names = list(layout.fields)
-        if names and len(layout.at_rest) < len(layout.supports):
+        if names and any(support.on_nodes for support in layout.model.support):
             names.append("reaction")
         on = {"contact_pressure": layout.pressures.nodes, "rigid_contact_pressure": layout.pressures.elements}
         return cls(

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from signorini.discretise.rows import Floats
+from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.singularities.named import Singularity, away_from
 
@@ -36,11 +36,11 @@ class FieldExtremes:
     min_beside: str
 
     @classmethod
-    def of(cls, field: str, values: Floats, nodes: StressNodes, singular: Sequence[Singularity]) -> FieldExtremes:
-        """Find the extremes of a field, away from singularities that leave it without a limit."""
-        number = NUMBERS.get(field, "")
-        places = nodes.points[: len(values)]
-        away = away_from(nodes.mesh, singular, number)[nodes.nodes[: len(values)]]
+    def of(
+        cls, values: Floats, nodes: StressNodes, away: Bools, singular: Sequence[Singularity] = (), number: str = ""
+    ) -> FieldExtremes:
+        """Find the extremes of a field at nodes of the mesh (n,) that are ``away`` from singularities of its number."""
+        places, away = nodes.points[: len(values)], away[nodes.nodes[: len(values)]]
         ends: list[tuple[float, tuple[float, float], str]] = []
         for signed in (values, -values):
             node, peak = int(np.where(away, signed, -np.inf).argmax()), int(signed.argmax())
@@ -50,7 +50,19 @@ class FieldExtremes:
         return cls(*ends[0], *ends[1])
 
 
+def extremes(
+    fields: Mapping[str, Floats], nodes: StressNodes, singular: Sequence[Singularity]
+) -> dict[str, FieldExtremes]:
+    """Find the extremes of the deflection, and of moments and shears away from where these have no limit."""
+    away = {number: away_from(nodes.mesh, singular, number) for number in ("", *dict.fromkeys(NUMBERS.values()))}
+    found = {}
+    for name in ("deflection", *NUMBERS):
+        number = NUMBERS.get(name, "")
+        found[name] = FieldExtremes.of(fields[name], nodes, away[number], singular, number)
+    return found
+
+
 def _nearest(at: Floats, singular: Sequence[Singularity], number: str) -> str:
     """What singularity of a number is nearest."""
-    those = [one for one in singular if number in one.numbers and one.where and not one.line]
+    those = [one for one in singular if number in one.numbers and one.where and not (one.line or one.limited)]
     return min(those, key=lambda one: min(math.dist(at, place) for place in one.where)).what

@@ -39,6 +39,7 @@ def total(support: SupportResult) -> dict[str, Any]:
         "open": support.open_count,
         "contact_area": support.contact_area,
         "max_pressure": support.max_pressure,
+        "max_tension": support.max_tension,
     }
 
 

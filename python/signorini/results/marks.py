@@ -41,12 +41,11 @@ def support_mark(
     style: Literal["points", "line", "area"] = "points"
     counts = None if closed is None or support.fix is not None else (int(closed.sum()), int((~closed).sum()))
     places, states = positions, closed
-    if support.place == "area":
-        style, states = "area", None
-        places = _outline(support.area) if isinstance(support.area, Area) else _around(mesh)
-    elif support.place != "at":
-        style, places = "line", _divided(path(mesh, support))
-        states = None
+    if support.place != "at":
+        style, drawn = "line", path(mesh, support) if support.place != "area" else np.zeros((0, 2))
+        if support.place == "area":
+            style, drawn = "area", _outline(support.area) if isinstance(support.area, Area) else _around(mesh)
+        places, states = _divided(drawn), None
         if closed is not None and len(positions):
             from scipy.spatial import KDTree
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from signorini.discretise.rows import Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.mesh import Mesh
@@ -13,7 +15,6 @@ from signorini.model.whole import Units
 from signorini.results.extremes import FieldExtremes
 from signorini.results.marks import pressure_layer, support_mark
 from signorini.results.support_result import SupportResult
-from signorini.singularities.named import Singularity
 
 if TYPE_CHECKING:
     from signorini.plot import Panel, SupportMark
@@ -55,9 +56,9 @@ def panel(
     supports: Sequence[SupportResult],
     units: Units,
     limits: tuple[float, float] | None,
-    singular: Sequence[Singularity] = (),
+    extremes: Mapping[str, FieldExtremes],
 ) -> Panel:
-    """Draw a field, or the pressure, in the colours of its quantity, its extremes away from ``singular`` places."""
+    """Draw a field, or the pressure, in the colours of its quantity, with its extremes."""
     from signorini.plot import Panel
 
     label, colours = quantity(field, units), _COLOURS[field[0]]
@@ -65,9 +66,10 @@ def panel(
     if field == PRESSURE:
         areas = [support.area for support in supports if support.area is not None]
         value, at = max((area.largest for area in areas), key=lambda found: found[0])
-        extremes = [("max", value, at.tolist())] if value > 0 else []
-        return Panel([pressure_layer(area) for area in areas], label, colours, limits, extremes)
-    ends = FieldExtremes.of(field, fields[field], nodes, singular)
+        largest = [("max", value, at.tolist())] if value > 0 else []
+        return Panel([pressure_layer(area) for area in areas], label, colours, limits, largest)
+    values = fields[field]
+    ends = extremes.get(field) or FieldExtremes.of(values, nodes, np.ones(nodes.mesh.node_count, np.bool_))
     named = [("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at)]
     return Panel(nodes.spread(fields[field]), label, colours, limits, named)
 

@@ -26,7 +26,7 @@ from signorini.mesh import Location, Mesh
 from signorini.model import Model
 from signorini.results.contact_field import Pressures
 from signorini.results.estimate import NONE, Estimate, Estimator
-from signorini.results.extremes import NUMBERS, FieldExtremes
+from signorini.results.extremes import FieldExtremes, extremes
 from signorini.results.notebook import supports_table
 from signorini.results.panels import panel, support_marks
 from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
@@ -63,7 +63,7 @@ class Result(Remade):
         qx, qy.
     nodal_reaction : (n,) array
         Upward force of the supports at points, along lines and edges on every node that they act on. Areas have
-        pressures instead.
+        pressures instead, and footprints spread their reactions.
     method : str
         "lemke", "active_set" or "interior_point"; "given" where `signorini.recover` was given the reactions.
     unsettled : tuple of str
@@ -206,8 +206,7 @@ class Result(Remade):
         >>> round(mx.max), mx.max_at, mx.max_beside
         (9907, (2.0, 2.0), '')
         """
-        names = ("deflection", *NUMBERS)
-        return {name: FieldExtremes.of(name, self.fields[name], self.stress_nodes, self.singular) for name in names}
+        return extremes(self.fields, self.stress_nodes, self.singular)
 
     @cached_property
     def estimate(self) -> Estimate:
@@ -320,7 +319,7 @@ class Result(Remade):
         nodes, units = self.stress_nodes, self.model.units
         plan = Plan.of(nodes.points, nodes.elements)
         marks = support_marks(self.mesh, self.model.support, self.supports)
-        drawn = panel(field, nodes, self.fields, self.supports, units, limits, self.singular)
+        drawn = panel(field, nodes, self.fields, self.supports, units, limits, self.extremes)
         if ax is None:
             return field_picture(plan, [drawn], marks, title=self.heading, length=units.length).axes[0]
         draw_legend(ax, draw_panel(ax, plan, drawn, marks))
@@ -372,7 +371,7 @@ def vtk_fields(result: Result) -> tuple[dict[str, Floats], dict[str, Floats]]:
         "shear": np.column_stack([result.shear, np.zeros(len(result.shear))]),
     }
     of_elements = {}
-    if any(support.area is None for support in result.supports):
+    if any(support.on_nodes for support in result.model.support):
         data["reaction"] = result.nodal_reaction
     if areas := [support.area for support in result.supports if support.area is not None]:
         pressures, forces = Pressures(areas), [area.reactions for area in areas]

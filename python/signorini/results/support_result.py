@@ -78,6 +78,11 @@ class SupportResult(Remade):
         """Largest pressure of an area, from the deflection field where it is elastic; None if it is not an area."""
         return None if self.area is None else self.area.max_pressure
 
+    @property
+    def max_tension(self) -> float | None:
+        """Largest pressure with which an area pulls the plate down, positive; None if it is not an area."""
+        return None if self.area is None else self.area.max_tension
+
 
 def support_result(
     found: Discretisation,

@@ -110,7 +110,7 @@ def may_grow(path: Path, figures: Mapping[str, Any], singular: Sequence[Singular
     moves, and extremes of the deflection are wherever they are.
     """
     supports = {support["name"] for support in figures["supports"]}
-    kind = "pressure" if "max_pressure" in path else kind_of(path)
+    kind = "pressure" if {"max_pressure", "max_tension"} & set(path) else kind_of(path)
     if path[0] == "probes" and isinstance(path[2], str):
         kind = _FIELD_OF.get(path[2], kind)
     for one in singular:
@@ -152,16 +152,20 @@ def largest_of(result: Result, gaps: float = 0.0) -> dict[str, float]:
         return float(np.abs(values).max(initial=0.0))
 
     model, span, moved = result.model, result.mesh.size, max(size(result.deflection), _BENT * gaps)
-    rigidity = model.young * size(model.plate.thickness(*result.mesh.points.T)) ** 3 / 12
-    pressures = [support.max_pressure or 0.0 for support in result.supports]
+    points = result.mesh.points
+    for zone in model.zone:
+        # The plate's own thickness need not be one where zones have another.
+        points = points[~zone.region.contains(points)] if zone.thickness is not None else points
+    rigidity = model.young * size(model.plate.thickness(*points.T)) ** 3 / 12
+    pressed = [size(np.array([s.max_pressure, s.max_tension])) for s in result.supports if s.area is not None]
+    pressure = max(pressed, default=0.0)
     return {
         "deflection": moved,
         "rotation": max(size(result.rotation), _BENT * moved / span),
         "moment": max(size(result.moment), _BENT * rigidity * moved / span**2),
         "shear": max(size(result.shear), _BENT * rigidity * moved / span**3),
         "reaction": float(sum(np.abs(support.reactions).sum() for support in result.supports)),
-        "pressure": size(np.array(pressures)),
-        "max_pressure": size(np.array(pressures)),
+        **dict.fromkeys(("pressure", "max_pressure", "max_tension"), pressure),
         "contact_area": float(result.mesh.element_area.sum()),
         "closed": 0.0,
         "open": 0.0,

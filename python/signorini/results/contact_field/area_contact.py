@@ -146,6 +146,11 @@ class AreaContact(Remade):
         """Largest pressure; 0 where the area holds down only."""
         return self.largest[0]
 
+    @property
+    def max_tension(self) -> float:
+        """Largest pressure that pulls the plate down; 0 where the area pushes up only."""
+        return max(0.0, -self.range[0])
+
     def pressure(self, elements: Ints, xi: Floats) -> Floats:
         """Pressure (q,) at reference points (q, 2) of elements (q,), positive up; NaN where the support is not."""
         positions = self.mesh.map(elements, xi)
