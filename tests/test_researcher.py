@@ -31,9 +31,9 @@ def factored(monkeypatch: pytest.MonkeyPatch) -> Callable[[], int]:
     """Count the factorizations since it was last asked."""
     real, made = _core.ContactProblem, []
 
-    def factor(*arguments: object) -> _core.ContactProblem:
+    def factor(*arguments: object, **room: int | None) -> _core.ContactProblem:
         made.append(arguments)
-        return real(*arguments)
+        return real(*arguments, **room)
 
     monkeypatch.setattr(_core, "ContactProblem", factor)
 

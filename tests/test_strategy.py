@@ -40,9 +40,9 @@ def factored(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
     made: list[bool] = []
     core = _core.ContactProblem
 
-    def counted(*given):
+    def counted(*given, **room):
         made.append(given[-1])
-        return core(*given)
+        return core(*given, **room)
 
     monkeypatch.setattr(_core, "ContactProblem", counted)
     return made

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from signorini.errors import InputError, Place
 
-_PER_DOF = 2300.0
-"""Bytes of mesh, element matrices, fields and what fronts leave for a dof. Slabs on tensionless soil took 2000 beside L
-on 230 thousand dofs and 1500 on 3.7 million, elements alike; where none are alike they take 300 more."""
+_PER_DOF = 1800.0
+"""Bytes of mesh, element matrices, fields and what fronts leave for a dof. Slabs on tensionless soil took 1500 beside L
+on 230 thousand dofs and 1000 on 3.7 million, elements alike; where none are alike they take 300 more."""
 
 _PER_PAIR = 200.0
 """Bytes of condensed matrices and of Lemke's tableau for a pair of contact points, measured on 1600 and 3025 points."""
@@ -35,14 +35,14 @@ _USES = ("/sys/fs/cgroup/memory.current", "/sys/fs/cgroup/memory/memory.usage_in
 
 
 def needed(elements: int) -> float:
-    """Estimate the bytes that a plate of so many elements takes to be solved, up to three tenths too many.
+    """Estimate the bytes that a plate of so many elements takes to be solved, up to a third too many.
 
     The factor's entries a dof grow with the logarithm of the number of dofs, as by nested dissection they must.
 
     Examples
     --------
     >>> round(needed(57_600) / 1e9, 1)
-    2.0
+    1.8
     """
     dofs = 9.0 * elements
     entries = max(15.7 * math.log2(dofs) - 100.0, 50.0)

@@ -130,7 +130,7 @@ def core_problem(
             ),
             free_motions,
             by_active_set,
-            None if math.isinf(free) else int(free),
+            room=None if math.isinf(free) else int(free),
         )
     except RuntimeError as error:
         if found.model.plate.element == "q8r":
