@@ -296,6 +296,21 @@ def test_a_weight_lost_in_what_has_no_resultant_is_refused(supports, hiding) -> 
         signorini.solve(plate_of(supports, [WEIGHT, hiding]))
 
 
+@pytest.mark.parametrize("part", [0.01, 0.003])
+@pytest.mark.parametrize("pads", [{"resists": "down"}, {"patch": [0.6, 0.6]}], ids=["bearings", "footprints"])
+def test_reactions_miss_the_weight_by_no_more_than_the_certificate_says(pads, part) -> None:
+    """Of three pads statics tells each reaction, which a small curvature does not move."""
+    support, reactions = [{**PADS, **pads}], []
+    for curvature in ([1e10 * part, 3e9 * part, 0.0], [0.1, 0.03, 0.0]):
+        problem = contact_problem(plate_of(support, [WEIGHT, {"case": "sun", "curvature": curvature}]))
+        found = problem.discretisation
+        load = found.load(found.model.effective_combinations[0])
+        answer = problem.solve(load)
+        reactions.append((answer.reaction, certify(found, load, answer.hi, answer.lo, answer.reaction).lost))
+    (found_ones, lost), (right_ones, _) = reactions
+    assert 0.0 < np.abs(found_ones - right_ones).max() <= 1.1 * lost * np.abs(right_ones).max()
+
+
 def test_a_table_and_a_path_refuse_a_lost_weight_as_a_solve_does() -> None:
     rows = [{"name": f"row {i}", "factors": {"G": 1.0 + i, "sun": 1.0}} for i in range(14)]
     model = plate_of([PADS], [WEIGHT, BIG], combination=rows)

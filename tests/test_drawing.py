@@ -11,6 +11,7 @@ from ezdxf.document import Drawing as Document
 from typer.testing import CliRunner
 
 import signorini
+from signorini.analysis.check import check
 from signorini.cli.commands import app
 from signorini.errors import InputError
 from signorini.formats.drawing_toml import drawing_as_toml
@@ -114,11 +115,112 @@ def test_blocks_within_themselves_end(tmp_path: Path) -> None:
     assert read_dxf(saved(made, tmp_path), {}).outline.area == pytest.approx(84)
 
 
-def test_ellipses_and_splines_become_chords_close_to_them(tmp_path: Path) -> None:
+def test_ellipses_and_splines_become_few_arcs_close_to_them(tmp_path: Path) -> None:
     made = document(6)
     made.modelspace().add_ellipse((0, 0), (8, 0), 0.5)
     outline = read_dxf(saved(made, tmp_path), {}).outline
-    assert outline.area == pytest.approx(math.pi * 8 * 4, rel=2e-3) and len(outline.corners) < 120
+    assert outline.area == pytest.approx(math.pi * 8 * 4, rel=1e-4) and len(outline.corners) <= 40
+    assert all(corner.bulge > 0 for corner in outline.corners)
+    made = document(6)
+    space = made.modelspace()
+    space.add_open_spline([(0, 0), (2, 3), (6, 3), (8, 0)])
+    space.add_line((8, 0), (0, 0))
+    outline = read_dxf(saved(made, tmp_path), {}).outline
+    # Of Bézier's cubic: ∫ y dx with y = 9t(1 − t) and dx = (6 + 12t(1 − t)) dt.
+    assert outline.area == pytest.approx(9 + 108 / 30, rel=1e-4)
+    assert 4 < len(outline.corners) < 20
+
+
+def test_an_imported_ellipse_has_no_corners(tmp_path: Path) -> None:
+    made = document(6)
+    made.modelspace().add_ellipse((0, 0), (6, 0), 0.6)
+    target = tmp_path / "ellipse.toml"
+    text = drawing_as_toml(read_dxf(saved(made, tmp_path), {}), "ellipse")
+    target.write_text(text + "[[support]]\narea = 'all'\nstiffness = 1e7\n", encoding="utf-8")
+    assert not check(signorini.load(target)).singular
+
+
+def test_zones_are_read_and_those_beyond_the_outline_are_told(tmp_path: Path) -> None:
+    made = document()
+    space = made.modelspace()
+    space.add_lwpolyline(RECTANGLE, close=True)
+    panel = [(1000, 1000), (3000, 1000), (3000, 2500), (1000, 2500)]
+    beyond = [(11000, 1000), (13000, 1000), (13000, 2000), (11000, 2000)]
+    space.add_lwpolyline(panel, close=True, dxfattribs=on("ZONES"))
+    space.add_circle((6000, 3000), 1200, on("ZONES"))
+    space.add_lwpolyline([(8000, 1000), (9000, 1000, 1), (9000, 2000)], "xyb", close=True, dxfattribs=on("ZONES"))
+    space.add_lwpolyline(beyond, close=True, dxfattribs=on("ZONES"))
+    drawing = read_dxf(saved(made, tmp_path), {})
+    assert len(drawing.zones) == 3
+    assert drawing.left == ("zones: 1, at [12, 1.5]: not within the outline",)
+    zones = tomllib.loads(drawing_as_toml(drawing, "floor"))["zone"]
+    by_form = {next(iter(zone["area"])): zone for zone in zones}
+    assert by_form["rectangle"] == {"area": {"rectangle": [1, 1, 3, 2.5]}, "thickness": 0.4}
+    assert by_form["circle"]["area"] == {"circle": {"center": [6, 3], "radius": 1.2}}
+    assert len(by_form["polygon"]["area"]["polygon"]) == 10
+
+
+def test_holes_points_and_lines_off_the_plate_are_left_and_told(tmp_path: Path) -> None:
+    made = document()
+    space = made.modelspace()
+    space.add_lwpolyline(RECTANGLE, close=True)
+    for x, y in ((5000, 3000), (11800, 3000), (20000, 3000)):
+        corners = [(x, y), (x + 500, y), (x + 500, y + 500), (x, y + 500)]
+        space.add_lwpolyline(corners, close=True, dxfattribs=on("HOLES"))
+    for at in ((1000, 1000), (0, 2000), (5250, 3250), (13000, 0)):
+        space.add_point(at, dxfattribs=on("POINTS"))
+    space.add_line((1000, 1000), (1000, 4000), on("LINES"))
+    space.add_line((5000, 1000), (5250, 6000), on("LINES"))
+    drawing = read_dxf(saved(made, tmp_path), {})
+    assert [hole.middle for hole in drawing.holes] == [(5.25, 3.25)]
+    assert drawing.points == {(): [(1, 1), (0, 2)]} and len(drawing.lines) == 1
+    assert drawing.left == (
+        "holes: 2, at [12.05, 3.25], [20.25, 3.25]: not inside the outline; an opening at an edge is part of it",
+        "points: 2, at [5.25, 3.25], [13, 0]: not on the plate; left",
+        "lines: 1, at [5, 1]: not on the plate; left",
+    )
+
+
+def test_filled_columns_have_footprints_and_what_has_none_is_told(tmp_path: Path) -> None:
+    made = document()
+    space = made.modelspace()
+    space.add_lwpolyline(RECTANGLE, close=True)
+
+    def square(x: float, y: float) -> list[tuple[float, float]]:
+        return [(x - 200, y - 200), (x + 200, y - 200), (x + 200, y + 200), (x - 200, y + 200)]
+
+    a, b, c, d = square(1000, 1000)
+    space.add_solid([a, b, d, c], on("POINTS"))
+    for at in ((3000, 1000), (5000, 1000)):
+        hatch = space.add_hatch(dxfattribs=on("POINTS"))
+        hatch.paths.add_polyline_path(square(*at), is_closed=True)
+    space.add_lwpolyline(square(5000, 1000), close=True, dxfattribs=on("POINTS"))
+    space.add_hatch(dxfattribs=on("POINTS")).paths.add_edge_path().add_arc((7000, 1000), 300, 0, 360)
+    space.add_lwpolyline([(8800, 1000), (9000, 800), (9200, 1000), (9000, 1200)], close=True, dxfattribs=on("POINTS"))
+    space.add_lwpolyline([(2800, 5000), (3200, 5000), (3000, 5300)], close=True, dxfattribs=on("POINTS"))
+    space.add_circle((12000, 3000), 200, on("POINTS"))
+    drawing = read_dxf(saved(made, tmp_path), {})
+    found = {size: sorted((round(x, 6), round(y, 6)) for x, y in places) for size, places in drawing.points.items()}
+    assert found == {(0.4, 0.4): [(1, 1), (3, 1), (5, 1)], (0.3,): [(7, 1)], (): [(3, 5.15), (9, 1), (12, 3)]}
+    assert drawing.left == (
+        "points: 1, at [12, 3]: their shape reaches beyond the plate; points without footprint",
+        "points: 1, at [9, 1]: rectangles askew, and a patch is along the axes; points without footprint",
+        "points: 1, at [3, 5.15]: neither circles nor rectangles; points without footprint",
+    )
+
+
+def test_a_long_rectangle_on_the_layer_of_lines_is_a_wall(tmp_path: Path) -> None:
+    made = document()
+    space = made.modelspace()
+    space.add_lwpolyline(RECTANGLE, close=True)
+    space.add_lwpolyline([(1000, 1000), (5000, 1000), (5000, 1200), (1000, 1200)], close=True, dxfattribs=on("LINES"))
+    space.add_lwpolyline([(6000, 1000), (9000, 4000), (8900, 4100), (5900, 1100)], close=True, dxfattribs=on("LINES"))
+    drawing = read_dxf(saved(made, tmp_path), {})
+    assert [[tuple(round(x, 6) for x in end[:2]) for end in line] for line in drawing.lines] == [
+        [(1, 1.1), (5, 1.1)],
+        [(5.95, 1.05), (8.95, 4.05)],
+    ]
+    assert drawing.left == ("lines: 2 closed rectangles became the lines along their middles",)
 
 
 def test_what_is_mirrored_lies_where_it_is_drawn(tmp_path: Path) -> None:
@@ -198,3 +300,40 @@ def test_an_imported_floor_is_solved_once_it_has_its_loads(tmp_path: Path) -> No
     area = 24 - 1 + arc**2 * (turn - math.sin(turn)) / 2 - math.pi * 0.3**2
     assert result.certificate.passed
     assert sum(result.reactions.values()) == pytest.approx(25e3 * 0.25 * area, rel=1e-3)
+
+
+def test_a_floor_of_twenty_columns_two_shafts_and_a_drop_panel_goes_from_its_drawing_to_certified_results(
+    tmp_path: Path,
+) -> None:
+    made = document()
+    space = made.modelspace()
+
+    def box(x: float, y: float, a: float, b: float) -> list[tuple[float, float]]:
+        return [(x - a / 2, y - b / 2), (x + a / 2, y - b / 2), (x + a / 2, y + b / 2), (x - a / 2, y + b / 2)]
+
+    space.add_lwpolyline([(0, 0), (30000, 0), (30000, 18000), (0, 18000)], close=True, dxfattribs=on("SLAB"))
+    for x in (300, 7500, 15000, 22500, 29700):
+        for y in (300, 6000, 12000, 17700):
+            space.add_hatch(dxfattribs=on("COLUMNS")).paths.add_polyline_path(box(x, y, 400, 400), is_closed=True)
+    for x in (11000, 19000):
+        space.add_lwpolyline(box(x, 9000, 2400, 3000), close=True, dxfattribs=on("SHAFTS"))
+    space.add_lwpolyline(box(15000, 12000, 2600, 2600), close=True, dxfattribs=on("PANELS"))
+    layers = {"outline": "slab", "holes": "shafts", "zones": "panels", "points": "columns"}
+    drawing = read_dxf(saved(made, tmp_path), layers)
+    assert len(drawing.holes) == 2 and len(drawing.zones) == 1 and not drawing.left
+    text = drawing_as_toml(drawing, "floor").replace("\npatch", '\nresists = "down"\npatch')
+    live = '\n[[load]]\ncase = "live"\npressure = 3e3\n'
+    both = '\n[[combination]]\nname = "ULS"\nfactors = { self-weight = 1.35, live = 1.5 }\n'
+    (tmp_path / "floor.toml").write_text(text + live + both, encoding="utf-8")
+    results = signorini.solve(signorini.load(tmp_path / "floor.toml"))
+    result = results["ULS"]
+    area = 30 * 18 - 2 * 2.4 * 3
+    total = 1.35 * 25e3 * (0.25 * area + 0.15 * 2.6**2) + 1.5 * 3e3 * area
+    assert result.certificate.passed and len(result.supports[0].reactions) == 20
+    assert sum(result.reactions.values()) == pytest.approx(total, rel=1e-9)
+    # The drawing is its own image about the middle of its length, and so are the reactions.
+    reactions = result.supports[0].reactions.reshape(5, 4)
+    assert reactions[::-1] == pytest.approx(reactions, rel=1e-2)
+    widths = result.plus_minus["supports"][0]["points"]
+    assert all(0 < one["reaction"] < 0.01 * reactions.max() for one in widths)
+    assert len(result.stress_nodes.further) >= 4

@@ -283,3 +283,19 @@ def test_the_documents_link_to_files_that_are_there() -> None:
     for document in [*root.glob("*.md"), *root.glob("docs/*.md")]:
         for target in re.findall(r"\]\(([^)#:]+)\)", document.read_text("utf-8")):
             assert (document.parent / target).exists(), f"{document.name}: {target}"
+
+
+def test_a_flat_slab_has_its_panels_weight_and_moments_on_both_sides_of_their_borders() -> None:
+    model = signorini.load(EXAMPLES / "flat_slab.toml")
+    result = signorini.solve(model)["SLS"]
+    area = 16 * 13 - 12.5 - 5
+    cone = 2 * np.pi * 1.2**2 * (0.5 / 2 - 0.2 * 1.2 / 3)
+    zone = 9 * (11 + 11.5) / 2 - 9.5 * 9
+    weight = 25 * (0.25 * (area - 4 - np.pi * 1.2**2 - zone) + 0.4 * 4 + cone) + 24 * 0.25 * zone
+    live = 0.3 * 5 * (11 * 13 - 5)
+    assert result.certificate.passed
+    assert sum(result.reactions.values()) == pytest.approx(weight + live, rel=1e-6)
+    assert not signorini.solve(model).discretisation.zones.parted.any()
+    inside, outside = result.probe([(5.999, 5), (6.001, 5)])
+    assert abs(inside.moment[1]) > 3 * abs(outside.moment[1])
+    assert result.probes[0].moment[1] == pytest.approx(inside.moment[1], rel=0.01)

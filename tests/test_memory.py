@@ -6,6 +6,10 @@ import sys
 
 import pytest
 
+from signorini import Model, SignoriniError, contact_problem
+from signorini.contact import factoring
+from signorini.discretise import discretise
+
 LIMITED = """
 import resource
 import numpy as np
@@ -54,6 +58,25 @@ nodal, held = problem.discretisation.cases["load"].nodal, problem.discretisation
 def ask():
     return problem.core.solve(nodal, held, "{form}").status
 """
+
+
+def test_a_factor_is_refused_once_its_pattern_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        mesh={"divisions": [60, 60]},
+        support=[{"edge": "left", "fix": "clamped"}],
+        load=[{"pressure": 5e3}],
+    )
+    found = discretise(model)
+    entries = contact_problem(found).core.factor_entries
+    monkeypatch.setattr(factoring, "available", lambda: 8.0 * entries)
+    with pytest.raises(
+        SignoriniError, match=r"^The factor takes 0\.\d GB of memory, and 0\.\d GB are free\. Take a coarser mesh\.$"
+    ):
+        contact_problem(found)
+    monkeypatch.setattr(factoring, "available", lambda: 16.0 * entries)
+    assert contact_problem(found).core.factor_entries == entries
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit is Linux's")

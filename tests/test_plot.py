@@ -20,6 +20,7 @@ from signorini.plot import (
     Plan,
     PressureLayer,
     SupportMark,
+    ZoneMark,
     check_picture,
     contour,
     field_picture,
@@ -320,6 +321,16 @@ def test_node_numbers_are_drawn_on_request() -> None:
     many = Plan.of(np.zeros((6000, 2)), ELEMENTS)
     with pytest.raises(InputError, match="6000 nodes cannot be read"):
         check_picture(many, numbers=True)
+
+
+def test_the_check_picture_shows_zones_on_the_plate_alone_with_their_numbers() -> None:
+    outline = np.array([[0.2, 0.2], [3.0, 0.2], [3.0, 0.8], [0.2, 0.8], [0.2, 0.2]])
+    axes = check_picture(PLAN, zones=[ZoneMark("thickness 0.4", outline)]).axes[0]
+    (drawn,) = (part for part in axes.patches if part.get_clip_path() is not None and len(part.get_xy()) >= 5)
+    assert drawn.get_clip_path() is not axes.patch
+    assert [text.get_text() for text in axes.texts] == ["1"]
+    legend = axes.get_figure().legends or [axes.get_legend()]
+    assert "zone 1: thickness 0.4" in [text.get_text() for text in legend[0].get_texts()]
 
 
 def test_the_check_picture_shows_resultants_and_the_lines_the_plate_tips_about() -> None:

@@ -15,6 +15,7 @@ from signorini.analysis.check import check
 from signorini.analysis.twins import twins as twins_module
 from signorini.analysis.twins.half_width import half_widths
 from signorini.analysis.twins.meshes import twins_of
+from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.mesh.meshers import disc
 from signorini.mesh.refined import refined
@@ -153,6 +154,23 @@ def test_what_a_clamped_point_carries_turns_without_a_limit_wherever_it_is() -> 
     assert "probe at [3.5, 3.2] deflection, θx" in found.estimate.warnings[0]
 
 
+def test_the_largest_pressure_of_a_rigid_area_smaller_than_an_element_has_no_half_width() -> None:
+    found = solve(
+        rectangular(
+            divisions=[5, 5],
+            support=[
+                {"edge": EDGES, "fix": "simple"},
+                {"name": "pad", "area": {"circle": {"center": [2.3, 2.1], "radius": 0.2}}, "resists": "down"},
+            ],
+            load=[{"pressure": 1e3}],
+        )
+    )["all"]
+    assert found.plus_minus is not None
+    pad = found.plus_minus["supports"][1]
+    assert (pad["max_pressure"], pad["reaction"] > 0) == (None, True)
+    assert "of pad max pressure" in found.estimate.warnings[0]
+
+
 def test_no_number_of_a_plate_without_singularities_is_said_to_have_no_limit() -> None:
     for divisions in ((2, 2), (3, 3), (5, 4), (20, 20)):
         model = rectangular(
@@ -239,14 +257,16 @@ def test_a_combination_without_equilibrium_has_none() -> None:
 
 
 def test_the_sizes_of_other_meshes() -> None:
-    def others(*divisions: int) -> list[list[object]]:
-        model = rectangular(divisions=divisions, support=[{"edge": EDGES, "fix": "simple"}], load=[{"pressure": 1.0}])
-        mesh = solve(model)["all"].mesh
+    def others(*divisions: int, **options: float) -> list[list[object]]:
+        given = {"support": [{"edge": EDGES, "fix": "simple"}], "load": [{"pressure": 1.0}]}
+        model = rectangular(mesh={"divisions": divisions} | options, **given)
+        mesh = discretise(model).mesh
         return [[twin.model.mesh.divisions for twin in pair] for pair in twins_of(model, mesh)]
 
     assert others(4, 6) == [[(8, 12), (16, 24)], [(8, 12), (2, 3)], [(2, 3), (1, 2)]]
     assert others(24, 24) == [[(48, 48), (12, 12)], [(12, 12), (6, 6)]]
     assert others(33, 40) == [[(66, 80), (17, 20)], [(17, 20), (9, 10)]]
+    assert others(50, 60, accuracy=0.01)[0] == [(100, 120), (25, 30)]
     assert others(50, 60) == [[(25, 30), (13, 15)]]
     assert others(1, 3) == [[(2, 6), (4, 12)], [(2, 6)]]
 
@@ -323,6 +343,9 @@ def test_rows_of_a_table_and_its_envelope_have_half_widths(tmp_path: Path) -> No
     ):
         assert found[f"{name}:plus_minus"][7] == pytest.approx(width, rel=0.01, abs=1e-8)
     assert "closed:wall:plus_minus" not in found
+    in_python = results.table_plus_minus
+    assert sorted(in_python) == sorted(set(found) - set(before))
+    assert all(np.array_equal(in_python[name], found[name], equal_nan=True) for name in in_python)
     envelope = results_json(results)["envelope"]
     widths = envelope["plus_minus"]
     assert widths["supports"][2]["reaction"]["max"] == pytest.approx(max(found["reaction:wall:plus_minus"]), rel=0.5)

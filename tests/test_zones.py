@@ -2,13 +2,16 @@
 
 import pickle
 
+import meshio
 import numpy as np
 import pytest
 from pytest import approx
 
-from signorini import InputError, Model, solve
+from signorini import InputError, Model, path, solve
 from signorini.analysis.check import check
 from signorini.discretise import discretise
+from signorini.formats.vtk import write_vtu
+from signorini.output import write
 
 CONCRETE = {"E": 30e9, "nu": 0.2, "unit_weight": 25e3}
 MIDDLE = {"rectangle": [3, 2, 5, 4]}
@@ -182,3 +185,74 @@ def test_a_point_on_a_border_reads_the_larger_side():
     for number in range(3):
         assert border.moment[number] == approx(max((one.moment[number] for one in beside), key=abs), rel=1e-4, abs=1)
     assert abs(border.moment[1] - beside[0].moment[1]) > 1e4
+
+
+def test_corners_of_borders_inside_the_plate_are_named_with_what_grows_there():
+    named = {one.what: one for one in check(slab(THICK)).singular}
+    (corners,) = (one for what, one in named.items() if "zone 1" in what)
+    assert sorted(corners.where) == [(3, 2), (3, 4), (5, 2), (5, 4)] and corners.numbers == ("moment", "shear")
+    at_edge = {"area": {"rectangle": [0, 0, 8, 3]}, "thickness": 0.3}
+    like = {"area": MIDDLE, "material": CONCRETE, "thickness": 0.2}
+    round_ = {"area": {"circle": {"center": [4, 3], "radius": 1}}, "thickness": 0.3}
+    for zone in (at_edge, like, round_):
+        assert not [one for one in check(slab(zone)).singular if "zone" in one.what]
+
+
+def test_every_element_and_a_mesh_from_a_file_take_zones(tmp_path):
+    reference = solved(THICK).deflection.max()
+    assert solved(THICK, plate={"element": "q8r"}).deflection.max() == approx(reference, rel=5e-3)
+    mesh = discretise(slab()).mesh
+    file = tmp_path / "slab.vtu"
+    write_vtu(file, mesh.points, mesh.elements, {"w": np.zeros(mesh.node_count)})
+    free = Model(
+        material=CONCRETE,
+        plate={"shape": "mesh", "file": file, "thickness": 0.2},
+        zone=[THICK],
+        support=[{"line": [[0, 0], [0, 6]], "fix": "simple"}, {"line": [[8, 0], [8, 6]], "fix": "simple"}],
+        load=[{"pressure": 5e3}],
+    )
+    assert solve(free)["all"].deflection.max() == approx(reference, rel=1e-6)
+
+
+def test_files_hold_both_sides_of_jumps(tmp_path):
+    result = solved(THICK)
+    result.to_vtk(tmp_path / "slab.vtu")
+    read = meshio.read(tmp_path / "slab.vtu")
+    nodes = result.stress_nodes
+    assert len(read.points) == nodes.count > result.mesh.node_count
+    assert (read.point_data["moment"] == result.moment).all()
+    assert (read.point_data["deflection"] == result.deflection[nodes.nodes]).all()
+    assert (read.cells_dict["quad8"] == nodes.elements).all()
+    assert result.extremes["my"].min == result.moment[:, 1].min()
+    rows = {"columns": ["load"], "rows": {"one": [1.0], "two": [2.0]}}
+    model = slab(THICK, combination=[{"generate": "table", **rows}], output={"combinations": "table"})
+    write(solve(model, table=tmp_path / "table.parquet"), tmp_path / "out", tmp_path / "table.parquet")
+    envelope = meshio.read(tmp_path / "out" / "envelope.vtu")
+    assert (envelope.point_data["my_max"] == 2 * result.moment[:, 1])[result.moment[:, 1] > 0].all()
+
+
+def test_a_load_path_and_its_states_know_zones():
+    points = [{"name": "points", "at": [[1, 1], [7, 1], [1, 5], [7, 5]], "resists": "down"}]
+    loads = [{"pressure": 5e3, "case": "G"}, {"force": 900e3, "at": [7.5, 5.5], "patch": [0.4, 0.4], "case": "Q"}]
+    model = slab(THICK, support=points, load=loads, probe=[{"at": [[3, 3]]}])
+    found = path(model, start="G", add="Q")
+    assert found.events
+    again = solve(slab(THICK, support=points, load=loads, combination=[{"factors": {"G": 1, "Q": 0.02}}]))
+    assert found.at(0.02).deflection == approx(again["combination 1"].deflection, rel=1e-8, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "area",
+    [
+        {"circle": {"center": [1.23, 1.3], "radius": 1e-3}},
+        {"rectangle": [1.23, 0, 1.23 + 1e-8, 4]},
+    ],
+)
+def test_a_zone_too_small_to_be_seen_changes_nothing(area):
+    plate = {"shape": "rectangle", "size": [6, 4], "thickness": 0.2}
+    rest = {"mesh": {"divisions": [12, 8], "error": False}, "support": [{"edge": ["left", "right"], "fix": "simple"}]}
+    rest |= {"material": {"E": 30e9, "nu": 0.2}, "plate": plate, "load": [{"pressure": 5e3}]}
+    (bare,) = solve(Model(**rest)).values()
+    (found,) = solve(Model(**rest, zone=[{"area": area, "thickness": 0.1}])).values()
+    # The mesh follows the strip.
+    assert found.deflection.max() == approx(bare.deflection.max(), rel=2e-3)

@@ -41,7 +41,7 @@ pub fn rows_of(matrix: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
 
 pub fn failed(error: FactorError) -> PyErr {
     match error {
-        FactorError::OutOfMemory => PyMemoryError::new_err(error.to_string()),
+        FactorError::OutOfMemory | FactorError::TooLarge { .. } => PyMemoryError::new_err(error.to_string()),
         FactorError::NotPositiveDefinite { .. } => PyRuntimeError::new_err(error.to_string()),
     }
 }
@@ -91,7 +91,8 @@ enum News {
 #[pymethods]
 impl ContactProblem {
     #[new]
-    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, by_active_set=false))]
+    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, by_active_set=false, room=None))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
         plate: &Plate,
@@ -100,7 +101,9 @@ impl ContactProblem {
         constraint_arrays: ConstraintArrays<'_>,
         free_motions: Option<PyReadonlyArray2<'_, f64>>,
         by_active_set: bool,
+        room: Option<usize>,
     ) -> PyResult<Self> {
+        let room = room.unwrap_or(usize::MAX);
         let count = plate.inner.elements().len();
         let held = flags("held", &held, plate.inner.dof_count())?;
         let springs = springs(&spring_arrays, count)?;
@@ -126,8 +129,9 @@ impl ContactProblem {
             return Err(invalid("compliance and regularization must be finite and not negative, distances finite"));
         }
         let shared = plate.inner.clone();
-        let inner = released(py, || contact::ContactProblem::new(shared, springs, held, constraints, by_active_set))?
-            .map_err(failed)?;
+        let inner =
+            released(py, || contact::ContactProblem::new(shared, springs, held, constraints, by_active_set, room))?
+                .map_err(failed)?;
         Ok(Self { inner: Arc::new(inner) })
     }
 

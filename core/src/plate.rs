@@ -56,6 +56,9 @@ impl std::error::Error for PlateError {}
 /// strains: those of the element's matrix would be wrong by this squared times the precision, over 1e-10 of the load.
 const THIN: f64 = 2e3;
 
+/// Elements whose matrices one thread forms at a time.
+const CHUNK: usize = 64;
+
 pub struct Plate {
     points: Vec<[f64; 2]>,
     elements: Vec<[usize; 8]>,
@@ -140,18 +143,26 @@ impl Plate {
             return Err(PlateError::Inverted { element });
         }
         let mut stiffness = vec![0.0; PACKED * first.len()];
+        let (mut centres, mut thin) = (vec![Centre::default(); first.len()], vec![false; first.len()]);
         let size = plate.size();
-        let computed = stiffness.par_chunks_mut(PACKED).zip(first).map(|(out, e)| {
-            let (geometry, sections) = (plate.geometry(e), plate.sections(e));
-            let thinnest = plate.thickness.least_of(kind, e);
-            let found = element::stiffness(kind, &geometry, plate.materials.at(e), sections);
-            let thin = kind == Kind::Mitc9 && thin::slenderness(&geometry, thinnest, size) > THIN;
-            let softer =
-                thin.then(|| thin::factored_stiffness(&geometry, plate.materials.at(e), sections, thinnest)).flatten();
-            out.copy_from_slice(softer.as_ref().unwrap_or(&found.packed));
-            (found.centre, thin)
+        let beside = centres.par_chunks_mut(CHUNK).zip(thin.par_chunks_mut(CHUNK));
+        let chunks = stiffness.par_chunks_mut(PACKED * CHUNK).zip(beside);
+        first.par_chunks(CHUNK).zip(chunks).for_each(|(which, (stiffness, (centres, thin)))| {
+            let elements: Vec<_> =
+                which.iter().map(|&e| (plate.geometry(e), plate.materials.at(e), plate.sections(e))).collect();
+            element::stiffness(kind, &elements, |at, found| {
+                let (geometry, material, sections) = &elements[at];
+                let thinnest = plate.thickness.least_of(kind, which[at]);
+                let out = &mut stiffness[PACKED * at..PACKED * (at + 1)];
+                out.copy_from_slice(&found.packed);
+                thin[at] = kind == Kind::Mitc9 && thin::slenderness(geometry, thinnest, size) > THIN;
+                if thin[at] {
+                    let softer = thin::factored_stiffness(geometry, material, *sections, thinnest);
+                    softer.iter().for_each(|softer| out.copy_from_slice(softer));
+                }
+                centres[at].clone_from(&found.centre);
+            });
         });
-        let (centres, thin) = computed.unzip();
         (plate.stiffness, plate.centres, plate.thin) = (stiffness, centres, thin);
         Ok(plate)
     }

@@ -61,7 +61,7 @@ fn on_points_in(
         constraints.regularization.push(if i < 3 { 10.0 * force / length } else { 0.0 });
     }
     let held = vec![false; plate.dof_count()];
-    ContactProblem::new(plate, Springs::default(), held, constraints, by_active_set).unwrap()
+    ContactProblem::new(plate, Springs::default(), held, constraints, by_active_set, usize::MAX).unwrap()
 }
 
 fn by_interior_point(problem: &ContactProblem, constraints: &Constraints, load: &[f64]) -> ContactSolution {
@@ -213,7 +213,7 @@ proptest! {
             constraints.free_motions.clear();
         }
         let (plate, held) = (problem.plate.clone(), problem.held.clone());
-        let problem = ContactProblem::new(plate, Springs::default(), held, constraints, false).unwrap();
+        let problem = ContactProblem::new(plate, Springs::default(), held, constraints, false, usize::MAX).unwrap();
         let exact = problem.solve(&load, &vec![0.0; load.len()], None, &mut |_| true).unwrap();
         prop_assume!(exact.outcome == Outcome::Solved);
         let found = by_interior_point(&problem, &problem.all_constraints(), &load);

@@ -1,9 +1,10 @@
 //! Plates: what arrays they refuse, what they leave unstrained, and the arithmetic underneath.
 use proptest::prelude::*;
 use signorini_core::double_double::DoubleDouble;
-use signorini_core::element::{Kind, Layered, Material, Thickness};
-use signorini_core::plate::{Plate, PlateError};
+use signorini_core::element::{Kind, Layered, Material, Materials, Thickness};
+use signorini_core::plate::{Plate, PlateError, StressNodes};
 use signorini_core::residual::{Displacement, Springs, residual};
+use signorini_core::stress::smoothed;
 
 const MATERIAL: Material = Material::isotropic(1000.0, 0.3, 5.0 / 6.0);
 
@@ -76,6 +77,53 @@ fn a_matrix_that_elements_share_is_that_of_each_alone() {
         }
         assert_ne!(plate.element_stiffness(4), plate.element_stiffness(0));
     }
+}
+
+#[test]
+fn elements_of_several_materials_have_each_its_own() {
+    let (points, elements) = grid(3, 1, 0.0);
+    let soft = Material::isotropic(10.0, 0.1, 0.5);
+    let made = |materials: Materials| {
+        Plate::new(points.clone(), elements.clone(), Thickness::Constant(0.1), materials, Kind::Mitc9, None)
+    };
+    let plate = made(Materials::several(vec![MATERIAL, soft], vec![0, 1, 0])).unwrap();
+    let of = |material: Material| made(material.into()).unwrap().element_stiffness(0).to_vec();
+    let (own, other) = (of(MATERIAL), of(soft));
+    assert!([&own, &other, &own].iter().enumerate().all(|(e, k)| plate.element_stiffness(e) == k.as_slice()));
+    assert_eq!(plate.materials.young(), 1000.0);
+    for of in [vec![0, 1], vec![0, 2, 0], vec![]] {
+        let refused = made(Materials::several(vec![MATERIAL, soft], of)).err();
+        assert_eq!(refused, Some(PlateError::Range { what: "materials of elements", index: 0 }));
+    }
+}
+
+#[test]
+fn moments_keep_the_sides_of_a_jump_apart() {
+    let (points, elements) = grid(2, 1, 0.0);
+    let (first, second) = (elements[0], elements[1]);
+    let materials = Materials::several(vec![MATERIAL, Material::isotropic(100.0, 0.3, 5.0 / 6.0)], vec![0, 1]);
+    let plate = Plate::new(points.clone(), elements, Thickness::Constant(0.1), materials, Kind::Mitc9, None).unwrap();
+    // w = x²/2: a curvature of one all over, and ten times the moment in the first element.
+    let dofs: Vec<f64> = points.iter().flat_map(|[x, _]| [0.5 * x * x, *x, 0.0]).collect();
+    let displaced = Displacement { lo: vec![0.0; dofs.len()], hi: dofs };
+    let [left, right] = [1000.0, 100.0].map(|young: f64| -young * 1e-3 / 12.0 / 0.91);
+    let shared: Vec<usize> = first.into_iter().filter(|node| second.contains(node)).collect();
+    let (mean, _) = smoothed(&plate, &displaced, [0.0; 3], &[0.0; 4]);
+    assert!(shared.iter().all(|&node| (mean[node][0] - 0.5 * (left + right)).abs() < 1e-9));
+    let apart = |node: usize| shared.iter().position(|&one| one == node).map_or(node, |i| points.len() + i);
+    let nodes = StressNodes { elements: vec![first, second.map(apart)], count: points.len() + shared.len() };
+    let plate = plate.with_stress_nodes(nodes).unwrap();
+    let (kept, _) = smoothed(&plate, &displaced, [0.0; 3], &[0.0; 4]);
+    assert!(first.iter().all(|&node| (kept[node][0] - left).abs() < 1e-9));
+    assert!(second.iter().all(|&node| (kept[apart(node)][0] - right).abs() < 1e-9));
+    for (element, count) in [([17; 8], 16), ([0; 8], 1 << 60)] {
+        assert!(plate_again(&points).with_stress_nodes(StressNodes { elements: vec![element; 2], count }).is_err());
+    }
+}
+
+fn plate_again(points: &[[f64; 2]]) -> Plate {
+    let (_, elements) = grid(2, 1, 0.0);
+    Plate::new(points.to_vec(), elements, Thickness::Constant(0.1), MATERIAL, Kind::Mitc9, None).unwrap()
 }
 
 /// An element that is said to be layered, in the sections that its thickness has anyway.

@@ -127,7 +127,8 @@ pub fn contact(data: &[u8]) {
     let values = vec![0.0; plate.dof_count()];
     for by_active_set in [false, true] {
         let (springs, held, constraints) = (springs.clone(), held.clone(), constraints.clone());
-        let Ok(problem) = ContactProblem::new(plate.clone(), springs, held, constraints, by_active_set) else {
+        let Ok(problem) = ContactProblem::new(plate.clone(), springs, held, constraints, by_active_set, usize::MAX)
+        else {
             continue;
         };
         let finite_if_solved = |answer: &ContactSolution| {

@@ -148,6 +148,7 @@ class ContactProblem:
         constraint_arrays: _Constraints,
         free_motions: _Floats | None = None,
         by_active_set: bool = False,
+        room: int | None = None,
     ) -> ContactProblem: ...
     def solve(
         self,

@@ -93,6 +93,10 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
         *most, elements, rigidities = arguments
         _core.Plate(*most, None, (elements, rigidities))
 
+    def zoned(*arguments):
+        *most, number, young, units, nodes = arguments
+        _core.Plate(*most, None, None, (number, young, units), nodes)
+
     spring = list(found.springs.arrays)
     centre = np.zeros(2 * len(mesh.elements))
     lcp = problem.lcp(load)
@@ -116,6 +120,7 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
         (_core.superpose, [one, u[None]]),
         (_core.Plate, plate),
         (layered, [*plate[:6], np.array([2]), rigidities]),
+        (zoned, [*plate[:6], np.arange(len(mesh.elements)) % 2, np.array([1e9]), plate[4][None], mesh.elements]),
         (found.plate.interpolation_rows, [rows.elements, np.zeros((len(rows), 2)), 0]),
         (found.plate.curvature_load, [np.array([0.1, 0.0, 0.2])]),
         (residual, [load, u, 1e-17 * u, *spring]),

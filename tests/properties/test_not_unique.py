@@ -10,6 +10,7 @@ from scipy.optimize import LinearConstraint, minimize
 
 import signorini
 from signorini import _core, contact_problem
+from signorini.contact.certificate import certify
 from signorini.contact.dependence import Dependence
 from signorini.contact.strategy import attempts
 from signorini.discretise import discretise
@@ -103,6 +104,20 @@ def assert_same(found, wanted):
     assert np.array_equal(ours[0][:, 4], theirs[0][:, 4])
     assert ours[1] == pytest.approx(theirs[1], abs=1e-9 * length)
     assert [one.what for one in found.not_unique] == [one.what for one in wanted.not_unique]
+
+
+@pytest.mark.parametrize("order", [(1, 2, 0, 3), (2, 3, 1, 0), (3, 1, 0, 2)])
+@pytest.mark.parametrize("form", ["dual", "stiffness"])
+def test_a_set_that_rounding_alone_keeps_regular_is_no_solution(form, order):
+    """There the stiffness form once took reactions of zero, out of balance by all of the load, for an answer."""
+    at = [1.113, 0.348]
+    support = [
+        {**one, "at": at if one["at"] == INSIDE else CORNERS} for one in REACTIONS["a bearing, an anchor and a pin"]
+    ]
+    problem = contact_problem(model_of([support[i] for i in order], WEIGHT))
+    found, load = problem.discretisation, problem.discretisation.cases["load"]
+    raw = problem.core.solve(load.nodal, found.held.values, form)
+    assert raw.status != "solved" or certify(found, load, raw.hi, raw.lo, raw.reaction).passed
 
 
 @pytest.mark.parametrize("case", CASES)

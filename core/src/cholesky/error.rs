@@ -9,6 +9,8 @@ pub enum FactorError {
     NotPositiveDefinite { column: usize },
     /// The factor does not fit into memory.
     OutOfMemory,
+    /// Factoring takes more bytes than there is room for; known before there are any numbers.
+    TooLarge { bytes: usize, room: usize },
 }
 
 impl std::fmt::Display for FactorError {
@@ -16,6 +18,10 @@ impl std::fmt::Display for FactorError {
         match self {
             Self::NotPositiveDefinite { column } => write!(f, "the pivot of column {column} is not positive"),
             Self::OutOfMemory => write!(f, "the factor does not fit into memory"),
+            Self::TooLarge { bytes, room } => {
+                let [takes, free] = [bytes, room].map(|&size| size as f64 / 1e9);
+                write!(f, "the factor takes {takes:.1} GB of memory, and {free:.1} GB are free")
+            }
         }
     }
 }

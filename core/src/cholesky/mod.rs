@@ -51,6 +51,12 @@ impl Analysis {
         Ok(Self(Arc::new(Pattern { tree, parts, plan, schedule })))
     }
 
+    /// Refuses a factor for whose numbers there is no room, in bytes.
+    pub fn require_room(&self, room: usize) -> Result<(), FactorError> {
+        let bytes = self.0.plan.bytes(&self.0.parts, rayon::current_num_threads());
+        if bytes <= room { Ok(()) } else { Err(FactorError::TooLarge { bytes, room }) }
+    }
+
     /// K = L Lᵀ on all threads; the bits do not depend on their number.
     pub fn factorize(&self, matrix: &impl Matrix) -> Result<Factor, FactorError> {
         let Pattern { tree, parts, plan, .. } = &*self.0;

@@ -2,6 +2,7 @@
 
 use super::buffer::Buffer;
 use super::error::FactorError;
+use super::graph::NONE;
 use super::matrix::{Matrix, Reader};
 use super::merge::{Child, Run, triangle};
 use super::parts::Parts;
@@ -55,6 +56,31 @@ impl Plan {
             plan.left.push(part.roots.iter().map(|&root| left(tree, root)).sum());
         }
         plan
+    }
+
+    /// Bytes that are taken at the most: L's, what parts have left to others, and what each thread works in.
+    pub(super) fn bytes(&self, parts: &Parts, threads: usize) -> usize {
+        // What waits below each part at the most: if all wait for each other, and if one thread works in order.
+        let (mut all, mut ordered) = (vec![0; self.left.len()], vec![0; self.left.len()]);
+        let (mut at_roots, mut most_ordered) = (0, 0);
+        for (index, part) in parts.0.iter().enumerate() {
+            let (mut below, mut given) = (0, 0);
+            for &child in &part.children {
+                below += all[child];
+                ordered[index] = ordered[index].max(given + ordered[child]);
+                given += self.left[child];
+            }
+            all[index] = below.max(given + self.left[index]);
+            ordered[index] = ordered[index].max(given + self.left[index]);
+            if part.parent == NONE {
+                at_roots += all[index];
+                most_ordered = most_ordered.max(ordered[index]);
+            }
+        }
+        let waiting = at_roots.min(threads * most_ordered);
+        let most = |(stacks, panel): (&[usize; 2], &usize)| stacks.iter().sum::<usize>() + panel;
+        let desk = self.stacks.iter().zip(&self.panels).map(most).max().unwrap_or(0);
+        size_of::<f64>() * (self.entries() + waiting + threads * desk)
     }
 
     /// Numbers stored for L.
@@ -122,7 +148,7 @@ fn worse(one: Option<FactorError>, other: FactorError) -> FactorError {
         (Some(FactorError::NotPositiveDefinite { column: a }), FactorError::NotPositiveDefinite { column: b }) => {
             FactorError::NotPositiveDefinite { column: a.min(b) }
         }
-        (Some(FactorError::OutOfMemory), _) => FactorError::OutOfMemory,
+        (Some(one), FactorError::NotPositiveDefinite { .. }) => one,
         (_, other) => other,
     }
 }

@@ -66,17 +66,9 @@ impl ContactProblem {
         let form = self.base.condensed.better_form();
         let still = vec![0.0; count];
         let distance = self.constraints.distance.clone();
-        let pose = |response: &Response, remaining: &[f64]| {
-            self.base.condensed.posed(form, &interface(form, response, remaining), &still)
-        };
-        let mut lcp = pose(&rest, &distance)?;
-        let mut q = Vec::with_capacity(cases.len());
-        for case in &cases {
-            if !watch() {
-                return Ok(None);
-            }
-            q.push(pose(case, &still)?.q);
-        }
+        let of_cases = cases.iter().map(|case| interface(form, case, &still));
+        let all: Vec<_> = std::iter::once(interface(form, &rest, &distance)).chain(of_cases).collect();
+        let (mut lcp, q) = self.base.condensed.posed(form, &all, &still)?;
         let motions = self.base.condensed.impose_motions(&mut lcp)?;
         let on_set = OnSet::new(&self.base.condensed, form, points)?;
         let q_at_rest = lcp.q.clone();

@@ -116,12 +116,14 @@ impl ContactProblem {
     /// Orders with the condensed dofs last, factors, and condenses.
     ///
     /// With `by_active_set` the one-sided points are the active set's instead of an LCP's: the factor carries them all.
+    /// A factor that takes more than `room`, in bytes, is refused before it is begun.
     pub fn new(
         plate: Arc<Plate>,
         springs: Springs,
         held: Vec<bool>,
         constraints: Constraints,
         by_active_set: bool,
+        room: usize,
     ) -> Result<Self, FactorError> {
         let clock = Instant::now();
         let (constraints, active, order) = split(&plate, constraints, by_active_set);
@@ -145,6 +147,7 @@ impl ContactProblem {
             scale: &scale,
             way: Way::Apart,
             analysis: None,
+            room,
             seconds: Seconds { order: ordering, ..Seconds::default() },
         };
         // Of a plate that may float, where what holds it is lost in rounding, the factor is a little firmer. Rigid motions are
@@ -201,6 +204,7 @@ impl ContactProblem {
             scale: &self.scale,
             way: self.way,
             analysis: Some(self.analysis.clone()),
+            room: usize::MAX,
             seconds: Seconds::default(),
         };
         parts.factored(carried)
@@ -284,6 +288,7 @@ struct Parts<'a> {
     way: Way,
     /// Of the first factor, for those after it.
     analysis: Option<Analysis>,
+    room: usize,
     seconds: Seconds,
 }
 
@@ -327,7 +332,9 @@ impl Parts<'_> {
             Some(known) => known,
             None => Analysis::new(&matrix)?,
         };
-        let factor = self.analysis.insert(known).factorize(&matrix)?;
+        let analysis = self.analysis.insert(known);
+        analysis.require_room(self.room)?;
+        let factor = analysis.factorize(&matrix)?;
         // Elements of q8r bend in some shapes without resistance, and not all supports hold them.
         if carried.contains(&0.0) || plate.kind == Kind::Q8r {
             let (column, part) = factor.weakest_pivot();

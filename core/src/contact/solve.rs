@@ -72,7 +72,9 @@ impl ContactProblem {
             }
             solution.leave_open(&step.remaining);
             if settled || self.signs_hold(load, tolerances::RESIDUAL * travel, &solution) {
-                return Ok(solution.solved());
+                // A set whose equations only rounding keeps regular has no solution.
+                let satisfied = self.satisfies(load, &step, &solution, 0.0);
+                return Ok(if satisfied { solution.solved() } else { solution.failed(Outcome::Unsolved) });
             }
             reduced = self.reduced(with, &step.imbalance, &step.remaining, form)?;
         }

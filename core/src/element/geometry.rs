@@ -1,35 +1,33 @@
 //! The map from the reference square, or triangle, to an element of eight nodes.
 
+use super::number::Number;
 use super::quadrature::{GAUSS_3, radon, square};
 use super::shape::{Shape, serendipity, triangular};
+use std::ops::Mul;
 use std::sync::LazyLock;
 
-/// Coordinates, relative to the first node, of the eight nodes of one element.
+/// Coordinates, relative to the first node, of the eight nodes of one element, or of some side by side.
 #[derive(Clone, Copy, Debug)]
-pub struct Geometry {
-    pub at: [[f64; 2]; 8],
+pub struct Geometry<T = f64> {
+    pub at: [[T; 2]; 8],
     /// Whether it is a triangle, which repeats its third corner (`mitc7`).
     pub triangle: bool,
 }
 
 /// The map at one reference point.
-pub struct Jacobian {
+pub struct Jacobian<T = f64> {
     pub shape: Shape<8>,
     /// ∂(x, y)/∂(ξ, η): rows ξ and η.
-    pub tangent: [[f64; 2]; 2],
+    pub tangent: [[T; 2]; 2],
     /// ∂(ξ, η)/∂(x, y): inverse[a][b] takes a reference gradient's b-th part to the physical a-th.
-    pub inverse: [[f64; 2]; 2],
-    pub determinant: f64,
+    pub inverse: [[T; 2]; 2],
+    pub determinant: T,
 }
 
 impl Geometry {
     /// How far the nodes reach from the first one along an axis.
     pub fn size(&self) -> f64 {
         self.at.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
-    }
-
-    pub fn jacobian(&self, xi: f64, eta: f64) -> Jacobian {
-        self.jacobian_of(if self.triangle { triangular(xi, eta) } else { serendipity(xi, eta) })
     }
 
     /// Whether the map turns over at a point of the stiffness: 3×3 Gauss points, or seven of a triangle.
@@ -40,15 +38,21 @@ impl Geometry {
         let shapes = if self.triangle { &TRIANGLE } else { &SQUARE };
         !shapes.iter().all(|shape| self.jacobian_of(*shape).determinant > 0.0)
     }
+}
+
+impl<T: Number> Geometry<T> {
+    pub fn jacobian(&self, xi: f64, eta: f64) -> Jacobian<T> {
+        self.jacobian_of(if self.triangle { triangular(xi, eta) } else { serendipity(xi, eta) })
+    }
 
     /// The map where the shape functions are known already.
     #[inline(always)]
-    pub fn jacobian_of(&self, shape: Shape<8>) -> Jacobian {
-        let mut t = [[0.0; 2]; 2];
+    pub fn jacobian_of(&self, shape: Shape<8>) -> Jacobian<T> {
+        let mut t = [[self.at[0][0].like(0.0); 2]; 2];
         for i in 0..8 {
             for a in 0..2 {
                 for b in 0..2 {
-                    t[a][b] += shape.gradient[i][a] * self.at[i][b];
+                    t[a][b] += self.at[i][b] * shape.gradient[i][a];
                 }
             }
         }
@@ -59,9 +63,12 @@ impl Geometry {
     }
 }
 
-impl Jacobian {
+impl<T: Number> Jacobian<T> {
     #[inline(always)]
-    pub fn physical(&self, gradient: [f64; 2]) -> [f64; 2] {
+    pub fn physical<U: Copy>(&self, gradient: [U; 2]) -> [T; 2]
+    where
+        T: Mul<U, Output = T>,
+    {
         let inv = &self.inverse;
         [inv[0][0] * gradient[0] + inv[0][1] * gradient[1], inv[1][0] * gradient[0] + inv[1][1] * gradient[1]]
     }

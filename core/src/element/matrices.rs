@@ -20,16 +20,16 @@ pub type StrainMatrix = [[f64; ALL_DOFS]; 5];
 
 /// What brings the condensed centre rotations back: θ = compliance·m − coupling·u, m the couples that act on them.
 #[derive(Clone, Debug, Default)]
-pub struct Centre {
-    pub coupling: [[f64; DOFS]; 2],
-    pub compliance: [[f64; 2]; 2],
+pub struct Centre<T = f64> {
+    pub coupling: [[T; DOFS]; 2],
+    pub compliance: [[T; 2]; 2],
 }
 
 /// The stiffness that the mesh sees, and the centre behind it; a centre of zeros where the element has none.
-pub struct Stiffness {
+pub struct Stiffness<T = f64> {
     /// Packed lower triangle, [`PACKED`] entries.
-    pub packed: [f64; PACKED],
-    pub centre: Centre,
+    pub packed: [T; PACKED],
+    pub centre: Centre<T>,
 }
 
 /// Adds bᵢᵀ C bⱼ for the first `count` dofs, i ≥ j.

@@ -9,10 +9,11 @@
 //! a, b, c, c, then the midsides ab, bc, c, ca. The functions of the places that repeat c are zero.
 
 use super::geometry::Geometry;
-use super::matrices::{ALL_DOFS, Stiffness, StrainMatrix};
-use super::mitc9::{Apart, GAUSS, Point, Station, TIES, add_shear, add_shear_along, bending_rows, condense};
+use super::matrices::{ALL_DOFS, StrainMatrix};
+use super::mitc9::{Apart, GAUSS, Point, Station, TIES, add_shear_along, bending_rows};
+use super::number::Number;
 use super::quadrature::radon;
-use super::section::{Material, Sections};
+use super::section::Section;
 use super::shape::{bubbled, triangular};
 use std::sync::LazyLock;
 
@@ -87,14 +88,16 @@ fn interpolation(r: f64, s: f64) -> [[f64; NUMBERS]; 2] {
 }
 
 /// The tied values as rows over all dofs.
-fn ties(geometry: &Geometry) -> [[f64; ALL_DOFS]; NUMBERS] {
-    let mut rows = [[0.0; ALL_DOFS]; NUMBERS];
+#[inline(always)]
+fn ties<T: Number>(geometry: &Geometry<T>) -> [[T; ALL_DOFS]; NUMBERS] {
+    let number = |value: f64| geometry.at[0][0].like(value);
+    let mut rows = [[number(0.0); ALL_DOFS]; NUMBERS];
     for (row, (at, along)) in rows.iter_mut().zip(TYING_POINTS.iter()) {
-        add_shear_along(row, geometry, *along, at);
+        add_shear_along(row, geometry, along.map(number), at);
     }
     for at in POINTS.iter() {
-        add_shear_along(&mut rows[6], geometry, [at.weight, 0.0], at);
-        add_shear_along(&mut rows[7], geometry, [0.0, at.weight], at);
+        add_shear_along(&mut rows[6], geometry, [at.weight, 0.0].map(number), at);
+        add_shear_along(&mut rows[7], geometry, [0.0, at.weight].map(number), at);
     }
     rows
 }
@@ -133,36 +136,33 @@ pub fn mean_shear(geometry: &Geometry) -> [[f64; ALL_DOFS]; 2] {
     mean.map(|row| row.map(|value| value / area))
 }
 
-/// Bending at the seven points, shear as a form in the eight tied values.
-pub(super) fn apart(geometry: &Geometry, material: &Material, sections: Sections) -> Apart {
-    let mut form = [[0.0; 2 * TIES]; 2 * TIES];
-    let points = std::array::from_fn(|k| {
-        let at = &POINTS[k];
+/// Bending at the seven points, where the sections are given; shear as a form in the eight tied values.
+#[inline(always)]
+pub(super) fn apart<T: Number>(geometry: &Geometry<T>, section: impl Fn(usize) -> Section<T>) -> Apart<T> {
+    let zero = geometry.at[0][0].like(0.0);
+    let mut form = [[zero; 2 * TIES]; 2 * TIES];
+    let mut points = [Point::none(zero); 9];
+    // Loops, as in mitc9.
+    for (k, at) in POINTS.iter().enumerate() {
         let jacobian = geometry.jacobian_of(at.shape);
-        let scale = 0.5 * at.weight * jacobian.determinant;
-        let section = sections.at(k, material);
+        points[k] = Point::of(&jacobian, at, jacobian.determinant * (0.5 * at.weight), section(k));
+        let Point { scale, section, .. } = &points[k];
         let [along, across] = interpolation(at.xi, at.eta);
-        let strains: [[f64; 2]; NUMBERS] = std::array::from_fn(|t| jacobian.physical([along[t], across[t]]));
-        for (row, &strain) in form.iter_mut().zip(&strains) {
-            let force = section.shear_force(strain).map(|q| scale * q);
-            for (sum, [x, y]) in row.iter_mut().zip(&strains) {
-                *sum += force[0] * x + force[1] * y;
+        let mut strains = [[zero; 2]; NUMBERS];
+        for t in 0..NUMBERS {
+            strains[t] = jacobian.physical([along[t], across[t]]);
+        }
+        for s in 0..NUMBERS {
+            let [x, y] = strains[s];
+            let force = [0, 1].map(|a| (section.shear[a][0] * x + section.shear[a][1] * y) * *scale);
+            for t in 0..NUMBERS {
+                form[s][t] += force[0] * strains[t][0] + force[1] * strains[t][1];
             }
         }
-        let gradient = at.rotation.gradient.map(|gradient| jacobian.physical(gradient));
-        Point { gradient, scale, section }
-    });
+    }
     // Places that are left over: springs on nothing.
     (NUMBERS..2 * TIES).for_each(|t| form[t][t] = form[0][0]);
-    let mut rows = [[0.0; ALL_DOFS]; 2 * TIES];
+    let mut rows = [[zero; ALL_DOFS]; 2 * TIES];
     rows[..NUMBERS].copy_from_slice(&ties(geometry));
     Apart { points, form, rows }
-}
-
-/// Bending and shear together; then the centre is condensed.
-pub fn stiffness(geometry: &Geometry, material: &Material, sections: Sections) -> Stiffness {
-    let apart = apart(geometry, material, sections);
-    let mut full = apart.bending();
-    add_shear(&mut full, &apart.form, &apart.rows);
-    condense(&full)
 }

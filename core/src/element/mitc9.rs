@@ -9,12 +9,12 @@
 
 use super::quadrature::{GAUSS_3, square};
 use super::shape::{Shape, lagrange, serendipity};
-use pulp::{Arch, Simd, WithSimd};
 use std::sync::LazyLock;
 
-use super::geometry::Geometry;
+use super::geometry::{Geometry, Jacobian};
 use super::matrices::{ALL_DOFS, Centre, DOFS, PACKED, Stiffness, StrainMatrix, packed};
-use super::section::{Material, Section, Sections};
+use super::number::Number;
+use super::section::Section;
 
 pub(super) const TIES: usize = 5;
 pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
@@ -76,36 +76,39 @@ static TYING_POINTS: LazyLock<[[Station; 4]; 2]> = LazyLock::new(|| {
 
 /// Adds the part of ∇w − θ along a direction in reference coordinates, at one point.
 #[inline(always)]
-pub(super) fn add_shear_along(
-    row: &mut [f64; ALL_DOFS],
-    geometry: &Geometry,
-    [along_xi, along_eta]: [f64; 2],
+pub(super) fn add_shear_along<T: Number>(
+    row: &mut [T; ALL_DOFS],
+    geometry: &Geometry<T>,
+    [along_xi, along_eta]: [T; 2],
     at: &Station,
 ) {
-    let slopes = at.shape.gradient.map(|[xi, eta]| along_xi * xi + along_eta * eta);
-    let mut tangent = [0.0; 2];
+    let zero = along_xi.like(0.0);
+    let (mut slopes, mut tangent) = ([zero; 8], [zero; 2]);
     for i in 0..8 {
+        let [xi, eta] = at.shape.gradient[i];
+        slopes[i] = along_xi * xi + along_eta * eta;
         tangent[0] += slopes[i] * geometry.at[i][0];
         tangent[1] += slopes[i] * geometry.at[i][1];
     }
     let [tx, ty] = tangent;
     for i in 0..8 {
         row[3 * i] += slopes[i];
-        row[3 * i + 1] -= at.rotation.value[i] * tx;
-        row[3 * i + 2] -= at.rotation.value[i] * ty;
+        row[3 * i + 1] -= tx * at.rotation.value[i];
+        row[3 * i + 2] -= ty * at.rotation.value[i];
     }
-    row[CENTRE] -= at.rotation.value[8] * tx;
-    row[CENTRE + 1] -= at.rotation.value[8] * ty;
+    row[CENTRE] -= tx * at.rotation.value[8];
+    row[CENTRE + 1] -= ty * at.rotation.value[8];
 }
 
 /// The five numbers of each covariant component as rows over all dofs: tied on the edges, then those with which the
 /// mean is right.
 #[inline(always)]
-fn ties(geometry: &Geometry) -> [[[f64; ALL_DOFS]; TIES]; 2] {
-    let mut rows = [[[0.0; ALL_DOFS]; TIES]; 2];
+fn ties<T: Number>(geometry: &Geometry<T>) -> [[[T; ALL_DOFS]; TIES]; 2] {
+    let number = |value: f64| geometry.at[0][0].like(value);
+    let mut rows = [[[number(0.0); ALL_DOFS]; TIES]; 2];
     for component in 0..2 {
         for tie in 0..4 {
-            let along = [[1.0, 0.0], [0.0, 1.0]][component];
+            let along = [[1.0, 0.0], [0.0, 1.0]][component].map(number);
             add_shear_along(&mut rows[component][tie], geometry, along, &TYING_POINTS[component][tie]);
         }
     }
@@ -113,17 +116,17 @@ fn ties(geometry: &Geometry) -> [[[f64; ALL_DOFS]; TIES]; 2] {
     for point in GAUSS_POINTS.iter() {
         let weight = 0.25 * point.weight;
         for component in 0..2 {
-            let part = weight * skew[component];
+            let part = skew[component] * weight;
             let mut along = [part * point.xi, -part * point.eta];
-            along[component] += weight;
+            along[component] += number(weight);
             add_shear_along(&mut rows[component][4], geometry, along, point);
         }
     }
     let [xi, eta] = rows.each_mut();
     for dof in 0..ALL_DOFS {
-        let change = |row: &[[f64; ALL_DOFS]; TIES]| row[1][dof] - row[0][dof] + row[3][dof] - row[2][dof];
+        let change = |row: &[[T; ALL_DOFS]; TIES]| row[1][dof] - row[0][dof] + row[3][dof] - row[2][dof];
         // What the edges' numbers add to the mean.
-        let edges = (change(xi) - change(eta)) / (12.0 * GAUSS);
+        let edges = (change(xi) - change(eta)) / number(12.0 * GAUSS);
         xi[4][dof] -= skew[0] * edges;
         eta[4][dof] -= skew[1] * edges;
     }
@@ -134,13 +137,14 @@ fn ties(geometry: &Geometry) -> [[[f64; ALL_DOFS]; TIES]; 2] {
 ///
 /// With its tangents a + cη and b + cξ the physical shear times the area is, in parts along a and b,
 /// a × b times ((1 + pξ)γξ − pηγη, qξγξ + (1 − qη)γη), where p = a × c / a × b and q = b × c / a × b.
-fn skew(geometry: &Geometry) -> [f64; 2] {
+#[inline(always)]
+fn skew<T: Number>(geometry: &Geometry<T>) -> [T; 2] {
     let [r, s, t, u] = [0, 1, 2, 3].map(|i| geometry.at[i]);
     let vector = |signs: [f64; 3]| {
-        [0, 1].map(|k| signs[0] * (s[k] - r[k]) + signs[1] * (t[k] - r[k]) + signs[2] * (u[k] - r[k]))
+        [0, 1].map(|k| (s[k] - r[k]) * signs[0] + (t[k] - r[k]) * signs[1] + (u[k] - r[k]) * signs[2])
     };
     let (a, b, c) = (vector([1.0, 1.0, -1.0]), vector([-1.0, 1.0, 1.0]), vector([-1.0, 1.0, -1.0]));
-    let cross = |[x, y]: [f64; 2], [v, w]: [f64; 2]| x * w - y * v;
+    let cross = |[x, y]: [T; 2], [v, w]: [T; 2]| x * w - y * v;
     [cross(a, c), cross(b, c)].map(|part| part / cross(a, b))
 }
 
@@ -177,41 +181,58 @@ pub(super) fn bending_rows(gradient: [[f64; 2]; 9]) -> StrainMatrix {
 }
 
 /// One of the 3×3 points: what bending there is made of.
-pub(super) struct Point {
+#[derive(Clone, Copy)]
+pub(super) struct Point<T = f64> {
     /// Gradients of the nine rotation functions in x and y.
-    pub(super) gradient: [[f64; 2]; 9],
+    pub(super) gradient: [[T; 2]; 9],
     /// Weight times the area that the point stands for.
-    pub(super) scale: f64,
-    pub(super) section: Section,
+    pub(super) scale: T,
+    pub(super) section: Section<T>,
+}
+
+impl<T: Number> Point<T> {
+    #[inline(always)]
+    pub(super) fn none(zero: T) -> Self {
+        let section = Section { bending: [[zero; 3]; 3], shear: [[zero; 2]; 2] };
+        Self { gradient: [[zero; 2]; 9], scale: zero, section }
+    }
+
+    #[inline(always)]
+    pub(super) fn of(jacobian: &Jacobian<T>, at: &Station, scale: T, section: Section<T>) -> Self {
+        let mut gradient = [[scale; 2]; 9];
+        for i in 0..9 {
+            gradient[i] = jacobian.physical(at.rotation.gradient[i]);
+        }
+        Self { gradient, scale, section }
+    }
 }
 
 /// An element with bending and shear apart: bending at the 3×3 points, shear as a form in the ten tied values.
-pub(super) struct Apart {
-    pub(super) points: [Point; 9],
-    pub(super) form: [[f64; 2 * TIES]; 2 * TIES],
-    pub(super) rows: [[f64; ALL_DOFS]; 2 * TIES],
+pub(super) struct Apart<T = f64> {
+    pub(super) points: [Point<T>; 9],
+    pub(super) form: [[T; 2 * TIES]; 2 * TIES],
+    pub(super) rows: [[T; ALL_DOFS]; 2 * TIES],
 }
 
-impl Apart {
-    /// Of a quadrilateral.
+impl<T: Number> Apart<T> {
+    /// Of a quadrilateral, given its sections at the 3×3 points.
     #[inline(always)]
-    pub(super) fn of(geometry: &Geometry, material: &Material, sections: Sections) -> Self {
-        let mut form = [[0.0; 2 * TIES]; 2 * TIES];
-        let points = std::array::from_fn(|k| {
+    pub(super) fn of(geometry: &Geometry<T>, section: impl Fn(usize) -> Section<T>) -> Self {
+        let zero = geometry.at[0][0].like(0.0);
+        let (mut form, mut points) = ([[zero; 2 * TIES]; 2 * TIES], [Point::none(zero); 9]);
+        // Loops, since the closures of array functions would be calls.
+        for k in 0..9 {
             let station = &GAUSS_POINTS[k];
             let (xi, eta) = (station.xi, station.eta);
             let jacobian = geometry.jacobian_of(station.shape);
-            let scale = station.weight * jacobian.determinant;
-            let section = sections.at(k, material);
-            let inv = &jacobian.inverse;
-            let metric = |a: usize, b: usize| {
-                let [x, y] = section.shear_force([inv[0][b], inv[1][b]]);
-                scale * (inv[0][a] * x + inv[1][a] * y)
-            };
+            points[k] = Point::of(&jacobian, station, jacobian.determinant * station.weight, section(k));
+            let (inv, shear, scale) = (&jacobian.inverse, &points[k].section.shear, points[k].scale);
             let weights = [interpolation(xi, eta), interpolation(eta, xi)];
             for a in 0..2 {
                 for b in 0..=a {
-                    let g = metric(a, b);
+                    let x = shear[0][0] * inv[0][b] + shear[0][1] * inv[1][b];
+                    let y = shear[1][0] * inv[0][b] + shear[1][1] * inv[1][b];
+                    let g = scale * (inv[0][a] * x + inv[1][a] * y);
                     for s in 0..TIES {
                         for t in 0..TIES {
                             form[a * TIES + s][b * TIES + t] += g * weights[a][s] * weights[b][t];
@@ -219,23 +240,23 @@ impl Apart {
                     }
                 }
             }
-            let gradient = station.rotation.gradient.map(|gradient| jacobian.physical(gradient));
-            Point { gradient, scale, section }
-        });
+        }
         for s in 0..TIES {
             for t in 0..TIES {
                 form[s][TIES + t] = form[TIES + t][s];
             }
         }
         let [along, across] = ties(geometry);
-        let rows = std::array::from_fn(|t| if t < TIES { along[t] } else { across[t - TIES] });
+        let mut rows = [[zero; ALL_DOFS]; 2 * TIES];
+        rows[..TIES].copy_from_slice(&along);
+        rows[TIES..].copy_from_slice(&across);
         Self { points, form, rows }
     }
 
     /// Bending alone over all dofs, lower triangle.
     #[inline(always)]
-    pub(super) fn bending(&self) -> [[f64; ALL_DOFS]; ALL_DOFS] {
-        let mut full = [[0.0; ALL_DOFS]; ALL_DOFS];
+    pub(super) fn bending(&self) -> [[T; ALL_DOFS]; ALL_DOFS] {
+        let mut full = [[self.points[0].scale.like(0.0); ALL_DOFS]; ALL_DOFS];
         for point in &self.points {
             add_bending(&mut full, point);
         }
@@ -244,36 +265,25 @@ impl Apart {
 }
 
 /// Bending by 3×3 points on the rotations; shear as a 10×10 form in the tied values; then the centre is condensed.
-pub fn stiffness(geometry: &Geometry, material: &Material, sections: Sections) -> Stiffness {
-    Arch::new().dispatch(Element { geometry, material, sections })
-}
-
-struct Element<'a> {
-    geometry: &'a Geometry,
-    material: &'a Material,
-    sections: Sections<'a>,
-}
-
-impl WithSimd for Element<'_> {
-    type Output = Stiffness;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Stiffness {
-        let apart = Apart::of(self.geometry, self.material, self.sections);
-        let mut full = apart.bending();
-        add_shear(&mut full, &apart.form, &apart.rows);
-        condense(&full)
-    }
+#[inline(always)]
+pub(super) fn stiffness<T: Number>(apart: &Apart<T>) -> Stiffness<T> {
+    let mut full = apart.bending();
+    add_shear(&mut full, &apart.form, &apart.rows);
+    condense(&full)
 }
 
 #[inline(always)]
-fn add_bending(full: &mut [[f64; ALL_DOFS]; ALL_DOFS], point: &Point) {
-    let gradient = &point.gradient;
+fn add_bending<T: Number>(full: &mut [[T; ALL_DOFS]; ALL_DOFS], point: &Point<T>) {
+    let (gradient, bending) = (&point.gradient, &point.section.bending);
     for i in 0..9 {
         let r = if i < 8 { 3 * i + 1 } else { CENTRE };
-        let [x, y] = gradient[i].map(|g| point.scale * g);
+        let (x, y) = (point.scale * gradient[i][0], point.scale * gradient[i][1]);
         // Moments of either slope of the node.
-        let (first, second) = (point.section.moment([x, 0.0, y]), point.section.moment([0.0, y, x]));
+        let (mut first, mut second) = ([x; 3], [y; 3]);
+        for a in 0..3 {
+            first[a] = bending[a][0] * x + bending[a][2] * y;
+            second[a] = bending[a][1] * y + bending[a][2] * x;
+        }
         for j in 0..=i {
             let c = if j < 8 { 3 * j + 1 } else { CENTRE };
             let [x, y] = gradient[j];
@@ -285,45 +295,47 @@ fn add_bending(full: &mut [[f64; ALL_DOFS]; ALL_DOFS], point: &Point) {
     }
 }
 
+/// Adds to the lower triangle what a form in the tied values is over the dofs.
 #[inline(always)]
-pub(super) fn add_shear(
-    full: &mut [[f64; ALL_DOFS]; ALL_DOFS],
-    form: &[[f64; 2 * TIES]; 2 * TIES],
-    rows: &[[f64; ALL_DOFS]; 2 * TIES],
+pub(super) fn add_shear<T: Number>(
+    full: &mut [[T; ALL_DOFS]; ALL_DOFS],
+    form: &[[T; 2 * TIES]; 2 * TIES],
+    rows: &[[T; ALL_DOFS]; 2 * TIES],
 ) {
-    let mut product = [[0.0; ALL_DOFS]; 2 * TIES];
+    let mut product = [[form[0][0].like(0.0); ALL_DOFS]; 2 * TIES];
     for s in 0..2 * TIES {
-        for t in 0..2 * TIES {
-            let f = form[s][t];
-            for dof in 0..ALL_DOFS {
-                product[s][dof] += f * rows[t][dof];
+        for dof in 0..ALL_DOFS {
+            let mut sum = product[s][dof];
+            for t in 0..2 * TIES {
+                sum += form[s][t] * rows[t][dof];
             }
+            product[s][dof] = sum;
         }
     }
     for i in 0..ALL_DOFS {
-        let mut sum = full[i];
-        for s in 0..2 * TIES {
-            for j in 0..ALL_DOFS {
-                sum[j] += rows[s][i] * product[s][j];
+        for j in 0..=i {
+            let mut sum = full[i][j];
+            for s in 0..2 * TIES {
+                sum += rows[s][i] * product[s][j];
             }
+            full[i][j] = sum;
         }
-        full[i] = sum;
     }
 }
 
 /// Eliminates the two centre rotations; only the lower triangle of `full` is read.
 #[inline(always)]
-pub(super) fn condense(full: &[[f64; ALL_DOFS]; ALL_DOFS]) -> Stiffness {
+pub(super) fn condense<T: Number>(full: &[[T; ALL_DOFS]; ALL_DOFS]) -> Stiffness<T> {
     let [a, b, d] = [full[CENTRE][CENTRE], full[CENTRE + 1][CENTRE], full[CENTRE + 1][CENTRE + 1]];
     let determinant = a * d - b * b;
     let compliance = [[d / determinant, -b / determinant], [-b / determinant, a / determinant]];
-    let mut coupling = [[0.0; DOFS]; 2];
+    let mut coupling = [[a.like(0.0); DOFS]; 2];
     for j in 0..DOFS {
         let [p, q] = [full[CENTRE][j], full[CENTRE + 1][j]];
         coupling[0][j] = compliance[0][0] * p + compliance[0][1] * q;
         coupling[1][j] = compliance[1][0] * p + compliance[1][1] * q;
     }
-    let mut lower = [0.0; PACKED];
+    let mut lower = [a.like(0.0); PACKED];
     for i in 0..DOFS {
         for j in 0..=i {
             let inner = full[CENTRE][i] * coupling[0][j] + full[CENTRE + 1][i] * coupling[1][j];

@@ -1,6 +1,7 @@
 //! What a plate is made of at one point: its thickness, and the rigidities that follow from it.
 
 use super::kind::Kind;
+use super::number::Number;
 
 /// Linear elasticity, isotropic or not.
 #[derive(Clone, Copy, Debug)]
@@ -90,22 +91,24 @@ impl Materials {
 
 /// Rigidities: [mxx, myy, mxy] from [κxx, κyy, 2κxy] and [qx, qy] from [γx, γy].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Section {
-    pub bending: [[f64; 3]; 3],
-    pub shear: [[f64; 2]; 2],
+pub struct Section<T = f64> {
+    pub bending: [[T; 3]; 3],
+    pub shear: [[T; 2]; 2],
 }
 
-impl Section {
+impl<T: Number> Section<T> {
     #[inline(always)]
-    pub fn moment(&self, curvature: [f64; 3]) -> [f64; 3] {
+    pub fn moment(&self, curvature: [T; 3]) -> [T; 3] {
         self.bending.map(|row| row[0] * curvature[0] + row[1] * curvature[1] + row[2] * curvature[2])
     }
 
     #[inline(always)]
-    pub fn shear_force(&self, strain: [f64; 2]) -> [f64; 2] {
+    pub fn shear_force(&self, strain: [T; 2]) -> [T; 2] {
         self.shear.map(|row| row[0] * strain[0] + row[1] * strain[1])
     }
+}
 
+impl Section {
     /// Whether every load meets resistance: both matrices symmetric, finite and positive definite.
     pub fn resists(&self) -> bool {
         let ([[a, b, c], [_, d, e], [_, _, f]], [[s, t], [_, u]]) = (self.bending, self.shear);
@@ -147,6 +150,7 @@ pub enum Sections<'a> {
 }
 
 impl Sections<'_> {
+    #[inline(always)]
     pub fn at(&self, point: usize, material: &Material) -> Section {
         match self {
             Self::Constant(thickness) => material.section(*thickness),

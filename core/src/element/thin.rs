@@ -26,7 +26,8 @@ const SOFT_SHEAR: f64 = 1e11;
 const LEAST_SHEAR: f64 = 10.0;
 
 fn apart(geometry: &Geometry, material: &Material, sections: Sections) -> Apart {
-    if geometry.triangle { mitc7::apart(geometry, material, sections) } else { Apart::of(geometry, material, sections) }
+    let section = |point| sections.at(point, material);
+    if geometry.triangle { mitc7::apart(geometry, section) } else { Apart::of(geometry, section) }
 }
 
 /// Lengths of an element along ξ and η, at its middle; of a triangle its longest side and what makes its area of it, equal

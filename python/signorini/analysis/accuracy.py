@@ -21,7 +21,7 @@ _TRIED, _GAINED = 3, 0.8
 """Meshes in a row that must gain something, and to what part half-widths must fall for that."""
 ORDER = 1.5
 """Order in the size of elements by which half-widths are expected to fall."""
-_LEAST, _MOST = 1.4, 2.0
+_LEAST, _MOST = 1.4, 2.5
 """By how much sides of elements shrink from one mesh to the next."""
 _SAME_SIZE, _AS_ALL = 0.8, 0.95
 """Size over that of its neighbour, and of all others, from which on a band is one with it, and needs none."""

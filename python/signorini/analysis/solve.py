@@ -150,6 +150,28 @@ class Results(States[str], Mapping[str, Result]):
         self._combine(lambda columns: blocks.append(list(columns)))
         return together(blocks)
 
+    @cached_property
+    def table_plus_minus(self) -> Mapping[str, Floats]:
+        """Half-widths of the table's columns, ``<column>:plus_minus``, from its rows on other meshes; none without."""
+
+        def solved(problem: ContactProblem, watcher: Watcher) -> tuple[Mapping[str, Column], Mesh]:
+            blocks = list[list[tuple[str, Column]]]()
+            _combined(problem, watcher, lambda columns: blocks.append(list(columns)))
+            return together(blocks), problem.mesh
+
+        found, _ = self.twins.others(solved, several=True)
+        if not found:
+            return {}
+        meshes, order = self._in_order([mesh for _, mesh in found])
+        tables = [self.table, *(table for table, _ in found)]
+        return dict(column_widths([tables[place] for place in order], meshes, self.model))
+
+    def _in_order(self, others: Sequence[Mesh]) -> tuple[Meshes, list[int]]:
+        """Meshes in the order in which they are compared, and their places in this one and the others."""
+        every = [self.discretisation.mesh, *others]
+        meshes = Meshes.of(every[0], others)
+        return meshes, [every.index(mesh) for mesh in meshes.every]
+
     def _combine(self, sink: Sink | None) -> Combined:
         if self.model.tabulated:
             return _combined(self.problem, watching(None, ""), sink)
@@ -201,8 +223,7 @@ class Results(States[str], Mapping[str, Result]):
         # Only this function needs pyarrow.
         from signorini.formats.parquet import widen
 
-        meshes = Meshes.of(self.discretisation.mesh, others)
-        order = [[self.discretisation.mesh, *others].index(mesh) for mesh in meshes.every]
+        meshes, order = self._in_order(others)
 
         def more(blocks: Sequence[Mapping[str, Floats]]) -> Mapping[str, Floats]:
             return dict(column_widths([blocks[place] for place in order], meshes, self.model))

@@ -15,17 +15,17 @@ from typing import Annotated
 import typer
 
 import signorini
+from signorini.base.units import METRES
 from signorini.cli import interrupts, streams, tables
 from signorini.cli.cells import visible
 from signorini.cli.grid import say
 from signorini.cli.progress import transient_line
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
-from signorini.formats.dxf import METRES
 from signorini.formats.inputfile import with_line
 
 _MOST_REASONS = 20
 _OPTIONS = {"start": "--from", "add": "--add", "until": "--until", "unit": "--unit", "output": "--output"}
-_OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "points", "lines")}
+_OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
 """What the arguments of `signorini.path` and of `read_dxf` are called on the command line."""
 
 app = typer.Typer(
@@ -219,6 +219,9 @@ def import_dxf(
     holes: Annotated[
         str | None, typer.Option(metavar="LAYER", help="Of holes. [default: that of this name, or the outline's]")
     ] = None,
+    zones: Annotated[
+        str | None, typer.Option(metavar="LAYER", help="Of parts made otherwise. [default: that of this name]")
+    ] = None,
     points: Annotated[
         str | None,
         typer.Option(
@@ -232,7 +235,7 @@ def import_dxf(
         str | None, typer.Option(metavar="UNIT", help=f"Of the drawing: {', '.join(METRES)}. [default: its header's]")
     ] = None,
 ) -> None:
-    """Make an input file from a drawing: outline, holes, and points and lines that it may stand on.
+    """Make an input file from a drawing: outline, holes, zones, and points and lines that it may stand on.
 
     Say what was taken from the drawing and what was left.
     """
@@ -244,7 +247,7 @@ def import_dxf(
         target = output if output is not None else file.with_suffix(".toml")
         if target.exists():
             raise InputError(f"{target} exists already; give another name with -o, or remove it.", place="output")
-        named = {"outline": outline, "holes": holes, "points": points, "lines": lines}
+        named = {"outline": outline, "holes": holes, "zones": zones, "points": points, "lines": lines}
         found = read_dxf(file, {role: layer for role, layer in named.items() if layer is not None}, unit)
         try:
             with replacing(target) as aside:

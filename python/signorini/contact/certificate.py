@@ -59,7 +59,9 @@ class Certificate:
     lost : float
         Where curvatures or loads that balance themselves act beside others: largest of force and two moments by which
         reactions miss the resultant of those others, over the sum of their magnitudes or the largest total of a
-        support. Over 1e-4 the others are lost in the rounding of what has no resultant. 0 where all or nothing has one.
+        support, or, if more, the largest of the least forces of the acting supports that make it up, over the largest
+        reaction. Over 1e-4 the others are lost in the rounding of what has no resultant. 0 where all has one, or
+        nothing.
     """
 
     penetration: float
@@ -177,7 +179,7 @@ def certify(
             "equilibrium": _ratio(_by_force(at_free, across), scale),
             "balance": _ratio(out_of_balance, _largest(total, rest)),
         }
-        lost = _lost(found, load, against, _totals(found, at_holds, pull, reaction))
+        lost = _lost(found, load, against, at_holds, pull, reaction)
     worst = _largest(*(figures[name] for name in LIMITED))
     if worst <= TOLERANCE or not np.isfinite(worst):
         return Certificate(**figures, lost=lost)
@@ -266,12 +268,37 @@ def _balance(found: Discretisation, nodal: Floats, against: Floats) -> tuple[flo
     return _largest(resultant), max(_reaching(found, nodal), _reaching(found, against))
 
 
-def _lost(found: Discretisation, load: CaseLoad, against: Floats, totals: Floats) -> float:
-    """What the forces of supports (3n,) leave of the loads that have a resultant, where there are others too."""
+def _motions(found: Discretisation) -> Floats:
+    """Deflections of one (3n, 3) of the rigid motions about the middle, those that turn over the plate's size."""
+    return np.asarray(found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size]))
+
+
+def _lost(
+    found: Discretisation, load: CaseLoad, against: Floats, at_holds: Floats, pull: Floats, reaction: Floats
+) -> float:
+    """What the forces of supports (3n,) leave of the loads that have a resultant, where there are others too.
+
+    The resultant that is missed counts over these loads or the largest total of a support, and the least forces of
+    acting supports that make it up over the largest that acts: supports near each other need more.
+    """
     if load.all_weighs or not load.weighing.any():
         return 0.0
     missing, _ = _balance(found, load.weighing, against)
-    return _ratio(missing, _largest(_reaching(found, load.weighing), totals))
+    of_loads = _reaching(found, load.weighing)
+    part = _ratio(missing, _largest(of_loads, _totals(found, at_holds, pull, reaction)))
+    if not part > 0.0:
+        return part
+    motions, held = _motions(found), found.held.dofs
+    # A couple counts as a force at the plate's size.
+    slope = np.concatenate([np.flatnonzero(held) % 3 > 0, np.zeros(len(pull), np.bool_), found.contacts.slope])
+    arm = np.where(slope, found.mesh.size, 1.0)
+    forces = np.concatenate([at_holds[held], pull, reaction]) / arm
+    rows = np.concatenate([motions[held], found.spring_rows @ motions, found.contact_rows @ motions]) * arm[:, None]
+    acting = np.abs(forces) > _UNSEEN * _largest(forces)
+    resultant = np.einsum("ij,i->j", motions, load.weighing - against)
+    making = np.linalg.lstsq(rows[acting].T, resultant)[0]
+    # Of the loads at least half a mean share, since nodal forces of a pressure have both signs.
+    return max(part, _ratio(_largest(making), _largest(forces, 0.5 * of_loads / max(acting.sum(), 1))))
 
 
 def _totals(found: Discretisation, at_holds: Floats, pull: Floats, reaction: Floats) -> Floats:
@@ -302,7 +329,7 @@ def _loaded_deflection(found: Discretisation, nodal: Floats) -> float:
 
 def _bending_force(found: Discretisation, hi: Floats) -> float:
     """Force that bends the plate as far as a deflection (3n,) is from a plane."""
-    motions = found.rigid_motions[::3] / np.array([1.0, found.mesh.size, found.mesh.size])
+    motions = _motions(found)[::3]
     deflection = hi[::3]
     plane = motions @ np.linalg.lstsq(motions, deflection, rcond=None)[0]
     area = float(found.mesh.element_area.sum())

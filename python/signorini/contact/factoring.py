@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 import numpy as np
 
 from signorini import _core
 from signorini.base.memory import (
+    available,
     fits,
     needed,
     needed_by_points,
@@ -112,6 +114,7 @@ def core_problem(
     found: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, by_active_set: bool
 ) -> _core.ContactProblem:
     """Order, factor and condense; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
+    free = available()
     free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T
     try:
         return _core.ContactProblem(
@@ -127,6 +130,7 @@ def core_problem(
             ),
             free_motions,
             by_active_set,
+            None if math.isinf(free) else int(free),
         )
     except RuntimeError as error:
         if found.model.plate.element == "q8r":
@@ -142,8 +146,9 @@ def core_problem(
             "the stiffnesses of the supports do not differ wildly."
         )
         raise InputError(f"The stiffness matrix cannot be factored: {error}. {why}", place=("plate",)) from None
-    except MemoryError:
-        raise SignoriniError("The factor does not fit into memory. Take a coarser mesh.") from None
+    except MemoryError as error:
+        why = str(error)
+        raise SignoriniError(f"{why[0].upper()}{why[1:]}. Take a coarser mesh.") from None
 
 
 def regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:

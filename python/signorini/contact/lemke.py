@@ -62,6 +62,9 @@ def lemke(
     -----
     A path takes a few m pivots on plates, each of the order of m² operations, and 2ᵐ at the worst (Murty 1978).
 
+    With rows and columns of M scaled to largest entries of about one, numbers below 1e-11 of the largest by which q is
+    negative are rounding of the elimination: to q = [-1, -1e-12] the second entry is zero.
+
     References
     ----------
     .. [1] C. E. Lemke, "Bimatrix equilibrium points and mathematical programming", *Management Science* 11 (1965),

@@ -25,6 +25,9 @@ from signorini.model import Plate, Support
 _GAUSS = 3
 _GAUSS_RIGID = 2
 """Points on each piece of a rigid line that the mesh does not follow: no more than the dofs that can answer."""
+_ROW = 3
+"""Elements in which a rigid line that cannot let go holds means: two points in each of a row lock the plate between
+them, and share their force as rounding has it, thousands of its sum. In fewer, means would let the plate turn."""
 _STIFF = 1e3
 """Stiffness of a bed, over the plate's between elements, from which the plate lies on their means. Points within them
 then outnumber what can answer them, and settle ever more slowly; what is left of the deflection is that of the mesh."""
@@ -204,13 +207,19 @@ def _acting(
         at = mesh.points[on.nodes]
         sampled = Sampled(where.elements, where.xi, on.weights, at, np.zeros_like(at), at)
     found = [_Acting.of(_rows(plate, sampled, 0), sampled)] if deflection else []
+    in_means = (
+        triples is None
+        and support.stiffness is None
+        and not can_let_go(support)
+        and len(np.unique(sampled.elements)) >= _ROW
+    )
     tx, ty = sampled.tangents.T
     for component, directions in (("slope", (ty, -tx)), ("twist", (tx, ty))):
         if component in support.fixed:
             rows = _along(plate, sampled, *directions)
             rotation = prescribed_rotations(placed, sampled.positions)
             found.append(_Acting.of(rows, sampled, (np.column_stack(directions) * rotation).sum(axis=1)))
-    return found
+    return [replace(_means(acting), shared=None) for acting in found] if in_means else found
 
 
 def _steps(support: Support) -> list[Level]:
@@ -313,9 +322,10 @@ def _means(through: _Acting) -> _Acting:
     def mean(values: Floats) -> Floats:
         return np.stack([np.bincount(inverse, through.weights * column) / area for column in values.T], axis=1)
 
+    slope = None if through.slope is None else mean(through.slope[:, None])[:, 0]
     shared = np.column_stack([elements, np.full((len(elements), 3), -1)])
     middle = mean(through.positions)
-    return _Acting(Rows(elements, mean(through.rows.coefficients)), middle, middle, area, None, shared)
+    return _Acting(Rows(elements, mean(through.rows.coefficients)), middle, middle, area, slope, shared)
 
 
 def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: OutlinePoints) -> _Acting:

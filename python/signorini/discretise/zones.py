@@ -95,6 +95,11 @@ class Zones:
         materials = [self.model.material, *(zone.material or self.model.material for zone in self.model.zone)]
         return np.array([np.nan if one.unit_weight is None else one.unit_weight for one in materials])
 
+    def poisson_of(self, elements: Ints) -> Floats:
+        """Poisson's ratios (q,) of elements (q,)."""
+        materials = [self.model.material, *(zone.material or self.model.material for zone in self.model.zone)]
+        return np.array([material.poisson for material in materials])[self.of_elements.material[elements]]
+
     @property
     def of_elements(self) -> Made:
         """What elements (ne,) are made of, those that a border parts by their middles."""

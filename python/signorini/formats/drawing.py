@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 GAP = 1e-3
 """Metres between ends that count as one place: less than anything built, more than a careless end."""
+_WALL = 3.0
+"""Length over width from which on a rectangle is a wall."""
+_FINE = math.radians(4)
+"""Turn of the chords that stand for arcs where it is asked what is inside."""
 
 
 class Corner(NamedTuple):
@@ -17,6 +23,10 @@ class Corner(NamedTuple):
     x: float
     y: float
     bulge: float = 0.0
+
+    def is_at(self, other: Corner) -> bool:
+        """Whether both are one place."""
+        return max(abs(self.x - other.x), abs(self.y - other.y)) < GAP
 
 
 @dataclass(frozen=True)
@@ -75,12 +85,85 @@ class Loop:
         whole = (right - left) * (top - bottom)
         return (right - left, top - bottom) if at_corners and self.area > whole / 2 > 0 else None
 
-    def has(self, x: float, y: float) -> bool:
-        """Whether a point is inside; arcs count as their chords."""
+    @property
+    def middle_line(self) -> tuple[tuple[float, float], tuple[float, float]] | None:
+        """Ends [m] of the line along the middle, if it is a rectangle, askew too, three times as long as wide at least.
+
+        Examples
+        --------
+        >>> from signorini.formats.drawing import Corner, Loop
+        >>> Loop((Corner(0, 0), Corner(4, 0), Corner(4, 0.2), Corner(0, 0.2))).middle_line
+        ((0.0, 0.1), (4.0, 0.1))
+        """
+        if not self.is_rectangle:
+            return None
+        a, b, c, d = self.corners
+        first, second = math.dist(a[:2], b[:2]), math.dist(b[:2], c[:2])
+        if max(first, second) < _WALL * min(first, second):
+            return None
+        ends = ((a, d), (b, c)) if first > second else ((a, b), (d, c))
+        (p, q), (r, s) = ends
+        return ((p.x + q.x) / 2, (p.y + q.y) / 2), ((r.x + s.x) / 2, (r.y + s.y) / 2)
+
+    @property
+    def is_rectangle(self) -> bool:
+        """Whether it has four straight sides at right angles, in any direction."""
+        if len(self.corners) != 4 or any(corner.bulge for corner in self.corners):
+            return False
+        a, b, c, d = self.corners
+        meets = math.hypot(a.x + c.x - b.x - d.x, a.y + c.y - b.y - d.y) < 2 * GAP
+        return meets and abs(math.dist(a[:2], c[:2]) - math.dist(b[:2], d[:2])) < 2 * GAP
+
+    @cached_property
+    def points(self) -> list[tuple[float, float]]:
+        """Corners [m], and of arcs points a few degrees apart."""
         if self.radius:
-            return math.hypot(x - self.corners[0].x, y - self.corners[0].y) < self.radius
-        crossed = [x < a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x) for a, b in self if (a.y > y) != (b.y > y)]
+            right, left = (Corner(self.corners[0].x + side * self.radius, self.corners[0].y, 1.0) for side in (1, -1))
+            return Loop((right, left)).points
+        return flattened((*self.corners, self.corners[0]), _FINE)[:-1]
+
+    def has(self, x: float, y: float) -> bool:
+        """Whether a point is inside."""
+        ends = zip(self.points, self.points[1:] + self.points[:1], strict=True)
+        crossed = [x < ax + (y - ay) / (by - ay) * (bx - ax) for (ax, ay), (bx, by) in ends if (ay > y) != (by > y)]
         return sum(crossed) % 2 == 1
+
+    def near(self, x: float, y: float) -> bool:
+        """Whether a point is on one of the sides."""
+        for (ax, ay), (bx, by) in zip(self.points, self.points[1:] + self.points[:1], strict=True):
+            length = (bx - ax) ** 2 + (by - ay) ** 2
+            part = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length if length else 0.0
+            part = min(max(part, 0.0), 1.0)
+            if math.hypot(ax + part * (bx - ax) - x, ay + part * (by - ay) - y) < GAP:
+                return True
+        return False
+
+    def holds(self, other: Loop) -> bool:
+        """Whether another one is inside, away from the sides."""
+        return other.area < self.area and all(self.has(*at) and not self.near(*at) for at in other.points)
+
+    def covers(self, points: Iterable[tuple[float, float]]) -> bool:
+        """Whether points are inside or on the sides."""
+        return all(self.has(*at) or self.near(*at) for at in points)
+
+
+def flattened(line: Sequence[Corner], turn: float) -> list[tuple[float, float]]:
+    """Points of an open line, its arcs by chords that turn by an angle or less."""
+    found = [(line[0].x, line[0].y)]
+    for a, b in itertools.pairwise(line):
+        pieces = math.ceil(abs(4 * math.atan(a.bulge)) / turn) if a.bulge else 1
+        found += [_along(a, b, i / pieces) for i in range(1, pieces)] + [(b.x, b.y)]
+    return found
+
+
+def _along(a: Corner, b: Corner, part: float) -> tuple[float, float]:
+    """Point of an arc at a part of its length."""
+    half = 2 * math.atan(a.bulge)
+    turn = 2 * half * part
+    radius = math.hypot(b.x - a.x, b.y - a.y) / (2 * math.sin(half))
+    start = math.atan2(b.y - a.y, b.x - a.x) - half
+    chord = 2 * radius * math.sin(turn / 2)
+    return a.x + chord * math.cos(start + turn / 2), a.y + chord * math.sin(start + turn / 2)
 
 
 def through(a: Corner, b: Corner) -> tuple[float, float]:
@@ -103,6 +186,8 @@ class Drawing:
     ----------
     outline : Loop
     holes : of Loop
+    zones : of Loop
+        Parts of the plate that are made otherwise.
     points : dict
         By footprint, (a, b) of a rectangle [m], (r,) of a circle or () of none, the places (x, y) [m] that have it.
     lines : of corners
@@ -113,6 +198,7 @@ class Drawing:
 
     outline: Loop
     holes: tuple[Loop, ...]
+    zones: tuple[Loop, ...]
     points: dict[tuple[float, ...], list[tuple[float, float]]]
     lines: tuple[tuple[Corner, ...], ...]
     took: tuple[str, ...]

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 import math
 from collections.abc import Sequence
 
-from signorini.formats.drawing import Corner, Drawing, Loop, through
+from signorini.formats.drawing import Corner, Drawing, Loop, flattened, through
 
 _DIGITS = 6
 """Decimals of a length in metres: to the micrometre, finer than anything is built."""
+_TURN = math.pi / 8
+"""Turn of the chords that stand for arcs where there are none."""
 _ELEMENTS = 30
 """Elements along the longer side of the mesh to begin with."""
 
@@ -23,7 +24,8 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
     >>> from signorini.formats.drawing import Corner, Drawing, Loop
     >>> outline = Loop((Corner(0, 0), Corner(6, 0), Corner(6, 4), Corner(0, 4)))
     >>> hole = Loop((Corner(2, 2),), 0.5)
-    >>> drawing = Drawing(outline, (hole,), {(0.4, 0.4): [(1, 1), (5, 1)]}, (), (), ())
+    >>> panel = Loop((Corner(4, 0), Corner(6, 0), Corner(6, 2), Corner(4, 2)))
+    >>> drawing = Drawing(outline, (hole,), (panel,), {(0.4, 0.4): [(1, 1), (5, 1)]}, (), (), ())
     >>> print(drawing_as_toml(drawing, "floor"))
     title = "floor"
     <BLANKLINE>
@@ -50,6 +52,11 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
         { circle = { center = [2, 2], radius = 0.5 } },
     ]
     <BLANKLINE>
+    # Assumed, the drawing does not say how it is made: its thickness.
+    [[zone]]
+    area = { rectangle = [4, 0, 6, 2] }
+    thickness = 0.4
+    <BLANKLINE>
     [mesh]
     size = 0.2
     <BLANKLINE>
@@ -74,6 +81,11 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
         '[units]\nlength = "m"\nforce = "N"',
         "# Assumed, the drawing does not say: concrete C30/37.\n[material]\nE = 33e9\nnu = 0.2\nunit_weight = 25e3",
         _plate(drawing),
+        *(
+            "# Assumed, the drawing does not say how it is made: its thickness.\n"
+            f"[[zone]]\narea = {_area(zone, arcs=False)}\nthickness = 0.4"
+            for zone in drawing.zones
+        ),
         f"[mesh]\nsize = {_size(max(right - left, top - bottom))}",
     ]
     count = len(drawing.points) + len(drawing.lines)
@@ -85,7 +97,9 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
         blocks.append(_kinds("N/m") + _support(name, f"at = [\n{places}\n]") + (f"\n{key}{size}" if key else ""))
     for number, line in enumerate(drawing.lines, 1):
         name = "lines" if len(drawing.lines) == 1 else f"lines {number}"
-        blocks.append(_kinds("N/m²") + _support(name, f"line = [{', '.join(_list(at) for at in _chords(line))}]"))
+        blocks.append(
+            _kinds("N/m²") + _support(name, f"line = [{', '.join(_list(at) for at in flattened(line, _TURN))}]")
+        )
     if count == 0:
         blocks.append("# Add supports: [[support]] with at, edge, line, circle or area.")
     blocks.append('# Add loads to these, with their cases.\n[[load]]\ncase = "self-weight"\nself_weight = true')
@@ -107,13 +121,14 @@ def _plate(drawing: Drawing) -> str:
     return "\n".join(lines)
 
 
-def _area(loop: Loop) -> str:
+def _area(loop: Loop, arcs: bool = True) -> str:
     if loop.radius:
         center = _list(loop.corners[0][:2])
         return f"{{ circle = {{ center = {center}, radius = {_number(loop.radius)} }} }}"
     if loop.sides:
         return f"{{ rectangle = {_list(loop.box)} }}"
-    return f"{{ polygon = [{', '.join(_corners(loop))}] }}"
+    chords = flattened((*loop.corners, loop.corners[0]), _TURN)[:-1]
+    return f"{{ polygon = [{', '.join(_corners(loop) if arcs else map(_list, chords))}] }}"
 
 
 def _corners(loop: Loop) -> list[str]:
@@ -128,25 +143,6 @@ def _corners(loop: Loop) -> list[str]:
 
 def _to(a: Corner, b: Corner) -> str:
     return f"{{ through = {_list(through(a, b))}, to = {_list(b[:2])} }}" if a.bulge else _list(b[:2])
-
-
-def _chords(line: Sequence[Corner]) -> list[tuple[float, float]]:
-    """Points of an open line, its arcs by chords of a sixteenth of a turn or less."""
-    found = [(line[0].x, line[0].y)]
-    for a, b in itertools.pairwise(line):
-        pieces = math.ceil(abs(4 * math.atan(a.bulge)) / (math.pi / 8)) if a.bulge else 1
-        found += [_along(a, b, i / pieces) for i in range(1, pieces)] + [(b.x, b.y)]
-    return found
-
-
-def _along(a: Corner, b: Corner, part: float) -> tuple[float, float]:
-    """Point of an arc at a part of its length."""
-    half = 2 * math.atan(a.bulge)
-    turn = 2 * half * part
-    radius = math.hypot(b.x - a.x, b.y - a.y) / (2 * math.sin(half))
-    start = math.atan2(b.y - a.y, b.x - a.x) - half
-    chord = 2 * radius * math.sin(turn / 2)
-    return a.x + chord * math.cos(start + turn / 2), a.y + chord * math.sin(start + turn / 2)
 
 
 def _kinds(unit: str) -> str:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from signorini.base.units import METRES
 from signorini.errors import InputError, SignoriniError, point
-from signorini.formats.drawing import GAP, Corner, Drawing, Loop
+from signorini.formats.drawing import GAP, Corner, Drawing, Loop, flattened
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing as Document
@@ -17,14 +20,24 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
-ROLES = ("outline", "holes", "points", "lines")
+ROLES = ("outline", "holes", "zones", "points", "lines")
 """What a layer may hold; the layer of this name does where no other is named."""
-METRES = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048, "yd": 0.9144}
-"""Length of every unit of a drawing."""
 _HEADER_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm"}
 """Units by the number that the header of a drawing gives, $INSUNITS."""
-_CHORDS = 1 / 2000
-"""Part of the drawing's size by which chords may leave a spline or an ellipse: a side each is about an element long."""
+_OFF = 1 / 20000
+"""Part of the drawing's size by which arcs may leave a spline or an ellipse: they meet at less than 1° then."""
+_HALVED = 8
+"""Times that a spline may be halved for arcs: what bends more sharply has a corner there."""
+_FLAT = 1e-6
+"""Rise over chord of an arc that is a line."""
+_ROUND = 12
+"""Corners from which on a filled area may be a circle."""
+_TURN = math.radians(4)
+"""Turn of the chords of arcs that are asked whether they are on the plate."""
+_STEP = 0.1
+"""Metres between points at which lines are asked whether they are on the plate."""
+_MOST_PLACES = 3
+"""Places that a line of what is left names."""
 _DEEPEST = 16
 """Blocks within blocks; more are blocks within themselves."""
 
@@ -34,6 +47,7 @@ class _Layer:
     """What is on one layer, in metres, and the kinds of what is none of it; each role takes what it uses."""
 
     loops: list[Loop] = field(default_factory=list)
+    fills: list[Loop] = field(default_factory=list)
     lines: list[tuple[Corner, ...]] = field(default_factory=list)
     points: list[tuple[float, float]] = field(default_factory=list)
     others: Counter[str] = field(default_factory=Counter)
@@ -41,6 +55,7 @@ class _Layer:
     def __str__(self) -> str:
         found = [
             (len(self.loops), "closed line"),
+            (len(self.fills), "filled area"),
             (len(self.lines), "open line"),
             (len(self.points), "point"),
             *((count, kind) for kind, count in sorted(self.others.items())),
@@ -53,7 +68,7 @@ class _Layer:
 def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str | None = None) -> Drawing:
     """Read a drawing.
 
-    Arcs and circles stay what they are; splines and ellipses become chords that leave them by at most 1/2000 of the
+    Arcs and circles stay what they are; splines and ellipses become arcs that leave them by at most 1/20000 of the
     drawing's size. Blocks are taken apart. Ends less than a millimetre apart are joined.
 
     Parameters
@@ -63,7 +78,7 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str 
         Layer of each role, any of `ROLES`, in upper or lower case. Without a layer the outline is the largest closed
         line of the drawing, and the holes are the closed lines within it on the outline's layer.
     unit : str, optional
-        Of the drawing, any of `METRES`; by default what its header says.
+        Of the drawing, any of `signorini.base.units.METRES`; by default what its header says.
 
     Raises
     ------
@@ -78,28 +93,57 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str 
     names = {role: _named(role, layers.get(role), found) for role in ROLES}
     outline, layer = _outline(names["outline"], found)
     found[layer].loops.remove(outline)
+    left: list[str] = []
     own = found[names["holes"] or layer].loops
-    holes = [loop for loop in own if names["holes"] or (loop.area < outline.area and outline.has(*loop.middle))]
-    own[:] = [loop for loop in own if loop not in holes]
-    points, loose = _points(found[names["points"]]) if names["points"] else ({}, [])
-    lines = _all_of(found[names["lines"]].lines) if names["lines"] else []
+    holes, off = _parted(own, outline.holds)
+    own[:] = [] if names["holes"] else off
+    left += _told(off if names["holes"] else [], "holes", "not inside the outline; an opening at an edge is part of it")
+    zones: list[Loop] = []
+    if names["zones"]:
+        zones, off = _parted(_all_of(found[names["zones"]].loops), lambda zone: outline.covers(zone.points))
+        left += _told(off, "zones", "not within the outline")
+
+    def on_plate(*points: tuple[float, float]) -> bool:
+        return outline.covers(points) and not any(
+            hole.has(*at) and not hole.near(*at) for hole in holes for at in points
+        )
+
+    points = _points(found[names["points"]], on_plate, left) if names["points"] else {}
+    lines = _lines(found[names["lines"]], on_plate, left) if names["lines"] else []
     took = [
         f"outline: {_sides(outline)}, {outline.area:.6g} m², layer {layer}",
         *(f"hole {i}: {_sides(hole)} about {point(hole.middle)}" for i, hole in enumerate(holes, 1)),
+        *(f"zone {i}: {_sides(zone)} about {point(zone.middle)}" for i, zone in enumerate(zones, 1)),
         *(f"points: {len(at)}{_footprint(footprint)}" for footprint, at in points.items()),
         *([f"lines: {len(lines)}"] if lines else []),
     ]
-    left = [f"layer {name}: {rest}" for name, rest in sorted(found.items()) if str(rest)]
-    inside = sum(loop.area < outline.area and outline.has(*loop.middle) for loop in found[layer].loops)
-    if inside:
+    left += [f"layer {name}: {rest}" for name, rest in sorted(found.items()) if str(rest)]
+    if inside := sum(map(outline.holds, found[layer].loops)):
         left.append(
-            f"{inside} of the closed lines of layer {layer} are inside the outline: if they are holes, put them on"
+            f"{inside} of the closed lines of layer {layer} are inside the outline: if they are holes, put them on "
+            f"layer {names['holes']}"
         )
-        left[-1] += f" layer {names['holes']}"
-    if loose:
-        middles = ", ".join(point(loop.middle) for loop in loose[:3])
-        left.append(f"shapes of {len(loose)} points, at {middles}: they are no rectangles parallel to the axes")
-    return Drawing(outline, tuple(holes), points, tuple(lines), tuple(took), tuple(left))
+    return Drawing(outline, tuple(holes), tuple(zones), points, tuple(lines), tuple(took), tuple(left))
+
+
+def _parted(loops: Iterable[Loop], kept: Callable[[Loop], bool]) -> tuple[list[Loop], list[Loop]]:
+    """Those that are kept, and the others."""
+    sorts: tuple[list[Loop], list[Loop]] = ([], [])
+    for loop in loops:
+        sorts[not kept(loop)].append(loop)
+    return sorts
+
+
+def _told(loops: Iterable[Loop], what: str, why: str) -> Iterator[str]:
+    """Say where loops are that were left, and why."""
+    middles = [loop.middle for loop in loops]
+    if middles:
+        yield f"{what}: {len(middles)}{_about(middles)}: {why}"
+
+
+def _about(places: Sequence[tuple[float, float]]) -> str:
+    more = ", …" if len(places) > _MOST_PLACES else ""
+    return f", at {', '.join(map(point, places[:_MOST_PLACES]))}{more}"
 
 
 def _all_of(things: list[_T]) -> list[_T]:
@@ -155,7 +199,7 @@ def _layers(document: Document, metres: float) -> dict[str, _Layer]:
     for entities in by_layer.values():
         upright_all(entities)
     extent = _extent(entity for entities in by_layer.values() for entity in entities)
-    found = {name: _layer(entities, metres, extent * _CHORDS) for name, entities in by_layer.items()}
+    found = {name: _layer(entities, metres, extent * _OFF) for name, entities in by_layer.items()}
     for name, kinds in hidden.items():
         found.setdefault(name, _Layer()).others.update(kinds)
     return found
@@ -180,7 +224,7 @@ def _taken_apart(entities: Iterable[Any], layer: str | None = None, depth: int =
                 yield on, Point.new(dxfattribs={"location": one.dxf.insert, "layer": on})
 
 
-_DRAWN = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE", "POINT"}
+_DRAWN = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE", "POINT", "SOLID", "TRACE", "HATCH"}
 
 
 def _extent(entities: Iterable[Any]) -> float:
@@ -190,7 +234,7 @@ def _extent(entities: Iterable[Any]) -> float:
     return float(max(box.size.x, box.size.y)) if box.has_data else 0.0
 
 
-def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> _Layer:
+def _layer(entities: Sequence[Any], metres: float, off: float) -> _Layer:
     """Sort the entities of a layer; lengths are the drawing's until they are put into metres here."""
     from ezdxf import edgeminer, edgesmith
 
@@ -198,60 +242,132 @@ def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> _Layer:
         kept: list[Corner] = []
         for x, y, bulge in points:
             corner = Corner(float(x) * metres, float(y) * metres, float(bulge))
-            if kept and max(abs(corner.x - kept[-1].x), abs(corner.y - kept[-1].y)) < GAP:
+            if kept and corner.is_at(kept[-1]):
                 # One place drawn twice: the side that goes on is the later one's.
                 kept[-1] = kept[-1]._replace(bulge=corner.bulge)
             else:
                 kept.append(corner)
         return tuple(kept)
 
-    loops, points, others = [], [], Counter[str]()
+    loops, fills, points, others = [], [], [], Counter[str]()
     open_ones: list[Any] = []
     for entity in entities:
         kind = entity.dxftype()
+        if kind in ("ELLIPSE", "SPLINE"):
+            entity = _in_arcs(entity, off)
         if kind == "POINT":
             points.append((entity.dxf.location.x * metres, entity.dxf.location.y * metres))
         elif kind == "CIRCLE":
             center = Corner(entity.dxf.center.x * metres, entity.dxf.center.y * metres)
             loops.append(Loop((center,), entity.dxf.radius * metres))
+        elif kind in ("SOLID", "TRACE", "HATCH"):
+            fills += [_closed(corners((v.x, v.y, 0.0) for v in ring)) for ring in _rings(entity, off)]
         elif kind not in _DRAWN or (kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)):
             others[kind] += 1
         elif edgesmith.is_closed_entity(entity):
-            loops.append(_closed(corners(_vertices(entity, sagitta))))
+            loops.append(_closed(corners(_vertices(entity))))
         else:
             open_ones.append(entity)
     edges = _once(edgesmith.edges_from_entities_2d(open_ones, gap_tol=GAP / metres), GAP / metres)
     lines = []
     chains = edgeminer.find_all_simple_chains(edgeminer.Deposit(edges, gap_tol=GAP / metres)) if edges else ()
     for chain in chains:
-        whole = edgesmith.polyline2d_from_chain(chain, max_sagitta=sagitta)
+        whole = edgesmith.polyline2d_from_chain(chain, max_sagitta=off)
         joined = corners((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in whole.vertices)
         if edgeminer.is_loop(chain, gap_tol=GAP / metres):
             loops.append(_closed(joined))
         elif len(joined) > 1:
             lines.append(joined)
-    thin = [loop for loop in loops if loop.area < GAP**2]
+    thin = [loop for loop in (*loops, *fills) if loop.area < GAP**2]
     others.update({"sliver": len(thin)} if thin else {})
-    return _Layer([loop for loop in loops if loop not in thin], lines, points, others)
+    loops, fills = ([loop for loop in part if loop not in thin] for part in (loops, fills))
+    return _Layer(loops, fills, lines, points, others)
 
 
 def _closed(corners: tuple[Corner, ...]) -> Loop:
     """Leave out the last corner if it is the first again."""
-    first, last = corners[0], corners[-1]
-    again = len(corners) > 1 and max(abs(first.x - last.x), abs(first.y - last.y)) < GAP
+    again = len(corners) > 1 and corners[0].is_at(corners[-1])
     return Loop(corners[:-1] if again else corners)
 
 
-def _vertices(entity: Any, sagitta: float) -> Iterator[tuple[float, float, float]]:
-    from ezdxf.path import make_path
+def _rings(entity: Any, off: float) -> Iterator[Any]:
+    """Yield what bounds a filled area, of curves points."""
+    from ezdxf.path import from_hatch
 
-    match entity.dxftype():
-        case "LWPOLYLINE":
-            yield from entity.get_points("xyb")
-        case "POLYLINE":
-            yield from ((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in entity.vertices)
-        case _:
-            yield from ((v.x, v.y, 0.0) for v in make_path(entity).flattening(sagitta))
+    if entity.dxftype() == "HATCH":
+        yield from (list(path.flattening(off)) for path in from_hatch(entity))
+    else:
+        yield entity.wcs_vertices()
+
+
+def _in_arcs(entity: Any, off: float) -> Any:
+    """A spline or an ellipse as a polyline of arcs that leave it by little."""
+    from ezdxf.entities.lwpolyline import LWPolyline
+
+    curve = entity.construction_tool()
+    if entity.dxftype() == "ELLIPSE":
+        begin, end = entity.dxf.start_param, entity.dxf.end_param
+        end += 0.0 if end > begin else math.tau
+
+        def at(t: float) -> complex:
+            (v,) = curve.vertices([begin + t * (end - begin)])
+            return complex(v.x, v.y)
+    else:
+
+        def at(t: float) -> complex:
+            v = curve.point(t * curve.max_t)
+            return complex(v.x, v.y)
+
+    made = LWPolyline.new(dxfattribs={"layer": entity.dxf.layer})
+    # A closed curve has no chord from end to end.
+    parts = [part for i in range(4) for part in _arcs(at, 0.25 * i, 0.25 * (i + 1), off)]
+    last = at(1.0)
+    made.set_points([*((p.real, p.imag, bulge) for p, bulge in parts), (last.real, last.imag, 0.0)], format="xyb")
+    made.closed = abs(last - parts[0][0]) <= off
+    return made
+
+
+def _arcs(
+    at: Callable[[float], complex], begin: float, end: float, off: float, depth: int = 0
+) -> list[tuple[complex, float]]:
+    """Where arcs along a part of a curve begin, with their bulges."""
+    p, q, half = at(begin), at(end), (begin + end) / 2
+    bulge = _bulge(p, at(half), q)
+    between = (at(begin + part * (end - begin)) for part in (0.125, 0.25, 0.75, 0.875))
+    if depth == _HALVED or all(_off_arc(z, p, q, bulge) <= off for z in between):
+        return [(p, bulge)]
+    return _arcs(at, begin, half, off, depth + 1) + _arcs(at, half, end, off, depth + 1)
+
+
+def _bulge(p: complex, middle: complex, q: complex) -> float:
+    """Bulge of the arc through three points; 0 where they are on a line, or two of them are one."""
+    if abs(q - p) <= _FLAT * abs(middle - p):
+        return 0.0
+    # Where the chord reaches from −1 to 1, the centre is above 0.
+    m = (middle - (p + q) / 2) / ((q - p) / 2)
+    if abs(m.imag) < _FLAT:
+        return 0.0
+    height = (abs(m) ** 2 - 1) / (2 * m.imag)
+    return -height - math.copysign(math.hypot(1.0, height), m.imag)
+
+
+def _off_arc(z: complex, p: complex, q: complex, bulge: float) -> float:
+    """Distance of a point from the circle, or line, of an arc."""
+    half = (q - p) / 2
+    if not half:
+        return abs(z - p)
+    local = (z - (p + q) / 2) / half
+    if not bulge:
+        return abs(local.imag) * abs(half)
+    height = (1.0 - bulge * bulge) / (2.0 * bulge)
+    return abs(abs(local - 1j * height) - math.hypot(1.0, height)) * abs(half)
+
+
+def _vertices(entity: Any) -> Iterator[tuple[float, float, float]]:
+    if entity.dxftype() == "LWPOLYLINE":
+        yield from entity.get_points("xyb")
+    else:
+        yield from ((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in entity.vertices)
 
 
 def _once(edges: Iterable[Any], gap: float) -> list[Any]:
@@ -289,18 +405,77 @@ def _outline(layer: str | None, found: Mapping[str, _Layer]) -> tuple[Loop, str]
     )
 
 
-def _points(layer: _Layer) -> tuple[dict[tuple[float, ...], list[tuple[float, float]]], list[Loop]]:
-    """Places by their footprints, and the closed lines whose shape is none: these count by their middles."""
+def _points(
+    layer: _Layer, on_plate: Callable[..., bool], left: list[str]
+) -> dict[tuple[float, ...], list[tuple[float, float]]]:
+    """Places by their footprints; what is left, of them or of their shape, is told.
+
+    An area that is filled and outlined is one place.
+    """
+    shapes: list[tuple[Loop | None, tuple[float, float]]] = [(None, at) for at in _all_of(layer.points)]
+    for loop in _all_of(layer.loops) + [_as_circle(fill) for fill in _all_of(layer.fills)]:
+        if not any(one is not None and math.dist(at, loop.middle) < GAP for one, at in shapes):
+            shapes.append((loop, loop.middle))
     found: dict[tuple[float, ...], list[tuple[float, float]]] = defaultdict(list)
-    loose = []
-    for at in _all_of(layer.points):
-        found[()].append(at)
-    for loop in _all_of(layer.loops):
-        footprint = (loop.radius,) if loop.radius else loop.sides
-        if footprint is None:
-            loose.append(loop)
-        found[tuple(round(size, 3) for size in footprint or ())].append(loop.middle)
-    return dict(found), loose
+    off: list[tuple[float, float]] = []
+    over, askew, loose = off.copy(), off.copy(), off.copy()
+    for shape, at in shapes:
+        footprint: tuple[float, ...] = ()
+        if not on_plate(at):
+            off.append(at)
+            continue
+        if shape is not None:
+            size = (shape.radius,) if shape.radius else shape.sides
+            if size is None:
+                (askew if shape.is_rectangle else loose).append(at)
+            elif not on_plate(*shape.points):
+                over.append(at)
+            else:
+                footprint = tuple(round(part, 3) for part in size)
+        found[footprint].append(at)
+    for places, why in (
+        (off, "not on the plate; left"),
+        (over, "their shape reaches beyond the plate; points without footprint"),
+        (askew, "rectangles askew, and a patch is along the axes; points without footprint"),
+        (loose, "neither circles nor rectangles; points without footprint"),
+    ):
+        left += [f"points: {len(places)}{_about(places)}: {why}"] if places else []
+    return dict(found)
+
+
+def _as_circle(loop: Loop) -> Loop:
+    """A closed line of many corners at one distance from its middle as a circle."""
+    x, y = loop.middle
+    radii = [math.dist(corner[:2], (x, y)) for corner in loop.corners]
+    if len(radii) < _ROUND or max(radii) - min(radii) > GAP + 0.01 * max(radii):
+        return loop
+    return Loop((Corner(x, y),), max(radii))
+
+
+def _lines(layer: _Layer, on_plate: Callable[..., bool], left: list[str]) -> list[tuple[Corner, ...]]:
+    """Open lines, and of long rectangles the lines along their middles; what leaves the plate is told."""
+    walls = [(loop, loop.middle_line) for loop in layer.loops]
+    layer.loops[:] = [loop for loop, middle in walls if middle is None]
+    middles = [tuple(Corner(*at) for at in middle) for _, middle in walls if middle is not None]
+    if middles:
+        left.append(f"lines: {len(middles)} closed rectangles became the lines along their middles")
+    lines: list[tuple[Corner, ...]] = []
+    off: list[tuple[float, float]] = []
+    for line in (*_all_of(layer.lines), *middles):
+        chords = flattened(line, _TURN)
+        between = [at for a, b in pairwise(chords) for at in _spaced(a, b)]
+        if on_plate(*chords, *between):
+            lines.append(line)
+        else:
+            off.append(chords[0])
+    left += [f"lines: {len(off)}{_about(off)}: not on the plate; left"] if off else []
+    return lines
+
+
+def _spaced(a: tuple[float, float], b: tuple[float, float]) -> list[tuple[float, float]]:
+    """Points between two."""
+    count = math.ceil(math.dist(a, b) / _STEP)
+    return [(a[0] + i / count * (b[0] - a[0]), a[1] + i / count * (b[1] - a[1])) for i in range(1, count)]
 
 
 def _sides(loop: Loop) -> str:

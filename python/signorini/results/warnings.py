@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from signorini.base.units import METRES
 from signorini.contact.answer import NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.placed import SAME_PLACE
@@ -22,7 +23,6 @@ from signorini.shapes.depths import depth
 
 _NEWTONS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "MN": 1e6, "kgf": 9.80665, "lbf": 4.4482216, "lb": 4.4482216}
 _NEWTONS |= {"tf": 9806.65, "kip": 4448.2216, "kips": 4448.2216}
-_METRES = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 _SOFTEST, _STIFFEST = 1e8, 1e12
 """Pascals between which Young's moduli of plates are: rubber is softer, and hardly anything stiffer than diamond."""
 _INSIDE = 1e-6
@@ -93,9 +93,9 @@ def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
 
 def _unit_of_modulus(found: Discretisation) -> Iterator[str]:
     units, modulus = found.model.units, found.model.young
-    if units.force not in _NEWTONS or units.length not in _METRES:
+    if units.force not in _NEWTONS or units.length not in METRES:
         return
-    pascals = modulus * _NEWTONS[units.force] / _METRES[units.length] ** 2
+    pascals = modulus * _NEWTONS[units.force] / METRES[units.length] ** 2
     if not _SOFTEST <= pascals <= _STIFFEST:
         yield (
             f"E = {modulus:.4g} {units.force}/{units.length}² is {pascals:.4g} Pa, and what plates are made of has "

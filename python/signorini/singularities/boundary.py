@@ -44,6 +44,8 @@ class Boundary:
         Whether the deflection is held by what may let go only.
     slope, twist : (k,) arrays
         Whether the slopes across and along the side are held.
+    poisson : (k,) array
+        Poisson's ratio of the material beside each side.
     """
 
     mesh: Mesh
@@ -54,6 +56,7 @@ class Boundary:
     lets_go: Bools
     slope: Bools
     twist: Bools
+    poisson: Floats
 
     @classmethod
     def of(cls, found: Discretisation) -> Boundary:
@@ -75,13 +78,14 @@ class Boundary:
         turn = _turn(tangents[:, 2], tangents[following, 0])
         slack = np.maximum(_STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
         angles = np.pi - np.where(np.abs(turn) > slack, turn, 0.0)
-        return cls(mesh, sides, following, angles, held, held & ~always, slope, twist)
+        poisson = found.zones.poisson_of(mesh.find_sides(sides)[0])
+        return cls(mesh, sides, following, angles, held, held & ~always, slope, twist, poisson)
 
     def slopes(self, side: int) -> Slopes:
         """What a side holds of the slopes."""
         return slopes_held(bool(self.slope[side]), bool(self.twist[side]))
 
-    def corners(self, poisson: float) -> list[tuple[tuple[float, float], float, tuple[str, ...]]]:
+    def corners(self) -> list[tuple[tuple[float, float], float, tuple[str, ...]]]:
         """Corners without a limit of some number: where, the angle in degrees, and the numbers."""
         found = []
         keys = np.column_stack([self.held, self.slope, self.twist])
@@ -89,7 +93,7 @@ class Boundary:
         for side in np.flatnonzero(changes | (self.angles != np.pi)).tolist():
             other, angle = int(self.following[side]), float(self.angles[side])
             numbers = []
-            if moments_grow(angle, self.slopes(side), self.slopes(other), poisson):
+            if moments_grow(angle, self.slopes(side), self.slopes(other), float(self.poisson[side])):
                 numbers.append("moment")
             if any(self._shears_grow(angle, side, other, *held) for held in self._states(side, other)):
                 numbers.append("shear")

@@ -71,6 +71,11 @@ class Singularity:
 
 
 _FOOTPRINT = "Give it a footprint, patch or radius."
+_AROUND = 1e-5
+"""Part of the plate's size at which it is looked around a corner of a zone."""
+_ALIKE = 1e-3
+"""Part of the thickness by which it may vary around there without a jump."""
+_EIGHT = np.array([[np.cos(a), np.sin(a)] for a in np.radians(22.5 + 45.0 * np.arange(8))])
 _RESOLVED = 0.5
 """Part of the element around it that a footprint is at least: a mesh line follows its sides then. Under a third of an
 element moments are a fifth too small, under a tenth a third."""
@@ -99,7 +104,7 @@ def singularities(found: Discretisation, cases: Collection[str] | None = None) -
     """
     known = _KNOWN.setdefault(found, {})
     if "" not in known:
-        known[""] = _measured(found, (*_of_supports(found), *_of_corners(found)))
+        known[""] = _measured(found, (*_of_supports(found), *_of_corners(found), *_of_zones(found)))
     acting = [case for case in found.cases if cases is None or case in cases]
     return (*(one for case in acting for one in _of_case(found, known, case)), *known[""])
 
@@ -228,16 +233,40 @@ def _rigid(support: Support) -> bool:
 def _of_corners(found: Discretisation) -> Iterator[Singularity]:
     """Corners that are alike in what has no limit there are one; an outline of chords has many."""
     alike: dict[tuple[bool, tuple[str, ...]], list[tuple[tuple[float, float], float]]] = {}
-    for at, degrees, numbers in _boundary(found).corners(found.model.material.poisson):
+    for at, degrees, numbers in _boundary(found).corners():
         alike.setdefault((abs(degrees - 180) < 1, numbers), []).append((at, degrees))
     for (straight, numbers), those in alike.items():
         where = tuple(at for at, _ in those)
         angles = sorted(degrees for _, degrees in those)
         of = " to ".join(dict.fromkeys(f"{angle:.4g}°" for angle in (angles[0], angles[-1])))
         what = "Change of the edge's support" if straight else f"Corner of {of} of the plate"
-        places = ", ".join(point(at, found.mesh.size) for at in where[:_MOST_PLACES])
-        more = f" and {len(where) - _MOST_PLACES} more" if len(where) > _MOST_PLACES else ""
-        yield Singularity(where, f"{what} at {places}{more}", numbers, "Take values from beside it.", "plate")
+        places = _listed_places(where, found.mesh.size)
+        yield Singularity(where, f"{what} at {places}", numbers, "Take values from beside it.", "plate")
+
+
+def _listed_places(where: Sequence[tuple[float, float]], size: float) -> str:
+    places = ", ".join(point(at, size) for at in where[:_MOST_PLACES])
+    return places + (f" and {len(where) - _MOST_PLACES} more" if len(where) > _MOST_PLACES else "")
+
+
+def _of_zones(found: Discretisation) -> Iterator[Singularity]:
+    """Corners of borders inside the plate, at which thickness or stiffness jump."""
+    edge, mesh = _boundary(found), found.mesh
+    for number, zone in enumerate(found.model.zone, 1):
+        corners = zone.region.outline.segments[:, 0]
+        around = corners[:, None] + _AROUND * mesh.size * _EIGHT
+        elements = mesh.locate(around.reshape(-1, 2)).elements.reshape(-1, len(_EIGHT))
+        inside = (elements >= 0).all(axis=1)
+        points = around[inside].reshape(-1, 2)
+        made = found.zones.at(elements[inside].ravel(), points)
+        thickness = found.zones.thickness(made.thickness, points).reshape(-1, len(_EIGHT))
+        jumps = (np.ptp(thickness, axis=1) > _ALIKE * thickness.max(axis=1)) | (
+            np.ptp(made.rigidity.reshape(-1, len(_EIGHT)), axis=1) > 0
+        )
+        at = np.array([corner for corner in corners[inside][jumps] if not len(edge.at(corner))])
+        if len(at):
+            what = f"Corner of the border of zone {number} at {_listed_places(_points(at), mesh.size)}"
+            yield Singularity(_points(at), what, ("moment", "shear"), "Take values from beside it.", "plate")
 
 
 def _determinate(found: Discretisation) -> bool:
@@ -328,7 +357,7 @@ def _ends_of_line(
             held = np.array([edge.held[side] for side, _ in rays])
             askew = any(abs(angle - 0.5 * np.pi) > _STRAIGHT for angle in within)
             sides = zip(within, rays, strict=True)
-            bends = any(moments_grow(a, own, edge.slopes(side), found.model.material.poisson) for a, (side, _) in sides)
+            bends = any(moments_grow(a, own, edge.slopes(side), float(edge.poisson[side])) for a, (side, _) in sides)
             # A rigid line and an edge are a corner; an elastic one acts as a line load does.
             grows = not held.all() and (askew or "twist" not in support.fixed) if rigid else held.any() or askew
             numbers = (("moment",) if own != "free" and bends else ()) + (of_deflection if grows else ())

@@ -174,23 +174,24 @@ impl Condensed {
         work: &Work,
         reaction: &[f64],
     ) -> Result<PosedLcp, OutOfMemory> {
-        let mut lcp = self.posed(form, interface, reaction)?;
+        let (mut lcp, _) = self.posed(form, std::slice::from_ref(interface), reaction)?;
         let motions = self.impose_motions(&mut lcp)?;
         motions.balance(&mut lcp.q, interface, work);
         Ok(lcp)
     }
 
-    /// The LCP as elimination gives it: M does not depend on the interface, and q is linear in it.
+    /// The LCP of the first of some interfaces as elimination gives it, and the q of the others, which have its M. Each is
+    /// linear in its interface.
     pub(crate) fn posed(
         &self,
         form: Form,
-        interface: &InterfaceResidual,
+        interfaces: &[InterfaceResidual],
         reaction: &[f64],
-    ) -> Result<PosedLcp, OutOfMemory> {
+    ) -> Result<(PosedLcp, Vec<Vec<f64>>), OutOfMemory> {
         match (form, &self.stiffness) {
-            (Form::Stiffness, Some(stiffness)) => self.stiffness_lcp(&stiffness.matrix, interface, reaction),
-            (Form::Stiffness, None) => self.flexibility_lcp(interface, reaction, true),
-            (Form::Dual, _) => self.flexibility_lcp(interface, reaction, false),
+            (Form::Stiffness, Some(stiffness)) => self.stiffness_lcp(&stiffness.matrix, interfaces, reaction),
+            (Form::Stiffness, None) => self.flexibility_lcp(interfaces, reaction, true),
+            (Form::Dual, _) => self.flexibility_lcp(interfaces, reaction, false),
         }
     }
 

@@ -42,27 +42,27 @@ impl Condensed {
     /// The LCP with every point exchanged if all are `closed_first`, else those that are regularised or two-sided.
     pub(super) fn flexibility_lcp(
         &self,
-        interface: &InterfaceResidual,
+        interfaces: &[InterfaceResidual],
         reaction: &[f64],
         closed_first: bool,
-    ) -> Result<PosedLcp, OutOfMemory> {
+    ) -> Result<(PosedLcp, Vec<Vec<f64>>), OutOfMemory> {
         let p = self.flexibility()?.matrix.as_ref();
-        let closing = self.closing(p, interface, reaction);
+        let closing: Vec<_> = interfaces.iter().map(|interface| self.closing(p, interface, reaction)).collect();
         let exchanged = |i: usize| closed_first || self.two_sided[i] || self.regularization[i] > 0.0;
         let (mut inside, outside): (Vec<usize>, Vec<usize>) = (0..self.len()).partition(|&i| exchanged(i));
         inside.sort_by_key(|&i| self.absorbed(i));
         let coupled = inside.partition_point(|&i| !self.absorbed(i));
         let (nj, no) = (inside.len(), outside.len());
 
-        // B_JJ · reaction_J in terms of gap_J, reaction_O and 1; the columns of absorbed points are diagonal.
-        let mut right = dense::matrix(nj, nj + no + 1, |r, c| {
+        // B_JJ · reaction_J in terms of gap_J, reaction_O and a 1 for every interface; the columns of absorbed points are diagonal.
+        let mut right = dense::matrix(nj, nj + no + closing.len(), |r, c| {
             let i = inside[r];
             if c < nj {
                 self.a(p, i, inside[c])
             } else if c < nj + no {
                 -self.b(p, i, outside[c - nj])
             } else {
-                closing[i]
+                closing[c - nj - no][i]
             }
         })?;
         if coupled > 0 {
@@ -93,13 +93,15 @@ impl Condensed {
             } else if c < nj + no {
                 from + self.b(p, i, outside[c - nj])
             } else {
-                from - closing[i]
+                from - closing[c - nj - no][i]
             }
         };
         let matrix = row_major(rows.len(), rows.len(), |r, c| entry(rows[r], rows[c]))?;
-        let q = rows.iter().map(|&r| entry(r, nj + no)).collect();
+        let q = |k: usize| -> Vec<f64> { rows.iter().map(|&r| entry(r, nj + no + k)).collect() };
+        let (first, others) = (q(0), (1..closing.len()).map(q).collect());
         let point = rows.iter().map(|&r| if r < nj { inside[r] } else { outside[r - nj] }).collect();
-        Ok(PosedLcp { matrix, q, point, gap_is_z: (0..rows.len()).map(|r| r < kept).collect() })
+        let gap_is_z = (0..rows.len()).map(|r| r < kept).collect();
+        Ok((PosedLcp { matrix, q: first, point, gap_is_z }, others))
     }
 
     /// What one point's unknown, its reaction where closed and its gap where open, does in another's equation.

@@ -5,19 +5,21 @@ use crate::dense::{self, Cholesky, Lu, OutOfMemory, row_major};
 use faer::Mat;
 
 impl Condensed {
-    /// M = (I + SC)⁻¹S, q = (I + SC)⁻¹(f̂ + reaction − S(remaining − C·reaction)).
+    /// M = (I + SC)⁻¹S, every q = (I + SC)⁻¹(f̂ + reaction − S(remaining − C·reaction)).
     pub(super) fn stiffness_lcp(
         &self,
         stiffness: &Mat<f64>,
-        interface: &InterfaceResidual,
+        interfaces: &[InterfaceResidual],
         reaction: &[f64],
-    ) -> Result<PosedLcp, OutOfMemory> {
+    ) -> Result<(PosedLcp, Vec<Vec<f64>>), OutOfMemory> {
         let m = self.len();
-        let travel: Vec<f64> = (0..m).map(|i| interface.remaining[i] - self.compliance[i] * reaction[i]).collect();
-        let travel = self.without_rigid_motion(&travel);
-        let mut q: Vec<f64> = (0..m)
-            .map(|i| interface.force[i] + reaction[i] - (0..m).map(|j| stiffness[(i, j)] * travel[j]).sum::<f64>())
-            .collect();
+        let acting = |interface: &InterfaceResidual| -> Vec<f64> {
+            let travel = |i: usize| interface.remaining[i] - self.compliance[i] * reaction[i];
+            let travel = self.without_rigid_motion(&(0..m).map(travel).collect::<Vec<f64>>());
+            let held = |i: usize| (0..m).map(|j| stiffness[(i, j)] * travel[j]).sum::<f64>();
+            (0..m).map(|i| interface.force[i] + reaction[i] - held(i)).collect()
+        };
+        let mut q: Vec<Vec<f64>> = interfaces.iter().map(acting).collect();
         let point: Vec<usize> = (0..m).filter(|&i| !self.two_sided[i]).collect();
         let matrix: Vec<f64> = if self.compliance.iter().all(|&c| c == 0.0) {
             row_major(point.len(), point.len(), |r, c| stiffness[(point[r], point[c])])?
@@ -26,14 +28,15 @@ impl Condensed {
                 let through = stiffness[(i, j)] * self.compliance[j];
                 if i == j { 1.0 + through } else { through }
             })?;
-            let mut right = dense::matrix(m, m + 1, |i, j| if j < m { stiffness[(i, j)] } else { q[i] })?;
+            let mut right = dense::matrix(m, m + q.len(), |i, j| if j < m { stiffness[(i, j)] } else { q[j - m][i] })?;
             Lu::of(coupled)?.solve_in_place(right.as_mut())?;
-            q = (0..m).map(|i| right[(i, m)]).collect();
+            q = (0..q.len()).map(|k| (0..m).map(|i| right[(i, m + k)]).collect()).collect();
             let even = |i: usize, j: usize| 0.5 * (right[(i, j)] + right[(j, i)]);
             row_major(point.len(), point.len(), |r, c| even(point[r], point[c]))?
         };
-        let q = point.iter().map(|&i| q[i]).collect();
-        Ok(PosedLcp { matrix, q, gap_is_z: vec![true; point.len()], point })
+        let of_points = |q: &Vec<f64>| -> Vec<f64> { point.iter().map(|&i| q[i]).collect() };
+        let (first, others) = (of_points(&q[0]), q[1..].iter().map(of_points).collect());
+        Ok((PosedLcp { matrix, q: first, gap_is_z: vec![true; point.len()], point }, others))
     }
 
     /// Points whose displacement is not known: open ones, and closed ones on springs.

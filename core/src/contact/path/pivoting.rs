@@ -5,7 +5,6 @@ use super::line::{Line, standing_on};
 use super::load::PathEnd;
 use super::trail::Trail;
 use crate::cholesky::FactorError;
-use crate::contact::condense::PosedLcp;
 use crate::contact::lcp::in_memory;
 use crate::contact::solution::{Progress, differing};
 use crate::contact::tolerances;
@@ -75,20 +74,23 @@ impl Follower<'_> {
         let condensed = &problem.base.condensed;
         let form = condensed.better_form();
         let rest = problem.at_rest(load.held_value);
-        let posed = |load: &[f64], imbalance: &[f64], remaining: &[f64]| -> Result<PosedLcp, FactorError> {
-            let reduced = problem.reduced(&problem.base, imbalance, remaining, form)?;
-            Ok(condensed.lcp(form, &reduced.interface, &problem.work(load), &rest.reaction)?)
-        };
         let first = problem.residual(load.start, &rest);
-        let begin = posed(load.start, &first.imbalance, &first.remaining)?;
         // What is added, by itself: no gaps, nothing held elsewhere than at zero.
         let mut added = load.add.to_vec();
         problem.release_held(&mut added);
-        let along = posed(load.add, &added, &vec![0.0; rest.reaction.len()])?.q;
+        let still = vec![0.0; rest.reaction.len()];
+        let reduced = |imbalance: &[f64], remaining: &[f64]| {
+            Ok::<_, FactorError>(problem.reduced(&problem.base, imbalance, remaining, form)?.interface)
+        };
+        let interfaces = [reduced(&first.imbalance, &first.remaining)?, reduced(&added, &still)?];
+        let (mut begin, mut along) = condensed.posed(form, &interfaces, &rest.reaction)?;
+        let motions = condensed.impose_motions(&mut begin)?;
+        motions.balance(&mut begin.q, &interfaces[0], &problem.work(load.start));
+        motions.balance(&mut along[0], &interfaces[1], &problem.work(load.add));
         let basis = condensed.basis(&begin, closed);
         let mut watch = |step| self.goes_on(Progress { step, changing: 0, residual: 0.0 });
         let solved =
-            Lcp::new(&begin.matrix, &begin.q).and_then(|lcp| parametric(&lcp, &along, &basis, load.end, &mut watch));
+            Lcp::new(&begin.matrix, &begin.q).and_then(|lcp| parametric(&lcp, &along[0], &basis, load.end, &mut watch));
         Ok(in_memory(solved)?.map(|found| {
             let sets = found.segments.iter().map(|segment| condensed.closed_points(&begin, &segment.basis)).collect();
             (found, sets)

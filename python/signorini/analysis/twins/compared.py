@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from signorini.analysis.twins.half_width import FASTEST, FASTEST_OF_POINTS, half_widths
+from signorini.analysis.twins.half_width import FASTEST, FASTEST_OF_POINTS, half_widths, unsettled
 from signorini.analysis.twins.leaves import Path, acts_at_points, beside, leaves, may_grow
 from signorini.analysis.twins.meshes import side
 from signorini.mesh import Mesh
@@ -60,15 +60,22 @@ def compared(
     own = found[meshes.own]
     paths = list(own)
     values = np.array([[of.get(path, np.nan) for path in paths] for of in found]).reshape(len(found), -1)
+    sizes = np.array([largest(path, value) for path, value in own.items()])
     widths, growing = half_widths(
         values,
         meshes.sizes,
         meshes.own,
         FASTEST_OF_POINTS if acts_at_points(model) or any(one.limited for one in singular) else FASTEST,
         beside(paths, np.abs(values[0] - values[1])),
-        np.array([largest(path, value) for path, value in own.items()]),
+        sizes,
         np.array([not may_grow(path, trees[meshes.own], singular, meshes.reach) for path in paths], np.bool_),
     )
+    # Peaks under the outline of a rigid area have none, but need not grow steadily on elements that hardly know it.
+    rigid = {one.source for one in singular if one.line and "pressure" in one.numbers}
+    supports = trees[meshes.own]["supports"]
+    peaks = np.array([path[-1] == "max_pressure" and supports[path[1]]["name"] in rigid for path in paths], np.bool_)
+    growing |= peaks & unsettled(values, sizes)
+    widths = np.where(growing, np.nan, widths)
     numbers = {path: rounded(width) for path, width in zip(paths, widths.tolist(), strict=True)}
     return numbers, [path for path, grows in zip(paths, growing.tolist(), strict=True) if grows]
 

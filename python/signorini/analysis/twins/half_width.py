@@ -95,3 +95,16 @@ def half_widths(
     widths = np.abs(values[own] - values[0]) + last / (ratio**order - 1.0)
     widths = np.fmax(widths, np.where(np.isnan(widths), np.nan, _ROUNDING * largest))
     return np.where(growing, np.nan, widths), growing
+
+
+def unsettled(values: Floats, largest: Floats) -> Bools:
+    """Which numbers (n,) of two or three meshes change by more than slow convergence would, not half as much as before.
+
+    Examples
+    --------
+    >>> unsettled(np.array([[3.0, 1.01], [9.0, 1.04], [1.0, 1.16]]), np.full(2, 9.0)).tolist()
+    [True, False]
+    """
+    change = np.abs(values[0] - values[1])
+    settles = change < 0.5 * np.abs(values[1] - values[2]) if len(values) > 2 else np.zeros(len(change), np.bool_)
+    return np.asarray(~settles & (change > _COUNTS * largest))

@@ -157,7 +157,11 @@ def largest_of(result: Result, gaps: float = 0.0) -> dict[str, float]:
         return float(np.abs(values).max(initial=0.0))
 
     model, span, moved = result.model, result.mesh.size, max(size(result.deflection), _BENT * gaps)
-    rigidity = model.young * size(model.plate.thickness(*result.mesh.points.T)) ** 3 / 12
+    points = result.mesh.points
+    for zone in model.zone:
+        # The plate's own thickness need not be one where zones have another.
+        points = points[~zone.region.contains(points)] if zone.thickness is not None else points
+    rigidity = model.young * size(model.plate.thickness(*points.T)) ** 3 / 12
     pressed = [size(np.array([s.max_pressure, s.max_tension])) for s in result.supports if s.area is not None]
     pressure = max(pressed, default=0.0)
     return {

@@ -57,10 +57,12 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
     # Divisions do not tell of refined places.
     along = math.isqrt(count) if divisions is None or model.mesh.refine else min(divisions)
     least_along, least = (_LEAST_ALONG_OF_SEVERAL, _LEAST_OF_SEVERAL) if several else (_LEAST_ALONG, _LEAST)
-    coarse = along < least_along or count < least
+    # Meshes on the way to an accuracy are judged alike, by finer ones, or half-widths would grow where that ends.
+    asked = model.mesh.accuracy is not None and not several
+    coarse = along < least_along or count < least or asked
     if coarse and 16 * count <= _CHEAP_QUARTER:
         yield _twin(model, mesh, 0.5), _twin(model, mesh, 0.25)
-    if coarse and 4 * count <= _CHEAP:
+    if coarse and (asked or 4 * count <= _CHEAP):
         yield (_twin(model, mesh, 0.5), *(_twin(model, mesh, 2.0) for _ in range(along > 1)))
     if along > 1:
         yield _twin(model, mesh, 2.0), _twin(model, mesh, 4.0)

@@ -130,7 +130,8 @@ def cut_by(
     # Of a triangle the box has another half, which is cut off.
     owner, boxes = elements, np.where(mesh.triangles[elements, None], [0.0, 0, 1, 1], [-1.0, -1, 1, 1])
     points: list[tuple[Ints, Floats, Floats]] = []
-    fronts: list[tuple[Ints, Floats]] = []
+    # Of what is smaller than what is looked at there are no pieces.
+    fronts = [(np.zeros(0, np.int64), np.zeros((0, 2, 2)))]
     for depth in range(deepest + 1):
         if not len(owner):
             break
