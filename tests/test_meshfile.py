@@ -368,6 +368,13 @@ def test_a_node_that_a_mesh_file_has_not_is_named_by_its_index(tmp_path):
         read(path)
 
 
+def test_nodes_of_abaqus_in_several_blocks_are_refused_by_that_name(tmp_path):
+    path = tmp_path / "plate.inp"
+    path.write_text(NUMBERED[".inp"].replace("11, 0.5, 0\n", "*NODE\n11, 0.5, 0\n"))
+    with pytest.raises(InputError, match=r"Its nodes stand in 2 blocks \*NODE, of which meshio reads the last alone"):
+        read(path)
+
+
 # Four nodes of two elements, numbered as no position in the file would number them.
 NUMBERED = {
     ".inp": """*HEADING

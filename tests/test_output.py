@@ -74,7 +74,10 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         "deflection": dict.fromkeys(ends),
         "fields": {name: dict.fromkeys(ends + beside) for name in ("mx", "my", "mxy", "qx", "qy")},
         "supports": [support | {"points": [dict.fromkeys(["at", "reaction", "gap", "state"])]}],
-        "probes": [dict.fromkeys(["at", "deflection", "rotation", "moment", "shear", "pressure"])],
+        "probes": [
+            dict.fromkeys(["at", "deflection", "rotation", "moment", "shear", "pressure", "principal_moment"])
+            | {"design_moment": dict.fromkeys(["bottom", "top"])}
+        ],
     }
     assert keys(found) == {
         "schema": None,
@@ -158,6 +161,26 @@ def test_results_json_says_what_the_result_says(results: signorini.Results) -> N
     for point in legs["points"]:
         assert (point["state"] == "open") == (point["gap"] > 0) == (point["reaction"] == 0)
     assert found["probes"][1]["deflection"] == pytest.approx(result.probe((0.2, 0.2))[0].deflection, rel=1e-12)
+
+
+def test_principal_and_design_moments_are_those_of_the_probes_moments(results: signorini.Results) -> None:
+    found = results_json(results)["combinations"][0]
+    for probe, width in zip(found["probes"], found["plus_minus"]["probes"], strict=True):
+        mx, my, mxy = probe["moment"]
+        m1, m2, angle = probe["principal_moment"]
+        turned = np.radians(angle)
+        axis = np.array([np.cos(turned), np.sin(turned)])
+        tensor = np.array([[mx, mxy], [mxy, my]])
+        assert tensor @ axis == pytest.approx(m1 * axis)
+        assert m1 + m2 == pytest.approx(mx + my)
+        # Bars along x and y resist the moment in every direction, at the bottom and at the top.
+        for side, sign in (("bottom", 1), ("top", -1)):
+            designed = sign * np.array(probe["design_moment"][side])
+            assert (designed >= 0).all()
+            spare = np.linalg.eigvalsh(np.diag(designed) - sign * tensor)
+            assert spare.min() >= -1e-9 * abs(tensor).max()
+        assert width["principal_moment"][2] is None
+    assert found["plus_minus"]["probes"][0]["design_moment"]["bottom"][0] >= 0
 
 
 def test_a_point_with_travel_both_ways_is_one_point() -> None:

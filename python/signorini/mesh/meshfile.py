@@ -27,7 +27,7 @@ from signorini.expression import LARGEST
 from signorini.mesh import Mesh
 from signorini.mesh.checks import loops, on_boundary
 from signorini.mesh.isoparametric import SIDES, are_triangles, real_sides
-from signorini.mesh.nodenumbers import node_numbers
+from signorini.mesh.nodenumbers import node_blocks, node_numbers
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -149,6 +149,12 @@ def _load(path: Path, size: int) -> meshio.Mesh:
     if found and isinstance(found[0], meshio.Mesh):
         return found[0]
     error = found[0]
+    if path.suffix.lower() == ".inp" and (blocks := node_blocks(path)) > 1:
+        raise InputError(
+            f"Its nodes stand in {blocks} blocks *NODE, of which meshio reads the last alone. Put them all under one "
+            "heading *NODE.",
+            place=str(path),
+        )
     reason = " ".join((said.getvalue() if isinstance(error, SystemExit) else str(error)).split())
     reason = re.sub(r"\b(Warning|Error): ", "", reason)
     if isinstance(error, LookupError):

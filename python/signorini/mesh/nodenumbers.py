@@ -47,12 +47,21 @@ def node_numbers(path: Path, count: int) -> Ints:
     return found
 
 
+def node_blocks(path: Path) -> int:
+    """How many headings *NODE a file of Abaqus has."""
+    return sum(map(_heads_nodes, _lines(path)))
+
+
+def _heads_nodes(line: str) -> bool:
+    return line.partition(",")[0].strip().upper() == "*NODE"
+
+
 def _abaqus(path: Path) -> Ints:
     """Numbers under the headings *NODE."""
     found, reading = [], False
     for line in _lines(path):
         if line.startswith("*"):
-            reading = line.partition(",")[0].strip().upper() == "*NODE"
+            reading = _heads_nodes(line)
         elif reading and line:
             found.append(int(line.partition(",")[0]))
     return np.array(found, dtype=np.int64)

@@ -51,7 +51,8 @@ def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
 
 
 def _probe(probe: ProbeResult) -> dict[str, Any]:
-    return _listed(asdict(probe))
+    designed = _listed(probe.design_moment)
+    return _listed(asdict(probe)) | {"principal_moment": list(probe.principal_moment), "design_moment": designed}
 
 
 def _listed(parts: Mapping[str, Any]) -> dict[str, Any]:

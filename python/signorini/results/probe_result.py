@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -35,6 +36,49 @@ class ProbeResult:
     moment: tuple[float, float, float]
     shear: tuple[float, float]
     pressure: float | None
+
+    @property
+    def principal_moment(self) -> tuple[float, float, float]:
+        """Principal moments m1 ≥ m2, and the angle from x to the direction of m1, in degrees towards y.
+
+        Examples
+        --------
+        >>> ProbeResult((0, 0), 0, (0, 0), (3.0, 3.0, 1.0), (0, 0), None).principal_moment
+        (4.0, 2.0, 45.0)
+        """
+        mx, my, mxy = self.moment
+        middle, radius = 0.5 * (mx + my), math.hypot(0.5 * (mx - my), mxy)
+        return middle + radius, middle - radius, math.degrees(0.5 * math.atan2(2 * mxy, mx - my))
+
+    @property
+    def design_moment(self) -> dict[str, tuple[float, float]]:
+        """Moments along x and y for which reinforcement along them is designed: bottom ≥ 0, top ≤ 0.
+
+        R. H. Wood, *The reinforcement of slabs in accordance with a pre-determined field of moments*, Concrete 2
+        (1968); G. S. T. Armer, discussion of it.
+
+        Examples
+        --------
+        >>> ProbeResult((0, 0), 0, (0, 0), (3.0, 2.0, 1.0), (0, 0), None).design_moment
+        {'bottom': (4.0, 3.0), 'top': (0.0, 0.0)}
+        >>> ProbeResult((0, 0), 0, (0, 0), (4.0, -5.0, 2.0), (0, 0), None).design_moment
+        {'bottom': (4.8, 0.0), 'top': (0.0, -6.0)}
+        """
+        mx, my, mxy = self.moment
+        top = _sagging(-mx, -my, mxy)
+        return {"bottom": _sagging(mx, my, mxy), "top": (0.0 - top[0], 0.0 - top[1])}
+
+
+def _sagging(mx: float, my: float, mxy: float) -> tuple[float, float]:
+    """Moments that bars at the bottom are designed for."""
+    x, y = mx + abs(mxy), my + abs(mxy)
+    if x < 0 and y < 0:
+        return 0.0, 0.0
+    if x < 0:
+        return 0.0, max(0.0, my + mxy**2 / abs(mx))
+    if y < 0:
+        return max(0.0, mx + mxy**2 / abs(my)), 0.0
+    return x, y
 
 
 def probe_results(

@@ -11,6 +11,7 @@ import numpy as np
 from signorini.base.units import METRES
 from signorini.contact.answer import NotUnique
 from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.errors import point
@@ -24,8 +25,6 @@ _NEWTONS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "MN": 1e6, "kgf": 9.80665, "lbf": 
 _NEWTONS |= {"tf": 9806.65, "kip": 4448.2216, "kips": 4448.2216}
 _SOFTEST, _STIFFEST = 1e8, 1e12
 """Pascals between which Young's moduli of plates are: rubber is softer, and hardly anything stiffer than diamond."""
-_SAME_PLACE = 1e-9
-"""Part of the plate's size within which two points are one."""
 _INSIDE = 1e-6
 """Part of the plate's size by which a point of one area must be inside another: areas that touch do not overlap."""
 _NO_FORCE = 1e-12
@@ -153,7 +152,7 @@ def _one_place(found: Discretisation) -> Iterator[str]:
     model = found.model
     rigid = [i for i, s in enumerate(model.support) if s.place == "at" and s.stiffness is None]
     places = [SupportPoints.of(found, index).positions for index in rigid]
-    within = _SAME_PLACE * found.mesh.size
+    within = SAME_PLACE * found.mesh.size
     for (one, here), (other, there) in combinations(zip(rigid, places, strict=True), 2):
         near = (np.abs(here[:, None] - there) <= within).all(axis=-1).any(axis=-1)
         if near.any() and _alike(model.support[one], model.support[other]) and _as_large(found, one, other):

@@ -27,6 +27,10 @@ _GIVEN = {"at"}
 _COUNTS = {"closed", "open", "lifted", "lifted_in"}
 _FIELD_OF = dict.fromkeys(("mx", "my", "mxy"), "moment") | dict.fromkeys(("qx", "qy"), "shear")
 _FIELD_OF |= dict.fromkeys(("rotation_x", "rotation_y"), "rotation")
+_OF_MOMENTS = ("principal_moment", "design_moment")
+_ANGLE = "principal_moment", 2
+"""Turns by 180° where both principal moments are equal, however fine the mesh."""
+_FIELD_OF |= dict.fromkeys(_OF_MOMENTS, "moment")
 _FIELD_OF |= dict.fromkeys(("contact_pressure", "rigid_contact_pressure"), "pressure")
 
 
@@ -36,7 +40,8 @@ def leaves(figures: Mapping[str, Any]) -> dict[Path, float]:
     points = [support["name"] for support in figures["supports"] if "points" in support]
     for path, value in _every(figures, ()):
         at_points = path[0] != "supports" or figures["supports"][path[1]]["name"] in points
-        if not _OF_THE_MESH & set(path) and not _GIVEN & set(path) and (path[-1] not in _COUNTS or at_points):
+        told = path[-2:] != _ANGLE and (path[-1] not in _COUNTS or at_points)
+        if told and not (_OF_THE_MESH | _GIVEN) & set(path):
             found[path] = value
     return found
 
@@ -91,7 +96,7 @@ def beside(paths: Sequence[Path], changes: Floats) -> Floats:
 def kind_of(path: Path) -> str:
     """The field that a number is of."""
     names = [part for part in path if isinstance(part, str)]
-    if names[0] == "fields":
+    if names[0] == "fields" or names[1] in _OF_MOMENTS:
         return _FIELD_OF.get(names[1], names[1])
     return "deflection" if names[-1] in ("max", "min", "gap") else names[-1]
 
@@ -179,7 +184,9 @@ def named(paths: Sequence[Path], figures: Mapping[str, Any]) -> str:
         match path:
             case ("probes", int(index), key, *rest):
                 whose = f"the probe at {point(figures['probes'][index]['at'])}"
-                what = _COMPONENTS[str(key)][int(str(rest[0]))] if rest else str(key)
+                what = " ".join(str(part) for part in (key, *rest)).replace("_", " ")
+                if key in _COMPONENTS:
+                    what = _COMPONENTS[str(key)][int(str(rest[0]))]
             case ("supports", int(index), *rest):
                 whose = figures["supports"][index]["name"]
                 what = " ".join(f"of point {part + 1}" if isinstance(part, int) else str(part) for part in rest[::-1])

@@ -117,9 +117,11 @@ def compare(result: Result, others: list[Result]) -> Estimate:
     numbers |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
     numbers |= places_of_extremes(result, numbers)
     warnings = []
-    if growing:
+    # Of extremes that are still beside a singularity these are named, with what to do.
+    told = [path for path in growing if path[0] != "fields"]
+    if told:
         warnings.append(
-            f"As the mesh is refined these grow and show no limit: {named(growing, trees[meshes.own])}. The "
+            f"As the mesh is refined these grow and show no limit: {named(told, trees[meshes.own])}. The "
             "singularities that are named say why, and what to do."
         )
     return Estimate(with_numbers(trees[meshes.own], numbers), meshes.elements, tuple(warnings))
