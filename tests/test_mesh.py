@@ -119,6 +119,22 @@ def test_the_circumference_of_a_disc_is_rounded_up_to_fit_its_core(sector, aroun
     assert (len(mesh.elements) - core[0] * core[1]) % rim == 0
 
 
+@pytest.mark.parametrize("sector", [90, 180, 360])
+@pytest.mark.parametrize("divisions", [(10, 63), (12, 48), (19, 118)])
+@pytest.mark.parametrize("radius", [0.8, 1.3, 2.1])
+def test_the_core_of_a_disc_ends_within_a_circle_that_the_mesh_should_have(radius, divisions, sector):
+    divisions = divisions[0], divisions[1] * sector // 360
+    plain, mesh = disc((1.0, 2.0), 3.0, divisions, sector), disc((1.0, 2.0), 3.0, divisions, sector, [radius])
+    ring = mesh.edges_along(Ring((1.0, 2.0), radius))
+    assert ring is not None and len(ring) == len(mesh.edges["rim"]) == len(plain.edges["rim"])
+    assert len(mesh.elements) <= 2.7 * len(plain.elements) and scaled_jacobian(mesh) > 0.55
+
+
+def test_a_circle_much_smaller_than_the_core_of_a_disc_changes_no_element():
+    plain, mesh = disc((0.0, 0.0), 3.0, (19, 118)), disc((0.0, 0.0), 3.0, (19, 118), 360, [0.2])
+    assert len(mesh.elements) - len(plain.elements) == len(mesh.edges["rim"])
+
+
 def test_an_annulus_has_the_divisions_asked_for():
     mesh = annulus((0.0, 0.0), 1.0, 2.0, (3, 10), radii=[1.3])
     assert len(mesh.elements) == 30

@@ -195,7 +195,29 @@ def test_corners_of_borders_inside_the_plate_are_named_with_what_grows_there():
     like = {"area": MIDDLE, "material": CONCRETE, "thickness": 0.2}
     round_ = {"area": {"circle": {"center": [4, 3], "radius": 1}}, "thickness": 0.3}
     for zone in (at_edge, like, round_):
-        assert not [one for one in check(slab(zone)).singular if "zone" in one.what]
+        assert not [one for one in check(slab(zone)).singular if "Corner of the border" in one.what]
+
+
+def test_moments_inside_elements_that_a_border_cuts_are_left_out_by_name():
+    disc = {"area": {"circle": {"center": [4, 3], "radius": 1.1}}, "thickness": 0.4}
+    outline = {"shape": "polygon", "points": [[0, 0], [8, 0], [8, 6], [0, 6]], "thickness": 0.2}
+    sides = [{"edge": ["edge 2", "edge 4"], "fix": "simple"}]
+    followed = solve(
+        Model(**slab(disc).model_dump(exclude_unset=True) | {"plate": outline, "mesh": {"size": 0.3}, "support": sides})
+    )["all"]
+    assert not [one for one in followed.singular if "within" in one.what]
+    result = solved(disc, mesh={"divisions": [32, 24]})
+    (named,) = (one for one in result.singular if one.what.startswith("Border of zone 1 within"))
+    assert (named.numbers, named.within) == (("moment", "shear"), 0.0)
+    assert np.abs(np.hypot(*(np.array(named.where) - (4, 3)).T) - 1.1).max() < 0.36
+    for field in ("mx", "my"):
+        most = result.extremes[field]
+        assert most.max == approx(followed.extremes[field].max, rel=0.05) and most.max_at not in named.where
+    assert result.extremes["mx"].max_beside == named.what
+    assert result.fields["mx"].max() > 1.08 * followed.extremes["mx"].max
+    stepped = slab(plate={"thickness": "where(hypot(x - 4, y - 3) < 1.1, 0.4, 0.2)"}, mesh={"divisions": [32, 24]})
+    (alike,) = (one for one in check(stepped).singular if "within" in one.what)
+    assert alike.what.startswith("Jump of the thickness within") and set(named.where) <= set(alike.where)
 
 
 def test_every_element_and_a_mesh_from_a_file_take_zones(tmp_path):

@@ -190,8 +190,7 @@ def disc(
     sector : 360, 180 or 90
         Degrees.
     radii : sequence of float
-        Radii of circles that the mesh should have; those that leave room for the core are followed as
-        `signorini.mesh.subdivision.subdivide` says.
+        Radii of circles that the mesh should have; see `signorini.mesh.subdivision.subdivide` for which are followed.
 
     Returns
     -------
@@ -216,7 +215,7 @@ def disc(
     depth = -(-cells // 2) if quarters == 4 else cells
     turning = -(-depth // 4)
     radial = max(divisions[0], depth + turning + len(radii))
-    knots = subdivide(0.0, radius, radial, radii, first=depth + turning)
+    knots = _with_most_of(radius, radial, radii, depth + turning)
     core_radius = knots[depth] / (0.5 + 0.5 * _half_width())
     core, rows = _core(quarters, cells)
     outline = _core_outline(rows, quarters)
@@ -245,6 +244,23 @@ def disc(
         edges["end"] = _triples(np.append(ring[-1, :0:-1], inward))
     points = np.vstack([core_points, ring_points.reshape(-1, 2)])
     return _mesh(center + points, np.vstack([_quads(rows), _quads(ring)]), edges)
+
+
+def _with_most_of(radius: float, radial: int, radii: Sequence[float], first: int) -> Floats:
+    """Joints along a radius, as many as asked for, or else up to twice as many, so that most of the radii are joints.
+
+    A circle that the core fills has small elements, and beside it must not be much larger ones.
+    """
+    wanted = [one for one in radii if one < radius * (1.0 - _SAME)]
+    found, most = np.zeros(0), -1
+    for count in range(radial, 2 * radial + 1):
+        knots = subdivide(0.0, radius, count, wanted, first=first)
+        followed = sum(bool(np.abs(knots[first:] - one).min() <= _SAME * radius) for one in wanted)
+        if followed > most:
+            found, most = knots, followed
+        if followed == len(wanted):
+            break
+    return found
 
 
 def _half_width() -> float:

@@ -48,7 +48,7 @@ class Singularity:
     limited : bool
         Whether it has a limit, of which elements of this size know nothing: a footprint smaller than they are.
     within : float
-        How far from there numbers are taken for its peak: the plate's thickness.
+        How far from there numbers are taken for its peak: the plate's thickness; 0 of nodes of cut elements.
     """
 
     where: tuple[tuple[float, float], ...]
@@ -71,6 +71,10 @@ class Singularity:
 
 
 _FOOTPRINT = "Give it a footprint, patch or radius."
+_MESH_ALONG = (
+    "They are those of a laminate of both sides there. Take values from beside these elements, or a border along lines "
+    'of the mesh; that of shape = "polygon" follows circles of zones too.'
+)
 _AROUND = 1e-5
 """Part of the plate's size at which it is looked around a corner of a zone."""
 _ALIKE = 1e-3
@@ -104,7 +108,8 @@ def singularities(found: Discretisation, cases: Collection[str] | None = None) -
     """
     known = _KNOWN.setdefault(found, {})
     if "" not in known:
-        known[""] = _measured(found, (*_of_supports(found), *_of_corners(found), *_of_zones(found)))
+        measured = _measured(found, (*_of_supports(found), *_of_corners(found), *_of_zones(found)))
+        known[""] = (*measured, *_of_cut_elements(found))
     acting = [case for case in found.cases if cases is None or case in cases]
     return (*(one for case in acting for one in _of_case(found, known, case)), *known[""])
 
@@ -122,7 +127,8 @@ def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     for one in named:
         for at in one.where if number in one.numbers and not (one.line or one.limited) else ():
             # Only nodes of a strip about it may be so near.
-            near = slice(*np.searchsorted(x, (at[0] - 1.01 * one.within, at[0] + 1.01 * one.within)))
+            low, high = at[0] - 1.01 * one.within, at[0] + 1.01 * one.within
+            near = slice(np.searchsorted(x, low), np.searchsorted(x, high, side="right"))
             away[order[near]] &= np.hypot(x[near] - at[0], y[near] - at[1]) > one.within
     return away if away.any() else np.ones_like(away)
 
@@ -267,6 +273,21 @@ def _of_zones(found: Discretisation) -> Iterator[Singularity]:
         if len(at):
             what = f"Corner of the border of zone {number} at {_listed_places(_points(at), mesh.size)}"
             yield Singularity(_points(at), what, ("moment", "shear"), "Take values from beside it.", "plate")
+
+
+def _of_cut_elements(found: Discretisation) -> Iterator[Singularity]:
+    """Nodes of elements inside which thickness or stiffness jump: their moments are of neither side."""
+    mesh, zones = found.mesh, found.zones
+    cut = found.thickness.layered[0] if found.thickness.layered is not None else np.zeros(0, np.int64)
+    parted = zones.parted[:, cut]
+    parts = {f"Border of zone {number}": mine for number, mine in enumerate(parted, 1)}
+    parts["Jump of the thickness"] = ~parted.any(axis=0)
+    for what, mine in parts.items():
+        if mine.any():
+            elements = mesh.elements[cut[mine]]
+            count = f"{len(elements)} element{'s' if len(elements) > 1 else ''}"
+            where = _points(mesh.points[np.unique(elements)])
+            yield Singularity(where, f"{what} within {count}", ("moment", "shear"), _MESH_ALONG, "plate")
 
 
 def _determinate(found: Discretisation) -> bool:
