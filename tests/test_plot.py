@@ -11,6 +11,7 @@ from matplotlib.tri._tricontour import TriContourSet
 from models import rectangular
 
 from signorini import solve
+from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.plot import (
     BalanceMark,
@@ -31,6 +32,7 @@ from signorini.plot import (
     supports,
 )
 from signorini.plot.marks import legend_words
+from signorini.results.marks import load_marks
 from signorini.results.panels import support_marks
 from signorini.shapes.tessellation import tessellate
 
@@ -486,3 +488,10 @@ def test_a_picture_is_saved_whole_or_not_at_all(tmp_path: Path, monkeypatch: pyt
 def test_drawing_leaves_matplotlib_s_global_state_alone() -> None:
     program = "import sys, signorini.plot; sys.exit('matplotlib.pyplot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+
+
+def test_a_load_by_a_formula_is_drawn_as_one_and_the_way_it_acts() -> None:
+    model = rectangular(load=[{"case": "W", "pressure": "-1.5*(x<2)"}, {"case": "Q", "pressure": "2*(x<2)"}])
+    wind, live = load_marks(discretise(model))
+    assert (wind.name, wind.upward) == ("pressure by its formula, upward", True)
+    assert (live.name, live.upward) == ("pressure by its formula", False)

@@ -120,11 +120,13 @@ def load_marks(found: Discretisation) -> list[LoadMark]:
     from signorini.plot import LoadMark
 
     marks = []
+    middles = found.mesh.points[found.mesh.elements[:, :4]].mean(axis=1)
     for load in found.model.load:
         value = next((given for given in (load.pressure, load.force, load.line_load) if given is not None), 0.0)
-        constant = value if isinstance(value, float) else value.value if value.is_constant else 0.0
-        upward = constant < 0
-        name = load.kind.replace("_", " ") + (", upward" if upward else "")
+        varies = not isinstance(value, float) and not value.is_constant
+        sizes = np.asarray(value if isinstance(value, float) else value(*middles.T))
+        upward = bool(sizes.max() <= 0.0 and sizes.min() < 0.0)
+        name = load.kind.replace("_", " ") + (" by its formula" if varies else "") + (", upward" if upward else "")
         if load.at is not None:
             marks.append(LoadMark(load.case, name, np.array(load.at), "points", upward, load.couple, _prints(load)))
         elif load.kind == "line_load":
@@ -132,7 +134,8 @@ def load_marks(found: Discretisation) -> list[LoadMark]:
         elif isinstance(load.area, Area):
             marks.append(LoadMark(load.case, name, _outline(load.area), "area", upward))
         else:
-            marks.append(LoadMark(load.case, f"{name} everywhere", np.zeros((0, 2)), "area", upward))
+            words = name if varies else f"{name} everywhere"
+            marks.append(LoadMark(load.case, words, np.zeros((0, 2)), "area", upward))
     for moving in found.model.moving:
         marks.append(LoadMark(moving.case, "the way it moves", np.array(moving.line), "line"))
         wheels = moving.wheels(0.5 * moving.length)
