@@ -89,6 +89,25 @@ def test_zones_have_their_weight_cut_elements_too():
         assert sum(result.reactions.values()) == approx(total, rel=1e-5)
 
 
+@pytest.mark.parametrize("width", [1e-3, 1e-4])
+def test_a_slot_between_two_zones_is_found_as_a_thin_zone_is(width):
+    left, slot, right = (
+        {"rectangle": [x0, 0, x1, 6]} for x0, x1 in ((0, 3.23), (3.23, 3.23 + width), (3.23 + width, 8))
+    )
+    between = solved({"area": left, "thickness": 0.2}, {"area": right, "thickness": 0.2}, plate={"thickness": 0.01})
+    thin, whole = solved({"area": slot, "thickness": 0.01}), solved()
+    assert between.deflection == approx(thin.deflection, rel=1e-9, abs=1e-12)
+    assert between.deflection.max() > (1 + 100 * width) * whole.deflection.max()
+    assert any(one.what.startswith("Border of zone 2 within") for one in between.singular)
+
+
+def test_a_border_a_little_beside_lines_of_the_mesh_cuts_no_element():
+    found = discretise(slab({"area": {"rectangle": [3, 2, 5, 4.0001]}, "thickness": 0.4}, mesh={"divisions": [8, 6]}))
+    mesh = discretise(slab(mesh={"divisions": [8, 6]})).mesh
+    beside = discretise(found.model, mesh)
+    assert not beside.zones.parted.any() and beside.thickness.layered is None
+
+
 def test_where_zones_overlap_later_ones_win_key_by_key():
     wide, narrow = {"rectangle": [2, 1, 6, 5]}, MIDDLE
     zones = [

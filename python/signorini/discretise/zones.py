@@ -18,10 +18,17 @@ from signorini.expression import Expression
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import CENTROID
 from signorini.model import Model
+from signorini.shapes.outlines import Outline
 
 _SLIVER = 0.01
 """Part of an element, or of a zone that is smaller, by which a border may miss the sides that follow it: of a circle
 around which elements take up to 45° a parabola misses as much."""
+_ROUNDING = 1e-6
+"""The same of elements with a narrow strip between zones, which is more than a border that is a little off."""
+_NARROW = 0.05
+"""Width of a strip, over the side of an element, that may be less than a sliver of it; of a flat element too."""
+_BESIDE = 1e-6
+"""Part of the plate's size beside a border at which it is looked what there is."""
 
 
 class Made(NamedTuple):
@@ -59,18 +66,19 @@ class Zones:
     @classmethod
     def of(cls, model: Model, mesh: Mesh, problems: Problems) -> Self:
         """Find the elements of every zone; what leaves the plate is among the problems."""
-        count = len(mesh.elements)
+        count, area = len(mesh.elements), mesh.element_area
         inside, parted = np.zeros((2, len(model.zone), count), np.bool_)
-        every = np.arange(count)
+        middles = mesh.map(np.arange(count), mesh.triangles[:, None] * CENTROID)
+        found = cls(model, inside, parted, *_rigidities(model))
+        sliver = np.where(found._in_strips(mesh), _ROUNDING, _SLIVER)
         for index, zone in enumerate(model.zone):
             with problems.collected():
-                found = in_area(mesh, model.plate, zone.area, ("zone", index), 3)
-                part = np.bincount(found.elements, found.weights, count)
-                least = _SLIVER * np.minimum(mesh.element_area, zone.region.area)
-                parted[index] = (part > least) & (part < mesh.element_area - least)
-                middles = mesh.map(every, mesh.triangles[:, None] * CENTROID)
+                points = in_area(mesh, model.plate, zone.area, ("zone", index), 3)
+                part = np.bincount(points.elements, points.weights, count)
+                least = sliver * np.minimum(area, zone.region.area)
+                parted[index] = (part > least) & (part < area - least)
                 inside[index] = np.where(parted[index], zone.region.contains(middles), part > least)
-        return cls(model, inside, parted, *_rigidities(model))
+        return found
 
     @property
     def formulas(self) -> tuple[Expression, ...]:
@@ -121,6 +129,22 @@ class Zones:
             found[mine] = self.formulas[number](*points[mine].T, above=0.0, place=self.places[number])
         return found
 
+    def _in_strips(self, mesh: Mesh) -> Bools:
+        """Elements (ne,) in which beside a border there is a narrow strip that is made as neither side of it is."""
+        found = np.zeros(len(mesh.elements), np.bool_)
+        size = float(np.sqrt(mesh.element_area.max(initial=0.0)))
+        near, far = _BESIDE * mesh.size, _NARROW * size
+        for zone in self.model.zone:
+            points, normals = _along(zone.region.outline, 0.5 * float(np.sqrt(mesh.element_area.min(initial=size**2))))
+            ways = np.array([near, -near, far, -far])[:, None, None] * normals
+            where = np.array([other.region.contains((points + ways).reshape(-1, 2)) for other in self.model.zone])
+            made = np.array(self._made(where)).reshape(3, 4, -1)
+            for side in (0, 1):
+                strip = (made[:, side] != made[:, 2]).any(axis=0) & (made[:, side] != made[:, 3]).any(axis=0)
+                elements = mesh.locate(points[strip] + ways[side, strip]).elements
+                found[elements[elements >= 0]] = True
+        return found
+
     def _made(self, inside: Bools) -> Made:
         material = self._last("material", inside)
         return Made(self._last("thickness", inside), material, self.number[material, self._last("modifiers", inside)])
@@ -132,6 +156,22 @@ class Zones:
             if getattr(zone, key) is not None:
                 found[inside[index]] = index + 1
         return found
+
+
+def _along(outline: Outline, step: float) -> tuple[Floats, Floats]:
+    """Points (q, 2) along an outline, not farther apart than a step, and normals (q, 2)."""
+    points, normals = [np.zeros((0, 2))], [np.zeros((0, 2))]
+    for begin, end in outline.segments:
+        length = float(np.hypot(*(end - begin)))
+        count = int(np.ceil(length / step))
+        points.append(begin + (np.arange(count)[:, None] + 0.5) / count * (end - begin))
+        normals.append(np.tile([(end - begin)[1] / length, (begin - end)[0] / length], (count, 1)))
+    for x, y, radius in outline.circles:
+        count = 8 + int(np.ceil(2.0 * np.pi * radius / step))
+        turn = 2.0 * np.pi * (np.arange(count) + 0.5) / count
+        normals.append(np.column_stack([np.cos(turn), np.sin(turn)]))
+        points.append((x, y) + radius * normals[-1])
+    return np.concatenate(points), np.concatenate(normals)
 
 
 def _rigidities(model: Model) -> tuple[tuple[Rigidity, ...], Floats, Ints]:
