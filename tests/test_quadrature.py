@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from signorini.discretise.quadrature import area_quadrature, curve_quadrature, edge_quadrature, off_plate
 from signorini.discretise.quadrature.roots import roots
+from signorini.discretise.quadrature.stepped import cut_by
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import annulus, disc, rectangle
@@ -352,3 +353,24 @@ def test_a_circle_through_hundreds_of_elements_is_quick():
     q = area_quadrature(mesh, Circle((5.02, 5.01), 4.3))
     assert time.perf_counter() - begin < 1.0
     assert q.total == pytest.approx(math.pi * 4.3**2, rel=1e-13)
+
+
+def test_an_element_is_parted_by_the_levels_that_cross_it_alone():
+    mesh = rectangle((0.0, 0.0), (12.0, 1.0), (12, 1))
+    asked = []
+
+    def around(x):
+        def level(points):
+            asked.append(len(points))
+            return np.hypot(points[:, 0] - x, points[:, 1] - 0.5) - 0.3
+
+        return level
+
+    def looked_at(count):
+        asked.clear()
+        found = cut_by(mesh, np.arange(count), [around(i + 0.5) for i in range(count)], 3)
+        within = np.hypot(found.positions[:, 0] % 1.0 - 0.5, found.positions[:, 1] - 0.5) < 0.3
+        assert found.weights[within].sum() == pytest.approx(count * math.pi * 0.09, rel=1e-4)
+        return sum(asked)
+
+    assert looked_at(12) < 3 * 4 * looked_at(3)

@@ -129,13 +129,16 @@ def cut_by(
     """
     # Of a triangle the box has another half, which is cut off.
     owner, boxes = elements, np.where(mesh.triangles[elements, None], [0.0, 0, 1, 1], [-1.0, -1, 1, 1])
+    crossing = np.ones((len(owner), len(levels)), dtype=bool)
     points: list[tuple[Ints, Floats, Floats]] = []
     # Of what is smaller than what is looked at there are no pieces.
     fronts = [(np.zeros(0, np.int64), np.zeros((0, 2, 2)))]
     for depth in range(deepest + 1):
         if not len(owner):
             break
-        changes, planes, bent = _planes(mesh, owner, boxes, levels, _SEEN if depth == 0 else 5)
+        changes, planes, bent = _planes(mesh, owner, boxes, levels, crossing, _SEEN if depth == 0 else 5)
+        # Parts of an element are crossed by what crosses it alone: of many levels those are few.
+        crossing = changes if depth == 0 else crossing
         ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == deepest)
         if quarter:
             changes, planes = _with_axes(boxes, changes, planes)
@@ -148,15 +151,19 @@ def cut_by(
         if over.any():
             triangles, _, _ = split(triangles, np.tile(_HYPOTENUSE, (len(owner), 1)), over)
             triangles = triangles.take(~over[triangles.box] | (triangles.corners.mean(axis=1).sum(axis=1) < 1.0))
-        for i in range(changes.shape[1]):
+        for i in np.flatnonzero(changes.any(axis=0)):
             triangles, square, ends = split(triangles, planes[:, i], changes[:, i])
             if i < len(levels):
                 fronts.append((owner[square], ends))
         square, xi, weights = gauss_on_triangles(triangles, fewer)
         points.append((owner[square], xi, weights))
-        owner, boxes = np.repeat(owner[~ready], 4), _quartered(boxes[~ready])
+        owner, boxes, crossing = (
+            np.repeat(owner[~ready], 4),
+            _quartered(boxes[~ready]),
+            crossing[~ready].repeat(4, axis=0),
+        )
         inside = ~mesh.triangles[owner] | (boxes[:, :2].sum(axis=1) < 1.0)
-        owner, boxes = owner[inside], boxes[inside]
+        owner, boxes, crossing = owner[inside], boxes[inside], crossing[inside]
     held, xi, weights = (np.concatenate(part) for part in zip(*points, strict=True))
     by_element = np.argsort(held, kind="stable")
     held, xi, weights = held[by_element], xi[by_element], weights[by_element]
@@ -165,27 +172,34 @@ def cut_by(
     return Cut(held, xi, mesh.map(held, xi), weights, front_elements, ends)
 
 
-def _planes(mesh: Mesh, owner: Ints, boxes: Floats, levels: Levels, count: int) -> tuple[Bools, Floats, Floats]:
-    """Whether levels change sign in boxes (c, l), planes c₀ + c₁ξ + c₂η like them (c, l, 3), and how far off."""
+def _planes(
+    mesh: Mesh, owner: Ints, boxes: Floats, levels: Levels, crossing: Bools, count: int
+) -> tuple[Bools, Floats, Floats]:
+    """Whether levels change sign in boxes (c, l), planes c₀ + c₁ξ + c₂η like them (c, l, 3), and how far off.
+
+    Only those are looked at that may be ``crossing`` a box (c, l).
+    """
     stations, shape = INSIDE * _square(count), (len(owner), len(levels))
     changes, planes, bent = np.zeros(shape, dtype=bool), np.zeros((*shape, 3)), np.zeros(shape)
     terms = np.column_stack([np.ones(len(stations)), stations])
     fit = np.linalg.pinv(terms)
     middle, half = 0.5 * (boxes[:, :2] + boxes[:, 2:]), 0.5 * (boxes[:, 2:] - boxes[:, :2])
     xi = (middle[:, None] + half[:, None] * stations).reshape(-1, 2)
-    points = mesh.map(np.repeat(owner, len(stations)), xi)
+    points = mesh.map(np.repeat(owner, len(stations)), xi).reshape(len(owner), -1, 2)
     for i, level in enumerate(levels):
-        values = level(points).reshape(len(owner), -1)
+        some = np.flatnonzero(crossing[:, i])
+        values = level(points[some].reshape(-1, 2)).reshape(len(some), len(stations))
         above = values > 0.0
-        changes[:, i] = above.any(axis=1) & ~above.all(axis=1)
+        changing = above.any(axis=1) & ~above.all(axis=1)
+        changes[some, i] = changing
         values = np.where(np.isfinite(values), values, -1.0)
         local = values @ fit.T
         worst = np.abs(values - local @ terms.T).max(axis=1)
-        slopes = local[:, 1:] / half
+        slopes = local[:, 1:] / half[some]
         with np.errstate(divide="ignore", invalid="ignore"):
             distance = np.nan_to_num(worst / np.hypot(*slopes.T), nan=np.inf)
-        bent[:, i] = np.where(changes[:, i], distance, 0.0)
-        planes[:, i] = np.column_stack([local[:, 0] - (slopes * middle).sum(axis=1), slopes])
+        bent[some, i] = np.where(changing, distance, 0.0)
+        planes[some, i] = np.column_stack([local[:, 0] - (slopes * middle[some]).sum(axis=1), slopes])
     return changes, planes, bent
 
 
