@@ -48,7 +48,8 @@ def unnamed(seed, along):
             return None
         first = model.effective_combinations[0]
         model = model.model_copy(update={"combination": (first,)})
-        meshes = [model.plate.scaled(model.mesh, factor) for factor in (0.125, 0.25, 0.5, 1.0)]
+        factors = (0.125, 0.25, 0.5, 1.0)
+        meshes = [model.plate.scaled(model.mesh, factor, model.divisions) for factor in factors]
         results = [solve(model.model_copy(update={"mesh": mesh}))[first.name] for mesh in meshes]
     except SignoriniError:
         return None

@@ -58,7 +58,7 @@ def judged(seed: int, least: int = 8, most: int = 16) -> list[Judged]:
         names = list(model.effective_combinations.names())[:2]
         only = {"combination": tuple(one for one in model.effective_combinations if one.name in names)}
         model = model.model_copy(update=only)
-        fine = model.model_copy(update={"mesh": model.plate.scaled(model.mesh, 0.25)})
+        fine = model.model_copy(update={"mesh": model.plate.scaled(model.mesh, 0.25, model.divisions)})
         ours, truth = solve(model), solve(fine)
         return [one for name in names for one in _compared(ours[name], truth[name])]
     except SignoriniError:
