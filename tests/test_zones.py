@@ -156,6 +156,31 @@ def test_a_zone_may_lie_over_a_hole():
     assert result.certificate.passed
 
 
+@pytest.mark.parametrize("sector", [360, 90])
+@pytest.mark.parametrize("size", [0.2, 0.8])
+def test_areas_may_lie_over_the_inside_of_an_annulus(size, sector):
+    ring = {"shape": "annulus", "inner": 0.5, "outer": 3, "thickness": 0.2, "sector": sector}
+    areas = [{"circle": {"radius": 1.3}}]
+    if sector == 360:
+        areas += [{"rectangle": [-0.4, -0.7, 1, 1]}, {"circle": {"center": [0.1, 0], "radius": 1}}]
+    for area in areas:
+        tables = {
+            "material": CONCRETE,
+            "plate": ring,
+            "mesh": {"size": size},
+            "zone": [{"area": area, "thickness": 0.4}],
+            "support": [{"edge": "outer", "fix": "simple"}],
+            "load": [{"pressure": 5e3, "area": area}],
+        }
+        total = discretise(Model(**tables)).cases["load"].nodal[::3].sum()
+        if area == areas[0]:
+            assert total == approx(5e3 * np.radians(sector) * (1.3**2 - 0.25) / 2, rel=1e-3)
+    for radius in (0.4, 3.2):
+        off = tables | {"zone": [{"area": {"circle": {"radius": radius}}, "thickness": 0.4}]}
+        with pytest.raises(InputError, match=r"(off|not on) the plate"):
+            discretise(Model(**off))
+
+
 def test_moments_keep_their_sides_of_a_jump():
     held = [{"edge": ["bottom", "top"], "fix": "symmetry"}, {"edge": ["left"], "fix": "clamped"}]
     model = slab(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -170,7 +171,7 @@ def in_area(
 def _require_on_plate(
     mesh: Mesh, plate: Plate, shape: Region | Curve, points: Quadrature, what: str, place: Place
 ) -> None:
-    """Refuse what leaves the plate, but for areas over its holes.
+    """Refuse what leaves the plate, but for areas over its holes, of which the inside of an annulus is one.
 
     A sector stands for the whole plate and cuts circles about its center.
     """
@@ -178,18 +179,22 @@ def _require_on_plate(
         raise InputError(f"{what} is not on the plate. Move it onto the plate.", place=place)
     whole = shape.area if isinstance(shape, Rectangle | Circle | Polygon) else shape.length
     missing = off_plate(mesh, shape, points)
+    beyond = slack = 0.0
     match plate, shape:
         case ((DiscPlate() | AnnulusPlate()), (Circle() | Ring())) if shape.center == plate.center:
-            beyond = (1.0 - plate.sector / 360.0) * whole
-            missing = missing - beyond if missing > beyond + _SECTOR_SLACK * whole else 0.0
-        case OutlinedPlate(), (Rectangle() | Circle() | Polygon()) if missing > 0 and plate.holes:
+            beyond, slack = (1.0 - plate.sector / 360.0) * whole, _SECTOR_SLACK * whole
+            if isinstance(plate, AnnulusPlate) and isinstance(shape, Circle) and plate.sector < 360:
+                beyond += 0.5 * math.radians(plate.sector) * min(plate.inner, shape.radius) ** 2
+    match plate, shape:
+        case OutlinedPlate(), (Rectangle() | Circle() | Polygon()) if missing > 0:
             corners = (
                 circle(shape.center, shape.radius, "").points()
                 if isinstance(shape, Circle)
                 else shape.outline.segments[:, 0]
             )
-            beyond = sum(overlap(corners, hole.points()) for hole in plate.hole_contours)
-            missing = missing - beyond if missing > beyond * (1.0 + _SECTOR_SLACK) else 0.0
+            over = sum(overlap(corners, opening.points()) for opening in plate.contours[1:])
+            beyond, slack = beyond + over, slack + _SECTOR_SLACK * over
+    missing = missing - beyond if missing > beyond + slack else 0.0
     if missing > 0:
         off = f"has {100 * missing / whole:.3g} % of its size off the plate"
         raise InputError(f"{what} {off}. Cut it to the plate.", place=place)
