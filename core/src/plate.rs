@@ -170,6 +170,10 @@ impl Plate {
     /// Keeps moments and shears apart at nodes where they jump.
     pub fn with_stress_nodes(mut self, nodes: StressNodes) -> Result<Self, PlateError> {
         check_length("elements of stress nodes", nodes.elements.len(), self.elements.len())?;
+        // No more than elements have corners and midsides: what nobody could ask for is no reason to look for memory.
+        if nodes.count > 8 * self.elements.len() {
+            return Err(PlateError::Range { what: "stress nodes", index: 0 });
+        }
         for (element, &node) in nodes.elements.iter().enumerate().flat_map(|(e, own)| own.iter().map(move |n| (e, n))) {
             if node >= nodes.count {
                 return Err(PlateError::NoSuchNode { element, node });

@@ -203,8 +203,8 @@ class Result(Remade):
         ...     load=[{"pressure": 5e3}],
         ... )
         >>> mx = solve(model)["all"].extremes["mx"]
-        >>> round(mx.max), mx.max_at, mx.max_beside
-        (9907, (2.0, 2.0), '')
+        >>> round(mx.max), mx.max_at[0], mx.max_beside
+        (10336, 2.0, '')
         """
         return extremes(self.fields, self.stress_nodes, self.singular)
 
