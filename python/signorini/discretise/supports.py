@@ -192,6 +192,7 @@ def _acting(
                 _Acting.of(_rows(plate, sampled, part), sampled, rotation[:, part - 1], numbers) for part in (1, 2)
             ]
         return found
+    in_means = False
     if support.stiffness is not None:
         at_ends = _GAUSS + 1 if can_let_go(support) else 0
         sampled = along_curve(mesh, shape, support, place, triples, _GAUSS, at_ends, _steps(support))
@@ -199,6 +200,7 @@ def _acting(
         at_ends = _GAUSS_RIGID if can_let_go(support) else 0
         sampled = along_curve(mesh, shape, support, place, None, _GAUSS_RIGID, at_ends)
         sampled = _once(mesh, sampled)
+        in_means = not can_let_go(support) and len(np.unique(sampled.elements)) >= _ROW
     elif support.fixed or holds_deflection(support):
         return []
     else:
@@ -207,12 +209,6 @@ def _acting(
         at = mesh.points[on.nodes]
         sampled = Sampled(where.elements, where.xi, on.weights, at, np.zeros_like(at), at)
     found = [_Acting.of(_rows(plate, sampled, 0), sampled)] if deflection else []
-    in_means = (
-        triples is None
-        and support.stiffness is None
-        and not can_let_go(support)
-        and len(np.unique(sampled.elements)) >= _ROW
-    )
     tx, ty = sampled.tangents.T
     for component, directions in (("slope", (ty, -tx)), ("twist", (tx, ty))):
         if component in support.fixed:

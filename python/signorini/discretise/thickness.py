@@ -96,30 +96,22 @@ def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
 
 def _crossing(zones: Zones, mesh: Mesh) -> tuple[list[Callable[[Floats], Floats]], Bools]:
     """Levels where the thickness may jump or a zone ends, and which elements (levels, ne) each of them crosses."""
-    levels: list[Callable[[Floats], Floats]] = []
-    found: list[Bools] = []
-    of_elements = zones.of_elements.thickness
+    parted, of_elements = zones.parted.any(axis=0), zones.of_elements.thickness
+    sought: list[tuple[Sequence[Callable[[Floats], Floats]], Bools]] = []
     for formula in dict.fromkeys(zones.formulas):
-        mine = np.array([one is formula for one in zones.formulas])[of_elements] | zones.parted.any(axis=0)
-        _look(mesh, [level for level in formula.levels if level.jumps], mine, levels, found)
-    for zone, parted in zip(zones.model.zone, zones.parted, strict=True):
-        _look(mesh, sides_of(zone.region), parted, levels, found)
-    return levels, np.array(found).reshape(len(levels), len(mesh.elements))
+        mine = np.array([one is formula for one in zones.formulas])[of_elements] | parted
+        sought.append(([level for level in formula.levels if level.jumps], mine))
+    for zone, some in zip(zones.model.zone, zones.parted, strict=True):
+        sought.append((sides_of(zone.region), some))
+    levels = [level for of, _ in sought for level in of]
+    return levels, np.concatenate([_crossed_among(mesh, some, of) for of, some in sought])
 
 
-def _look(
-    mesh: Mesh,
-    more: Sequence[Callable[[Floats], Floats]],
-    some: Bools,
-    levels: list[Callable[[Floats], Floats]],
-    found: list[Bools],
-) -> None:
-    """Add levels, and which of some elements (ne,) they cross."""
-    elements = np.flatnonzero(some)
-    for level, across in zip(more, crossed(mesh, elements, more), strict=True):
-        levels.append(level)
-        found.append(np.zeros(len(some), np.bool_))
-        found[-1][elements] = across
+def _crossed_among(mesh: Mesh, some: Bools, levels: Sequence[Callable[[Floats], Floats]]) -> Bools:
+    """Which elements (levels, ne) each of the levels crosses, of some (ne,) of them."""
+    found = np.zeros((len(levels), len(some)), np.bool_)
+    found[:, some] = crossed(mesh, np.flatnonzero(some), levels)
+    return found
 
 
 def _evaluated(zones: Zones, mesh: Mesh, elements: Ints, points: Floats) -> tuple[Floats, Ints]:

@@ -66,7 +66,7 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
         yield (_twin(model, mesh, 0.5), *(_twin(model, mesh, 2.0) for _ in range(along > 1)))
     if along > 1:
         yield _twin(model, mesh, 2.0), _twin(model, mesh, 4.0)
-    if 4 * count <= _CHEAP:
+    if not coarse and 4 * count <= _CHEAP:
         # Lines that the mesh follows may leave no larger elements.
         yield (_twin(model, mesh, 0.5),)
 
