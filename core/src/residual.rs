@@ -8,6 +8,7 @@ use crate::double_double::DoubleDouble;
 use crate::element::{DOFS, packed};
 use crate::plate::Plate;
 use crate::superposition::sum_in_order;
+use crate::vectorized::vectorized;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -81,7 +82,7 @@ impl Displacement {
 
     /// As [`Displacement::strained`], with all digits.
     pub fn stripped(&self, plate: &Plate, e: usize) -> [DoubleDouble; DOFS] {
-        Arch::new().dispatch(
+        vectorized(
             #[inline(always)]
             || self.stripped_fused(plate, e),
         )
