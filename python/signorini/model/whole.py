@@ -16,7 +16,7 @@ from signorini.model.load import Load, Probe
 from signorini.model.meshoptions import MeshOptions
 from signorini.model.moving import Moving
 from signorini.model.output import FEW, Output
-from signorini.model.plate import AnyPlate, Material, MeshPlate
+from signorini.model.plate import AnyPlate, Material, MeshPlate, constant_thickness
 from signorini.model.problems import TOP, tables_of
 from signorini.model.support import Support
 from signorini.model.zone import Zone
@@ -107,8 +107,12 @@ class Model(Table):
 
     @property
     def young(self) -> float:
-        """Young's modulus, the largest there is."""
-        return max(material.young for material in self.materials)
+        """Young's modulus, the largest there is; of sections whose stiffness is given that of solid ones as stiff."""
+        found = [material.young for material in self.materials if material.is_elastic]
+        for part in (self.plate, *self.zone):
+            if part.stiffness is not None and part.thickness is not None:
+                found.append(part.stiffness.young(part.thickness.value))
+        return max(found)
 
     @property
     def positions(self) -> Positions:
@@ -145,6 +149,7 @@ class Model(Table):
         yield from _repeated("combination", [combination.name for combination in self.combination])
         yield from self._edge_complaints()
         yield from self._node_complaints()
+        yield from self._section_complaints()
         for index, load in enumerate(self.load):
             if load.self_weight and self.material.unit_weight is None:
                 yield (
@@ -159,6 +164,21 @@ class Model(Table):
                 )
         yield from self._moving_complaints()
         yield from self._combination_complaints()
+
+    def _section_complaints(self) -> Iterator[Complaint]:
+        """Sections that are made of a material without moduli."""
+        if self.plate.stiffness is not None:
+            yield from ((("plate", *path), message) for path, message in constant_thickness(self.plate.thickness))
+        parts = (
+            (("material",), self.plate, self.material),
+            *((("zone", i, "material"), z, z.material) for i, z in enumerate(self.zone)),
+        )
+        for number, (place, part, material) in enumerate(parts):
+            if material is None or material.is_elastic:
+                continue
+            later = any(zone.is_solid and zone.material is None for zone in self.zone[number:])
+            if part.stiffness is None or later:
+                yield from (((*place, *path), message) for path, message in material.missing())
 
     def _mesh_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):

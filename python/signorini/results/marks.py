@@ -107,7 +107,10 @@ def zone_marks(found: Discretisation) -> list[ZoneMark]:
         parts = [] if zone.thickness is None else [f"thickness {zone.thickness.source}"]
         if zone.material is not None:
             own = zone.material
-            parts.append(f"E = {own.E:.4g}" if own.E is not None else f"Ex = {own.Ex:.4g}, Ey = {own.Ey:.4g}")
+            if own.is_elastic:
+                parts.append(f"E = {own.E:.4g}" if own.E is not None else f"Ex = {own.Ex:.4g}, Ey = {own.Ey:.4g}")
+        if zone.stiffness is not None:
+            parts.append(f"Dx = {zone.stiffness.Dx:.4g}, Dy = {zone.stiffness.Dy:.4g}")
         if zone.modifiers is not None:
             parts += [f"{key} × {value:.4g}" for key, value in zone.modifiers if value != 1.0]
         assert isinstance(zone.area, Area)  # "all" is refused

@@ -92,9 +92,10 @@ def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
 
 
 def _unit_of_modulus(found: Discretisation) -> Iterator[str]:
-    units, modulus = found.model.units, found.model.young
-    if units.force not in _NEWTONS or units.length not in METRES:
+    units, moduli = found.model.units, [own.young for own in found.model.materials if own.is_elastic]
+    if not moduli or units.force not in _NEWTONS or units.length not in METRES:
         return
+    modulus = max(moduli)
     pascals = modulus * _NEWTONS[units.force] / METRES[units.length] ** 2
     if not _SOFTEST <= pascals <= _STIFFEST:
         yield (
