@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from itertools import islice
 from random import Random
 
+import numpy as np
 import random_models
 
 from signorini import SignoriniError, solve, validate
-from signorini.analysis.twins.leaves import kind_of, largest_of, leaves
+from signorini.analysis.twins.leaves import kind_of, leaves, sizes_of
 from signorini.model import Model
 from signorini.results.figures import figures
 from signorini.results.result import Result
@@ -69,9 +70,9 @@ def _compared(ours: Result, truth: Result) -> Iterator[Judged]:
     if ours.status != "solved" or truth.status != "solved" or ours.plus_minus is None:
         return
     values, widths, true = (leaves(tree) for tree in (figures(ours), ours.plus_minus, figures(truth)))
-    largest = largest_of(ours, max((support.gaps.max(initial=0.0) for support in ours.supports), default=0.0))
+    largest = sizes_of({path: np.array([value]) for path, value in values.items()}, ours.model, ours.mesh)
     for path, value in values.items():
         kind = kind_of(path)
         if path in true and kind not in ("closed", "open"):
             name = f"{ours.name}: {'.'.join(map(str, path))}"
-            yield Judged(name, kind, widths.get(path), abs(value - true[path]), _ROUNDING * largest[kind])
+            yield Judged(name, kind, widths.get(path), abs(value - true[path]), _ROUNDING * largest[kind].item())
