@@ -9,12 +9,17 @@ from typing import Any
 import numpy as np
 
 from signorini.analysis.twins.half_width import FASTEST, FASTEST_OF_POINTS, half_widths, unsettled
+from signorini.analysis.twins.layers import KINDS as TOUCHED
+from signorini.analysis.twins.layers import unseen_layer
 from signorini.analysis.twins.leaves import Path, acts_at_points, beside, kind_of, may_grow, sizes_of
 from signorini.analysis.twins.meshes import side
 from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.singularities.named import Singularity
+
+_MOVED = 1e-8
+"""Part of its field by which a number changes that is not the same on every mesh."""
 
 
 @dataclass(frozen=True)
@@ -82,12 +87,15 @@ def compared(
         limited &= ~(may_grow(paths, figures, singular, meshes.reach)[:, None] & where)
     fastest = np.where(at_points, FASTEST_OF_POINTS, FASTEST)
     changes = beside(paths, np.abs(values[0] - values[1]))
+    layer = unseen_layer(model, meshes.every[meshes.own], meshes.sizes)
+    touched = np.array([kind_of(path) in TOUCHED for path in paths], np.bool_)[:, None] & (changes > _MOVED * largest)
     widths, growing = half_widths(values, meshes.sizes, meshes.own, fastest, changes, largest, limited)
     # Peaks under the outline of a rigid area have none, but need not grow steadily on elements that hardly know it.
     rigid = {one.source for singular, _ in named for one in singular if one.line and "pressure" in one.numbers}
     names = [support["name"] for support in figures["supports"]]
     peaks = np.array([path[-1] == "max_pressure" and names[int(path[1])] in rigid for path in paths], np.bool_)
     growing |= peaks[:, None] & unsettled(values, largest)
+    widths = np.where(touched, np.maximum(widths, layer * largest), widths)
     return _rounded(np.where(growing, np.nan, widths)), growing
 
 

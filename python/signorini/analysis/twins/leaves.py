@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from signorini.analysis.twins.layers import thickness_at
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import point
 from signorini.mesh import Mesh
@@ -195,11 +196,8 @@ def sizes_of(numbers: Mapping[Path, Floats], model: Model, mesh: Mesh) -> dict[s
 
 def _bent(model: Model, mesh: Mesh) -> dict[str, float]:
     """A hundredth of what rotations, moments and shears are of a plate that bends to a deflection of one."""
-    span, points = mesh.size, mesh.points
-    for zone in model.zone:
-        # The plate's own thickness need not be one where zones have another.
-        points = points[~zone.region.contains(points)] if zone.thickness is not None else points
-    rigidity = model.young * float(np.abs(model.plate.thickness(*points.T)).max(initial=0.0)) ** 3 / 12
+    span, thickness = mesh.size, thickness_at(model, mesh.points)
+    rigidity = model.young * float(thickness.max()) ** 3 / 12
     return {
         "rotation": _BENT / span,
         "moment": _BENT * rigidity / span**2,
