@@ -208,16 +208,7 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
     // At rest there is nothing to sum.
     let moving = displacement.hi.iter().any(|&u| u != 0.0);
     let count = if moving { plate.elements().len() } else { 0 };
-    let forces = each_element(count, |e| {
-        let mut force = if plate.is_thin(e) {
-            plate.strains(e, &displacement.stripped(plate, e)).nodal()
-        } else {
-            internal_force(plate.element_stiffness(e), &displacement.strained(plate, e))
-        };
-        plate.balance(e, &mut force);
-        plate.into_frames(e, &mut force);
-        force
-    });
+    let forces = each_element(count, |e| nodal_force(plate, e, displacement));
     let mut out = load.to_vec();
     scatter(plate, &forces, -1.0, &mut out);
     for row in 0..springs.rows.len() {
@@ -225,6 +216,18 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
         springs.rows.scatter(plate, row, -springs.stiffness[row] * stretch, &mut out);
     }
     out
+}
+
+/// What an element's nodes do to it, in their frames, at some displacements: K_e u without a resultant.
+pub fn nodal_force(plate: &Plate, e: usize, displacement: &Displacement) -> [f64; DOFS] {
+    let mut force = if plate.is_thin(e) {
+        plate.strains(e, &displacement.stripped(plate, e)).nodal()
+    } else {
+        internal_force(plate.element_stiffness(e), &displacement.strained(plate, e))
+    };
+    plate.balance(e, &mut force);
+    plate.into_frames(e, &mut force);
+    force
 }
 
 /// uᵀKu of plate and springs for a vector of doubles, as a sum of squares that no rigid motion cancels in.

@@ -15,7 +15,9 @@ from signorini.model import Model
 from signorini.results.columns import Column
 
 ENDING = ":plus_minus"
-_ESTIMATED = re.compile(r"(reaction|max_pressure|contact_area|reaction_at|gap_at|probe\[\d+\]|max|min):.*")
+_ESTIMATED = re.compile(
+    r"(reaction|max_pressure|contact_area|reaction_at|gap_at|probe\[\d+\]|section\[.*\]|strip\[.*\]|max|min):.*"
+)
 
 
 def column_widths(tables: Sequence[Mapping[str, Column]], meshes: Meshes, model: Model) -> Iterator[tuple[str, Floats]]:

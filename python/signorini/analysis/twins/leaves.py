@@ -1,4 +1,4 @@
-"""Numbers of a result by what they are of: support, point, probe; never by a node of the mesh."""
+"""Numbers of a result by what they are of: support, point, probe, section; never by a node of the mesh."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _OF_THE_MESH = {"nodes", "contact_boundary", "max_at", "min_at"}
 _OF_VECTOR, _OF_POINTS = 0.5, 0.1
 """Part of the largest change in a vector, and among the points of a support."""
 _BENT = 0.01
-_GIVEN = {"at"}
+_GIVEN = {"at", "length", "width"}
 _COUNTS = {"closed", "open", "lifted", "lifted_in"}
 _FIELD_OF = dict.fromkeys(("mx", "my", "mxy"), "moment") | dict.fromkeys(("qx", "qy"), "shear")
 _FIELD_OF |= dict.fromkeys(("rotation_x", "rotation_y"), "rotation")
@@ -96,6 +96,9 @@ def beside(paths: Sequence[Path], changes: Floats) -> Floats:
 def kind_of(path: Path) -> str:
     """The field that a number is of."""
     names = [part for part in path if isinstance(part, str)]
+    if names[0] in ("sections", "strips"):
+        summed = {"shear": "force"}.get(names[-1], "couple") if names[0] == "sections" else ""
+        return summed or ("shear" if "shear" in names else "moment")
     if names[0] == "fields" or names[1] in _OF_MOMENTS:
         return _FIELD_OF.get(names[1], names[1])
     return "deflection" if names[-1] in ("max", "min", "gap") else names[-1]
@@ -120,6 +123,8 @@ def may_grow(path: Path, figures: Mapping[str, Any], singular: Sequence[Singular
         kind = _FIELD_OF.get(path[2], kind)
     for one in singular:
         if "deflection" in one.numbers and one.source in supports and kind in ("deflection", "rotation"):
+            return True
+        if path[0] in ("sections", "strips") and "reaction" in one.numbers:
             return True
         if kind not in one.numbers:
             continue
@@ -164,11 +169,15 @@ def largest_of(result: Result, gaps: float = 0.0) -> dict[str, float]:
     rigidity = model.young * size(model.plate.thickness(*points.T)) ** 3 / 12
     pressed = [size(np.array([s.max_pressure, s.max_tension])) for s in result.supports if s.area is not None]
     pressure = max(pressed, default=0.0)
+    moment = max(size(result.moment), _BENT * rigidity * moved / span**2)
+    shear = max(size(result.shear), _BENT * rigidity * moved / span**3)
     return {
         "deflection": moved,
         "rotation": max(size(result.rotation), _BENT * moved / span),
-        "moment": max(size(result.moment), _BENT * rigidity * moved / span**2),
-        "shear": max(size(result.shear), _BENT * rigidity * moved / span**3),
+        "moment": moment,
+        "couple": moment * span,
+        "shear": shear,
+        "force": shear * span,
         "reaction": float(sum(np.abs(support.reactions).sum() for support in result.supports)),
         **dict.fromkeys(("pressure", "max_pressure", "max_tension"), pressure),
         "contact_area": float(result.mesh.element_area.sum()),
@@ -187,6 +196,13 @@ def named(paths: Sequence[Path], figures: Mapping[str, Any]) -> str:
                 what = " ".join(str(part) for part in (key, *rest)).replace("_", " ")
                 if key in _COMPONENTS:
                     what = _COMPONENTS[str(key)][int(str(rest[0]))]
+            case ("sections", int(index), key):
+                whose, what = f"section {figures['sections'][index]['name']}", str(key)
+            case ("strips", int(index), *rest):
+                strip = figures["strips"][index]
+                whose, what = f"strip {strip['name']}", str(rest[-1]).replace("_", " ")
+                if rest[0] == "stations":
+                    whose += f" at {point(strip['stations'][int(str(rest[1]))]['at'])}"
             case ("supports", int(index), *rest):
                 whose = figures["supports"][index]["name"]
                 what = " ".join(f"of point {part + 1}" if isinstance(part, int) else str(part) for part in rest[::-1])
