@@ -1,16 +1,23 @@
 """Sections and strips as they are asked for, and written: tables, envelopes, paths, half-widths, errors."""
 
+import io
 import json
 import pickle
+import re
 
 import numpy as np
 import pytest
 from models import rectangular, tables
+from rich.console import Console
 
 from signorini import InputError, Model, path, solve
+from signorini.analysis.check import check
+from signorini.cli.tables import print_results
 from signorini.output.envelope_json import envelope_json
 from signorini.output.load_path import path_csv, path_json
 from signorini.output.tables import results_json
+from signorini.plot import Plan, check_picture
+from signorini.results.marks import cut_marks
 
 SECTIONS = [{"name": "A", "line": [[2, 0], [2, 4]]}, {"line": [[0.7, 0.4], [3.1, 2.9]]}]
 STRIPS = [{"name": "middle", "line": [[0, 2], [4, 2]], "width": 1.5, "stations": 5}]
@@ -128,6 +135,20 @@ def test_a_moving_wheel_passes_under_a_section():
     assert results.table["section[section 1]:moment"] == pytest.approx(1e4 * np.minimum(places, 8 - places) / 2)
 
 
+def test_the_terminal_has_a_row_for_each_with_its_half_widths():
+    console = Console(file=io.StringIO(), width=200)
+    units = {"length": "m", "force": "N"}
+    print_results(console, solve(rectangular(**ASKED, units=units)))
+    print_results(console, solve(several(3, False, units=units, output={"combinations": "table"})))
+    shown = console.file.getvalue()
+    number = r"-?[\d.]+(e[-+]\d+)?( ± [\d.e-]+)?"
+    assert re.search(
+        rf"section +moment \[N m\] +twist \[N m\] +shear \[N\]\n─+\nA +{number} +{number} +{number}\n", shown
+    )
+    assert re.search(rf"strip +largest mean moment \[N m/m\] .*\n─+\nmiddle +{number} +\[", shown)
+    assert re.search(rf"A, moment \[N m\] +{number} +\d +{number} +\d\n", shown)
+
+
 def test_results_with_sections_can_be_pickled():
     result = solve(rectangular(**ASKED))["all"]
     again = pickle.loads(pickle.dumps(result))
@@ -159,3 +180,18 @@ def test_asking_for_strips_changes_nothing_else():
 def test_what_cannot_be_is_said_with_its_place(asked, message):
     with pytest.raises(InputError, match=message):
         solve(Model(**tables(**{**ASKED, "section": [], "strip": []} | asked)))
+
+
+def test_the_check_picture_names_them(tmp_path):
+    found = check(rectangular(**ASKED))
+    marks = cut_marks(found.discretisation.model)
+    assert [(mark.name, mark.borders is None) for mark in marks] == [
+        ("A", True),
+        ("section 2", True),
+        ("middle", False),
+    ]
+    assert marks[2].borders[:, 0].tolist() == [[0.0, 2.75], [0.0, 1.25]]
+    axes = check_picture(
+        Plan.of(found.discretisation.mesh.points, found.discretisation.mesh.elements), cuts=marks
+    ).axes[0]
+    assert {"A", "section 2", "middle"} <= {text.get_text() for text in axes.texts}

@@ -171,9 +171,11 @@ def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
     And what of it is in each; of elements with curved sides as if these were straight between nodes.
     """
     line, beyond = followed.line, np.where(followed.inside, followed.reach, 0.0)
-    count = len(mesh.elements)
-    met, divided = np.zeros(count, np.bool_), np.zeros(count, np.bool_)
-    nodes = mesh.nodes[:, _AROUND]
+    x0, y0, x1, y1 = line.extended(followed.reach).bounds
+    boxes = mesh.boxes
+    (near,) = np.nonzero((boxes[:, 0] <= x1) & (boxes[:, 2] >= x0) & (boxes[:, 1] <= y1) & (boxes[:, 3] >= y0))
+    met, divided = np.zeros(len(near), np.bool_), np.zeros(len(near), np.bool_)
+    nodes = mesh.points[mesh.elements[near][:, _AROUND]]
     pieces = []
     for piece, (begin, along, normal) in enumerate(zip(line.begin, line.along, line.normals, strict=True)):
         station, off = ((nodes - begin) @ way for way in (along, normal))
@@ -193,10 +195,9 @@ def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
         stops = np.unique([low, 0.0, line.lengths[piece], high])
         for begin_at, end_at in pairwise(stops):
             first_in, final_in = np.maximum(first, begin_at), np.minimum(final, end_at)
-            (elements,) = np.nonzero(final_in > first_in + line.touching)
-            pieces.append(_Pieces(elements, np.full(len(elements), piece), first_in[elements], final_in[elements]))
-    elements = np.flatnonzero(met)
-    return elements, divided[elements], _Pieces(*(np.concatenate(part) for part in zip(*pieces, strict=True)))
+            (some,) = np.nonzero(final_in > first_in + line.touching)
+            pieces.append(_Pieces(near[some], np.full(len(some), piece), first_in[some], final_in[some]))
+    return near[met], divided[met], _Pieces(*(np.concatenate(part) for part in zip(*pieces, strict=True)))
 
 
 class _Pieces(NamedTuple):
