@@ -12,6 +12,7 @@ from rich.text import Text
 from signorini.analysis.solve import Results
 from signorini.cli.cells import cell, compared, estimated, in_unit, number, per_area, point, size_of, unit_of
 from signorini.cli.grid import Column, Grid, numbers, say
+from signorini.cli.through import print_enveloped
 from signorini.contact.certificate import FIGURES
 from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import governing_reactions
@@ -49,6 +50,7 @@ def print_combined(console: Console, results: Results) -> None:
             continue
         _print_fields(console, results, group, found["plus_minus"])
         _print_supports(console, results, group, found["plus_minus"])
+        print_enveloped(console, results, found)
         print_governing(console, results, group)
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {figures}")

@@ -18,6 +18,7 @@ from signorini.model.moving import Moving
 from signorini.model.output import FEW, Output
 from signorini.model.plate import AnyPlate, Material, MeshPlate, constant_thickness
 from signorini.model.problems import TOP, tables_of
+from signorini.model.section import Section, Strip
 from signorini.model.support import Support
 from signorini.model.zone import Zone
 
@@ -25,7 +26,7 @@ _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
 _MOST_POSITIONS = 2000
 
-Named = TypeVar("Named", Support, Combination)
+Named = TypeVar("Named", Support, Combination, Section, Strip)
 
 
 class Units(Table):
@@ -79,6 +80,12 @@ class Model(Table):
     )
     moving: tuple[Moving, ...] = Field(default=(), description="Loads that move along a line.")
     probe: tuple[Probe, ...] = Field(default=(), description="Points where results are written out.")
+    section: Annotated[tuple[Section, ...], AfterValidator(_named)] = Field(
+        default=(), description="Lines along which the forces through the plate are written out."
+    )
+    strip: Annotated[tuple[Strip, ...], AfterValidator(_named)] = Field(
+        default=(), description="Strips of which mean moments over their width are written out."
+    )
     output: Output = Field(default=Output(), description="What is written of each combination.")
     solver: Solver = Field(default=Solver(), description="How the contact problem is solved.")
 
@@ -147,6 +154,8 @@ class Model(Table):
         yield from self._mesh_complaints()
         yield from _repeated("support", [support.name for support in self.support])
         yield from _repeated("combination", [combination.name for combination in self.combination])
+        yield from _repeated("section", [section.name for section in self.section])
+        yield from _repeated("strip", [strip.name for strip in self.strip])
         yield from self._edge_complaints()
         yield from self._node_complaints()
         yield from self._section_complaints()

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from signorini.plot.balance import BalanceMark
+from signorini.plot.cuts import CutMark
 from signorini.plot.field import contour, line
 from signorini.plot.load_path import load_path_picture
 from signorini.plot.marks import LoadMark, SupportMark, ZoneMark, draw_legend, supports
@@ -28,6 +29,7 @@ __all__ = [
     "DRAWN_BY",
     "Axes",
     "BalanceMark",
+    "CutMark",
     "Figure",
     "LoadMark",
     "Panel",

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from signorini.base.files import replacing
 from signorini.errors import InputError
 from signorini.plot.balance import BalanceMark, draw_balances
+from signorini.plot.cuts import CutMark, draw_cuts
 from signorini.plot.field import PAPER, Scale, add_colour_bar, checked_field, draw_field
 from signorini.plot.marks import (
     Entry,
@@ -191,13 +192,14 @@ def check_picture(
     zones: Iterable[ZoneMark] = (),
     supports: Iterable[SupportMark] = (),
     loads: Iterable[LoadMark] = (),
+    cuts: Iterable[CutMark] = (),
     balance: Iterable[BalanceMark] = (),
     poorest: tuple[tuple[float, float], str] | None = None,
     title: str = "",
     length: str = "",
     numbers: bool = False,
 ) -> Figure:
-    """Draw a model before it is solved: mesh, supports and loads, and what the loads amount to.
+    """Draw a model before it is solved: mesh, supports, loads and what they amount to, sections and strips.
 
     Parameters
     ----------
@@ -205,6 +207,7 @@ def check_picture(
     zones : iterable of ZoneMark
     supports : iterable of SupportMark
     loads : iterable of LoadMark
+    cuts : iterable of CutMark
     balance : iterable of BalanceMark
     poorest : ((x, y), str), optional
         The corner of the worst element, and words about it.
@@ -235,6 +238,7 @@ def check_picture(
     entries = draw_zones(zones, axes, sheet) + draw_supports(supports, axes) + draw_loads(loads, axes)
     if numbers:
         _number_nodes(axes, plan)
+    entries += draw_cuts(cuts, axes)
     entries += draw_balances(balance, axes)
     if poorest is not None:
         at, words = poorest

@@ -11,7 +11,7 @@ from signorini import shapes
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
-from signorini.model import Area, Circle, Load, Support
+from signorini.model import Area, Circle, Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.results.contact_field import AreaContact
 from signorini.results.contact_field.lines import Segments, chained
@@ -20,7 +20,7 @@ from signorini.shapes import Region
 from signorini.shapes.tessellation import tessellate
 
 if TYPE_CHECKING:
-    from signorini.plot import LoadMark, PressureLayer, SupportMark, ZoneMark
+    from signorini.plot import CutMark, LoadMark, PressureLayer, SupportMark, ZoneMark
 
 _AROUND = 180
 _ALONG = 200
@@ -115,6 +115,18 @@ def zone_marks(found: Discretisation) -> list[ZoneMark]:
             parts += [f"{key} × {value:.4g}" for key, value in zone.modifiers if value != 1.0]
         assert isinstance(zone.area, Area)  # "all" is refused
         marks.append(ZoneMark(", ".join(parts) or "as the plate", _outline(zone.area)))
+    return marks
+
+
+def cut_marks(model: Model) -> list[CutMark]:
+    """Draw the sections and the strips of a model."""
+    from signorini.plot import CutMark
+
+    marks = [CutMark(section.name, np.array(section.line)) for section in model.section]
+    for strip in model.strip:
+        # Lines across a strip run from its right to its left.
+        borders = np.array(strip.across).transpose(1, 0, 2)[::-1]
+        marks.append(CutMark(strip.name, np.array(strip.line), borders))
     return marks
 
 
