@@ -125,12 +125,16 @@ def may_grow(paths: Sequence[Path], figures: Mapping[str, Any], singular: Sequen
         whole = "deflection" in one.numbers and one.source in supports
         for place, (path, kind) in enumerate(zip(paths, kinds, strict=True)):
             through = path[0] in ("sections", "strips") and "reaction" in one.numbers
-            found[place] |= (whole and kind in ("deflection", "rotation")) or through or (
-                kind in one.numbers
-                and (
-                    path[0] in ("fields", "deflection")
-                    or (path[0] == "supports" and one.source == supports[int(path[1])])
-                    or (path[0] == "probes" and near[int(path[1])])
+            found[place] |= (
+                (whole and kind in ("deflection", "rotation"))
+                or through
+                or (
+                    kind in one.numbers
+                    and (
+                        path[0] in ("fields", "deflection")
+                        or (path[0] == "supports" and one.source == supports[int(path[1])])
+                        or (path[0] == "probes" and near[int(path[1])])
+                    )
                 )
             )
     return found
