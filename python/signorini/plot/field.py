@@ -17,7 +17,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.errors import InputError
-from signorini.plot.plan import INK, Plan, draw_outlines, inches_per_unit, literal, plan_axes, set_window
+from signorini.plot.plan import INK, Plan, draw_outlines, inches_per_unit, literal, plan_axes, put_label, set_window
 
 _NOISE = 1e-9
 BANDS = 14
@@ -27,6 +27,8 @@ _MOST_LABELS = 7
 """Contours, about, that have their value written on them."""
 _SHORTEST, _APART = 0.7, 0.45
 """Inches: a contour that has its value, and two values from each other."""
+_PLAIN = 1e-4, 1e5
+"""Numbers between these are written without a power of ten: those of five digits still fit beside the colours."""
 
 
 def contour(
@@ -190,14 +192,29 @@ def in_words(level: float, step: float) -> str:
 
     Examples
     --------
-    >>> in_words(0.0015, 0.0005), in_words(-20.0, 10.0), in_words(2.5e6, 5e5), in_words(-1e-19, 1.0)
-    ('0.0015', '−20', '2.5e6', '0')
+    >>> in_words(0.0015, 0.0005), in_words(-20.0, 10.0), in_words(7500, 2500), in_words(2.5e6, 5e5), in_words(-1e-19, 1)
+    ('0.0015', '−20', '7500', '2.5e6', '0')
     """
     if abs(level) < 1e-9 * step:
         return "0"
     # One digit more than the step's first: steps of 2.5 have two.
     digits = max(0, int(np.floor(np.log10(abs(level) / step) + 1e-9))) + 2
-    text = f"{level:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
+    return number(level, digits)
+
+
+def number(value: float, digits: int) -> str:
+    """Write a number of so many digits as short as it can be read, with a power of ten only where it is far from one.
+
+    Examples
+    --------
+    >>> number(-17524.0, 4), number(0.00015, 4), number(2.5e6, 2), number(1.2345e-7, 3)
+    ('−17520', '0.00015', '2.5e6', '1.23e−7')
+    """
+    rounded = f"{value:.{digits}g}"
+    if _PLAIN[0] <= abs(value) < _PLAIN[1]:
+        text = np.format_float_positional(float(rounded), trim="-")
+    else:
+        text = rounded.replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
     return text.replace("-", "−")
 
 
@@ -255,9 +272,11 @@ def add_colour_bar(axes: Axes, scale: Scale, label: str, beside: Axes | None = N
         room: dict[str, Any] = {"cax": beside} if beside is not None else {"shrink": 0.92, "aspect": 28, "pad": 0.025}
         bar = figure.colorbar(scale.bar, ax=axes, spacing="proportional", **room)
         bar.set_label(literal(label), fontsize=9)
+        put_label(bar.ax.yaxis, 1.0, 0.5, 0.58, 0.0)
         bar.outline.set_visible(False)
         bar.formatter = ScalarFormatter()
-        bar.formatter.set_powerlimits((-3, 4))
+        bar.formatter.set_powerlimits((-4, 5))
+        bar.minorticks_off()
         bar.ax.tick_params(length=2.5, labelsize=8.5)
         bar.update_ticks()
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+import struct
 import textwrap
+import zlib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +16,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.image import imsave
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
@@ -21,7 +23,7 @@ from numpy.typing import NDArray
 from signorini.base.files import replacing
 from signorini.errors import InputError
 from signorini.plot.balance import BalanceMark, draw_balances
-from signorini.plot.field import PAPER, Scale, add_colour_bar, checked_field, draw_field
+from signorini.plot.field import PAPER, Scale, add_colour_bar, checked_field, draw_field, number
 from signorini.plot.marks import (
     Entry,
     LoadMark,
@@ -33,7 +35,7 @@ from signorini.plot.marks import (
     draw_zones,
     legend_words,
 )
-from signorini.plot.plan import INK, Plan, draw_outlines, draw_sheet, inches_per_unit, literal, set_window
+from signorini.plot.plan import INK, Plan, draw_outlines, draw_sheet, inches_per_unit, literal, put_label, set_window
 from signorini.plot.pressure import PressureLayer, draw_pressure, pressure_scale
 
 DRAWN_BY = "signorini"
@@ -50,8 +52,9 @@ _WIDE = 1.7
 """times as wide as high."""
 _SMALLEST = (1.6, 0.8)
 """Inches that it takes at least."""
-_LEFT, _BELOW, _GAP, _BAR, _RIGHT, _LINE = 0.68, 0.5, 0.12, 0.15, 0.72, 0.2
-"""Inches left of a plan and below it, to its colours, for them and for their numbers; for a line of text."""
+_LEFT, _BETWEEN, _BELOW, _GAP, _BAR, _RIGHT, _LINE = 0.68, 0.1, 0.5, 0.12, 0.15, 0.8, 0.2
+"""Inches left of a plan, of the next one beside it, and below it, to its colours, for them and for their numbers; for a
+line of text."""
 _TALLEST_BAR = 5.0
 _TICKS = 0.6
 """Inches from one number of an axis to the next, about."""
@@ -178,9 +181,7 @@ def save_pictures(plan: Plan, pictures: Sequence[Picture], length: str = "") -> 
         for artist in sorted(drawn, key=lambda artist: artist.get_zorder()):
             artist.draw(canvas.get_renderer())
         # Without the alpha channel, of which a page has no need, there is a fourth less to compress.
-        dots = np.asarray(canvas.buffer_rgba())[..., :3]
-        options: dict[str, Any] = {"metadata": {"Software": DRAWN_BY}, "pil_kwargs": {"compress_level": _FAST}}
-        imsave(picture.path, np.ascontiguousarray(dots), dpi=_DOTS, format="png", **options)
+        Path(picture.path).write_bytes(_as_png(np.asarray(canvas.buffer_rgba())[..., :3]))
         for artist in drawn:
             artist.remove()
 
@@ -268,6 +269,25 @@ def save(figure: Figure, path: str | os.PathLike[str], *, tight: bool = True) ->
         figure.savefig(beside, dpi=_DOTS, metadata=metadata, **options)  # type: ignore[arg-type]
 
 
+def _as_png(dots: NDArray[np.uint8]) -> bytes:
+    """Give dots (h, w, 3) as a PNG file, its lines unfiltered: as small as matplotlib's in half the time."""
+    height, width, _ = dots.shape
+    lines = np.zeros((height, 1 + 3 * width), np.uint8)
+    lines[:, 1:] = dots.reshape(height, -1)
+    per_metre = round(_DOTS / 0.0254)
+    chunks = (
+        (b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)),
+        (b"pHYs", struct.pack(">IIB", per_metre, per_metre, 1)),
+        (b"tEXt", f"Software\0{DRAWN_BY}".encode("latin-1")),
+        (b"IDAT", zlib.compress(lines.tobytes(), _FAST)),
+        (b"IEND", b""),
+    )
+    written = (
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks
+    )
+    return b"\x89PNG\r\n\x1a\n" + b"".join(written)
+
+
 class _Page:
     """A figure whose parts have their places in inches, so that none need be sought by drawing it."""
 
@@ -286,12 +306,15 @@ class _Page:
         self.plans = [self.figure.add_axes((0, 0, 1, 1)) for _ in range(count)]
         self.bars = [self.figure.add_axes((0, 0, 1, 1)) for _ in range(count if bars else 0)]
         unit = literal(f" [{length}]" if length else "")
-        for axes in self.plans:
+        for place, axes in enumerate(self.plans):
             set_window(axes, plan)
-            axes.set_xlabel(f"x{unit}", fontsize=9)
-            axes.set_ylabel(f"y{unit}", fontsize=9)
-            for axis, size in ((axes.xaxis, self._box[0]), (axes.yaxis, self._box[1])):
+            for axis, size, name in ((axes.xaxis, self._box[0], "x"), (axes.yaxis, self._box[1], "y")):
                 axis.set_major_locator(MaxNLocator(int(np.clip(size / _TICKS, 2, 8)), steps=[1, 2, 5, 10]))
+                axis.set_label_text(f"{name}{unit}", fontsize=9)
+            put_label(axes.xaxis, 0.5, 0.0, 0.0, -0.36)
+            put_label(axes.yaxis, 0.0, 0.5, -0.5, 0.0)
+            # Of plans beside each other the first one's numbers are enough.
+            axes.yaxis.set_visible(place % self._columns == 0)
         self._place()
 
     def artists(self) -> list[Artist]:
@@ -344,11 +367,11 @@ class _Page:
     @property
     def _pitch(self) -> NDArray[np.float64]:
         """From one plan to the next, to the right and down."""
-        return np.asarray(self._box + np.array([_LEFT + self._beside, _BELOW + 0.1]))
+        return np.asarray(self._box + np.array([_BETWEEN + self._beside, _BELOW + 0.1]))
 
     @property
     def _size(self) -> tuple[float, float]:
-        across, up = self._pitch * [self._columns, self._rows] + [0.0, self._above + self._below]
+        across, up = self._pitch * [self._columns, self._rows] + [_LEFT - _BETWEEN, self._above + self._below]
         return float(across), float(up)
 
     def _place(self) -> None:
@@ -383,7 +406,7 @@ def _draw(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Iterable[Su
         if (np.ptp(places, axis=0) * inches_per_unit(axes) < _NAME).all():
             ways[:, 1] = np.where(np.arange(len(places)) == places[:, 1].argmax(), 1, -1)
         for (name, value, _), at, way in zip(panel.extremes, places, ways, strict=True):
-            _name_place(axes, f"{name} {value:.4g}", at, way)
+            _name_place(axes, f"{name} {number(value, 4)}", at, way)
     return draw_supports(marks, axes)
 
 
@@ -401,7 +424,6 @@ def _name_place(axes: Axes, words: str, at: NDArray[np.float64], way: NDArray[np
     """Mark a place with a value, written to the right and above it, or the other way."""
     halo = [withStroke(linewidth=2.5, foreground="white")]
     axes.plot(*at, marker="+", color=INK, markersize=8, markeredgewidth=1.2, path_effects=halo, zorder=6)
-    tidy = words.replace("e+0", "e").replace("e-0", "e-").replace("e+", "e").replace("-", "−")
     look: dict[str, Any] = {"fontsize": 8.5, "color": INK, "bbox": PAPER, "zorder": 7}
     look |= {"ha": "left" if way[0] > 0 else "right", "va": "bottom" if way[1] > 0 else "top"}
-    axes.annotate(tidy, (at[0], at[1]), xytext=(7.0 * way[0], 7.0 * way[1]), textcoords="offset points", **look)
+    axes.annotate(words, (at[0], at[1]), xytext=(7.0 * way[0], 7.0 * way[1]), textcoords="offset points", **look)
