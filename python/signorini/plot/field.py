@@ -16,6 +16,7 @@ from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
+from signorini.base.plain import POWERS, plain
 from signorini.errors import InputError
 from signorini.plot.plan import INK, Plan, draw_outlines, inches_per_unit, literal, plan_axes, put_label, set_window
 
@@ -27,8 +28,6 @@ _MOST_LABELS = 7
 """Contours, about, that have their value written on them."""
 _SHORTEST, _APART = 0.7, 0.45
 """Inches: a contour that has its value, and two values from each other."""
-_PLAIN = 1e-4, 1e5
-"""Numbers between these are written without a power of ten: those of five digits still fit beside the colours."""
 
 
 def contour(
@@ -199,23 +198,7 @@ def in_words(level: float, step: float) -> str:
         return "0"
     # One digit more than the step's first: steps of 2.5 have two.
     digits = max(0, int(np.floor(np.log10(abs(level) / step) + 1e-9))) + 2
-    return number(level, digits)
-
-
-def number(value: float, digits: int) -> str:
-    """Write a number of so many digits as short as it can be read, with a power of ten only where it is far from one.
-
-    Examples
-    --------
-    >>> number(-17524.0, 4), number(0.00015, 4), number(2.5e6, 2), number(1.2345e-7, 3)
-    ('−17520', '0.00015', '2.5e6', '1.23e−7')
-    """
-    rounded = f"{value:.{digits}g}"
-    if _PLAIN[0] <= abs(value) < _PLAIN[1]:
-        text = np.format_float_positional(float(rounded), trim="-")
-    else:
-        text = rounded.replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
-    return text.replace("-", "−")
+    return plain(level, digits)
 
 
 def line(
@@ -275,7 +258,7 @@ def add_colour_bar(axes: Axes, scale: Scale, label: str, beside: Axes | None = N
         put_label(bar.ax.yaxis, 1.0, 0.5, 0.58, 0.0)
         bar.outline.set_visible(False)
         bar.formatter = ScalarFormatter()
-        bar.formatter.set_powerlimits((-4, 5))
+        bar.formatter.set_powerlimits(POWERS)
         bar.minorticks_off()
         bar.ax.tick_params(length=2.5, labelsize=8.5)
         bar.update_ticks()

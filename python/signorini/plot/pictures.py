@@ -21,9 +21,10 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from signorini.base.files import replacing
+from signorini.base.plain import plain
 from signorini.errors import InputError
 from signorini.plot.balance import BalanceMark, draw_balances
-from signorini.plot.field import PAPER, Scale, add_colour_bar, checked_field, draw_field, number
+from signorini.plot.field import PAPER, Scale, add_colour_bar, checked_field, draw_field
 from signorini.plot.marks import (
     Entry,
     LoadMark,
@@ -406,7 +407,7 @@ def _draw(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Iterable[Su
         if (np.ptp(places, axis=0) * inches_per_unit(axes) < _NAME).all():
             ways[:, 1] = np.where(np.arange(len(places)) == places[:, 1].argmax(), 1, -1)
         for (name, value, _), at, way in zip(panel.extremes, places, ways, strict=True):
-            _name_place(axes, f"{name} {number(value, 4)}", at, way)
+            _name_place(axes, f"{name} {plain(value, 4)}", at, way)
     return draw_supports(marks, axes)
 
 
