@@ -550,3 +550,12 @@ def test_pictures_of_a_group_have_one_scale_of_their_own(tmp_path: Path, monkeyp
     write(signorini.solve(signorini.Model(plate=plate, **plain, **loaded)), tmp_path)
     assert limits["uls-1.png"] == limits["uls-2.png"] != limits["sls.png"]
     assert limits["uls-2-shears.png"][1] == pytest.approx(1.5 * limits["sls-shears.png"][1])
+
+
+def test_of_extremes_alike_but_for_rounding_the_one_at_the_least_x_and_then_y_is_named() -> None:
+    legs = [{"at": [[0.4, 0.4], [3.6, 0.4], [0.4, 3.6], [3.6, 3.6]], "resists": "down"}]
+    found = signorini.solve(model(support=legs, load=[{"pressure": 5}], combination=[], mesh={"divisions": [16, 16]}))
+    extremes = found["all"].extremes
+    assert extremes["deflection"].min_at == (0, 0)
+    assert extremes["mx"].max_at == (2, 0) and extremes["my"].max_at == (0, 2)
+    assert extremes["qx"].max_at[1] < 2 and extremes["qy"].max_at[0] < 2

@@ -268,6 +268,15 @@ def test_a_long_title_is_wrapped_to_the_page() -> None:
     assert extent.y0 > figure.axes[0].get_window_extent().y1
 
 
+def test_every_curve_of_a_load_path_looks_different() -> None:
+    from signorini.plot import load_path_picture
+
+    figure = load_path_picture([0, 1, 2], {f"probe {i}": [0, i, 2 * i] for i in range(14)}, {"prop": [0, 1]})
+    looks = [(line.get_color(), line.get_linestyle(), line.get_marker()) for line in figure.axes[0].get_lines()]
+    drawn = [look for look in looks if look[2] != "None"]
+    assert len(set(drawn)) == len(drawn) == 12
+
+
 def test_several_fields_stand_side_by_side_each_with_its_scale() -> None:
     panels = [Panel(scale * POINTS[:, 0], label) for scale, label in ((1, "mx"), (10, "my"), (100, "mxy"))]
     figure = field_picture(Plan.of(POINTS * [1, 2], ELEMENTS), panels, [PADS])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 POWERS = -4, 5
-"""Numbers between these powers of ten are written without a power of ten: those of five digits still fit beside the colours."""
+"""Numbers between these powers of ten are written without one: those of five digits still fit beside the colours."""
 
 
 def plain(value: float, digits: int) -> str:
