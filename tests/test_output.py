@@ -102,7 +102,9 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                 "limit": dict.fromkeys(["case", "factor"]),
                 "plus_minus": numbers,
                 "singular": [
-                    dict.fromkeys(["where", "line", "limited", "within", "what", "numbers", "source", "advice"])
+                    dict.fromkeys(
+                        ["where", "count", "box", "line", "limited", "within", "what", "numbers", "source", "advice"]
+                    )
                 ],
                 "certificate": dict.fromkeys(
                     [
