@@ -23,6 +23,7 @@ from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
 from signorini.model import Plate, Support
 from signorini.shapes import Circle, Curve, Polyline, Region, Ring
+from signorini.shapes.distances import distances
 
 STRIP = 1e-2
 """Part of an element's area that each point on the outline stands for: enough to act where a bed is a little stiff."""
@@ -147,7 +148,4 @@ def _spread(points: Floats, apart: float) -> Floats:
 
 def _off_hull(corners: Floats, points: Floats) -> Floats:
     """Distance (v,) of points from the sides between corners (k, 2) of a hull, in order."""
-    begin, side = corners, np.roll(corners, -1, axis=0) - corners
-    offset = points[:, None] - begin
-    part = np.clip((offset * side).sum(axis=2) / (side**2).sum(axis=1), 0.0, 1.0)
-    return np.asarray(np.hypot(*np.moveaxis(offset - part[..., None] * side, -1, 0)).min(axis=1))
+    return np.asarray(distances(points, corners, np.roll(corners, -1, axis=0)).min(axis=1))
