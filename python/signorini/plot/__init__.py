@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from signorini.plot.balance import BalanceMark
 from signorini.plot.field import contour, line
 from signorini.plot.load_path import load_path_picture
-from signorini.plot.marks import LoadMark, SupportMark, ZoneMark, draw_legend, supports
+from signorini.plot.loads import LoadMark
+from signorini.plot.marks import SupportMark, ZoneMark, draw_legend, supports
 from signorini.plot.pictures import (
     DRAWN_BY,
     Panel,
@@ -20,6 +21,7 @@ from signorini.plot.pictures import (
     save,
     save_pictures,
 )
+from signorini.plot.places import EdgeMark, SingularMark
 from signorini.plot.plan import Plan
 from signorini.plot.pressure import PressureLayer, pressure
 from signorini.plot.refinement import refinement_picture
@@ -28,12 +30,14 @@ __all__ = [
     "DRAWN_BY",
     "Axes",
     "BalanceMark",
+    "EdgeMark",
     "Figure",
     "LoadMark",
     "Panel",
     "Picture",
     "Plan",
     "PressureLayer",
+    "SingularMark",
     "SupportMark",
     "ZoneMark",
     "check_picture",

@@ -6,7 +6,7 @@ import os
 import struct
 import textwrap
 import zlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,17 +25,9 @@ from signorini.base.plain import plain
 from signorini.errors import InputError
 from signorini.plot.balance import BalanceMark, draw_balances
 from signorini.plot.field import PAPER, Scale, add_colour_bar, checked_field, draw_field
-from signorini.plot.marks import (
-    Entry,
-    LoadMark,
-    SupportMark,
-    ZoneMark,
-    draw_legend,
-    draw_loads,
-    draw_supports,
-    draw_zones,
-    legend_words,
-)
+from signorini.plot.loads import LoadMark, draw_loads
+from signorini.plot.marks import Entry, SupportMark, ZoneMark, draw_legend, draw_supports, draw_zones, legend_words
+from signorini.plot.places import EdgeMark, SingularMark, draw_edges, draw_singular
 from signorini.plot.plan import INK, Plan, draw_outlines, draw_sheet, inches_per_unit, literal, put_label, set_window
 from signorini.plot.pressure import PressureLayer, draw_pressure, pressure_scale
 
@@ -193,6 +185,9 @@ def check_picture(
     zones: Iterable[ZoneMark] = (),
     supports: Iterable[SupportMark] = (),
     loads: Iterable[LoadMark] = (),
+    totals: Mapping[str, str] | None = None,
+    edges: Iterable[EdgeMark] = (),
+    singular: Sequence[SingularMark] = (),
     balance: Iterable[BalanceMark] = (),
     poorest: tuple[tuple[float, float], str] | None = None,
     title: str = "",
@@ -207,6 +202,10 @@ def check_picture(
     zones : iterable of ZoneMark
     supports : iterable of SupportMark
     loads : iterable of LoadMark
+    totals : mapping of str, optional
+        The sums of load cases, in words.
+    edges : iterable of EdgeMark
+    singular : sequence of SingularMark
     balance : iterable of BalanceMark
     poorest : ((x, y), str), optional
         The corner of the worst element, and words about it.
@@ -234,7 +233,9 @@ def check_picture(
     (axes,) = page.plans
     sheet = draw_sheet(axes, plan)
     draw_outlines(axes, plan, inner=0.3)
-    entries = draw_zones(zones, axes, sheet) + draw_supports(supports, axes) + draw_loads(loads, axes)
+    entries = draw_zones(zones, axes, sheet) + draw_supports(supports, axes)
+    entries += draw_loads(loads, axes, totals or {}) + draw_singular(singular, axes)
+    draw_edges(edges, axes)
     if numbers:
         _number_nodes(axes, plan)
     entries += draw_balances(balance, axes)
@@ -246,15 +247,8 @@ def check_picture(
     return page.figure
 
 
-def save(figure: Figure, path: str | os.PathLike[str], *, tight: bool = True) -> None:
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a figure to a file, whole or not at all; the suffix (``.png``, ``.svg``, ``.pdf``) gives the format.
-
-    Parameters
-    ----------
-    figure : Figure
-    path : path-like
-    tight : bool
-        Whether to cut the page to what is drawn; without it a figure is drawn once instead of twice.
 
     Raises
     ------
@@ -263,9 +257,7 @@ def save(figure: Figure, path: str | os.PathLike[str], *, tight: bool = True) ->
     """
     with replacing(path) as beside:
         png = beside.suffix.lower() == ".png"
-        options: dict[str, object] = {"bbox_inches": "tight", "pad_inches": 0.12} if tight else {}
-        if png:
-            options["pil_kwargs"] = {"compress_level": _FAST}
+        options = {"pil_kwargs": {"compress_level": _FAST}} if png else {}
         metadata = {"Software" if png else "Creator": DRAWN_BY}
         figure.savefig(beside, dpi=_DOTS, metadata=metadata, **options)  # type: ignore[arg-type]
 

@@ -90,7 +90,6 @@ def quantity(field: str, units: Units) -> str:
 def unit_of(field: str, units: Units) -> str:
     """Unit of a field; empty where the model has none."""
     length, force = units.length, units.force
-    if field == "deflection":
-        return length
-    derived = {"m": f"{force} {length}/{length}", "q": f"{force}/{length}", "p": f"{force}/{length}²"}
-    return derived.get(field[0], "") if length and force else ""
+    if field[0] == "m":
+        return f"{force} {length}/{length}" if length and force else ""
+    return {"d": length, "q": units.force_by_length(-1), "p": units.force_by_length(-2)}.get(field[0], "")
