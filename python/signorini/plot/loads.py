@@ -112,13 +112,13 @@ def draw_loads(marks: Iterable[LoadMark], axes: Axes, totals: Mapping[str, str])
 
 
 def _write_value(mark: LoadMark, positions: NDArray[np.float64], axes: Axes, colour: str) -> None:
-    """Write a load's value beside its points, on the middle of its line or in its area."""
-    places = [0.5 * (piece.min(axis=0) + piece.max(axis=0)) for piece in pieces(positions)[:1]]
+    """Write a load's value beside its points, on the middle of its line or in the upper left corner of its area."""
+    places = [np.array([piece[:, 0].min(), piece[:, 1].max()]) for piece in pieces(positions)[:1]]
     if mark.style == "points":
         places = list(positions) if len(positions) <= _MOST_VALUES else []
     elif mark.style == "line":
         places = [piece[len(piece) // 2] if len(piece) > 2 else piece.mean(axis=0) for piece in pieces(positions)[:1]]
     halo = [withStroke(linewidth=2.2, foreground="white")]
     for at in places if mark.value else ():
-        words = axes.annotate(literal(mark.value), (at[0], at[1]), (7, -9), textcoords="offset points")
+        words = axes.annotate(literal(mark.value), (at[0], at[1]), (7, -11), textcoords="offset points")
         words.set(fontsize=7.5, color=colour, path_effects=halo, zorder=6.4)
