@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from rich.console import Console
 from rich.text import Text
@@ -11,8 +14,11 @@ from signorini.cli.cells import cell, compared, in_unit, number, point, size_of,
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.contact.certificate import FIGURES
 from signorini.output.envelope_json import envelope_json
-from signorini.output.governing import Widths, governing_reactions, half_widths_of
+from signorini.output.governing import Governing, governing_reactions
 from signorini.results.panels import quantity
+
+Widths = Mapping[str, Any] | None
+"""Half-widths of an envelope, as in results.json; None where there are none."""
 
 _MOST_NAMED = 5
 """Combinations without equilibrium that are named; the rest are in the files."""
@@ -74,12 +80,21 @@ def print_governing(console: Console, results: Results, group: str = "", widths:
     for index, one in enumerate(reactions):
         side = "largest" if one.largest else "smallest"
         cells = [Text(number(value, largest)) for value in one.reactions]
-        cells[index // 2] = Text(cell(one.own, *half_widths_of(results, one, widths), largest), style="bold")
+        cells[index // 2] = Text(_own(results, one, widths, largest), style="bold")
         shown.add(f"{side} {names[index // 2]}", one.combination, *cells)
     of = f" in {group}" if group else ""
     say(console, f"largest and smallest reaction of each bearing{of}, beside it what the others do then")
     shown.show(console)
     console.print()
+
+
+def _own(results: Results, one: Governing, widths: Widths, largest: float) -> str:
+    """Write what a bearing itself does where it governs; only results of their own, or the envelope, know its ±."""
+    point = one.bearing.point
+    path = ("supports", one.bearing.support, *(() if point is None else ("points", point - 1)), "reaction")
+    if results.model.tabulated:
+        return cell(one.own, widths, (*path, "max" if one.largest else "min"), largest)
+    return cell(one.own, results.full[one.combination].asked_estimate.plus_minus, path, largest)
 
 
 def _print_fields(console: Console, results: Results, group: str, widths: Widths) -> None:

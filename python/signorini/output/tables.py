@@ -72,7 +72,7 @@ def results_json(results: Results) -> dict[str, Any]:
             "contact_points": int((~found.contacts.two_sided).sum()),
         },
         "combinations": [_combination(results, result) for result in results.full.values()],
-        "governing_reactions": governing_json(results, "", _widths(tabulated.get("envelope"))),
+        "governing_reactions": governing_json(results),
         "groups": [_group(results, *group) for group in found.model.effective_combinations.groups.items()],
         **tabulated,
         **({"refinement": [asdict(step) for step in results.refinement]} if results.refinement else {}),
@@ -124,13 +124,8 @@ def _combination(results: Results, result: Result) -> dict[str, Any]:
 
 
 def _group(results: Results, name: str, combinations: int) -> dict[str, Any]:
-    tabulated = {"envelope": envelope_json(results, name)} if results.model.tabulated else {}
-    governing = governing_json(results, name, _widths(tabulated.get("envelope")))
-    return {"name": name, "combinations": combinations, "governing_reactions": governing, **tabulated}
-
-
-def _widths(envelope: Mapping[str, Any] | None) -> Mapping[str, Any] | None:
-    return None if envelope is None else envelope["plus_minus"]
+    found = {"name": name, "combinations": combinations, "governing_reactions": governing_json(results, name)}
+    return found | ({"envelope": envelope_json(results, name)} if results.model.tabulated else {})
 
 
 def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
