@@ -11,7 +11,6 @@ from signorini import _core
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.results.columns import Block, Layout
-from signorini.results.peak import peak
 from signorini.results.result import FIELDS, Result
 
 NONE = -1
@@ -146,8 +145,6 @@ class Envelope:
         Of the bearings' reactions, in the order of the layout.
     away : dict
         Of every field which of its nodes are away from where they have no limit: peaks elsewhere count.
-    nodes : (s, 2) array
-        Where the nodes of moments and shears are, the mesh's first.
     """
 
     fields: dict[str, Extremes]
@@ -156,7 +153,6 @@ class Envelope:
     probes: Extremes
     bearings: Concurrent
     away: Mapping[str, Bools]
-    nodes: Floats
 
     @classmethod
     def none(cls, layout: Layout, mesh: Mesh) -> Envelope:
@@ -172,7 +168,6 @@ class Envelope:
             Extremes.none(len(FIELDS) * len(layout.probes)),
             Concurrent.none(len(layout.bearings)),
             layout.away,
-            layout.nodes,
         )
 
     def take_fields(self, result: Result, who: Ints) -> None:
@@ -228,8 +223,8 @@ class Envelope:
     def peaks(self, field: str) -> tuple[int, int]:
         """Nodes of a field's largest and smallest value, away from where it has no limit."""
         extremes, away = self.fields[field], self.away.get(field, np.bool_(True))
-        high, low = np.where(away, (extremes.largest, -extremes.smallest), -np.inf)
-        return peak(high, self.nodes[: len(high)]), peak(low, self.nodes[: len(low)])
+        high = np.where(away, extremes.largest, -np.inf).argmax()
+        return int(high), int(np.where(away, extremes.smallest, np.inf).argmin())
 
     def governing(self) -> dict[str, tuple[float, int, float, int]]:
         """Largest value, by which result, smallest value, and by which; of fields and of supports' reactions.
