@@ -119,10 +119,6 @@ class Results(States[str], Mapping[str, Result]):
         """Count the combinations."""
         return len(self.model.effective_combinations)
 
-    def group(self, name: str) -> str:
-        """The group that a combination is in, empty if in none."""
-        return self._combination(name).group
-
     def key(self, row: int) -> str:
         """Name of a combination, given its number from 0."""
         return self.model.effective_combinations[row].name

@@ -57,8 +57,10 @@ def write_pictures(results: Results, named: Iterable[tuple[Result, str]], direct
 
     found = results.discretisation
     mesh, model, nodes = found.mesh, found.model, found.stress_nodes
+    combinations = model.effective_combinations
+    groups = {one.name: one.group for one in combinations} if combinations.groups else {}
     drawn = [
-        (result, slug, support_marks(mesh, model.support, result.supports), results.group(result.name))
+        (result, slug, support_marks(mesh, model.support, result.supports), groups.get(result.name, ""))
         for result, slug in named
     ]
     plan = Plan.of(found.stress_nodes.points, nodes.elements)
