@@ -35,6 +35,19 @@ class Units(Table):
     length: Text = Field(default="", description='Label of the unit of length, such as "m".')
     force: Text = Field(default="", description='Label of the unit of force, such as "N".')
 
+    def force_by_length(self, power: int) -> str:
+        """Unit of a force times a power of a length, from -2 to 1; empty where a label is missing.
+
+        Examples
+        --------
+        >>> units = Units(length="m", force="kN")
+        >>> [units.force_by_length(power) for power in (-2, -1, 0, 1)], Units(force="kN").force_by_length(1)
+        (['kN/m²', 'kN/m', 'kN', 'kN m'], '')
+        """
+        if not self.force or (power and not self.length):
+            return ""
+        return self.force + {-2: f"/{self.length}²", -1: f"/{self.length}", 0: "", 1: f" {self.length}"}[power]
+
 
 class Solver(Table):
     """Choice of the method that solves the contact problem."""

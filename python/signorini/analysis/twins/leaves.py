@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.results.result import Result
+from signorini.shapes.distances import distances
 from signorini.singularities.named import Singularity
 
 Path = tuple[str | int, ...]
@@ -142,16 +142,9 @@ def may_grow(paths: Sequence[Path], figures: Mapping[str, Any], singular: Sequen
 
 def away(at: Sequence[float], singularity: Singularity) -> float:
     """Distance of a point from a singularity."""
-    where = singularity.where
-    if not singularity.line:
-        return min((math.dist(at, place) for place in where), default=math.inf)
-    return min((_from_segment(at, a, b) for a, b in pairwise(where)), default=math.inf)
-
-
-def _from_segment(at: Sequence[float], a: tuple[float, float], b: tuple[float, float]) -> float:
-    along, way = (b[0] - a[0], b[1] - a[1]), (at[0] - a[0], at[1] - a[1])
-    share = (along[0] * way[0] + along[1] * way[1]) / max(along[0] ** 2 + along[1] ** 2, 1e-300)
-    return math.dist(way, (min(max(share, 0.0), 1.0) * along[0], min(max(share, 0.0), 1.0) * along[1]))
+    where = np.array(singularity.where).reshape(-1, 2)
+    begin, end = (where[:-1], where[1:]) if singularity.line else (where, where)
+    return float(distances(np.array([at]), begin, end).min(initial=math.inf))
 
 
 def largest_of(result: Result) -> dict[str, float]:
