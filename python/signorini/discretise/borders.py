@@ -53,14 +53,17 @@ def room(borders: Sequence[Region], contours: Sequence[Contour], size: float) ->
     others = [*sides, *(side for contour in contours for side in _chords(contour))]
     extent = np.ptp(np.concatenate([np.zeros((0, 2)), *(side.reshape(-1, 2) for side in others)]), axis=0).max()
     found = [np.zeros((0, 5))]
-    for side in sides:
+    low, high = (np.array([end(side, axis=(0, 1)) for side in others]).reshape(-1, 2) for end in (np.min, np.max))
+    for index, side in enumerate(sides):
         length = float(np.hypot(*(side[:, 1] - side[:, 0]).T).sum())
         closed = bool((side[0, 0] == side[-1, 1]).all())
         own = length / _AROUND if closed else length
         pieces = _divided(side, 0.5 * size)
         apart = np.full(len(pieces), min(own, size))
-        for other in others:
-            if other is not side and not _meet(side, other, _TOUCHING * extent):
+        between = np.maximum(low - high[index], low[index] - high)
+        for number in np.flatnonzero((between < size).all(axis=1)):
+            other = others[number]
+            if number != index and not _meet(side, other, _TOUCHING * extent):
                 apart = np.minimum(apart, _distance(pieces.mean(axis=1), other))
         near = apart < size
         sizes = np.maximum(apart[near], min(_LEAST * size, own))

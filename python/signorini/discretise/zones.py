@@ -141,10 +141,16 @@ class Zones:
         found = np.zeros(len(mesh.elements), np.bool_)
         size = float(np.sqrt(mesh.element_area.max(initial=0.0)))
         near, far = _BESIDE * mesh.size, _NARROW * size
-        for zone in self.model.zone:
+        boxes = np.array([zone.region.bounds for zone in self.model.zone]).reshape(-1, 4)
+        for index, zone in enumerate(self.model.zone):
+            between = np.maximum(boxes[:, :2] - boxes[index, 2:], boxes[index, :2] - boxes[:, 2:])
+            reached = (between <= 2.0 * far).all(axis=1)
             points, normals = _along(zone.region.outline, 0.5 * float(np.sqrt(mesh.element_area.min(initial=size**2))))
             ways = np.array([near, -near, far, -far])[:, None, None] * normals
-            where = np.array([other.region.contains((points + ways).reshape(-1, 2)) for other in self.model.zone])
+            places = (points + ways).reshape(-1, 2)
+            where = np.zeros((len(boxes), len(places)), np.bool_)
+            for other in np.flatnonzero(reached):
+                where[other] = self.model.zone[other].region.contains(places)
             made = np.array(self._made(where)).reshape(4, 4, -1)
             for side in (0, 1):
                 strip = (made[:, side] != made[:, 2]).any(axis=0) & (made[:, side] != made[:, 3]).any(axis=0)
