@@ -109,6 +109,7 @@ def test_until_ends_the_path_and_at_keeps_to_it(slab: Path) -> None:
     [
         (["--from", "G", "--add", "W"], 2, "Error: --add: Unknown load case or combination 'W'. This model has: G,"),
         (["--from", "X", "--add", "Q"], 2, "Error: --from: Unknown load case or combination 'X'."),
+        (["--add", "Q", "--until", "1e300"], 2, "Error: --until: found 1e+300; it must be at most 1e+60."),
         (["--add", "Q", "--until", "nan"], 2, "Error: --until: found nan; it must be a finite number greater than 0."),
         (["--from", "Q", "--add", "G"], 3, "Q: The plate tips about the line"),
         (["--from", "G"], 2, "Missing option '--add'"),

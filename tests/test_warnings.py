@@ -175,3 +175,17 @@ def test_a_rigid_point_beside_an_edge_that_is_held(x: float, said: bool) -> None
 def test_a_couple_that_an_edge_of_symmetry_takes(moment: list[float], at: list[float], said: bool) -> None:
     load, supports = [{"moment": moment, "at": at}, {"pressure": 5}], [PADS, {"edge": "left", "fix": "symmetry"}]
     assert any("does nothing" in warning for warning in check(model(support=supports, load=load)).warnings) == said
+
+
+def test_a_load_case_that_acts_in_no_combination() -> None:
+    load, only = [{"case": "G", "pressure": 5}, {"case": "Gx", "pressure": 1}], {"name": "ULS", "factors": {"G": 1}}
+    said = 'The load case "Gx" acts in no combination. Is its name the one that is meant?'
+    assert warned(load=load, combination=[only]) == (said,)
+    assert warned(load=load) == ()
+    assert said not in signorini.path(model(load=load, combination=[only]), "G", "Gx", 2.0).warnings
+
+
+@pytest.mark.parametrize(("at", "said"), [([9, 9], True), ([2, 2], False), ([4, 4], False)])
+def test_smaller_elements_off_the_plate(at: list[float], said: bool) -> None:
+    given = model(mesh={"size": 1, "refine": [{"at": [at], "size": 0.3}]})
+    assert any("not on the plate" in warning for warning in check(given).warnings) == said

@@ -29,7 +29,7 @@ from signorini.results.marks import (
     support_marks,
     zone_marks,
 )
-from signorini.results.warnings import model_warnings, no_resultant
+from signorini.results.warnings import idle_cases, model_warnings, no_resultant
 from signorini.singularities.named import Singularity, singularities
 
 _NO_FORCE = 1e-12
@@ -89,7 +89,13 @@ class Check:
         found = self.discretisation
         of_loads = () if found.model.tabulated else map(found.load, found.model.effective_combinations)
         return tuple(
-            dict.fromkeys((*model_warnings(found), *(s for load in of_loads for s in no_resultant(found, load))))
+            dict.fromkeys(
+                (
+                    *model_warnings(found),
+                    *idle_cases(found.model),
+                    *(s for load in of_loads for s in no_resultant(found, load)),
+                )
+            )
         )
 
     @property

@@ -27,6 +27,7 @@ from signorini.equilibrium.imbalance import imbalance
 from signorini.equilibrium.limits import CONTRADICTION, floats, largest_factor, supports_contradict
 from signorini.equilibrium.words import explain
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
+from signorini.expression import LARGEST
 from signorini.model import Model
 from signorini.results.load_path import AT_LIMIT, Ending, LoadPath, ahead, beside
 from signorini.results.path_stop import PathStop, path_stop
@@ -94,6 +95,8 @@ def path(
     until = None if until is None else arguments.number(until, "until")
     if until is not None and not 0 < until < np.inf:
         raise InputError(f"found {until:g}; it must be a finite number greater than 0.", place="until")
+    if until is not None and until > LARGEST:
+        raise InputError(f"found {until:g}; it must be at most {LARGEST:g}.", place="until")
     if not loads[1].nodal.any():
         raise InputError(f'the load "{add}" is zero; it must be one that grows. Name another.', place="add")
     watcher(Progress(stage="factor"))

@@ -22,7 +22,7 @@ from signorini.results.columns import Layout
 from signorini.results.envelope import NONE, Envelope, Extremes
 from signorini.results.result import FIELDS
 from signorini.results.section_result import COMPONENTS
-from signorini.results.warnings import model_warnings, too_far
+from signorini.results.warnings import idle_cases, model_warnings, too_far
 from signorini.singularities.named import singularities
 
 _AT_NODES = ("reaction", "contact_pressure", "rigid_contact_pressure")
@@ -53,6 +53,7 @@ def table_json(results: Results) -> dict[str, Any]:
 def table_warnings(results: Results) -> Iterator[str]:
     """Say what of the model, and of the largest deflections where these are enveloped, is seldom meant."""
     yield from model_warnings(results.discretisation)
+    yield from idle_cases(results.model)
     extremes = results.envelope.fields.get("deflection")
     if extremes is not None:
         down = extremes.largest >= -extremes.smallest

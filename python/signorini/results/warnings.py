@@ -15,7 +15,7 @@ from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.errors import point
-from signorini.model import Support
+from signorini.model import Model, Support
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.model.zone import KEYS
 from signorini.results.support_points import SupportPoints
@@ -50,7 +50,8 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
     """
     if found not in _KNOWN:
         of_supports = *_one_place(found), *_overlaps(found), *_never_act(found), *_near_edges(found)
-        _KNOWN[found] = (*unit_slips(found), *_one_element(found), *_zones(found), *of_supports)
+        of_plate = *_one_element(found), *_unrefined(found), *_zones(found)
+        _KNOWN[found] = (*unit_slips(found), *of_plate, *of_supports)
     return _KNOWN[found]
 
 
@@ -58,8 +59,15 @@ def result_warnings(
     found: Discretisation, load: CaseLoad, deflection: Floats, not_unique: Sequence[NotUnique]
 ) -> tuple[str, ...]:
     """Say what of one combination is seldom meant, behind what is of the model."""
-    warned = [*model_warnings(found), *no_resultant(found, load), *too_far(found, deflection)]
+    warned = [*model_warnings(found), *idle_cases(found.model), *no_resultant(found, load), *too_far(found, deflection)]
     return (*warned, *(f"{str(one)[0].upper()}{str(one)[1:]}." for one in not_unique))
+
+
+def idle_cases(model: Model) -> Iterator[str]:
+    """Load cases that act in no combination; a load path says itself which ones it takes."""
+    for case in model.cases:
+        if case not in model.effective_combinations.cases:
+            yield f'The load case "{case}" acts in no combination. Is its name the one that is meant?'
 
 
 def no_resultant(found: Discretisation, load: CaseLoad) -> Iterator[str]:
@@ -120,6 +128,14 @@ def _never_act(found: Discretisation) -> Iterator[str]:
                 f"{support.name}: {which} where other supports hold the plate, and can do nothing there. Results "
                 "number the other points without them."
             )
+
+
+def _unrefined(found: Discretisation) -> Iterator[str]:
+    """Points at which smaller elements are asked for, and there is no plate."""
+    for index, part in enumerate(found.model.mesh.refine, 1):
+        for at in part.at or ():
+            if not found.mesh.locate(np.array([at])).inside.all():
+                yield f"The point {point(at)} of refinement {index} is not on the plate, and nothing is refined for it."
 
 
 def _one_element(found: Discretisation) -> Iterator[str]:
