@@ -16,6 +16,7 @@ from signorini.analysis.twins import twins as twins_module
 from signorini.analysis.twins.half_width import half_widths
 from signorini.analysis.twins.leaves import beside
 from signorini.analysis.twins.meshes import twins_of
+from signorini.base.plain import plain
 from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.mesh.meshers import disc
@@ -500,6 +501,8 @@ def test_every_event_of_a_path_and_its_end_have_half_widths() -> None:
 def test_titles_of_pictures_have_the_half_width_of_their_extremes(result: Result) -> None:
     assert result.plus_minus is not None
     width = max(result.plus_minus["deflection"]["max"], result.plus_minus["deflection"]["min"])
-    assert caption(result, "") == f"all, extremes ± {width:.2g}"
+    assert caption(result, "") == f"all, extremes ± {plain(width, 2)}"
     assert caption(result, PRESSURE).startswith("all, extremes ± ")
-    assert caption(result, MOMENTS) == "all"
+    widths = [max(result.plus_minus["fields"][name][side] for side in ("max", "min")) for name in ("mx", "my", "mxy")]
+    mx, my, mxy = (plain(width, 2) for width in widths)
+    assert caption(result, MOMENTS) == f"all, extremes mx ± {mx}, my ± {my}, mxy ± {mxy}"

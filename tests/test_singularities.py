@@ -229,9 +229,21 @@ def test_only_what_acts_is_named():
     written = json.loads(json.dumps(results_json(results)))["combinations"][2]["singular"]
     (one,) = written
     assert (one["where"], one["numbers"], one["line"]) == ([[2.0, 2.0]], ["deflection", "moment", "shear"], False)
+    assert (one["count"], one["box"]) == (1, [2.0, 2.0, 2.0, 2.0])
     assert one["what"] == "Force at a point of load[2]"
     assert "footprint" in one["advice"]
     assert len(check(results.model).singular) == 1
+
+
+def test_of_many_places_some_are_listed_with_the_box_around_all():
+    circle = {"area": {"circle": {"center": [2.1, 2.1], "radius": 1.03}}, "thickness": 0.3}
+    model = rectangular(support=[HARD], load=[PRESSURE], zone=[circle], mesh={"divisions": [16, 16], "error": False})
+    result = solve(model)["all"]
+    (written,) = (one for one in results_json(solve(model))["combinations"][0]["singular"] if "within" in one["what"])
+    every = max((one.where for one in result.singular), key=len)
+    assert written["count"] == len(every) > 50
+    assert written["where"] == [list(at) for at in every[:20]]
+    assert written["box"] == [*np.min(every, axis=0), *np.max(every, axis=0)]
 
 
 @pytest.mark.parametrize("footprint", [{"patch": [0.1, 0.02]}, {"radius": 0.05}])

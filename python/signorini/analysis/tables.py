@@ -26,6 +26,7 @@ from signorini.model import Combination
 from signorini.results.columns import Column, Layout, together
 from signorini.results.envelope import NONE, Envelope, Extremes
 from signorini.results.result import FIELDS, Result
+from signorini.results.section_result import paths_of
 
 _REASONS = 5
 """Combinations without equilibrium that a message names where none has one."""
@@ -116,6 +117,8 @@ def _both_ends(layout: Layout, envelope: Envelope) -> Iterator[tuple[Path, str, 
     for place in range(len(FIELDS) * len(layout.probes)):
         probe, field = divmod(place, len(FIELDS))
         yield ("probes", probe, FIELDS[field]), f"probe[{probe + 1}]:{FIELDS[field]}", envelope.probes, place
+    for place, (path, column) in enumerate(zip(paths_of(layout.model), layout.through, strict=True)):
+        yield path, column, envelope.through, place
 
 
 def _named(combined: Combined) -> Mapping[str, set[int]]:

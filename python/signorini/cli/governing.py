@@ -10,8 +10,9 @@ from rich.console import Console
 from rich.text import Text
 
 from signorini.analysis.solve import Results
-from signorini.cli.cells import cell, compared, estimated, in_unit, number, per_area, point, size_of, unit_of
+from signorini.cli.cells import cell, compared, estimated, in_unit, number, point, size_of, unit_of
 from signorini.cli.grid import Column, Grid, numbers, say
+from signorini.cli.through import print_enveloped
 from signorini.contact.certificate import FIGURES
 from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import governing_reactions
@@ -49,6 +50,7 @@ def print_combined(console: Console, results: Results) -> None:
             continue
         _print_fields(console, results, group, found["plus_minus"])
         _print_supports(console, results, group, found["plus_minus"])
+        print_enveloped(console, results, found)
         print_governing(console, results, group)
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {figures}")
@@ -134,7 +136,7 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
         if envelope.pressed is not None:
             pressure = cell(float(envelope.pressed.largest[0]), widths, (*of_support, "max_pressure", "max"))
             area = cell(float(envelope.pressed.smallest[1]), widths, (*of_support, "contact_area", "min"))
-            highest, least = f"{pressure} {per_area(units)}".rstrip(), f"{area}{unit_of(units.length, 2)}"
+            highest, least = f"{pressure} {units.force_by_length(-2)}".rstrip(), f"{area}{unit_of(units.length, 2)}"
             of_highest = results.key(int(envelope.pressed.largest_by[0]))
             of_least = results.key(int(envelope.pressed.smallest_by[1]))
             say(console, f"{support.name}: largest pressure {highest} in {of_highest}")

@@ -189,6 +189,10 @@ class Mesh(Remade):
         area[self.triangles] = 0.5 * determinants(self.nodes[self.triangles], _TRIANGLE, True).mean(axis=1)
         return area
 
+    def part(self, elements: Ints) -> Mesh:
+        """Some of the elements (k,), in this order, with all nodes and without edges; nothing is checked again."""
+        return self._with({"points": self.points, "elements": self.elements[elements], "edges": {}})
+
     def shape_functions(self, elements: Ints, xi: Floats) -> Floats:
         """Compute the shape functions (q, 8) of elements (q,) at reference points (q, 2)."""
         return shape_functions(self.triangles[elements], xi)[0]

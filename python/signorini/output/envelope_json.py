@@ -21,11 +21,14 @@ from signorini.output.names import TABLE, envelope_files
 from signorini.results.columns import Layout
 from signorini.results.envelope import NONE, Envelope, Extremes
 from signorini.results.result import FIELDS
+from signorini.results.section_result import COMPONENTS
 from signorini.results.warnings import model_warnings, too_far
 from signorini.singularities.named import singularities
 
 _AT_NODES = ("reaction", "contact_pressure", "rigid_contact_pressure")
 """Fields of which rows have no extremes."""
+_ESTIMATED = ("fields", "supports", "probes", "sections", "strips")
+
 Name = Callable[[int], str]
 """Tells the name of a combination, given its number."""
 
@@ -75,7 +78,7 @@ def envelope_json(results: Results, group: str = "") -> dict[str, Any] | None:
         numbers = {path: rounded(width) for path, (width,) in zip(every[meshes.own], widths.tolist(), strict=True)}
         for path, column, row in rows_named(results.combined.layout, results.combined.over(group)):
             numbers[path] = results.half_width(column, row)
-        plus_minus = with_numbers({key: own[key] for key in ("fields", "supports", "probes")}, numbers)
+        plus_minus = with_numbers({key: own[key] for key in _ESTIMATED}, numbers)
     return own | {"plus_minus": plus_minus}
 
 
@@ -107,6 +110,7 @@ def _envelope(results: Results, combined: Combined, mesh: Mesh, group: str) -> d
         "fields": fields,
         "supports": [_support(name, envelope, layout, index) for index in range(len(layout.supports))],
         "probes": [_probe(name, envelope, layout, index) for index in range(len(layout.probes))],
+        **_through(name, envelope, layout),
     }
 
 
@@ -193,3 +197,19 @@ def _probe(name: Name, envelope: Envelope, layout: Layout, index: int) -> dict[s
     first = index * len(FIELDS)
     values = {field: _both(name, envelope.probes, first + i) for i, field in enumerate(FIELDS)}
     return {"at": layout.probes[index].tolist(), **values}
+
+
+def _through(name: Name, envelope: Envelope, layout: Layout) -> dict[str, Any]:
+    """Extremes of sections and strips."""
+    lines = iter(range(0, len(layout.through), len(COMPONENTS)))
+
+    def line() -> dict[str, Any]:
+        first = next(lines)
+        return {of: _both(name, envelope.through, first + i) for i, of in enumerate(COMPONENTS)}
+
+    sections = [{"name": section.name, **line()} for section in layout.model.section]
+    strips = [
+        {"name": strip.name, "stations": [{"at": at, **line()} for at in strip.places[0].tolist()]}
+        for strip in layout.model.strip
+    ]
+    return {"sections": sections, "strips": strips}

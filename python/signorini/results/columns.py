@@ -16,6 +16,7 @@ from signorini.model import Model
 from signorini.results.contact_field import AreaContact, Pressures
 from signorini.results.extremes import NUMBERS
 from signorini.results.result import FIELDS, Result
+from signorini.results.section_result import columns_of, numbers_of
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_contact
 from signorini.singularities.named import at_peaks, singularities_of
@@ -119,6 +120,11 @@ class Layout:
         nodes = found.stress_nodes.points
         return cls(found.model, points, at_rest, tuple(fields), found.probe_positions, nodes, hidden)
 
+    @cached_property
+    def through(self) -> list[str]:
+        """Columns (3s,) of sections and strips."""
+        return columns_of(self.model)
+
     @property
     def point_count(self) -> int:
         """Number of points of all supports."""
@@ -181,6 +187,8 @@ class Block:
         Of every point of every support.
     probes : (k, 8q) array
         Every field at every probe.
+    through : (k, 3s) array
+        Moment, twist and shear of every section, and their means at every station of a strip.
     on_areas : (k, n) array
         Deflections of the nodes around elastic areas.
     areas : (k, a, 2) array
@@ -201,6 +209,7 @@ class Block:
     gap: Floats
     closed: Bools
     probes: Floats
+    through: Floats
     on_areas: Floats
     areas: Floats
     peaks: Floats
@@ -225,6 +234,7 @@ class Block:
             nan(points),
             np.zeros((count, points), np.bool_),
             nan(len(FIELDS) * len(layout.probes)),
+            nan(len(layout.through)),
             nan(len(layout.around_areas)),
             nan(len(layout.at_rest), 2),
             nan(fields, 2),
@@ -257,6 +267,7 @@ class Block:
             self.areas[row, at] = area.max_pressure, area.contact_area
         values = [(p.deflection, *p.rotation, *p.moment, *p.shear) for p in result.probes]
         self.probes[row] = np.array(values).ravel()
+        self.through[row] = numbers_of(result.sections, result.strips)
         for at, name in enumerate(layout.fields):
             ends = result.extremes[name]
             self.peaks[row, at], self.places[row, at] = (ends.max, ends.min), (ends.max_at, ends.min_at)
@@ -297,6 +308,7 @@ class Block:
         for index in range(self.probes.shape[1]):
             probe, field = divmod(index, len(FIELDS))
             yield f"probe[{probe + 1}]:{FIELDS[field]}", self.probes[:, index]
+        yield from zip(layout.through, self.through.T, strict=True)
         for at, name in enumerate(layout.fields):
             for side, what in enumerate(("max", "min")):
                 yield f"{what}:{name}", self.peaks[:, at, side]

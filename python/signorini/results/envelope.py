@@ -175,6 +175,8 @@ class Envelope:
         In the order of the model.
     probes : Extremes
         Of every field at every probe, (8q,).
+    through : Extremes
+        Of moment, twist and shear of every section, and of their means at every station of a strip (3s,).
     bearings : Concurrent
         Of the bearings' reactions, in the order of the layout.
     names : tuple of str
@@ -186,6 +188,7 @@ class Envelope:
     pressures: dict[str, tuple[Ints, Extremes]]
     supports: tuple[SupportEnvelope, ...]
     probes: Extremes
+    through: Extremes
     bearings: Concurrent
     names: tuple[str, ...]
     peaks: Peaks
@@ -202,6 +205,7 @@ class Envelope:
             {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
             tuple(_nothing_of(layout, index) for index in range(len(layout.supports))),
             Extremes.none(len(FIELDS) * len(layout.probes)),
+            Extremes.none(len(layout.through)),
             Concurrent.none(len(layout.bearings)),
             layout.fields,
             Peaks.none(len(layout.fields)),
@@ -214,7 +218,7 @@ class Envelope:
 
     def meet(self, other: Envelope) -> None:
         """Meet what others have met."""
-        pairs = [(self.probes, other.probes)]
+        pairs = [(self.probes, other.probes), (self.through, other.through)]
         pairs += [(mine, other.fields[name]) for name, mine in self.fields.items()]
         pairs += [(mine, other.pressures[name][1]) for name, (_, mine) in self.pressures.items()]
         for here, there in zip(self.supports, other.supports, strict=True):
@@ -228,9 +232,10 @@ class Envelope:
         self.peaks.meet(other.peaks)
 
     def take(self, block: Block, layout: Layout, rows: Ints) -> None:
-        """Meet supports and probes of rows (k,) of a block that were solved."""
+        """Meet supports, probes, sections and strips of rows (k,) of a block that were solved."""
         who = block.numbers[rows]
         self.probes.take(block.probes[rows], who)
+        self.through.take(block.through[rows], who)
         self.bearings.take(layout.of_bearings(block.reaction[rows]), who)
         self.peaks.take(block.peaks[rows], block.places[rows], who)
         for where, support in zip(layout.slices, self.supports, strict=True):

@@ -116,6 +116,7 @@ def combine(
     run = _Run(problem, layout, single, several)
     combinations = found.model.effective_combinations
     width = layout.point_count * 3 + len(FIELDS) * len(layout.probes) + len(run.cases) + len(layout.around_areas) + 20
+    width += len(layout.through)
     most = int(np.clip(_MOST_NUMBERS // width, 16, _MOST_ROWS))
     kept: list[list[tuple[str, Column]]] = []
     few = True
@@ -208,6 +209,7 @@ class _Run:
         sides = self.problem.discretisation.probe_sides
         at_sides = _core.superpose(coefficients, terms.probes).reshape(len(rows), len(sides.point), len(FIELDS))
         block.probes[rows] = sides.larger(at_sides).reshape(len(rows), block.probes.shape[1])
+        block.through[rows] = _core.superpose(coefficients, terms.through)
         block.on_areas[rows] = _core.superpose(coefficients, terms.on_areas)
         self._put_supports(block, rows, _core.superpose(coefficients, terms.fixed), reaction[rows], gap, closed)
         for group, own in _by_group(groups, rows):

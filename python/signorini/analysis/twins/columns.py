@@ -15,6 +15,7 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.model import Combination
 from signorini.results.columns import Column, Layout
 from signorini.results.result import FIELDS
+from signorini.results.section_result import paths_of
 from signorini.singularities.named import Singularity, singularities_of
 
 ENDING = ":plus_minus"
@@ -47,6 +48,7 @@ class Rows:
                 paths |= {f"{key}_at:{name}[{number + 1}]": (*at, key) for key in ("reaction", "gap")}
         for probe in range(len(self.layout.probes)):
             paths |= {f"probe[{probe + 1}]:{name}": ("probes", probe, *_OF_PROBE[name]) for name in FIELDS}
+        paths |= zip(self.layout.through, paths_of(self.layout.model), strict=True)
         for name in self.layout.fields:
             field = ("deflection",) if name == "deflection" else ("fields", name)
             paths |= {f"{side}:{name}": (*field, side) for side in ("max", "min")}

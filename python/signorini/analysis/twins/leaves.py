@@ -1,10 +1,9 @@
-"""Numbers of a result by what they are of: support, point, probe; never by a node of the mesh."""
+"""Numbers of a result by what they are of: support, point, probe, section; never by a node of the mesh."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.results.result import Result
+from signorini.shapes.distances import distances
 from signorini.singularities.named import Singularity
 
 Path = tuple[str | int, ...]
@@ -25,7 +25,7 @@ _OF_THE_MESH = {"nodes", "contact_boundary", "max_at", "min_at"}
 _OF_VECTOR, _OF_POINTS = 0.5, 0.1
 """Part of the largest change in a vector, and among the points of a support."""
 _BENT = 0.01
-_GIVEN = {"at"}
+_GIVEN = {"at", "length", "width"}
 _COUNTS = {"closed", "open", "lifted", "lifted_in"}
 _FIELD_OF = dict.fromkeys(("mx", "my", "mxy"), "moment") | dict.fromkeys(("qx", "qy"), "shear")
 _FIELD_OF |= dict.fromkeys(("rotation_x", "rotation_y"), "rotation")
@@ -97,6 +97,9 @@ def beside(paths: Sequence[Path], changes: Floats) -> Floats:
 def kind_of(path: Path) -> str:
     """The field that a number is of."""
     names = [part for part in path if isinstance(part, str)]
+    if names[0] in ("sections", "strips"):
+        summed = {"shear": "force"}.get(names[-1], "couple") if names[0] == "sections" else ""
+        return summed or ("shear" if "shear" in names else "moment")
     if names[0] == "fields" or names[1] in _OF_MOMENTS:
         return _FIELD_OF.get(names[1], names[1])
     if "largest" in names:
@@ -124,12 +127,17 @@ def may_grow(paths: Sequence[Path], figures: Mapping[str, Any], singular: Sequen
         near = [away(probe["at"], one) <= max(reach, one.within) for probe in figures["probes"]]
         whole = "deflection" in one.numbers and one.source in supports
         for place, (path, kind) in enumerate(zip(paths, kinds, strict=True)):
-            found[place] |= (whole and kind in ("deflection", "rotation")) or (
-                kind in one.numbers
-                and (
-                    path[0] in ("fields", "deflection")
-                    or (path[0] == "supports" and one.source == supports[int(path[1])])
-                    or (path[0] == "probes" and near[int(path[1])])
+            through = path[0] in ("sections", "strips") and "reaction" in one.numbers
+            found[place] |= (
+                (whole and kind in ("deflection", "rotation"))
+                or through
+                or (
+                    kind in one.numbers
+                    and (
+                        path[0] in ("fields", "deflection")
+                        or (path[0] == "supports" and one.source == supports[int(path[1])])
+                        or (path[0] == "probes" and near[int(path[1])])
+                    )
                 )
             )
     return found
@@ -137,16 +145,9 @@ def may_grow(paths: Sequence[Path], figures: Mapping[str, Any], singular: Sequen
 
 def away(at: Sequence[float], singularity: Singularity) -> float:
     """Distance of a point from a singularity."""
-    where = singularity.where
-    if not singularity.line:
-        return min((math.dist(at, place) for place in where), default=math.inf)
-    return min((_from_segment(at, a, b) for a, b in pairwise(where)), default=math.inf)
-
-
-def _from_segment(at: Sequence[float], a: tuple[float, float], b: tuple[float, float]) -> float:
-    along, way = (b[0] - a[0], b[1] - a[1]), (at[0] - a[0], at[1] - a[1])
-    share = (along[0] * way[0] + along[1] * way[1]) / max(along[0] ** 2 + along[1] ** 2, 1e-300)
-    return math.dist(way, (min(max(share, 0.0), 1.0) * along[0], min(max(share, 0.0), 1.0) * along[1]))
+    where = np.array(singularity.where).reshape(-1, 2)
+    begin, end = (where[:-1], where[1:]) if singularity.line else (where, where)
+    return float(distances(np.array([at]), begin, end).min(initial=math.inf))
 
 
 def largest_of(result: Result) -> dict[str, float]:
@@ -158,11 +159,15 @@ def largest_of(result: Result) -> dict[str, float]:
     areas = [np.array([s.max_pressure, s.max_tension]) for s in result.supports if s.area is not None]
     pressure = max(map(size, areas), default=0.0)
     bent, moved = _bent(result.model, result.mesh), size(result.deflection)
+    moment = max(size(result.moment), bent["moment"] * moved)
+    shear = max(size(result.shear), bent["shear"] * moved)
     return {
         "deflection": moved,
         "rotation": max(size(result.rotation), bent["rotation"] * moved),
-        "moment": max(size(result.moment), bent["moment"] * moved),
-        "shear": max(size(result.shear), bent["shear"] * moved),
+        "moment": moment,
+        "couple": moment * result.mesh.size,
+        "shear": shear,
+        "force": shear * result.mesh.size,
         "reaction": float(sum(np.abs(support.reactions).sum() for support in result.supports)),
         **dict.fromkeys(("pressure", "max_pressure", "max_tension"), pressure),
         "contact_area": float(result.mesh.element_area.sum()),
@@ -204,7 +209,9 @@ def _bent(model: Model, mesh: Mesh) -> dict[str, float]:
     return {
         "rotation": _BENT / span,
         "moment": _BENT * rigidity / span**2,
+        "couple": _BENT * rigidity / span,
         "shear": _BENT * rigidity / span**3,
+        "force": _BENT * rigidity / span**2,
     }
 
 
@@ -218,6 +225,13 @@ def named(paths: Sequence[Path], figures: Mapping[str, Any]) -> str:
                 what = " ".join(str(part) for part in (key, *rest)).replace("_", " ")
                 if key in _COMPONENTS:
                     what = _COMPONENTS[str(key)][int(str(rest[0]))]
+            case ("sections", int(index), key):
+                whose, what = f"section {figures['sections'][index]['name']}", str(key)
+            case ("strips", int(index), *rest):
+                strip = figures["strips"][index]
+                whose, what = f"strip {strip['name']}", str(rest[-1]).replace("_", " ")
+                if rest[0] == "stations":
+                    whose += f" at {point(strip['stations'][int(str(rest[1]))]['at'])}"
             case ("supports", int(index), *rest):
                 whose = figures["supports"][index]["name"]
                 what = " ".join(f"of point {part + 1}" if isinstance(part, int) else str(part) for part in rest[::-1])
