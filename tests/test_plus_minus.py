@@ -342,6 +342,26 @@ def test_a_mesh_that_is_no_other_gives_way_to_a_third(monkeypatch: pytest.Monkey
     assert solve(rectangular(divisions=[20, 20], **plain))["all"].estimate.elements == (6400, 1600, 400)
 
 
+def test_where_a_slot_says_how_large_elements_are_a_third_mesh_is_divided_once_more() -> None:
+    slot = {"area": {"rectangle": [0.2995, 0.037, 0.3005, 0.041]}, "thickness": 0.0005}
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "polygon", "points": [[0, 0], [1, 0], [1, 0.02], [0, 0.13]], "thickness": 0.001},
+        zone=[slot],
+        mesh={"size": 0.04},
+        support=[{"edge": ["edge 1", "edge 3"], "fix": "simple"}],
+        load=[{"pressure": 1.0}],
+    )
+    mesh = discretise(model).mesh
+    assert 312 < len(mesh.elements) <= 625
+    first = next(twins_of(model, mesh))
+    assert [twin.words for twin in first] == [
+        "half its size, divided",
+        "twice its size",
+        "a quarter of its size, divided",
+    ]
+
+
 def test_the_terminal_prints_half_widths_and_what_they_are_of(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -51,9 +51,10 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
     divisions = model.divisions
     if isinstance(plate, MeshPlate) or (divisions is None and mesh.spanning.any() and count <= _CHEAP):
         # Where the outline alone says how large elements are, meshes of other sizes have the same ones.
-        yield tuple(
-            _divided(model, mesh, factor) for factor in (0.5, 0.25) if factor == 0.5 or 16 * count <= _CHEAP_QUARTER
-        )
+        quarter = [_divided(model, mesh, 0.25)] if 16 * count <= _CHEAP else []
+        larger = [] if isinstance(plate, MeshPlate) else [_twin(model, mesh, 2.0)]
+        cheap = 16 * count <= _CHEAP_QUARTER
+        yield (_divided(model, mesh, 0.5), *(quarter + larger if cheap else larger + quarter))
     if isinstance(plate, MeshPlate):
         return
     # Divisions do not tell of refined places.
