@@ -14,6 +14,7 @@ from signorini import Model, Result, solve
 from signorini.analysis.check import check
 from signorini.analysis.twins import twins as twins_module
 from signorini.analysis.twins.half_width import half_widths
+from signorini.analysis.twins.leaves import beside
 from signorini.analysis.twins.meshes import twins_of
 from signorini.base.plain import plain
 from signorini.discretise import discretise
@@ -264,12 +265,13 @@ def test_the_sizes_of_other_meshes() -> None:
         mesh = discretise(model).mesh
         return [[twin.model.mesh.divisions for twin in pair] for pair in twins_of(model, mesh)]
 
-    assert others(4, 6) == [[(8, 12), (16, 24)], [(8, 12), (2, 3)], [(2, 3), (1, 2)]]
-    assert others(24, 24) == [[(48, 48), (12, 12)], [(12, 12), (6, 6)]]
+    # Third ones where lines that the mesh follows leave no larger elements.
+    assert others(4, 6) == [[(8, 12), (16, 24)], [(8, 12), (2, 3), (16, 24)], [(2, 3), (1, 2)]]
+    assert others(24, 24) == [[(48, 48), (12, 12), (96, 96)], [(12, 12), (6, 6)]]
     assert others(33, 40) == [[(66, 80), (17, 20)], [(17, 20), (9, 10)]]
     assert others(50, 60, accuracy=0.01)[0] == [(100, 120), (25, 30)]
     assert others(50, 60) == [[(25, 30), (13, 15)]]
-    assert others(1, 3) == [[(2, 6), (4, 12)], [(2, 6)]]
+    assert others(1, 3) == [[(2, 6), (4, 12)], [(2, 6), (4, 12)]]
 
 
 def test_plates_read_from_a_file_are_divided_on_request(tmp_path: Path) -> None:
@@ -306,6 +308,58 @@ def test_changes_that_do_not_shrink_widen_a_half_width() -> None:
     values = np.array([[1.0, 1.0], [1.1, 1.1], [1.5, 1.2]])
     widths, _ = half_widths(values, [1, 2, 4], 0, 0.9, np.zeros(2), np.ones(2), np.ones(2, bool))
     assert 0.1 < widths[0] < 0.5 * widths[1]
+
+
+def test_what_is_known_by_two_meshes_or_beside_nodes_left_out_is_trusted_less() -> None:
+    values, none = np.array([[1.0], [1.01], [1.1]]), np.zeros(1)
+
+    def width(values: np.ndarray[Any, Any], fringe: bool = False) -> float:
+        sizes = [1.0, 2.0, 4.0][: len(values)]
+        return float(half_widths(values, sizes, 1, 0.9, none, np.ones(1), none == 0, fringe)[0][0])
+
+    assert width(values) < 0.5 * width(values, fringe=True)
+    assert width(values[:2]) == pytest.approx(0.01 + 0.01 / (2**0.5 - 1))
+
+
+def test_principal_and_design_moments_change_with_the_moments_they_are_of() -> None:
+    moments = [("probes", 0, "moment", component) for component in range(3)]
+    design = ("probes", 0, "design_moment", "bottom", 0)
+    changes = np.array([[8.0], [1.0], [0.0], [0.5]])
+    assert beside([*moments, design], changes).ravel().tolist() == [4.0, 4.0, 4.0, 4.0]
+    assert beside([*moments, design], np.array([[0.0], [0.0], [0.0], [2.0]])).ravel().tolist() == [0.0, 0.0, 0.0, 1.0]
+
+
+def test_a_mesh_that_is_no_other_gives_way_to_a_third(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = twins_module.discretise
+
+    def finer_only(model: Model, mesh: object) -> object:
+        if model.mesh.divisions is not None and model.mesh.divisions < (20, 20):
+            raise InputError("hardly other ones")
+        return whole(model, mesh)
+
+    monkeypatch.setattr(twins_module, "discretise", finer_only)
+    plain = {"support": [{"edge": EDGES, "fix": "simple"}], "load": [{"pressure": 1.0}]}
+    assert solve(rectangular(divisions=[20, 20], **plain))["all"].estimate.elements == (6400, 1600, 400)
+
+
+def test_where_a_slot_says_how_large_elements_are_a_third_mesh_is_divided_once_more() -> None:
+    slot = {"area": {"rectangle": [0.2995, 0.037, 0.3005, 0.041]}, "thickness": 0.0005}
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "polygon", "points": [[0, 0], [1, 0], [1, 0.02], [0, 0.13]], "thickness": 0.001},
+        zone=[slot],
+        mesh={"size": 0.04},
+        support=[{"edge": ["edge 1", "edge 3"], "fix": "simple"}],
+        load=[{"pressure": 1.0}],
+    )
+    mesh = discretise(model).mesh
+    assert 312 < len(mesh.elements) <= 625
+    first = next(twins_of(model, mesh))
+    assert [twin.words for twin in first] == [
+        "half its size, divided",
+        "twice its size",
+        "a quarter of its size, divided",
+    ]
 
 
 def test_the_terminal_prints_half_widths_and_what_they_are_of(

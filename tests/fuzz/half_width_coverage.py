@@ -10,12 +10,17 @@ from random import Random
 import numpy as np
 import random_models
 
-from signorini import SignoriniError, solve, validate
+from signorini import Model, SignoriniError, contact_problem, solve, validate
+from signorini.analysis.single import solve_one
 from signorini.analysis.twins.leaves import kind_of, leaves, sizes_of
-from signorini.model import Model
+from signorini.discretise import discretise
+from signorini.mesh import Mesh
+from signorini.mesh.refined import refined
 from signorini.results.figures import figures
 from signorini.results.result import Result
 
+_FINER = 10
+"""Times as many elements as the plate has, at least."""
 _ROUNDING = 1e-9
 """Part of the largest number of its kind in a result that is no error of the mesh."""
 
@@ -93,11 +98,22 @@ def judged(seed: int, least: int = 8, most: int = 16) -> list[Judged]:
         names = list(model.effective_combinations.names())[:2]
         only = {"combination": tuple(one for one in model.effective_combinations if one.name in names)}
         model = model.model_copy(update=only)
-        fine = model.model_copy(update={"mesh": model.plate.scaled(model.mesh, 0.25, model.divisions)})
-        ours, truth = solve(model), solve(fine)
-        return [one for name in names for one in _compared(ours[name], truth[name])]
+        ours = solve(model)
+        finest = contact_problem(discretise(*_fine(model, len(ours.discretisation.mesh.elements))))
+        return [
+            one
+            for combination in model.effective_combinations
+            for one in _compared(ours[combination.name], solve_one(finest, combination))
+        ]
     except SignoriniError:
         return []
+
+
+def _fine(model: Model, count: int) -> tuple[Model, Mesh]:
+    """A mesh of a quarter of the size; where lines and arcs have made elements as small as that, divided."""
+    fine = model.model_copy(update={"mesh": model.plate.scaled(model.mesh, 0.25, model.divisions)})
+    mesh = discretise(fine).mesh
+    return fine, refined(mesh, 1) if len(mesh.elements) < _FINER * count else mesh
 
 
 def _compared(ours: Result, truth: Result) -> Iterator[Judged]:

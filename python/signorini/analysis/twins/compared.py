@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -89,7 +90,8 @@ def compared(
     changes = beside(paths, np.abs(values[0] - values[1]))
     layer = unseen_layer(model, meshes.every[meshes.own], meshes.sizes)
     touched = np.array([kind_of(path) in TOUCHED for path in paths], np.bool_)[:, None] & (changes > _MOVED * largest)
-    widths, growing = half_widths(values, meshes.sizes, meshes.own, fastest, changes, largest, limited)
+    fringe = ~limited & np.array([path[0] == "fields" for path in paths], np.bool_)[:, None]
+    widths, growing = half_widths(values, meshes.sizes, meshes.own, fastest, changes, largest, limited, fringe)
     # Peaks under the outline of a rigid area have none, but need not grow steadily on elements that hardly know it.
     rigid = {one.source for singular, _ in named for one in singular if one.line and "pressure" in one.numbers}
     names = [support["name"] for support in figures["supports"]]
@@ -101,7 +103,7 @@ def compared(
 
 def rounded(width: float) -> float | None:
     """Round a half-width to three digits; None of NaN."""
-    return None if np.isnan(width) else float(_rounded(np.array(width)))
+    return None if math.isnan(width) else float(f"{width:.3g}")
 
 
 def _rounded(widths: Floats) -> Floats:

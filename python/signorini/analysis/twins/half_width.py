@@ -40,6 +40,7 @@ def half_widths(
     beside: Floats,
     largest: Floats,
     limited: Bools,
+    fringe: Bools | bool = False,
 ) -> tuple[Floats, Bools]:
     """Say how far refining the mesh is expected to move numbers, and which have no limit.
 
@@ -64,6 +65,8 @@ def half_widths(
         The largest value of each number's field.
     limited : (...) array
         Numbers that cannot grow for ever.
+    fringe : (...) array
+        Extremes beside nodes that are left out: they hop between what nodes are left, so that little is trusted.
 
     Returns
     -------
@@ -83,6 +86,7 @@ def half_widths(
     """
     change = np.abs(values[0] - values[1])
     last = np.where((values == 0).all(axis=0), 0.0, np.fmax(change, beside))
+    fastest = np.where(fringe, FASTEST_OF_POINTS, fastest)
     order, growing = np.broadcast_to(fastest, change.shape), np.zeros(change.shape, np.bool_)
     if len(values) > 2:
         before = values[1] - values[2]
@@ -91,13 +95,13 @@ def half_widths(
             shown = np.log(np.abs(before) / change) / np.log(sizes[2] / sizes[1])
         told = ~np.isnan(before)
         order = np.where(told & (change > 0), np.clip(np.where(np.isnan(shown), order, shown), _SLOWEST, order), order)
-        part = _OF_BEFORE if own == 0 else _OF_BEFORE_WHERE_COARSE
+        part = np.where(fringe, 1.0, _OF_BEFORE if own == 0 else _OF_BEFORE_WHERE_COARSE)
         last = np.where(told, np.fmax(last, part * np.abs(before)), last)
         size = np.abs(values)
         growing = (size[0] > size[1]) & (size[1] > size[2]) & (shown <= np.log(1 / _GROWS) / np.log(2))
         growing &= ~limited & (change > _COUNTS * largest) & (values[0] * values[2] > 0)
     else:
-        ratio = sizes[1] / sizes[0]
+        ratio, order = sizes[1] / sizes[0], np.minimum(order, FASTEST_OF_POINTS)
     widths = np.abs(values[own] - values[0]) + last / (ratio**order - 1.0)
     widths = np.fmax(widths, np.where(np.isnan(widths), np.nan, _ROUNDING * largest))
     return np.where(growing, np.nan, widths), growing

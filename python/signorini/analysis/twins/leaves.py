@@ -42,17 +42,18 @@ def leaves(figures: Mapping[str, Any]) -> dict[Path, float]:
     points = [support["name"] for support in figures["supports"] if "points" in support]
     for path, value in _every(figures, ()):
         at_points = path[0] != "supports" or figures["supports"][path[1]]["name"] in points
-        told = path[-2:] != _ANGLE and (path[-1] not in _COUNTS or at_points)
-        if told and not (_OF_THE_MESH | _GIVEN) & set(path):
+        if path[-2:] != _ANGLE and (path[-1] not in _COUNTS or at_points):
             found[path] = value
     return found
 
 
 def _every(tree: Any, path: Path) -> Iterator[tuple[Path, float]]:
+    """Yield what is neither the input's nor the mesh's own, whose lists may be long."""
     match tree:
-        case Mapping():
+        case dict():
             for key, value in tree.items():
-                yield from _every(value, (*path, key))
+                if key not in _OF_THE_MESH and key not in _GIVEN:
+                    yield from _every(value, (*path, key))
         case list():
             for index, value in enumerate(tree):
                 yield from _every(value, (*path, index))
@@ -63,7 +64,7 @@ def _every(tree: Any, path: Path) -> Iterator[tuple[Path, float]]:
 def with_numbers(tree: Any, numbers: Mapping[Path, float | None], path: Path = ()) -> Any:
     """Put other numbers in the place of those of a tree: 0 for what the input gives, None for what is not there."""
     match tree:
-        case Mapping():
+        case dict():
             return {key: with_numbers(value, numbers, (*path, key)) for key, value in tree.items()}
         case list():
             return [with_numbers(value, numbers, (*path, index)) for index, value in enumerate(tree)]
@@ -85,8 +86,10 @@ def beside(paths: Sequence[Path], changes: Floats) -> Floats:
         alike = path[:-1] if isinstance(path[-1], int) else (*path[:3], *path[4:]) if "points" in path else path
         groups.setdefault(alike, []).append(place)
     found, known = np.empty_like(changes), np.nan_to_num(changes)
-    for members in groups.values():
-        found[members] = known[members].max(axis=0)
+    for alike, members in groups.items():
+        # Principal and design moments are of all components.
+        of = groups.get((*alike[:2], "moment"), []) if alike[2:3] and alike[2] in _OF_MOMENTS else []
+        found[members] = known[[*members, *of]].max(axis=0)
     parts = [_OF_VECTOR if isinstance(path[-1], int) else _OF_POINTS for path in paths]
     return np.asarray(found * np.array(parts).reshape(-1, 1))
 

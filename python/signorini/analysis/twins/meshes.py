@@ -43,15 +43,18 @@ class Twin:
 def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[Twin, ...]]:
     """Yield pairs of meshes to compare with, the nearest one first in each; the best pair first.
 
+    A third one takes the place of a second one that cannot be solved, or is no other mesh.
+
     Where several loads are to be solved, coarser ones are preferred on smaller plates too.
     """
     count, plate = len(mesh.elements), model.plate
     divisions = model.divisions
     if isinstance(plate, MeshPlate) or (divisions is None and mesh.spanning.any() and count <= _CHEAP):
         # Where the outline alone says how large elements are, meshes of other sizes have the same ones.
-        yield tuple(
-            _divided(model, mesh, factor) for factor in (0.5, 0.25) if factor == 0.5 or 16 * count <= _CHEAP_QUARTER
-        )
+        quarter = [_divided(model, mesh, 0.25)] if 16 * count <= _CHEAP else []
+        larger = [] if isinstance(plate, MeshPlate) else [_twin(model, mesh, 2.0)]
+        cheap = 16 * count <= _CHEAP_QUARTER
+        yield (_divided(model, mesh, 0.5), *(quarter + larger if cheap else larger + quarter))
     if isinstance(plate, MeshPlate):
         return
     # Divisions do not tell of refined places.
@@ -63,11 +66,12 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
     if coarse and 16 * count <= _CHEAP_QUARTER:
         yield _twin(model, mesh, 0.5), _twin(model, mesh, 0.25)
     if coarse and (asked or 4 * count <= _CHEAP):
-        yield (_twin(model, mesh, 0.5), *(_twin(model, mesh, 2.0) for _ in range(along > 1)))
+        # Lines that the mesh follows may leave no larger elements.
+        instead = [0.25] if 16 * count <= _CHEAP else []
+        yield tuple(_twin(model, mesh, factor) for factor in (0.5, *([2.0] if along > 1 else []), *instead))
     if along > 1:
         yield _twin(model, mesh, 2.0), _twin(model, mesh, 4.0)
     if not coarse and 4 * count <= _CHEAP:
-        # Lines that the mesh follows may leave no larger elements.
         yield (_twin(model, mesh, 0.5),)
 
 

@@ -29,6 +29,8 @@ from signorini.results.figures import figures
 from signorini.results.result import Result
 
 _T = TypeVar("_T")
+_OTHERS = 2
+"""Meshes beside a plate's own that show how a number converges."""
 _OTHER = 0.5
 """Base 2 logarithm of the ratio of elements from which on meshes are compared; at twice the size it is 2."""
 
@@ -82,6 +84,9 @@ class Twins(Remade):
                     found.append(self._on(twin, solved))
                 except (SignoriniError, MemoryError) as error:
                     whys.append(f"on a mesh of {twin.words}: {error or 'not enough memory.'}")
+                    if not found:
+                        break
+                if len(found) == _OTHERS:
                     break
             if found:
                 return found, ""
