@@ -186,7 +186,7 @@ def test_parts_of_one_package_may_know_each_other(tmp_path: Path) -> None:
 
 # The same of the core's files, from the ground up; a file's arrows within a group are free, but never in a circle.
 CORE_LAYERS = (
-    ("dense", "double_double", "superposition"),
+    ("dense", "double_double", "superposition", "vectorized"),
     ("lcp",),
     ("element",),
     ("plate",),
@@ -339,7 +339,8 @@ def test_every_entry_into_the_core_works_on_the_threads_of_its_process() -> None
 def test_complementarity_knows_nothing_of_plates() -> None:
     places = {place: text for place, text in rust("core").items() if place.startswith("core/src/lcp")}
     foreign = {
-        place: re.findall(r"\bcrate::(?!lcp\b|dense\b|double_double\b)\w+", text) for place, text in places.items()
+        place: re.findall(r"\bcrate::(?!lcp\b|dense\b|double_double\b|vectorized\b)\w+", text)
+        for place, text in places.items()
     }
     assert {place: names for place, names in foreign.items() if names} == {}
 

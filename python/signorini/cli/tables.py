@@ -13,6 +13,7 @@ from signorini.analysis.twins.leaves import largest_of
 from signorini.cli.cells import cell, compared, in_unit, number, point, size_of, unit_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
+from signorini.cli.through import print_through
 from signorini.discretise import Discretisation
 from signorini.model import Support
 from signorini.output.envelope_json import table_warnings
@@ -205,6 +206,7 @@ def _print_result(console: Console, result: Result, limit: tuple[str, float] | N
     if result.probes:
         console.print()
         _print_probes(console, result, largest)
+    print_through(console, result, largest)
 
 
 def _print_points(console: Console, result: Result, largest: Mapping[str, float]) -> None:

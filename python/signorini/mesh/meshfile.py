@@ -26,6 +26,7 @@ from signorini.expression import LARGEST
 from signorini.mesh import Mesh
 from signorini.mesh.checks import loops, on_boundary
 from signorini.mesh.isoparametric import SIDES, are_triangles, real_sides
+from signorini.mesh.mesh import OUTLINE
 from signorini.mesh.nodenumbers import node_blocks, node_numbers
 
 Floats = npt.NDArray[np.float64]
@@ -34,7 +35,6 @@ Ints = npt.NDArray[np.int64]
 
 _T = TypeVar("_T")
 
-OUTLINE = "boundary"
 _SAME = 1e-9
 _FARTHEST = 1e6
 """Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""

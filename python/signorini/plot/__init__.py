@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from signorini.plot.balance import BalanceMark
+from signorini.plot.cuts import CutMark
 from signorini.plot.field import contour, line
 from signorini.plot.files import DRAWN_BY, save
 from signorini.plot.load_path import load_path_picture
@@ -23,6 +24,7 @@ __all__ = [
     "DRAWN_BY",
     "Axes",
     "BalanceMark",
+    "CutMark",
     "EdgeMark",
     "Figure",
     "LoadMark",

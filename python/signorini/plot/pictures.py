@@ -15,6 +15,7 @@ from matplotlib.patheffects import withStroke
 
 from signorini.errors import InputError
 from signorini.plot.balance import BalanceMark, draw_balances
+from signorini.plot.cuts import CutMark, draw_cuts
 from signorini.plot.field import Scale, add_colour_bar
 from signorini.plot.files import DOTS, as_png
 from signorini.plot.loads import LoadMark, draw_loads
@@ -141,6 +142,7 @@ def check_picture(
     zones: Iterable[ZoneMark] = (),
     supports: Iterable[SupportMark] = (),
     loads: Iterable[LoadMark] = (),
+    cuts: Iterable[CutMark] = (),
     totals: Mapping[str, str] | None = None,
     edges: Iterable[EdgeMark] = (),
     singular: Sequence[SingularMark] = (),
@@ -150,7 +152,7 @@ def check_picture(
     length: str = "",
     numbers: bool = False,
 ) -> Figure:
-    """Draw a model before it is solved: mesh, supports and loads, and what the loads amount to.
+    """Draw a model before it is solved: mesh, supports, loads and what they amount to, sections and strips.
 
     Parameters
     ----------
@@ -158,6 +160,7 @@ def check_picture(
     zones : iterable of ZoneMark
     supports : iterable of SupportMark
     loads : iterable of LoadMark
+    cuts : iterable of CutMark
     totals : mapping of str, optional
         The sums of load cases, in words.
     edges : iterable of EdgeMark
@@ -194,6 +197,7 @@ def check_picture(
     draw_edges(edges, axes)
     if numbers:
         _number_nodes(axes, plan)
+    entries += draw_cuts(cuts, axes)
     entries += draw_balances(balance, axes)
     if poorest is not None:
         at, words = poorest

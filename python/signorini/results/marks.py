@@ -13,7 +13,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
-from signorini.model import Area, Circle, Load, Support
+from signorini.model import Area, Circle, Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.model.whole import Units
 from signorini.results.contact_field import AreaContact
@@ -24,7 +24,7 @@ from signorini.shapes.tessellation import tessellate
 from signorini.singularities.named import Singularity
 
 if TYPE_CHECKING:
-    from signorini.plot import EdgeMark, LoadMark, PressureLayer, SingularMark, SupportMark, ZoneMark
+    from signorini.plot import CutMark, EdgeMark, LoadMark, PressureLayer, SingularMark, SupportMark, ZoneMark
 
 _AROUND = 180
 _MOST_EDGES = 40
@@ -129,11 +129,26 @@ def zone_marks(found: Discretisation) -> list[ZoneMark]:
         parts = [] if zone.thickness is None else [f"thickness {zone.thickness.source}"]
         if zone.material is not None:
             own = zone.material
-            parts.append(f"E = {own.E:.4g}" if own.E is not None else f"Ex = {own.Ex:.4g}, Ey = {own.Ey:.4g}")
+            if own.is_elastic:
+                parts.append(f"E = {own.E:.4g}" if own.E is not None else f"Ex = {own.Ex:.4g}, Ey = {own.Ey:.4g}")
+        if zone.stiffness is not None:
+            parts.append(f"Dx = {zone.stiffness.Dx:.4g}, Dy = {zone.stiffness.Dy:.4g}")
         if zone.modifiers is not None:
             parts += [f"{key} × {value:.4g}" for key, value in zone.modifiers if value != 1.0]
         assert isinstance(zone.area, Area)  # "all" is refused
         marks.append(ZoneMark(", ".join(parts) or "as the plate", _outline(zone.area)))
+    return marks
+
+
+def cut_marks(model: Model) -> list[CutMark]:
+    """Draw the sections and the strips of a model."""
+    from signorini.plot import CutMark
+
+    marks = [CutMark(section.name, np.array(section.line)) for section in model.section]
+    for strip in model.strip:
+        # Lines across a strip run from its right to its left.
+        borders = np.array(strip.across).transpose(1, 0, 2)[::-1]
+        marks.append(CutMark(strip.name, np.array(strip.line), borders))
     return marks
 
 

@@ -57,6 +57,8 @@ class PathStop(Brief):
         Of areas; else NaN.
     deflections : (q,) array
         At the model's probes.
+    through : (3s,) array
+        Moment, twist and shear of the model's sections, and their means at the stations of its strips.
     largest, smallest : float
         Extremes of the deflection over the nodes.
     largest_at, smallest_at : (x, y)
@@ -74,6 +76,7 @@ class PathStop(Brief):
     contact_areas: Floats
     max_pressures: Floats
     deflections: Floats
+    through: Floats
     largest: float
     smallest: float
     largest_at: tuple[float, float]
@@ -127,6 +130,7 @@ def path_stop(
         np.array([support.contact_area for support in supports], dtype=np.float64),
         np.array([support.max_pressure for support in supports], dtype=np.float64),
         np.einsum("qi,qi->q", values, deflection[elements]),
+        found.through(load, answer.hi, answer.lo, answer.shared, pull),
         float(deflection.max()),
         float(deflection.min()),
         at[0],

@@ -28,12 +28,13 @@ def unit_slips(found: Discretisation) -> Iterator[str]:
 
 
 def _of_material(found: Discretisation) -> Iterator[str]:
-    model, modulus = found.model, found.model.young
+    model = found.model
     length, force = model.units.length, model.units.force
     if force not in _NEWTONS or length not in METRES:
         return
-    pascals = modulus * _NEWTONS[force] / METRES[length] ** 2
-    if not _SOFTEST <= pascals <= _STIFFEST:
+    modulus = max((one.young for one in model.materials if one.is_elastic), default=None)
+    pascals = (modulus or 0.0) * _NEWTONS[force] / METRES[length] ** 2
+    if modulus is not None and not _SOFTEST <= pascals <= _STIFFEST:
         yield (
             f"E = {modulus:.4g} {force}/{length}² is {pascals:.4g} Pa, and what plates are made of has "
             f"{_SOFTEST:.0e} to {_STIFFEST:.0e}: was another unit meant?"
