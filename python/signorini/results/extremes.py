@@ -44,10 +44,10 @@ class FieldExtremes:
         places, away = nodes.points[: len(values)], away[nodes.nodes[: len(values)]]
         ends: list[tuple[float, tuple[float, float], str]] = []
         for signed in (values, -values):
-            node, highest = peak(np.where(away, signed, -np.inf), places), int(signed.argmax())
-            x, y = places[node].tolist()
+            own, highest = np.where(away, signed, -np.inf), int(signed.argmax())
+            x, y = places[peak(own, places)].tolist()
             beside = "" if away[highest] else _nearest(places[highest], singular, number)
-            ends.append((float(values[node]), (x, y), beside))
+            ends.append((float(values[own.argmax()]), (x, y), beside))
         return cls(*ends[0], *ends[1])
 
 

@@ -10,8 +10,9 @@ import numpy as np
 from signorini import shapes
 from signorini.base.plain import plain
 from signorini.discretise import Discretisation
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
+from signorini.mesh.boxtree import BoxTree
 from signorini.model import Area, Circle, Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.model.whole import Units
@@ -54,10 +55,7 @@ def support_mark(
             style, drawn = "area", _outline(support.area) if isinstance(support.area, Area) else _around(mesh)
         places, states = _divided(drawn), None
         if closed is not None and len(positions):
-            from scipy.spatial import KDTree
-
-            nearest = KDTree(positions).query(np.nan_to_num(places))[1]
-            states = closed[nearest]
+            states = closed[_nearest(positions, places)]
     return SupportMark(
         support.name,
         _kind(support),
@@ -71,6 +69,23 @@ def support_mark(
         counts,
         _prints(support),
     )
+
+
+def _nearest(positions: Floats, places: Floats) -> Ints:
+    """Which of positions (k, 2) is nearest to each place (q, 2); any one of a break between pieces."""
+    found, left = np.zeros(len(places), np.int64), np.flatnonzero(np.isfinite(places[:, 0]))
+    reach = max(float(np.ptp(np.concatenate([positions, places[left]]), axis=0).max()), 1e-300) / len(positions) ** 0.5
+    while len(left):
+        boxes = np.hstack([places[left] - reach, places[left] + reach])
+        position, place = BoxTree.build(boxes).pairs(positions)
+        away = np.hypot(*(positions[position] - places[left[place]]).T)
+        order = np.lexsort((away, place))
+        first = order[np.unique(place[order], return_index=True)[1]]
+        # Beyond a box's nearer sides there may be a nearer one than in its corners.
+        first = first[away[first] <= reach]
+        found[left[place[first]]] = position[first]
+        left, reach = np.delete(left, place[first]), 2.0 * reach
+    return found
 
 
 def _kind(support: Support) -> Literal["down", "up", "both", "clamped", "hinged", "symmetry"]:

@@ -7,7 +7,7 @@ import numpy as np
 from signorini.discretise.rows import Floats
 
 _ALIKE = 1e-9
-"""Part of a field's size, and of the plate's, within which values, and coordinates, differ by rounding."""
+"""Part of a field's size, and of the distance between places, within which numbers differ by rounding."""
 
 
 def peak(values: Floats, places: Floats) -> int:
@@ -22,5 +22,8 @@ def peak(values: Floats, places: Floats) -> int:
     """
     size = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
     near = np.flatnonzero(values >= values.max() - _ALIKE * size)
-    x, y = np.round((places[near] - places.min(axis=0)) / max(float(np.ptp(places, axis=0).max()), 1e-300), 9).T
+    if len(near) == 1:
+        return int(near[0])
+    alike = places[near] - places[near].min(axis=0)
+    x, y = np.round(alike / (_ALIKE * max(float(alike.max()), 1e-300))).T
     return int(near[np.lexsort((y, x))[0]])

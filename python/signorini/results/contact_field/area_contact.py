@@ -120,8 +120,8 @@ class AreaContact(Remade):
         Pictures, tables and envelopes all show this one.
         """
         values, places = self._measured
-        at = peak(np.nan_to_num(values, nan=-np.inf), places)
-        return max(float(values[at]), 0.0), places[at]
+        known = np.nan_to_num(values, nan=-np.inf)
+        return max(float(known.max()), 0.0), places[peak(known, places)]
 
     @property
     def range(self) -> tuple[float, float]:
