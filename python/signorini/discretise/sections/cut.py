@@ -105,7 +105,9 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
     met, divided, pieces = _met(mesh, line)
     near = line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
     taken = line.taken(near).reshape(-1, 8)
-    some = taken.any(axis=1)
+    # Where no node is beside the line, v is 0 in an element that the line is in, and too little by all of it.
+    of_line = (pieces.begin >= 0.0) & (pieces.end <= line.line.lengths[pieces.piece])
+    some = taken.any(axis=1) | np.isin(met, pieces.elements[of_line])
     elements, divided, taken = met[some], divided[some], taken[some]
     shares, off = (values.reshape(len(met), 8, -1)[some] for values in (near.shares, near.off))
     v = np.zeros((len(elements), 3, 8, 3))
