@@ -26,6 +26,7 @@ from signorini.discretise.quadrature import Quadrature, area_quadrature
 from signorini.discretise.quadrature.rules import gauss
 from signorini.discretise.quadrature.stepped import Levels
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.shapes.cuts import LEFT, RIGHT, CutLine, LeftOf, Near, Part
 from signorini.shapes.outlines import Point
@@ -100,9 +101,18 @@ class Cut:
 
 
 def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[Point]) -> Cut:
-    """Cut a plate of a kind of elements along a line through points."""
+    """Cut a plate of a kind of elements along a line through points.
+
+    Raises
+    ------
+    InputError
+        If nothing of the line is on the plate.
+    """
     line = _Followed(mesh, CutLine(points, _TOUCHING * mesh.size))
     met, divided, pieces = _met(mesh, line)
+    length = _length(line.line, pieces)
+    if not length > 0.0:
+        raise InputError("The line is not on the plate. Move it onto the plate.")
     near = line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
     taken = line.taken(near).reshape(-1, 8)
     # Where no node is beside the line, v is 0 in an element that the line is in, and too little by all of it.
@@ -133,7 +143,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
         np.add.at(shared, left.elements, left.weights[:, None, None] * shapes[:, :, None] * shapes[:, None, :])
         work = np.einsum("kcd,kpsd->kpsc", motion, strains) * _WORK[:, None]
         stress += np.einsum("kap,kpsc->kasc", shared, work)
-    return Cut(line.line, _length(line.line, pieces), elements, of_forces, stress, motion, left)
+    return Cut(line.line, length, elements, of_forces, stress, motion, left)
 
 
 class _Followed:

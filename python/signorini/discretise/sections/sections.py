@@ -52,10 +52,7 @@ class Sections(Brief):
         for points, place in _lines(model):
             with problems.collected():
                 _require_on_plate(mesh, points, place)
-                one = cut(mesh, plate, model.plate.element, held, points)
-                if not one.length > 0.0:
-                    raise InputError("The line is not on the plate. Move it onto the plate.", place)
-                found.append(one)
+                found.append(_cut(mesh, plate, model, held, points, place))
         lengths = np.array([one.length for one in found])
         return cls(mesh, tuple(found), np.where(np.arange(len(found)) < len(model.section), 1.0, lengths))
 
@@ -133,6 +130,13 @@ class Sections(Brief):
         every = np.concatenate([value.ravel() for value in values])
         shape = 3 * len(self.cuts), width * len(self.elements)
         return csr_array((every, (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+
+
+def _cut(mesh: Mesh, plate: _core.Plate, model: Model, held: Held, points: Sequence[Point], place: Place) -> Cut:
+    try:
+        return cut(mesh, plate, model.plate.element, held, points)
+    except InputError as error:
+        raise InputError(error.message, place) from None
 
 
 def _lines(model: Model) -> Iterator[tuple[Sequence[Point], Place]]:
