@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.results.columns import Block, Layout
 from signorini.results.result import FIELDS, Result
+from signorini.results.section_result import COMPONENTS
 
 NONE = -1
 """Number of no result."""
@@ -143,6 +144,8 @@ class Envelope:
         Of every field at every probe, (8q,).
     through : Extremes
         Of moment, twist and shear of every section, and of their means at every station of a strip (3s,).
+    sections : sequence of str
+        Columns of the first of these, which are of sections.
     bearings : Concurrent
         Of the bearings' reactions, in the order of the layout.
     away : dict
@@ -154,6 +157,7 @@ class Envelope:
     supports: tuple[SupportEnvelope, ...]
     probes: Extremes
     through: Extremes
+    sections: Sequence[str]
     bearings: Concurrent
     away: Mapping[str, Bools]
 
@@ -170,6 +174,7 @@ class Envelope:
             tuple(_nothing_of(layout, index) for index in range(len(layout.supports))),
             Extremes.none(len(FIELDS) * len(layout.probes)),
             Extremes.none(len(layout.through)),
+            layout.through[: len(COMPONENTS) * len(layout.model.section)],
             Concurrent.none(len(layout.bearings)),
             layout.away,
         )
@@ -232,9 +237,9 @@ class Envelope:
         return int(high), int(np.where(away, extremes.smallest, np.inf).argmin())
 
     def governing(self) -> dict[str, tuple[float, int, float, int]]:
-        """Largest value, by which result, smallest value, and by which; of fields and of supports' reactions.
+        """Largest value, by which result, smallest value, and by which; of fields, supports' reactions and sections.
 
-        Keys are names of fields, and "reaction:" with a support's place in the model.
+        Keys are names of fields, "reaction:" with a support's place in the model, and columns of sections.
         """
         found = {}
         for name, extremes in self.fields.items():
@@ -253,11 +258,19 @@ class Envelope:
                 float(total.smallest[0]),
                 int(total.smallest_by[0]),
             )
+        for at, name in enumerate(self.sections):
+            through = self.through
+            found[name] = (
+                float(through.largest[at]),
+                int(through.largest_by[at]),
+                float(through.smallest[at]),
+                int(through.smallest_by[at]),
+            )
         return found
 
     @property
     def rows(self) -> list[int]:
-        """Numbers of the results with an extreme of some field or support's reaction, in that order, some at most."""
+        """Numbers of the results with an extreme of some field, reaction or section, in that order, some at most."""
         found = self.governing().values()
         return [*dict.fromkeys(by for _, high, _, low in found for by in (high, low) if by != NONE)][:_GOVERNING]
 
