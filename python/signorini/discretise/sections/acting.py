@@ -32,6 +32,11 @@ class Spread:
     levels: Levels
     pressure: Callable[[Ints, Floats], Floats]
 
+    @classmethod
+    def even(cls, shape: Part, pressure: float) -> Spread:
+        """One pressure over a footprint."""
+        return cls(shape, _ORDER, (), lambda _, at: np.full(len(at), pressure))
+
 
 @dataclass(frozen=True, eq=False)
 class Acting:
@@ -101,7 +106,7 @@ def of_supports(
     found[rows] = -cut.work(place, acting.rows.coefficients[rows], left)
     for row, (shape, over) in prints.items():
         pressure = -acting.direction[row] / over.total
-        even = Spread(shape, _ORDER, (), lambda _, at, of=pressure: np.full(len(at), of))  # type: ignore[misc]
+        even = Spread.even(shape, pressure)
         found[row] = of_spread(cut, mesh, over.elements, over.xi, pressure * over.weights, even)
     rows = rows[spread]
     for index in np.unique(acting.support[rows]).tolist() if cut.divided().any() else ():
