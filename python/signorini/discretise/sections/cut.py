@@ -237,11 +237,13 @@ def _parts_of_forces(mesh: Mesh, line: CutLine, elements: Ints, divided: Bools, 
 
 def _on_left(part: Mesh, line: CutLine, divided: Bools, region: Part | None, order: int, levels: Levels) -> Quadrature:
     """Points of a region on the left in those elements (k,) of a part of the mesh that the line divides."""
-    boxes = part.boxes
-    (x0, y0), (x1, y1) = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
-    found = area_quadrature(part, LeftOf(line, (x0, y0, x1, y1), region), order, levels=levels)
-    keep = divided[found.elements]
-    return Quadrature(found.elements[keep], found.xi[keep], found.weights[keep], found.positions[keep])
+    (which,) = np.nonzero(divided)
+    if not len(which):
+        return Quadrature(which, np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)))
+    some = part.part(which)
+    (x0, y0), (x1, y1) = some.boxes[:, :2].min(axis=0).tolist(), some.boxes[:, 2:].max(axis=0).tolist()
+    found = area_quadrature(some, LeftOf(line, (x0, y0, x1, y1), region), order, levels=levels)
+    return Quadrature(which[found.elements], found.xi, found.weights, found.positions)
 
 
 def _between(mesh: Mesh, kind: str, elements: Ints, xi: Floats) -> Floats:
