@@ -64,6 +64,7 @@ def test_a_table_and_its_envelope_have_what_each_combination_has_alone(soil):
     largest = written["sections"][0]["moment"]
     assert largest["max"] == pytest.approx(alone[:, 0, 0].max())
     assert largest["max_by"] == f"{alone[:, 0, 0].argmax()}"
+    assert {f"{alone[:, 0, 0].argmax()}", f"{alone[:, 1, 2].argmin()}"} <= set(table.governing)
     assert written["strips"][0]["stations"][4]["shear"]["min"] == pytest.approx(
         alone[:, 6, 2].min(), abs=1e-9 * size[2]
     )

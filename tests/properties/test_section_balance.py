@@ -120,3 +120,25 @@ def test_strips_side_by_side_add_up_to_the_section(statics=1e-11):
         for number, size in (("moment", 1e5), ("twist", 1e5), ("shear", 1e5)):
             total = sum(getattr(part, number) * part.width for part in parts)
             assert total == pytest.approx(getattr(section, number), abs=statics * size)
+
+
+@pytest.mark.parametrize("stiffness", [2e7, 1e12, None])
+@pytest.mark.parametrize(
+    "area", ["all", {"rectangle": [1.1, 0.9, 5.3, 4.7]}, {"circle": {"center": [4, 3], "radius": 1.9}}]
+)
+def test_what_areas_give_on_both_sides_is_all_that_they_give(area, stiffness):
+    """Soil, and beds that act on means of elements and at points of their outline, which lines cross in elements."""
+    bed = {"area": area, "resists": "down"} | ({} if stiffness is None else {"stiffness": stiffness})
+    lines = [[[0.0, 1.3], [8.0, 4.1]], [[2.1, 0.0], [3.7, 6.0]]]
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [8, 6], "thickness": 0.25},
+        mesh={"divisions": [9, 7]},
+        support=[bed, {"at": [[0.5, 0.5], [7.5, 0.5], [4, 5.5]]}],
+        load=[{"pressure": 2e3}, {"force": 5e4, "at": [3.3, 2.3], "patch": [0.5, 0.7]}],
+        section=[{"line": line} for line in (*lines, *(line[::-1] for line in lines))],
+    )
+    result = solved(model)
+    for there, back in zip(result.sections[:2], result.sections[2:], strict=True):
+        assert there.shear == pytest.approx(-back.shear, abs=1e-10 * 1.46e5)
+        assert there.moment == pytest.approx(back.moment, abs=1e-10 * 1.46e5 * 8)

@@ -189,3 +189,22 @@ def test_parts_of_a_line_converge_to_what_is_there_and_add_up(angle):
         assert np.abs(fine - best).max() < error * size
         assert np.abs(fine - best).max() < max(0.75 * np.abs(coarse - best).max(), 1e-3 * size)
         assert fine[0] + fine[1] == pytest.approx(fine[2], abs=1e-9 * size)
+
+
+@pytest.mark.parametrize("length", [0.03, 0.2, 0.45, 1.3])
+def test_a_line_shorter_than_an_element_has_what_is_there(length):
+    """To a hundredth of what an element has, wherever it begins and ends in elements 0.8 × 0.75 large."""
+    begin = np.linspace(1.0, 2.0, 9)
+    model = Model(
+        material={"E": 30e9, "nu": 0.0},
+        plate={"shape": "rectangle", "size": [8, 6], "thickness": 0.2},
+        mesh={"divisions": [10, 8]},
+        support=WALLS,
+        load=[{"pressure": 2e3}],
+        strip=[{"line": [[2.1, y + length / 2], [3.3, y + length / 2]], "width": length, "stations": 2} for y in begin],
+    )
+    for strip in solve(model)["all"].strips:
+        for station in strip.stations:
+            x, part = station.at[0], max(0.75, length) / length
+            assert station.moment == pytest.approx(8e3 * x - 1e3 * x**2, rel=8e-3 * part)
+            assert station.shear == pytest.approx(2e3 * (4 - x), rel=8e-3 * part)

@@ -140,7 +140,7 @@ class Results(States[str], Mapping[str, Result]):
 
     @property
     def governing(self) -> tuple[str, ...]:
-        """Combinations with an extreme of some field or support's reaction, of each group if there are any."""
+        """Combinations with an extreme of some field, reaction or section, of each group if there are any."""
         return tuple(map(self.key, self.combined.governing))
 
     @cached_property

@@ -130,12 +130,13 @@ class Discretisation(Remade):
         up = Acting(
             springs.rows,
             springs.positions,
-            springs.weights,
             np.ones(len(springs)),
             springs.support,
             springs.numbers,
+            np.zeros(len(springs), np.bool_),
         )
-        both = Acting(points.rows, points.positions, points.weights, points.direction, points.support, points.numbers)
+        averaged = points.shared[:, 0] >= 0
+        both = Acting(points.rows, points.positions, points.direction, points.support, points.numbers, averaged)
         supports = self.model.support
         return self.sections.of_supports(supports, both), self.sections.of_supports(supports, up)
 

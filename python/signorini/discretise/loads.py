@@ -21,7 +21,6 @@ from signorini.errors import Place, Problems
 from signorini.mesh import Mesh
 from signorini.model import Load
 from signorini.model.footprint import footprints as shapes_of
-from signorini.shapes.cuts import Part
 
 _GAUSS = 3
 _GAUSS_VARYING = 5
@@ -142,7 +141,7 @@ def _load(zones: Zones, onto: Onto, plate: _core.Plate, footprints: Footprints, 
             assert load.force is not None and load.at is not None
             spread = footprints.of(load, place)
             for over, shape in zip(spread, shapes_of(load) if spread else (), strict=True):
-                onto.spread(over, even(shape, load.force / over.total))
+                onto.spread(over, Spread.even(shape, load.force / over.total))
             if not spread:
                 points = located(mesh, load.at, (*place, "at"))
                 onto.push(points, load.force * points.weights)
@@ -198,11 +197,6 @@ class Onto:
         values = self.mesh.shape_functions(elements, xi)
         nodes = self.mesh.elements[elements].ravel()
         self._nodal[::3] += np.bincount(nodes, (force[:, None] * values).ravel(), self.mesh.node_count)
-
-
-def even(shape: Part, pressure: float) -> Spread:
-    """A constant pressure over a footprint."""
-    return Spread(shape, _GAUSS, (), lambda _, at: np.full(len(at), pressure))
 
 
 def _weigh(zones: Zones, onto: Onto) -> None:

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from signorini.discretise.loads import CaseLoad, Onto, even
+from signorini.discretise.loads import CaseLoad, Onto
 from signorini.discretise.quadrature import Quadrature, area_quadrature
 from signorini.discretise.sections import Sections
+from signorini.discretise.sections.acting import Spread
 from signorini.mesh import Mesh
 from signorini.model import Moving
 from signorini.model.moving import Wheel
@@ -67,7 +68,7 @@ def _position(onto: Onto, wheels: list[Wheel], patch: tuple[float, float] | None
     else:
         for middle, direction, force in wheels:
             shape = Polygon(_print(middle, direction, patch))
-            onto.spread(area_quadrature(mesh, shape, _GAUSS), even(shape, force / (patch[0] * patch[1])))
+            onto.spread(area_quadrature(mesh, shape, _GAUSS), Spread.even(shape, force / (patch[0] * patch[1])))
     return onto.load
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from signorini.mesh import Mesh
 from signorini.results.columns import Block, Layout
 from signorini.results.extremes import NUMBERS
 from signorini.results.result import FIELDS, Result
+from signorini.results.section_result import COMPONENTS
 
 NONE = -1
 """Number of no result."""
@@ -177,6 +179,8 @@ class Envelope:
         Of every field at every probe, (8q,).
     through : Extremes
         Of moment, twist and shear of every section, and of their means at every station of a strip (3s,).
+    sections : sequence of str
+        Columns of the first of these, which are of sections.
     bearings : Concurrent
         Of the bearings' reactions, in the order of the layout.
     names : tuple of str
@@ -189,6 +193,7 @@ class Envelope:
     supports: tuple[SupportEnvelope, ...]
     probes: Extremes
     through: Extremes
+    sections: Sequence[str]
     bearings: Concurrent
     names: tuple[str, ...]
     peaks: Peaks
@@ -206,6 +211,7 @@ class Envelope:
             tuple(_nothing_of(layout, index) for index in range(len(layout.supports))),
             Extremes.none(len(FIELDS) * len(layout.probes)),
             Extremes.none(len(layout.through)),
+            layout.through[: len(COMPONENTS) * len(layout.model.section)],
             Concurrent.none(len(layout.bearings)),
             layout.fields,
             Peaks.none(len(layout.fields)),
@@ -265,15 +271,16 @@ class Envelope:
             extremes.take(pressures.at_nodes(deflection, forces), who)
 
     def governing(self) -> dict[str, tuple[float, int, float, int]]:
-        """Largest value, by which result, smallest value, and by which; of fields and of supports' reactions.
+        """Largest value, by which result, smallest value, and by which; of fields, supports' reactions and sections.
 
-        Keys are names of fields, and "reaction:" with a support's place in the model.
+        Keys are names of fields, "reaction:" with a support's place in the model, and columns of sections.
         """
         ends = {name: (self.peaks.extremes, at, at) for at, name in enumerate(self.names)}
         if "reaction" in self.fields:
             nodal = self.fields["reaction"]
             ends["reaction"] = nodal, int(nodal.largest.argmax()), int(nodal.smallest.argmin())
         ends |= {f"reaction:{index}": (support.reaction, 0, 0) for index, support in enumerate(self.supports)}
+        ends |= {name: (self.through, at, at) for at, name in enumerate(self.sections)}
         return {
             name: (float(of.largest[high]), int(of.largest_by[high]), float(of.smallest[low]), int(of.smallest_by[low]))
             for name, (of, high, low) in ends.items()
@@ -281,7 +288,7 @@ class Envelope:
 
     @property
     def rows(self) -> list[int]:
-        """Numbers of the results with an extreme of some field or support's reaction, in that order, some at most."""
+        """Numbers of the results with an extreme of some field, reaction or section, in that order, some at most."""
         found = self.governing().values()
         return [*dict.fromkeys(by for _, high, _, low in found for by in (high, low) if by != NONE)][:_GOVERNING]
 

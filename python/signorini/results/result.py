@@ -65,6 +65,10 @@ class Result(Remade):
     nodal_reaction : (n,) array
         Upward force of the supports at points, along lines and edges on every node that they act on. Areas have
         pressures instead, and footprints spread their reactions.
+    sections : tuple of SectionResult
+        Forces through the model's sections.
+    strips : tuple of StripResult
+        Mean moments of the model's strips.
     method : str
         "lemke", "active_set" or "interior_point"; "given" where `signorini.recover` was given the reactions.
     unsettled : tuple of str

@@ -28,6 +28,20 @@ class SectionResult:
     shear : float
         Integral of qn: the force on the left part, positive down, which is the reactions there less the loads. What
         acts on the line itself counts half on either side.
+
+    Examples
+    --------
+    >>> from signorini import Model, solve
+    >>> cantilever = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 2], "thickness": 0.2},
+    ...     support=[{"edge": ["left"], "fix": "clamped"}],
+    ...     load=[{"line_load": 5e3, "edge": ["right"]}],
+    ...     section=[{"line": [[1, 0], [1, 2]]}],
+    ... )
+    >>> (section,) = solve(cantilever)["all"].sections
+    >>> round(section.moment, 3), round(section.shear, 3)
+    (-30000.0, 10000.0)
     """
 
     name: str
@@ -60,7 +74,22 @@ class StationResult:
 
 @dataclass(frozen=True)
 class StripResult:
-    """Mean moments, twists and shears of a strip at its stations."""
+    """Mean moments, twists and shears of a strip at its stations.
+
+    Examples
+    --------
+    >>> from signorini import Model, solve
+    >>> slab = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [6, 4], "thickness": 0.2},
+    ...     support=[{"edge": ["left", "right"], "fix": "simple"}],
+    ...     load=[{"pressure": 5e3}],
+    ...     strip=[{"line": [[0, 2], [6, 2]], "width": 4}],
+    ... )
+    >>> (strip,) = solve(slab)["all"].strips
+    >>> strip.sagging.at, round(strip.sagging.moment, 3)
+    ((3.0, 2.0), 22500.0)
+    """
 
     name: str
     stations: tuple[StationResult, ...]

@@ -47,5 +47,5 @@ class States(Remade, Generic[Key]):
 
     @property
     def governing(self) -> tuple[Key, ...]:
-        """Rows with an extreme of some field or support's reaction, in that order, some at most."""
+        """Rows with an extreme of some field, reaction or section, in that order, some at most."""
         return tuple(map(self.key, self.envelope.rows))

@@ -17,6 +17,8 @@ Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 
 LEFT, RIGHT = -1, 1
+_APART = 1e-12
+"""Part of a segment within which two crossings are one."""
 
 
 class Part(Protocol):
@@ -187,6 +189,7 @@ def _divided(a: Floats, b: Floats, outline: Outline) -> Floats:
         root = np.sqrt(half**2 - square * ((a[0] - x) ** 2 + (a[1] - y) ** 2 - radius**2))
         of_circles = np.concatenate([-half - root, -half + root]) / square
     t = np.concatenate([[0.0, 1.0], of_segments, of_circles])
-    t = np.unique(t[(t >= 0.0) & (t <= 1.0)])
+    t = np.sort(t[(t >= 0.0) & (t <= 1.0)])
+    t = t[np.append(True, np.diff(t) > _APART)]
     corners = a + t[:, None] * along
     return np.stack([corners[:-1], corners[1:]], axis=1)

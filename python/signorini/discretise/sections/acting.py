@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini.discretise.quadrature import Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels
-from signorini.discretise.rows import Floats, Ints, Rows
+from signorini.discretise.rows import Bools, Floats, Ints, Rows
 from signorini.discretise.sections.cut import Cut, placed
 from signorini.mesh import Mesh
 from signorini.model import Area, Support
@@ -18,7 +18,9 @@ from signorini.shapes.cuts import Part
 
 _ORDER = 3
 _FLAT = 1e-9
-"""Part of the largest below which an element's points tell no slope of the pressure: they are on a line, or one."""
+"""Part of the largest below which what an area has of an element is too narrow to tell the slope of a pressure."""
+_AT_SIDE = 1e-6
+"""How near a side, in reference coordinates, a point is on it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,17 +32,25 @@ class Spread:
     levels: Levels
     pressure: Callable[[Ints, Floats], Floats]
 
+    @classmethod
+    def even(cls, shape: Part, pressure: float) -> Spread:
+        """One pressure over a footprint."""
+        return cls(shape, _ORDER, (), lambda _, at: np.full(len(at), pressure))
+
 
 @dataclass(frozen=True, eq=False)
 class Acting:
-    """What supports act through: rows (m,), positions, weights, directions, whose and which of its points they are."""
+    """What supports act through: rows (m,), positions, directions, whose and which of its points they are.
+
+    ``averaged`` are those of areas that act on means of elements, and at points on their outline.
+    """
 
     rows: Rows
     positions: Floats
-    weights: Floats
     direction: Floats
     support: Ints
     numbers: Ints
+    averaged: Bools
 
 
 def of_points(cut: Cut, mesh: Mesh, elements: Ints, xi: Floats, positions: Floats, force: Floats) -> Floats:
@@ -90,39 +100,48 @@ def of_supports(
     """What a reaction of 1 along each row (m,), up, adds to moment, twist and shear (m, 3)."""
     found = np.zeros((len(acting.rows), 3))
     place, rows = placed(cut.elements, acting.rows.elements)
-    in_areas = np.isin(acting.support, [i for i, support in enumerate(supports) if support.area is not None])
-    left = np.where(in_areas[rows], 0.0, cut.lefts(acting.positions[rows]))
+    areas = [index for index, support in enumerate(supports) if support.area is not None]
+    spread = np.isin(acting.support[rows], areas) & ~_on_outline(mesh, acting, rows)
+    left = np.where(spread, 0.0, cut.lefts(acting.positions[rows]))
     found[rows] = -cut.work(place, acting.rows.coefficients[rows], left)
     for row, (shape, over) in prints.items():
         pressure = -acting.direction[row] / over.total
-        even = Spread(shape, _ORDER, (), lambda _, at, of=pressure: np.full(len(at), of))  # type: ignore[misc]
+        even = Spread.even(shape, pressure)
         found[row] = of_spread(cut, mesh, over.elements, over.xi, pressure * over.weights, even)
-    for index in np.unique(acting.support[rows[in_areas[rows]]]).tolist() if cut.divided().any() else ():
+    rows = rows[spread]
+    for index in np.unique(acting.support[rows]).tolist() if cut.divided().any() else ():
         for own, shares in _shares(cut, mesh, supports[index], acting, rows[acting.support[rows] == index]):
             found[own] += shares
     return found
+
+
+def _on_outline(mesh: Mesh, acting: Acting, rows: Ints) -> Bools:
+    """Which of some rows (q,) stand for points on the outline of an area that acts on means of elements."""
+    elements = acting.rows.elements[rows]
+    x, y = mesh.invert(elements, acting.positions[rows]).T
+    in_triangles = np.minimum(np.minimum(x, y), 1.0 - x - y)
+    inside = np.where(mesh.triangles[elements], in_triangles, 1.0 - np.maximum(np.abs(x), np.abs(y)))
+    return np.asarray(acting.averaged[rows] & (inside < _AT_SIDE))
 
 
 def _shares(cut: Cut, mesh: Mesh, support: Support, acting: Acting, own: Ints) -> Iterator[tuple[Ints, Floats]]:
     """Yield the work that reactions of an area's rows, spread over their elements, do on the left (k, 3)."""
     region = support.area.region if isinstance(support.area, Area) else None
     left = cut.on_left(mesh, region, _ORDER, ())
+    over = area_quadrature(mesh.part(cut.elements), region, _ORDER)
     rows = _deflections(mesh, cut.elements[left.elements], left.xi, left.weights)
     work = np.einsum("qcd,qd->qc", cut.motion[left.elements], rows)
     for at in np.unique(left.elements).tolist():
-        here = left.elements == at
-        middle, size = left.positions[here].mean(axis=0), np.sqrt(mesh.element_area[cut.elements[at]])
-        for way in (1.0, -1.0):
-            mine = own[(acting.rows.elements[own] == cut.elements[at]) & (acting.direction[own] == way)]
-            if not len(mine):
-                continue
-            # The pressure that is linear in the element and has the resultants of its points.
-            linear, known = (
-                np.column_stack([np.ones(len(p)), (p - middle) / size])
-                for p in (left.positions[here], acting.positions[mine])
-            )
-            inverse = np.linalg.pinv(known.T @ (acting.weights[mine, None] * known), rcond=_FLAT, hermitian=True)
-            yield mine, way * known @ inverse @ (linear.T @ work[here])
+        here, all_over = left.elements == at, over.elements == at
+        mine = own[acting.rows.elements[own] == cut.elements[at]]
+        middle, size = over.positions[all_over].mean(axis=0), np.sqrt(over.weights[all_over].sum())
+        # The pressure that is linear over what the area has of the element, with the resultants of its points.
+        linear, every, points = (
+            np.column_stack([np.ones(len(p)), (p - middle) / size])
+            for p in (left.positions[here], over.positions[all_over], acting.positions[mine])
+        )
+        inverse = np.linalg.pinv(every.T @ (over.weights[all_over, None] * every), rcond=_FLAT, hermitian=True)
+        yield mine, acting.direction[mine, None] * (points @ inverse @ (linear.T @ work[here]))
 
 
 def _deflections(mesh: Mesh, elements: Ints, xi: Floats, force: Floats) -> Floats:

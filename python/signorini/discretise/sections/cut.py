@@ -26,6 +26,7 @@ from signorini.discretise.quadrature import Quadrature, area_quadrature
 from signorini.discretise.quadrature.rules import gauss
 from signorini.discretise.quadrature.stepped import Levels
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.shapes.cuts import LEFT, RIGHT, CutLine, LeftOf, Near, Part
 from signorini.shapes.outlines import Point
@@ -100,12 +101,23 @@ class Cut:
 
 
 def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[Point]) -> Cut:
-    """Cut a plate of a kind of elements along a line through points."""
+    """Cut a plate of a kind of elements along a line through points.
+
+    Raises
+    ------
+    InputError
+        If nothing of the line is on the plate.
+    """
     line = _Followed(mesh, CutLine(points, _TOUCHING * mesh.size))
     met, divided, pieces = _met(mesh, line)
+    length = _length(line.line, pieces)
+    if not length > 0.0:
+        raise InputError("The line is not on the plate. Move it onto the plate.")
     near = line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
     taken = line.taken(near).reshape(-1, 8)
-    some = taken.any(axis=1)
+    # Where no node is beside the line, v is 0 in an element that the line is in, and too little by all of it.
+    of_line = (pieces.begin >= 0.0) & (pieces.end <= line.line.lengths[pieces.piece])
+    some = taken.any(axis=1) | np.isin(met, pieces.elements[of_line])
     elements, divided, taken = met[some], divided[some], taken[some]
     shares, off = (values.reshape(len(met), 8, -1)[some] for values in (near.shares, near.off))
     v = np.zeros((len(elements), 3, 8, 3))
@@ -131,7 +143,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
         np.add.at(shared, left.elements, left.weights[:, None, None] * shapes[:, :, None] * shapes[:, None, :])
         work = np.einsum("kcd,kpsd->kpsc", motion, strains) * _WORK[:, None]
         stress += np.einsum("kap,kpsc->kasc", shared, work)
-    return Cut(line.line, _length(line.line, pieces), elements, of_forces, stress, motion, left)
+    return Cut(line.line, length, elements, of_forces, stress, motion, left)
 
 
 class _Followed:
@@ -225,11 +237,13 @@ def _parts_of_forces(mesh: Mesh, line: CutLine, elements: Ints, divided: Bools, 
 
 def _on_left(part: Mesh, line: CutLine, divided: Bools, region: Part | None, order: int, levels: Levels) -> Quadrature:
     """Points of a region on the left in those elements (k,) of a part of the mesh that the line divides."""
-    boxes = part.boxes
-    (x0, y0), (x1, y1) = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
-    found = area_quadrature(part, LeftOf(line, (x0, y0, x1, y1), region), order, levels=levels)
-    keep = divided[found.elements]
-    return Quadrature(found.elements[keep], found.xi[keep], found.weights[keep], found.positions[keep])
+    (which,) = np.nonzero(divided)
+    if not len(which):
+        return Quadrature(which, np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)))
+    some = part.part(which)
+    (x0, y0), (x1, y1) = some.boxes[:, :2].min(axis=0).tolist(), some.boxes[:, 2:].max(axis=0).tolist()
+    found = area_quadrature(some, LeftOf(line, (x0, y0, x1, y1), region), order, levels=levels)
+    return Quadrature(which[found.elements], found.xi, found.weights, found.positions)
 
 
 def _between(mesh: Mesh, kind: str, elements: Ints, xi: Floats) -> Floats:

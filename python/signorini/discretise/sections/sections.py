@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from signorini import _core
 from signorini.base.brief import Brief
@@ -52,10 +52,7 @@ class Sections(Brief):
         for points, place in _lines(model):
             with problems.collected():
                 _require_on_plate(mesh, points, place)
-                one = cut(mesh, plate, model.plate.element, held, points)
-                if not one.length > 0.0:
-                    raise InputError("The line is not on the plate. Move it onto the plate.", place)
-                found.append(one)
+                found.append(_cut(mesh, plate, model, held, points, place))
         lengths = np.array([one.length for one in found])
         return cls(mesh, tuple(found), np.where(np.arange(len(found)) < len(model.section), 1.0, lengths))
 
@@ -95,10 +92,11 @@ class Sections(Brief):
 
     def of_supports(self, supports: Sequence[Support], acting: Acting) -> csr_array:
         """Give the parts (3s, m) of reactions of 1, up, along rows (m,) of supports."""
-        prints = footprints_of(self.mesh, supports, acting) if self.cuts else {}
-        parts = [of_supports(one, self.mesh, supports, acting, prints) for one in self.cuts if len(acting.rows)]
-        whole = np.concatenate([np.zeros((len(acting.rows), 0)), *parts], axis=1).T
-        return csr_array(whole if parts else np.zeros((3 * len(self.cuts), len(acting.rows))))
+        if not (self.cuts and len(acting.rows)):
+            return csr_array((3 * len(self.cuts), len(acting.rows)))
+        prints = footprints_of(self.mesh, supports, acting)
+        parts = (csr_array(of_supports(one, self.mesh, supports, acting, prints).T) for one in self.cuts)
+        return csr_array(vstack(list(parts)))
 
     def _sum(self, elements: Ints, part: Callable[[Cut], Floats]) -> Floats:
         """Parts of all lines, of what acts in some elements (q,)."""
@@ -133,6 +131,13 @@ class Sections(Brief):
         every = np.concatenate([value.ravel() for value in values])
         shape = 3 * len(self.cuts), width * len(self.elements)
         return csr_array((every, (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+
+
+def _cut(mesh: Mesh, plate: _core.Plate, model: Model, held: Held, points: Sequence[Point], place: Place) -> Cut:
+    try:
+        return cut(mesh, plate, model.plate.element, held, points)
+    except InputError as error:
+        raise InputError(error.message, place) from None
 
 
 def _lines(model: Model) -> Iterator[tuple[Sequence[Point], Place]]:
