@@ -161,6 +161,26 @@ def test_the_mesh_follows_lines_outlines_and_jumps():
         assert mesh.edges_along(Polyline(tuple(map(tuple, line)))) is not None
 
 
+def test_the_mesh_follows_walls_near_to_edges_and_to_each_other():
+    def followed(*lines, size=0.5):
+        mesh = meshed(model(size, support=[*({"line": line} for line in lines), {"edge": "edge 2"}]))
+        return [mesh.edges_along(Polyline(tuple(map(tuple, line)))) is not None for line in lines], len(mesh.elements)
+
+    alone = len(meshed(model()).elements)
+    for off in (0.3, 0.2, 0.1, 0.07):
+        assert followed([[0.5, off], [7, off]])[0] == [True]
+        assert followed([[1, 2], [6, 2]], [[1.2, 2 + off], [6.3, 2 + off]], [[off, 2.5], [off, 7]])[0] == [True] * 3
+    # Nearer ones are left, and cost nothing.
+    assert followed([[0.5, 0.06], [7, 0.06]]) == ([False], alone)
+    assert followed([[0.5, 0.1], [7, 0.1]])[1] < 3 * alone
+
+
+def test_a_footprint_near_to_an_edge_is_followed():
+    found = meshed(model(support=[{"at": [0.6, 0.55], "patch": [0.8, 0.8]}, {"edge": "edge 2", "fix": "simple"}]))
+    sides = [[[0.2, 0.15], [1, 0.15]], [[0.2, 0.15], [0.2, 0.95]], [[0.2, 0.95], [1, 0.95]]]
+    assert all(found.edges_along(Polyline(tuple(map(tuple, side)))) is not None for side in sides)
+
+
 @pytest.mark.parametrize(
     "where",
     [

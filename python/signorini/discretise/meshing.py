@@ -146,7 +146,7 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
         lines.append(np.array([[x0, y, x1, y] for y in drawing.y_lines]).reshape(-1, 4))
     lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model)]
     refined = [rows for part in model.mesh.refine for rows in _refined(plate, part)]
-    refined += [room(borders, plate.contours, size)] if borders else []
+    refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
     points = [at for part in model.mesh.refine for at in part.at or ()]
     try:
         return outlined(
@@ -201,6 +201,16 @@ def _shapes(model: Model) -> Iterator[Region | Curve]:
     items: list[Support | Load] = [*model.support, *model.load]
     for item in items:
         for shape in (region(item.area), curve(item), *footprints(item)):
+            if shape is not None:
+                yield shape
+
+
+def _stood_on(model: Model) -> Iterator[Region | Curve]:
+    """What is followed beside other things by smaller elements: lines, and areas and footprints of supports."""
+    items: list[Support | Load] = [*model.support, *model.load]
+    for item in items:
+        below = (region(item.area), *footprints(item)) if isinstance(item, Support) else ()
+        for shape in (curve(item), *below):
             if shape is not None:
                 yield shape
 
