@@ -157,7 +157,7 @@ def test_zones_are_read_and_those_beyond_the_outline_are_told(tmp_path: Path) ->
     by_form = {next(iter(zone["area"])): zone for zone in zones}
     assert by_form["rectangle"] == {"area": {"rectangle": [1, 1, 3, 2.5]}, "thickness": 0.4}
     assert by_form["circle"]["area"] == {"circle": {"center": [6, 3], "radius": 1.2}}
-    assert len(by_form["polygon"]["area"]["polygon"]) == 10
+    assert by_form["polygon"]["area"]["polygon"] == [[8, 1], [9, 1], {"through": [9.5, 1.5], "to": [9, 2]}]
 
 
 def test_holes_points_and_lines_off_the_plate_are_left_and_told(tmp_path: Path) -> None:

@@ -141,6 +141,20 @@ def test_areas_pass_over_holes_and_lines_do_not():
         check(model(plate={"holes": holes}, load=load))
 
 
+def test_areas_may_reach_over_edges_by_the_last_digit_written():
+    points = [[0.0, 0.0], [7.1, 3.3], [6.2, 6.7], [0.4, 5.5]]
+    corners = [[round(x + 1e-6, 6), round(y - 1e-6, 6)] for x, y in points]
+    support = [{"edge": "edge 1", "fix": "clamped"}]
+
+    def loaded():
+        check(model(plate={"points": points}, support=support, load=[{"pressure": 1.0, "area": {"polygon": corners}}]))
+
+    loaded()
+    corners[0][1] -= 1e-4
+    with pytest.raises(InputError, match="off the plate"):
+        loaded()
+
+
 @pytest.mark.parametrize("stiffness", [{}, {"stiffness": 1e6}])
 def test_what_is_in_a_hole_alone_is_not_on_the_plate(stiffness):
     # A small one is less than what a coarse mesh loses at the round outline.

@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini.discretise.rows import Bools, Floats
 from signorini.shapes import Curve, Region
-from signorini.shapes.contours import Contour, circle
+from signorini.shapes.contours import Contour, along_side, circle
 
 Line: TypeAlias = Region | Curve
 
@@ -25,7 +25,7 @@ _TOUCHING = 1e-9
 
 
 def arcs_of(border: Region) -> Iterator[tuple[float, ...]]:
-    """Yield the quarters of circles, each by three points.
+    """Yield arcs, of circles their quarters, each by three points.
 
     Examples
     --------
@@ -39,6 +39,7 @@ def arcs_of(border: Region) -> Iterator[tuple[float, ...]]:
         for begin, through, end in zip(drawn.corners, drawn.through, ends, strict=True):
             assert through is not None  # a circle is of arcs
             yield (*begin, *through, *end)
+    yield from (tuple(arc) for arc in border.outline.arcs.reshape(-1, 6).tolist())
 
 
 def room(borders: Sequence[Region], contours: Sequence[Contour], size: float, lines: Sequence[Line] = ()) -> Floats:
@@ -84,8 +85,11 @@ def room(borders: Sequence[Region], contours: Sequence[Contour], size: float, li
 
 
 def _sides_of(border: Region) -> Iterator[Floats]:
-    """Yield straight sides, and circles by their chords, (k, 2, 2)."""
+    """Yield straight sides, and circles and arcs by their chords, (k, 2, 2)."""
     yield from border.outline.segments[:, None]
+    for a, m, b in border.outline.arcs.tolist():
+        along = np.vstack([along_side(a, m, b)[::5], b])
+        yield np.stack([along[:-1], along[1:]], axis=1)
     for x, y, radius in border.outline.circles.tolist():
         yield _joined(circle((x, y), radius, "").points()[::5])
 

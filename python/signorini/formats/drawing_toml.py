@@ -83,7 +83,7 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
         _plate(drawing),
         *(
             "# Assumed, the drawing does not say how it is made: its thickness.\n"
-            f"[[zone]]\narea = {_area(zone, arcs=False)}\nthickness = 0.4"
+            f"[[zone]]\narea = {_area(zone)}\nthickness = 0.4"
             for zone in drawing.zones
         ),
         f"[mesh]\nsize = {_size(max(right - left, top - bottom))}",
@@ -121,14 +121,13 @@ def _plate(drawing: Drawing) -> str:
     return "\n".join(lines)
 
 
-def _area(loop: Loop, arcs: bool = True) -> str:
+def _area(loop: Loop) -> str:
     if loop.radius:
         center = _list(loop.corners[0][:2])
         return f"{{ circle = {{ center = {center}, radius = {_number(loop.radius)} }} }}"
     if loop.sides:
         return f"{{ rectangle = {_list(loop.box)} }}"
-    chords = flattened((*loop.corners, loop.corners[0]), _TURN)[:-1]
-    return f"{{ polygon = [{', '.join(_corners(loop) if arcs else map(_list, chords))}] }}"
+    return f"{{ polygon = [{', '.join(_corners(loop))}] }}"
 
 
 def _corners(loop: Loop) -> list[str]:
