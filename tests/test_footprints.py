@@ -252,6 +252,7 @@ def test_points_off_the_plate_and_footprints_beyond_it_are_told_together():
         ({"radius": 0}, "greater than 0"),
         ({"radius": -1}, "greater than 0"),
         ({"radius": 1, "patch": [1, 1]}, "found both patch and radius"),
+        ({"angle": 30}, "angle turns a patch, and there is none"),
     ],
 )
 def test_sizes_that_are_none_are_refused(given, message):
@@ -336,3 +337,34 @@ def test_the_mesh_follows_patches():
         rectangular(divisions=[8, 8], support=[HARD], load=[{"force": 1, "at": [2.03, 2], "patch": [1, 1]}])
     )
     assert {1.53, 2.53} <= set(found.mesh.points[:, 0].round(12))
+
+
+def test_a_patch_turned_with_the_plate_is_the_patch():
+    points, c, s = [[0, 0], [6, 0], [6, 4], [0, 4]], np.cos(np.radians(35)), np.sin(np.radians(35))
+
+    def turned(x, y):
+        return [c * x - s * y, s * x + c * y]
+
+    def found(turn, **angle):
+        model = Model(
+            material={"E": 30e9, "nu": 0.2},
+            plate={"shape": "polygon", "points": [turn(*at) for at in points], "thickness": 0.2},
+            mesh={"size": 0.5, "error": False},
+            support=[
+                {"edge": "edge 4", "fix": "symmetry"},
+                {"edge": "edge 2", "fix": "simple"},
+                {"at": turn(1.5, 2.5), "patch": [0.6, 0.4], "resists": "down", **angle},
+            ],
+            load=[
+                {"force": 1e5, "at": turn(3.1, 1.2), "patch": [0.9, 0.5], **angle},
+                {"force": 1e4, "at": turn(0, 1), "patch": [0.9, 0.5], **angle},
+            ],
+            probe=[{"at": turn(3, 1)}],
+        )
+        return solve(model)["all"]
+
+    straight, askew = found(lambda x, y: [x, y]), found(turned, angle=35)
+    assert askew.probes[0].deflection == pytest.approx(straight.probes[0].deflection, rel=1e-9)
+    assert askew.reactions["support 3"] == pytest.approx(straight.reactions["support 3"], rel=1e-9)
+    with pytest.raises(InputError, match="off the plate"):
+        found(turned, angle=20)

@@ -141,6 +141,20 @@ def test_areas_pass_over_holes_and_lines_do_not():
         check(model(plate={"holes": holes}, load=load))
 
 
+def test_areas_may_reach_over_edges_by_the_last_digit_written():
+    points = [[0.0, 0.0], [7.1, 3.3], [6.2, 6.7], [0.4, 5.5]]
+    corners = [[round(x + 1e-6, 6), round(y - 1e-6, 6)] for x, y in points]
+    support = [{"edge": "edge 1", "fix": "clamped"}]
+
+    def loaded():
+        check(model(plate={"points": points}, support=support, load=[{"pressure": 1.0, "area": {"polygon": corners}}]))
+
+    loaded()
+    corners[0][1] -= 1e-4
+    with pytest.raises(InputError, match="off the plate"):
+        loaded()
+
+
 @pytest.mark.parametrize("stiffness", [{}, {"stiffness": 1e6}])
 def test_what_is_in_a_hole_alone_is_not_on_the_plate(stiffness):
     # A small one is less than what a coarse mesh loses at the round outline.
@@ -159,6 +173,26 @@ def test_the_mesh_follows_lines_outlines_and_jumps():
     mesh = meshed(model(plate={"thickness": "where(y < 3.6, 0.2, 0.3)"}, support=support, load=load))
     for line in ([[1, 1], [3.2, 6.3]], [[4.6, 0.7], [7.3, 0.7], [7.3, 2.9]], [[0, 3.6], [8, 3.6]]):
         assert mesh.edges_along(Polyline(tuple(map(tuple, line)))) is not None
+
+
+def test_the_mesh_follows_walls_near_to_edges_and_to_each_other():
+    def followed(*lines, size=0.5):
+        mesh = meshed(model(size, support=[*({"line": line} for line in lines), {"edge": "edge 2"}]))
+        return [mesh.edges_along(Polyline(tuple(map(tuple, line)))) is not None for line in lines], len(mesh.elements)
+
+    alone = len(meshed(model()).elements)
+    for off in (0.3, 0.2, 0.1, 0.07):
+        assert followed([[0.5, off], [7, off]])[0] == [True]
+        assert followed([[1, 2], [6, 2]], [[1.2, 2 + off], [6.3, 2 + off]], [[off, 2.5], [off, 7]])[0] == [True] * 3
+    # Nearer ones are left, and cost nothing.
+    assert followed([[0.5, 0.06], [7, 0.06]]) == ([False], alone)
+    assert followed([[0.5, 0.1], [7, 0.1]])[1] < 3 * alone
+
+
+def test_a_footprint_near_to_an_edge_is_followed():
+    found = meshed(model(support=[{"at": [0.6, 0.55], "patch": [0.8, 0.8]}, {"edge": "edge 2", "fix": "simple"}]))
+    sides = [[[0.2, 0.15], [1, 0.15]], [[0.2, 0.15], [0.2, 0.95]], [[0.2, 0.95], [1, 0.95]]]
+    assert all(found.edges_along(Polyline(tuple(map(tuple, side)))) is not None for side in sides)
 
 
 @pytest.mark.parametrize(

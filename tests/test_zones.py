@@ -144,6 +144,50 @@ def test_a_later_zone_of_thickness_or_material_is_solid_again():
     assert halved[0] == approx(0.5 * first[0], rel=1e-14)
 
 
+D_SHAPED = [[3, 2], [4.5, 2], {"through": [5.5, 3], "to": [4.5, 4]}, [3, 4]]
+
+
+@pytest.mark.parametrize("plate", [{}, {"holes": [{"rectangle": [0.4, 0.6, 1.2, 1.4]}]}])
+def test_areas_may_have_arcs(plate):
+    """Followed by the mesh of a polygon, and cutting the elements of rows."""
+    mesh = {"size": 0.5} if plate else {"divisions": [16, 12]}
+    area = {"polygon": D_SHAPED}
+    size = 3 + np.pi / 2
+    heavy = {"area": area, "thickness": 0.2, "material": CONCRETE | {"unit_weight": 60e3}}
+    support = [
+        {"edge": ["left", "right"], "fix": "simple"},
+        {"name": "bed", "area": area, "resists": "down", "stiffness": 1e6},
+    ]
+    loads = [{"self_weight": True}, {"pressure": 5e3, "area": area}]
+    model = slab(heavy, plate=plate, mesh=mesh, support=support, load=loads)
+    found = discretise(model)
+    assert found.zones.parted.any() == (not plate)
+    result = solve(model)["all"]
+    own = 0.2 * 25e3 * (48 - (0.64 if plate else 0)) + size * (0.2 * 35e3 + 5e3)
+    assert sum(result.reactions.values()) == approx(own, rel=1e-4 if plate else 1e-5)
+    assert result.certificate.passed
+
+
+def test_a_zone_of_arcs_is_the_circle():
+    arcs = [[5.3, 3], {"through": [4, 4.3], "to": [2.7, 3]}, {"through": [4, 1.7], "to": [5.3, 3]}]
+    given = {"mesh": {"size": 0.4, "error": False}, "plate": {"holes": [{"rectangle": [0.4, 0.6, 1.2, 1.4]}]}}
+    for rest in (given, {"mesh": {"divisions": [16, 12]}}):
+        circle, other = (
+            solved({"area": area, "thickness": 0.4}, **rest)
+            for area in ({"circle": {"center": [4, 3], "radius": 1.3}}, {"polygon": arcs})
+        )
+        assert other.deflection.max() == approx(circle.deflection.max(), rel=1e-3 if rest is given else 1e-6)
+        assert [one.what for one in other.singular] == [one.what for one in circle.singular]
+
+
+def test_arcs_that_cross_a_side_are_refused():
+    crossing = [[0, 0], [4, 0], [4, 1], {"through": [2, -1], "to": [0, 1]}]
+    with pytest.raises(
+        InputError, match=r"zone\[1\].area.polygon: The polygon crosses or touches itself. Give corners"
+    ):
+        slab({"area": {"polygon": crossing}, "thickness": 0.3})
+
+
 def test_overlaps_that_are_seldom_meant_are_told():
     other = {"area": {"rectangle": [4, 3, 6, 5]}, "thickness": 0.3}
     (partly,) = check(slab(THICK, other)).warnings

@@ -163,7 +163,7 @@ const ENOUGH: f64 = 0.99;
 const SHARP: f64 = 40.0;
 const MANY: usize = 20_000;
 /// So few elements keep their triangles: longer quadrilaterals in their place would cost more than they bring.
-const FEW: usize = 25;
+const FEW: usize = 28;
 /// Least quality, before nodes are moved, of what leads triangles together, and the same in meshes of many elements,
 /// which are not made again without it where it leaves sharp angles.
 const BOLD: f64 = 0.05;

@@ -126,7 +126,7 @@ def _corners(shape: Region) -> Floats:
     """Corners of a region (c, 2), of a circle the points farthest along x and y."""
     if isinstance(shape, Circle):
         return np.asarray(shape.center + shape.radius * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]))
-    return np.asarray(shape.outline.segments[:, 0])
+    return shape.drawn
 
 
 def _rim(shape: Region) -> Curve:

@@ -1,24 +1,31 @@
-"""Borders of zones as a mesh follows them: their arcs, and the sizes of elements that leave room for them."""
+"""What a mesh follows: the arcs of zones, and sizes of elements that leave room for borders and lines."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import TypeAlias
 
 import numpy as np
 
 from signorini.discretise.rows import Bools, Floats
-from signorini.shapes import Region
-from signorini.shapes.contours import Contour, circle
+from signorini.shapes import Curve, Region
+from signorini.shapes.contours import Contour, along_side, circle
+
+Line: TypeAlias = Region | Curve
 
 _AROUND = 12
 """Elements around a circle at least."""
 _LEAST = 0.125
 """Part of the element size below which room is not made: so near things are seldom meant to be apart."""
+_LEAST_BESIDE_LINES = 0.25
+"""The same of lines: many small elements along them would cost more than following them brings."""
+_FOLLOWED = 0.55 * _LEAST_BESIDE_LINES
+"""Distance over the element size below which elements of the least size do not follow a line."""
 _TOUCHING = 1e-9
 
 
 def arcs_of(border: Region) -> Iterator[tuple[float, ...]]:
-    """Yield the quarters of circles, each by three points.
+    """Yield arcs, of circles their quarters, each by three points.
 
     Examples
     --------
@@ -32,48 +39,57 @@ def arcs_of(border: Region) -> Iterator[tuple[float, ...]]:
         for begin, through, end in zip(drawn.corners, drawn.through, ends, strict=True):
             assert through is not None  # a circle is of arcs
             yield (*begin, *through, *end)
+    yield from (tuple(arc) for arc in border.outline.arcs.reshape(-1, 6).tolist())
 
 
-def room(borders: Sequence[Region], contours: Sequence[Contour], size: float) -> Floats:
-    """Give straight pieces along borders with sizes (k, 5) that let a mesh of elements of a size follow them.
+def room(borders: Sequence[Region], contours: Sequence[Contour], size: float, lines: Sequence[Line] = ()) -> Floats:
+    """Give straight pieces with sizes (k, 5) that let a mesh of elements of a size follow borders and lines.
 
-    They are short sides and small circles, and where a side is near to another one, or to one of the plate's contours,
-    that it does not meet.
+    They are short sides and small circles of borders, and where a side, or a straight part of a line, is near to
+    another one, or to one of the plate's contours, that it does not meet. Parts of one line are not asked for each
+    other's sake, nor those that are nearer to something else than can be followed.
 
     Examples
     --------
-    >>> from signorini.shapes import Rectangle
+    >>> from signorini.shapes import Polyline, Rectangle
     >>> from signorini.shapes.contours import straight
     >>> plate = straight(((0, 0), (8, 0), (8, 6), (0, 6)), "abcd")
     >>> found = room([Rectangle(0.2, 2.0, 3.0, 4.0)], [plate], 0.5)
     >>> len(found), float(found[:, 4].min().round(3))
     (10, 0.2)
+    >>> room([], [plate], 0.5, [Polyline(((4.0, 5.8), (4.4, 5.8)))]).round(3).tolist()
+    [[4.0, 5.8, 4.2, 5.8, 0.2], [4.2, 5.8, 4.4, 5.8, 0.2]]
     """
-    sides = [side for border in borders for side in _sides_of(border)]
-    others = [*sides, *(side for contour in contours for side in _chords(contour))]
-    extent = np.ptp(np.concatenate([np.zeros((0, 2)), *(side.reshape(-1, 2) for side in others)]), axis=0).max()
+    sides: list[tuple[Floats, int | None]] = [(side, None) for border in borders for side in _sides_of(border)]
+    sides += [(side, number) for number, line in enumerate(lines) for side in line.outline.segments[:, None]]
+    chords = [(side, -1) for contour in contours for side in _chords(contour)]
+    every = [*sides, *chords]
+    boxes = np.array([[*side.min(axis=(0, 1)), *side.max(axis=(0, 1))] for side, _ in every]).reshape(-1, 4)
+    extent = np.ptp(boxes.reshape(-1, 2), axis=0).max(initial=0.0)
     found = [np.zeros((0, 5))]
-    low, high = (np.array([end(side, axis=(0, 1)) for side in others]).reshape(-1, 2) for end in (np.min, np.max))
-    for index, side in enumerate(sides):
+    for (side, number), box in zip(sides, boxes, strict=False):
         length = float(np.hypot(*(side[:, 1] - side[:, 0]).T).sum())
         closed = bool((side[0, 0] == side[-1, 1]).all())
-        own = length / _AROUND if closed else length
+        own = np.inf if number is not None else length / _AROUND if closed else length
         pieces = _divided(side, 0.5 * size)
         apart = np.full(len(pieces), min(own, size))
-        between = np.maximum(low - high[index], low[index] - high)
-        for number in np.flatnonzero((between < size).all(axis=1)):
-            other = others[number]
-            if number != index and not _meet(side, other, _TOUCHING * extent):
+        close = ((boxes[:, :2] <= box[2:] + size) & (boxes[:, 2:] >= box[:2] - size)).all(axis=1)
+        for other, of in (every[at] for at in np.flatnonzero(close)):
+            alike = other is side or (number is not None and of == number)
+            if not alike and not _meet(side, other, _TOUCHING * extent):
                 apart = np.minimum(apart, _distance(pieces.mean(axis=1), other))
-        near = apart < size
-        sizes = np.maximum(apart[near], min(_LEAST * size, own))
+        near = (apart < size) & ((number is None) | (apart > _FOLLOWED * size))
+        sizes = np.maximum(apart[near], min((_LEAST if number is None else _LEAST_BESIDE_LINES) * size, own))
         found.append(np.column_stack([pieces[near].reshape(-1, 4), sizes]))
     return np.concatenate(found)
 
 
 def _sides_of(border: Region) -> Iterator[Floats]:
-    """Yield straight sides, and circles by their chords, (k, 2, 2)."""
+    """Yield straight sides, and circles and arcs by their chords, (k, 2, 2)."""
     yield from border.outline.segments[:, None]
+    for a, m, b in border.outline.arcs.tolist():
+        along = np.vstack([along_side(a, m, b)[::5], b])
+        yield np.stack([along[:-1], along[1:]], axis=1)
     for x, y, radius in border.outline.circles.tolist():
         yield _joined(circle((x, y), radius, "").points()[::5])
 

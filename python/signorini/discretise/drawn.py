@@ -16,6 +16,8 @@ from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
 from signorini.model import AnnulusPlate, DiscPlate, Plate, Support
 from signorini.shapes import Region
+from signorini.shapes.contours import along_side
+from signorini.shapes.outlines import Point
 
 _MOST = 10_000
 """Points of one curve, or pairs of sides and segments, that are looked at together."""
@@ -83,7 +85,9 @@ def draw(mesh: Mesh, plate: Plate, support: Support, step: float) -> Drawn:
     if shape is None:
         return _draw_edges(mesh, plate, support.edge or (), step)
     outline, inside = shape.outline, region(support.area)
-    sides = np.stack([outline.segments[:, 0], outline.segments.mean(axis=1), outline.segments[:, 1]], axis=1)
+    chords = [outline.segments, *(_chords_of(*arc) for arc in outline.arcs.tolist())]
+    ends = np.concatenate(chords)
+    sides = np.stack([ends[:, 0], ends.mean(axis=1), ends[:, 1]], axis=1)
     points = [_spread(sides, outline.circles, step)]
     if inside is not None:
         points.append(mesh.points[inside.contains(mesh.points)])
@@ -103,6 +107,12 @@ def _draw_edges(mesh: Mesh, plate: Plate, names: tuple[str, ...], step: float) -
     sides = np.concatenate([np.zeros((0, 3, 2)), *others])
     circles = np.array([[*center, radii[name]] for name in names if name in radii]).reshape(-1, 3)
     return Drawn(_spread(sides, circles, step), sides, circles)
+
+
+def _chords_of(a: Point, through: Point, b: Point) -> Floats:
+    """Chords (k, 2, 2) of an arc."""
+    along = np.vstack([along_side(a, through, b), b])
+    return np.stack([along[:-1], along[1:]], axis=1)
 
 
 def _spread(sides: Floats, circles: Floats, step: float) -> Floats:

@@ -15,7 +15,7 @@ from signorini.errors import InputError, Place, point
 from signorini.mesh import Mesh
 from signorini.model import Load, Support
 from signorini.model.footprint import footprints
-from signorini.shapes import Circle, Rectangle
+from signorini.shapes import Circle, Polygon, Rectangle
 
 _GAUSS = 3
 _ON_LINE = 1e-9
@@ -77,7 +77,7 @@ class Footprints:
             raise InputError.of(problems)
         return found
 
-    def _on_plate(self, at: tuple[float, float], shape: Rectangle | Circle) -> float:
+    def _on_plate(self, at: tuple[float, float], shape: Rectangle | Circle | Polygon) -> float:
         """Part of a footprint that has to be on the plate: all, unless edges of symmetry cut it through its middle."""
         near = self._axes[0], self._axes[1] - self._axes[0]
         length = np.hypot(*near[1].T)
@@ -85,8 +85,11 @@ class Footprints:
         off, along = np.abs(((at - near[0]) * normals).sum(axis=1)), ((at - near[0]) * near[1]).sum(axis=1) / length
         slack = _ON_LINE * self._mesh.size
         through = np.unique(normals[(off <= slack) & (along >= -slack) & (along <= length + slack)].round(9), axis=0)
-        if isinstance(shape, Rectangle) and (np.abs(through) > _ON_LINE).all(axis=1).any():
-            return 1.0
+        if not isinstance(shape, Circle):
+            side = shape.corners[1] - shape.corners[0]
+            sines = np.stack([through @ side, through @ [-side[1], side[0]]]) / np.hypot(*side)
+            if (np.abs(sines) > _ON_LINE).all(axis=0).any():
+                return 1.0
         if len(through) == 2:
             return math.acos(float(np.clip(-through[0] @ through[1], -1.0, 1.0))) / (2 * math.pi)
         return 0.5 if len(through) == 1 else 1.0

@@ -32,7 +32,7 @@ from signorini.model import (
 )
 from signorini.model.footprint import footprints
 from signorini.shapes import Curve, Floats, Polyline, Region
-from signorini.shapes.contours import circle
+from signorini.shapes.contours import along_side, circle
 from signorini.shapes.outlines import Box, Point
 
 _Item = TypeVar("_Item", Support, Load)
@@ -146,7 +146,7 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
         lines.append(np.array([[x0, y, x1, y] for y in drawing.y_lines]).reshape(-1, 4))
     lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model)]
     refined = [rows for part in model.mesh.refine for rows in _refined(plate, part)]
-    refined += [room(borders, plate.contours, size)] if borders else []
+    refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
     points = [at for part in model.mesh.refine for at in part.at or ()]
     try:
         return outlined(
@@ -181,6 +181,7 @@ def _refined(plate: OutlinedPlate, part: Refinement) -> Iterator[Floats]:
         for x, y, radius in shape.outline.circles.tolist():
             ring = circle((x, y), radius, "").points()
             chains.append(np.vstack([ring, ring[:1]]))
+        chains += [np.vstack([along_side(*arc), arc[2]]) for arc in shape.outline.arcs.tolist()]
     for chain in chains:
         yield np.column_stack([chain[:-1], chain[1:], np.full(len(chain) - 1, part.size)])
     if (inside := region(part.area)) is not None:
@@ -205,6 +206,16 @@ def _shapes(model: Model) -> Iterator[Region | Curve]:
             if shape is not None:
                 yield shape
     yield from (Polyline(section.line) for section in model.section)
+
+
+def _stood_on(model: Model) -> Iterator[Region | Curve]:
+    """What is followed beside other things by smaller elements: lines, and areas and footprints of supports."""
+    items: list[Support | Load] = [*model.support, *model.load]
+    for item in items:
+        below = (region(item.area), *footprints(item)) if isinstance(item, Support) else ()
+        for shape in (curve(item), *below):
+            if shape is not None:
+                yield shape
 
 
 def _radii(model: Model, center: Point, outer: float) -> list[float]:

@@ -20,7 +20,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, length, point, unknown
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, Area, DiscPlate, Load, OutlinedPlate, Plate, Refinement, Support
-from signorini.shapes import Circle, Curve, Polygon, Polyline, Rectangle, Region, Ring
+from signorini.shapes import Circle, Curve, Polygon, Polyline, Rectangle, Region, Ring, Rounded
 from signorini.shapes.contours import circle
 from signorini.shapes.distances import distances
 from signorini.shapes.overlap import overlap
@@ -178,7 +178,7 @@ def _require_on_plate(
     """
     if points.total == 0:
         raise InputError(f"{what} is not on the plate. Move it onto the plate.", place=place)
-    whole = shape.area if isinstance(shape, Rectangle | Circle | Polygon) else shape.length
+    whole = shape.length if isinstance(shape, Polyline | Ring) else shape.area
     missing = off_plate(mesh, shape, points)
     beyond = slack = 0.0
     match plate, shape:
@@ -187,12 +187,8 @@ def _require_on_plate(
             if isinstance(plate, AnnulusPlate) and isinstance(shape, Circle) and plate.sector < 360:
                 beyond += 0.5 * math.radians(plate.sector) * min(plate.inner, shape.radius) ** 2
     match plate, shape:
-        case OutlinedPlate(), (Rectangle() | Circle() | Polygon()) if missing > 0:
-            corners = (
-                circle(shape.center, shape.radius, "").points()
-                if isinstance(shape, Circle)
-                else shape.outline.segments[:, 0]
-            )
+        case OutlinedPlate(), (Rectangle() | Circle() | Polygon() | Rounded()) if missing > 0:
+            corners = circle(shape.center, shape.radius, "").points() if isinstance(shape, Circle) else shape.drawn
             over = sum(overlap(corners, opening.points()) for opening in plate.contours[1:])
             beyond, slack = beyond + over, slack + _SECTOR_SLACK * over
     missing = missing - beyond if missing > beyond + slack else 0.0

@@ -19,6 +19,7 @@ from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import CENTROID
 from signorini.model import Material, Model
 from signorini.model.plate import Stiffness
+from signorini.shapes.contours import along_side
 from signorini.shapes.outlines import Outline
 
 _SLIVER = 0.01
@@ -188,6 +189,11 @@ def _along(outline: Outline, step: float) -> tuple[Floats, Floats]:
         turn = 2.0 * np.pi * (np.arange(count) + 0.5) / count
         normals.append(np.column_stack([np.cos(turn), np.sin(turn)]))
         points.append((x, y) + radius * normals[-1])
+    for (a, m, b), (x, y, radius) in zip(
+        outline.arcs.tolist(), outline.whole_circles[len(outline.circles) :].tolist(), strict=True
+    ):
+        points.append(along_side(a, m, b)[1:])
+        normals.append((points[-1] - (x, y)) / radius)
     return np.concatenate(points), np.concatenate(normals)
 
 

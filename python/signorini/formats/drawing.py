@@ -86,6 +86,25 @@ class Loop:
         return (right - left, top - bottom) if at_corners and self.area > whole / 2 > 0 else None
 
     @property
+    def turned_sides(self) -> tuple[float, float, float] | None:
+        """Lengths [m] of the sides if it is a rectangle, askew too, and the degrees from x to the first, −45 to 45.
+
+        Examples
+        --------
+        >>> from signorini.formats.drawing import Corner, Loop
+        >>> column = Loop((Corner(0, 0), Corner(0.4, 0.3), Corner(0.25, 0.5), Corner(-0.15, 0.2)))
+        >>> [round(part, 3) for part in column.turned_sides]
+        [0.5, 0.25, 36.87]
+        """
+        if not self.is_rectangle:
+            return None
+        a, b, c, _ = self.corners
+        first, second = math.dist(a[:2], b[:2]), math.dist(b[:2], c[:2])
+        degrees = math.degrees(math.atan2(b.y - a.y, b.x - a.x))
+        turns = round(degrees / 90.0)
+        return (*((first, second) if turns % 2 == 0 else (second, first)), degrees - 90.0 * turns)
+
+    @property
     def middle_line(self) -> tuple[tuple[float, float], tuple[float, float]] | None:
         """Ends [m] of the line along the middle, if it is a rectangle, askew too, three times as long as wide at least.
 
@@ -189,7 +208,8 @@ class Drawing:
     zones : of Loop
         Parts of the plate that are made otherwise.
     points : dict
-        By footprint, (a, b) of a rectangle [m], (r,) of a circle or () of none, the places (x, y) [m] that have it.
+        By footprint, (a, b) of a rectangle [m], (a, b, degrees) of one askew, (r,) of a circle or () of none, the
+        places (x, y) [m] that have it.
     lines : of corners
         Open lines, arcs as they are.
     took, left : of str

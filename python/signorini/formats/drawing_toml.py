@@ -83,7 +83,7 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
         _plate(drawing),
         *(
             "# Assumed, the drawing does not say how it is made: its thickness.\n"
-            f"[[zone]]\narea = {_area(zone, arcs=False)}\nthickness = 0.4"
+            f"[[zone]]\narea = {_area(zone)}\nthickness = 0.4"
             for zone in drawing.zones
         ),
         f"[mesh]\nsize = {_size(max(right - left, top - bottom))}",
@@ -91,10 +91,8 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
     count = len(drawing.points) + len(drawing.lines)
     for number, (footprint, at) in enumerate(drawing.points.items(), 1):
         name = "points" if len(drawing.points) == 1 else f"points {number}"
-        key = {0: "", 1: "radius = ", 2: "patch = "}[len(footprint)]
-        size = _number(footprint[0]) if len(footprint) == 1 else _list(footprint)
         places = "\n".join(f"    {_list(place)}," for place in at)
-        blocks.append(_kinds("N/m") + _support(name, f"at = [\n{places}\n]") + (f"\n{key}{size}" if key else ""))
+        blocks.append(_kinds("N/m") + _support(name, f"at = [\n{places}\n]") + _footprint(footprint))
     for number, line in enumerate(drawing.lines, 1):
         name = "lines" if len(drawing.lines) == 1 else f"lines {number}"
         blocks.append(
@@ -121,14 +119,13 @@ def _plate(drawing: Drawing) -> str:
     return "\n".join(lines)
 
 
-def _area(loop: Loop, arcs: bool = True) -> str:
+def _area(loop: Loop) -> str:
     if loop.radius:
         center = _list(loop.corners[0][:2])
         return f"{{ circle = {{ center = {center}, radius = {_number(loop.radius)} }} }}"
     if loop.sides:
         return f"{{ rectangle = {_list(loop.box)} }}"
-    chords = flattened((*loop.corners, loop.corners[0]), _TURN)[:-1]
-    return f"{{ polygon = [{', '.join(_corners(loop) if arcs else map(_list, chords))}] }}"
+    return f"{{ polygon = [{', '.join(_corners(loop))}] }}"
 
 
 def _corners(loop: Loop) -> list[str]:
@@ -154,6 +151,13 @@ def _kinds(unit: str) -> str:
 
 def _support(name: str, place: str) -> str:
     return f'[[support]]\nname = "{name}"\n{place}'
+
+
+def _footprint(footprint: tuple[float, ...]) -> str:
+    if len(footprint) < 2:
+        return f"\nradius = {_number(footprint[0])}" if footprint else ""
+    turned = f"\nangle = {_number(footprint[2])}" if len(footprint) > 2 else ""
+    return f"\npatch = {_list(footprint[:2])}{turned}"
 
 
 def _size(extent: float) -> str:

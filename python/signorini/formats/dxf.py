@@ -6,7 +6,7 @@ import math
 import os
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import TypeVar
 
 from signorini.errors import InputError, point
@@ -23,6 +23,14 @@ _TURN = math.radians(4)
 """Turn of the chords of arcs that are asked whether they are on the plate."""
 _STEP = 0.1
 """Metres between points at which lines are asked whether they are on the plate."""
+_WALLS = (0.05, 0.6)
+"""Metres between the faces of walls."""
+_MATCHED, _SHARED = 0.75, 0.25
+"""Part of the longer of two faces that both have: of those taken for one wall, and of those that may be."""
+_LONG = 3.0
+"""Length over distance from which on two lines are a wall."""
+_ASKEW = 0.01
+"""Slope to each other of parallel lines: half a degree, that of a careless drawing."""
 _MOST_PLACES = 3
 """Places that a line of what is left names."""
 
@@ -152,16 +160,16 @@ def _points(
             shapes.append((loop, loop.middle))
     found: dict[tuple[float, ...], list[tuple[float, float]]] = defaultdict(list)
     off: list[tuple[float, float]] = []
-    over, askew, loose = off.copy(), off.copy(), off.copy()
+    over, loose = off.copy(), off.copy()
     for shape, at in shapes:
         footprint: tuple[float, ...] = ()
         if not on_plate(at):
             off.append(at)
             continue
         if shape is not None:
-            size = (shape.radius,) if shape.radius else shape.sides
+            size = (shape.radius,) if shape.radius else shape.sides or shape.turned_sides
             if size is None:
-                (askew if shape.is_rectangle else loose).append(at)
+                loose.append(at)
             elif not on_plate(*shape.points):
                 over.append(at)
             else:
@@ -170,7 +178,6 @@ def _points(
     for places, why in (
         (off, "not on the plate; left"),
         (over, "their shape reaches beyond the plate; points without footprint"),
-        (askew, "rectangles askew, and a patch is along the axes; points without footprint"),
         (loose, "neither circles nor rectangles; points without footprint"),
     ):
         left += [f"points: {len(places)}{_about(places)}: {why}"] if places else []
@@ -193,9 +200,21 @@ def _lines(layer: Layer, on_plate: Callable[..., bool], left: list[str]) -> list
     middles = [tuple(Corner(*at) for at in middle) for _, middle in walls if middle is not None]
     if middles:
         left.append(f"lines: {len(middles)} closed rectangles became the lines along their middles")
+    drawn, pairs = _walls(_all_of(layer.lines))
+    if pairs:
+        apart = f"{pairs[0][0]:.3g} m apart" if len(pairs) == 1 else f"{pairs[0][0]:.3g} to {pairs[-1][0]:.3g} m apart"
+        left.append(
+            f"lines: {len(pairs)} pair{'s' * (len(pairs) > 1)} side by side, {apart}{_about([at for _, at in pairs])}: "
+            "taken for the faces of walls, which became the lines along their middles"
+        )
+    if beside := _beside_others([*drawn, *middles]):
+        left.append(
+            f"lines: {len(beside)}{_about(beside)}: beside another, less than {_WALLS[1]:g} m apart; both are "
+            "supports. Keep one where they are the faces of one wall"
+        )
     lines: list[tuple[Corner, ...]] = []
     off: list[tuple[float, float]] = []
-    for line in (*_all_of(layer.lines), *middles):
+    for line in (*drawn, *middles):
         chords = flattened(line, _TURN)
         between = [at for a, b in pairwise(chords) for at in _spaced(a, b)]
         if on_plate(*chords, *between):
@@ -204,6 +223,57 @@ def _lines(layer: Layer, on_plate: Callable[..., bool], left: list[str]) -> list
             off.append(chords[0])
     left += [f"lines: {len(off)}{_about(off)}: not on the plate; left"] if off else []
     return lines
+
+
+def _walls(
+    lines: Sequence[tuple[Corner, ...]],
+) -> tuple[list[tuple[Corner, ...]], list[tuple[float, tuple[float, float]]]]:
+    """Lines, of straight ones that are two faces of a wall the middle; distances of those, and where they begin."""
+    sides = {i: (line[0], line[1]) for i, line in enumerate(lines) if len(line) == 2 and not line[0].bulge}
+    pairs = sorted(
+        (apart, i, j)
+        for (i, one), (j, other) in combinations(sides.items(), 2)
+        if (apart := _apart(one, other, _MATCHED)) is not None
+    )
+    middle: dict[int, tuple[Corner, ...]] = {}
+    found: list[tuple[float, tuple[float, float]]] = []
+    for apart, i, j in pairs:
+        (a, b), (c, d) = sides[i], sides[j]
+        if i in middle or j in middle or math.dist(a[:2], b[:2]) < _LONG * apart:
+            continue
+        if math.dist(a[:2], c[:2]) > math.dist(a[:2], d[:2]):
+            c, d = d, c
+        ends = [Corner((p.x + q.x) / 2, (p.y + q.y) / 2) for p, q in ((a, c), (b, d))]
+        middle |= {i: tuple(ends), j: ()}
+        found.append((apart, (ends[0].x, ends[0].y)))
+    return [one for i, line in enumerate(lines) if (one := middle.get(i, line))], found
+
+
+def _beside_others(lines: Sequence[tuple[Corner, ...]]) -> list[tuple[float, float]]:
+    """Where lines begin of which a straight side is beside one of an earlier line."""
+    sides = [[(a, b) for a, b in pairwise(line) if not a.bulge] for line in lines]
+    return [
+        (line[0].x, line[0].y)
+        for i, line in enumerate(lines)
+        if any(_apart(one, other, _SHARED) is not None for one in sides[i] for of in sides[:i] for other in of)
+    ]
+
+
+def _apart(one: tuple[Corner, Corner], other: tuple[Corner, Corner], share: float) -> float | None:
+    """Distance [m] of parallel sides as far apart as the faces of a wall, with a share of the longer one in common."""
+    (a, b), (c, d) = one, other
+    length, along = math.dist(a[:2], b[:2]), (b.x - a.x, b.y - a.y)
+    if length < math.dist(c[:2], d[:2]):
+        return _apart(other, one, share)
+
+    def local(p: Corner) -> tuple[float, float]:
+        x, y = p.x - a.x, p.y - a.y
+        return (x * along[0] + y * along[1]) / length, (x * along[1] - y * along[0]) / length
+
+    (u, v), (s, t) = local(c), local(d)
+    apart, common = abs(v + t) / 2, min(max(u, s), length) - max(min(u, s), 0.0)
+    parallel = abs(v - t) < 2 * GAP + _ASKEW * abs(u - s)
+    return apart if parallel and _WALLS[0] <= apart <= _WALLS[1] and common >= share * length else None
 
 
 def _spaced(a: tuple[float, float], b: tuple[float, float]) -> list[tuple[float, float]]:
@@ -222,4 +292,7 @@ def _sides(loop: Loop) -> str:
 def _footprint(footprint: tuple[float, ...]) -> str:
     if not footprint:
         return ""
-    return f", radius {footprint[0]:g} m" if len(footprint) == 1 else f", {footprint[0]:g} m × {footprint[1]:g} m"
+    if len(footprint) == 1:
+        return f", radius {footprint[0]:g} m"
+    turned = f", turned by {footprint[2]:g}°" if len(footprint) > 2 else ""
+    return f", {footprint[0]:g} m × {footprint[1]:g} m{turned}"

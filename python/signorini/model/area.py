@@ -14,16 +14,15 @@ from signorini.model.base import (
     Complaint,
     Number,
     Point,
-    Polygon,
     Positive,
     Table,
     listed,
     numbers_schema,
 )
+from signorini.model.corners import Corners, contour
 from signorini.model.problems import BRANCHES
 from signorini.shapes import Region
 
-_MOST_CORNERS = 2000
 _FORMS = ("rectangle", "circle", "polygon")
 
 
@@ -54,7 +53,9 @@ class Area(Table):
 
     rectangle: Box | None = Field(default=None, description="Sides parallel to the axes: [x0, y0, x1, y1].")
     circle: Circle | None = Field(default=None, description="A disc: { center = [x, y], radius = r }.")
-    polygon: Polygon | None = Field(default=None, description="Corners [[x, y], ...] in order, either way round.")
+    polygon: Corners | None = Field(
+        default=None, description="Corners [x, y] in order; an arc to a corner is { through = [x, y], to = [x, y] }."
+    )
 
     def _complaints(self) -> Iterator[Complaint]:
         forms = self.given(_FORMS)
@@ -62,9 +63,6 @@ class Area(Table):
             yield (), f"found {' and '.join(forms) or 'none'}; exactly one of {', '.join(_FORMS)} is needed."
         yield from box_complaints(self.rectangle)
         if self.polygon is not None:
-            if len(self.polygon) > _MOST_CORNERS:
-                yield ("polygon",), f"found {len(self.polygon)} corners; at most {_MOST_CORNERS} are allowed."
-                return
             try:
                 assert self.region is not None
             except InputError as error:
@@ -78,7 +76,17 @@ class Area(Table):
         if self.circle is not None:
             return shapes.Circle(self.circle.center, self.circle.radius)
         assert self.polygon is not None  # it has exactly one of the three
-        return shapes.Polygon(self.polygon)
+        drawn = contour(self.polygon, "", numbered=False)
+        if not any(drawn.through):
+            return shapes.Polygon(drawn.corners)
+        try:
+            shapes.Polygon(tuple((x, y) for x, y in drawn.points().tolist()))
+        except InputError:
+            raise InputError(
+                "The polygon crosses or touches itself. Give corners and arcs in order around the outline, or split it "
+                "into several polygons."
+            ) from None
+        return shapes.Rounded(drawn)
 
 
 def _area_form(value: object) -> str | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import reprlib
 from collections.abc import Callable, Iterable, Iterator
+from itertools import pairwise
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -193,19 +194,14 @@ def _points(value: object) -> object:
     return value
 
 
-def _corners(fewest: int, closed: bool) -> Callable[[object], object]:
-    def check(points: Any) -> object:
-        points = as_list(points)
-        if not isinstance(points, list | tuple) or len(points) < fewest:
-            raise ValueError(f"found {describe(points)}; it must be a list of at least {fewest} points [x, y].")
-        following = [*points[1:], points[0]] if closed else points[1:]
-        for index, (point, after) in enumerate(zip(points, following, strict=False), start=1):
-            if as_list(point) == as_list(after):
-                repeats = " (the outline closes by itself)" if closed and index == len(points) else ""
-                raise ValueError(f"point {index} and the one after it are the same{repeats}.")
-        return points
-
-    return check
+def _polyline(points: Any) -> object:
+    points = as_list(points)
+    if not isinstance(points, list | tuple) or len(points) < 2:
+        raise ValueError(f"found {describe(points)}; it must be a list of at least 2 points [x, y].")
+    for index, (point, after) in enumerate(pairwise(points), start=1):
+        if as_list(point) == as_list(after):
+            raise ValueError(f"point {index} and the one after it are the same.")
+    return points
 
 
 def _nodes(value: object) -> object:
@@ -259,12 +255,7 @@ Points = Annotated[
     BeforeValidator(_points),
     WithJsonSchema({"anyOf": [numbers_schema(2), {"type": "array", "items": numbers_schema(2), "minItems": 1}]}),
 ]
-Polyline = Annotated[
-    tuple[Point, ...], BeforeValidator(_corners(2, closed=False)), Field(json_schema_extra={"minItems": 2})
-]
-Polygon = Annotated[
-    tuple[Point, ...], BeforeValidator(_corners(3, closed=True)), Field(json_schema_extra={"minItems": 3})
-]
+Polyline = Annotated[tuple[Point, ...], BeforeValidator(_polyline), Field(json_schema_extra={"minItems": 2})]
 NodeNumber = Annotated[int, Field(ge=0), BeforeValidator(_whole)]
 Nodes = Annotated[
     tuple[NodeNumber, ...],

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Annotated, Protocol
 
+import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from signorini import shapes
-from signorini.model.base import Complaint, Positive, listed, numbers_schema
+from signorini.model.base import Complaint, Positive, listed, number, numbers_schema
+from signorini.shapes.contours import directions
 
 KEYS = ("patch", "radius")
 
@@ -20,6 +22,10 @@ Patch = Annotated[
     ]
     | None,
     Field(description="Footprint of each point of at or nodes: a rectangle [length along x, width along y] about it."),
+]
+Angle = Annotated[
+    Annotated[float, BeforeValidator(number)] | None,
+    Field(description="Turns the patch: degrees from x to its first side, towards y; default 0."),
 ]
 Radius = Annotated[Positive | None, Field(description="Footprint of each point of at or nodes: a disc about it.")]
 
@@ -36,6 +42,10 @@ class AtPoints(Protocol):
         """The lengths of a rectangle about each."""
 
     @property
+    def angle(self) -> float | None:
+        """By how many degrees the rectangles are turned."""
+
+    @property
     def radius(self) -> float | None:
         """The radius of a disc about each."""
 
@@ -50,9 +60,11 @@ def footprint_complaints(item: AtPoints) -> Iterator[Complaint]:
         yield ("radius",), "found both patch and radius; give one."
     elif keys and not item.given(("at", "nodes")):
         yield (keys[0],), f"{keys[0]} is the footprint of points; it goes with at or nodes."
+    if item.angle is not None and item.patch is None:
+        yield ("angle",), "angle turns a patch, and there is none."
 
 
-def footprints(item: AtPoints) -> tuple[shapes.Rectangle | shapes.Circle, ...]:
+def footprints(item: AtPoints) -> tuple[shapes.Rectangle | shapes.Circle | shapes.Polygon, ...]:
     """The footprint of every point; none where points are points.
 
     Examples
@@ -67,4 +79,10 @@ def footprints(item: AtPoints) -> tuple[shapes.Rectangle | shapes.Circle, ...]:
     if item.patch is None:
         return ()
     a, b = item.patch
+    if item.angle:
+        ((c, s),) = directions(np.array([item.angle])).tolist()
+        around = [(0.5 * u * a, 0.5 * v * b) for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        return tuple(
+            shapes.Polygon(tuple((x + c * u - s * v, y + s * u + c * v) for u, v in around)) for x, y in points
+        )
     return tuple(shapes.Rectangle(x - 0.5 * a, y - 0.5 * b, x + 0.5 * a, y + 0.5 * b) for x, y in points)

@@ -22,7 +22,7 @@ from signorini.model.base import (
     numbers_schema,
 )
 from signorini.model.footprint import KEYS as FOOTPRINT
-from signorini.model.footprint import Patch, Radius, footprint_complaints
+from signorini.model.footprint import Angle, Patch, Radius, footprint_complaints
 from signorini.model.words import describe
 
 Kind = Literal["pressure", "force", "line_load", "moment", "couple_about", "self_weight", "curvature"]
@@ -115,6 +115,7 @@ class Load(Table):
         default=None, description="A node of the mesh file by its number, or a list of numbers."
     )
     patch: Patch = None
+    angle: Angle = None
     radius: Radius = None
     edge: Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
     line: Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")

@@ -24,7 +24,8 @@ from signorini.model.base import (
     number,
     numbers_schema,
 )
-from signorini.model.contour import Corners, Holes, contour
+from signorini.model.contour import Holes
+from signorini.model.corners import Corners, contour
 from signorini.model.meshoptions import MeshOptions
 from signorini.model.problems import BRANCHES
 from signorini.model.words import describe
@@ -320,7 +321,7 @@ class RectanglePlate(_PatternedPlate):
     def follows(self, border: Region) -> bool:
         """Whether a mesh of the plate can have a border for its lines: rows have lines along the axes alone."""
         ends = border.outline.segments
-        return not len(border.outline.circles) and bool((ends[:, 0] == ends[:, 1]).any(axis=1).all())
+        return not len(border.outline.whole_circles) and bool((ends[:, 0] == ends[:, 1]).any(axis=1).all())
 
     def _lengths(self) -> tuple[float, float]:
         return self.size

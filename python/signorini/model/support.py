@@ -23,7 +23,7 @@ from signorini.model.base import (
     Text,
 )
 from signorini.model.footprint import KEYS as FOOTPRINT
-from signorini.model.footprint import Patch, Radius, footprint_complaints
+from signorini.model.footprint import Angle, Patch, Radius, footprint_complaints
 from signorini.model.words import describe
 
 Place = Literal["at", "edge", "line", "circle", "area"]
@@ -85,6 +85,7 @@ class Support(Table):
         default=None, description="A node of the mesh file by its number, or a list of numbers."
     )
     patch: Patch = None
+    angle: Angle = None
     radius: Radius = None
     edge: Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
     line: Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")

@@ -293,7 +293,7 @@ def _drawn(shape: Region) -> Floats:
     """Vertices (k, 2) of a region's outline, the first one again at the end."""
     if isinstance(shape, shapes.Circle):
         return _round(shape)
-    return np.concatenate([shape.outline.segments[:, 0], shape.outline.segments[:1, 0]])
+    return np.concatenate([shape.drawn, shape.drawn[:1]])
 
 
 def _round(circle: Circle | shapes.Circle) -> Floats:

@@ -220,7 +220,7 @@ def _alike(one: Support, other: Support) -> bool:
 def _as_large(found: Discretisation, one: int, other: int) -> bool:
     """Whether the points of two supports have the same footprint, or none."""
     first, second = found.model.support[one], found.model.support[other]
-    return (first.patch, first.radius) == (second.patch, second.radius)
+    return (first.patch, first.angle, first.radius) == (second.patch, second.angle, second.radius)
 
 
 def _reaches(found: Discretisation, one: int, other: int) -> bool:

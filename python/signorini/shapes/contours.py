@@ -47,7 +47,7 @@ class Contour:
         """Points (k, 2) along the sides of one name, or all: their corners, and of arcs one a degree."""
         ends = (*self.corners[1:], self.corners[0])
         sides = list(zip(self.corners, self.through, ends, self.names, strict=True))
-        found = [_along(a, m, b) for a, m, b, own in sides if name in (None, own)]
+        found = [along_side(a, m, b) for a, m, b, own in sides if name in (None, own)]
         return np.concatenate(found if name is None else [*found, [b for _, _, b, own in sides if own == name]])
 
     @property
@@ -98,18 +98,32 @@ def _arc(center: Point, radius: float, start: float, end: float) -> tuple[tuple[
     return tuple(places[::2]), tuple(places[1::2])
 
 
-def _along(a: Point, through: Point | None, b: Point) -> Floats:
-    """Points along a side from a on, without b."""
-    start, end = np.array(a), np.array(b)
-    if through is None:
-        return start[None]
-    u, v = np.array(through) - start, end - start
+def along_side(a: Point, through: Point | None, b: Point) -> Floats:
+    """Points (k, 2) along a side from a on, of an arc one a degree, without b."""
+    arc = None if through is None else arc_through(a, through, b)
+    if arc is None:
+        return np.array(a)[None]
+    center, radius, start, sweep = arc
+    count = max(1, math.ceil(_TURN * abs(sweep) / math.tau))
+    turn = start + sweep * np.arange(1, count) / count
+    return np.vstack([a, center + radius * np.column_stack([np.cos(turn), np.sin(turn)])])
+
+
+def arc_through(a: Point, through: Point, b: Point) -> tuple[Floats, float, float, float] | None:
+    """Centre, radius, angle of the first end and angle turned through of an arc; None where it is a line.
+
+    Examples
+    --------
+    >>> center, radius, start, sweep = arc_through((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0))
+    >>> center.tolist(), radius, start, round(sweep, 6)
+    ([0.0, 0.0], 1.0, 0.0, 3.141593)
+    """
+    first, last = np.array(a), np.array(b)
+    u, v = np.array(through) - first, last - first
     bend = u[0] * v[1] - u[1] * v[0]
     if abs(bend) <= _FLAT * (v @ v):
-        return start[None]
-    center = start + np.array([v[1] * (u @ u) - u[1] * (v @ v), u[0] * (v @ v) - v[0] * (u @ u)]) / (2.0 * bend)
-    first, last = (math.atan2(*(p - center)[::-1]) for p in (start, end))
-    sweep = (last - first) % math.tau if bend > 0.0 else -((first - last) % math.tau)
-    count = max(1, math.ceil(_TURN * abs(sweep) / math.tau))
-    turn = first + sweep * np.arange(count) / count
-    return np.asarray(center + np.hypot(*(start - center)) * np.column_stack([np.cos(turn), np.sin(turn)]))
+        return None
+    center = first + np.array([v[1] * (u @ u) - u[1] * (v @ v), u[0] * (v @ v) - v[0] * (u @ u)]) / (2.0 * bend)
+    start, end = (math.atan2(*(p - center)[::-1]) for p in (first, last))
+    sweep = (end - start) % math.tau if bend > 0.0 else -((start - end) % math.tau)
+    return center, float(np.hypot(*(first - center))), start, sweep

@@ -6,6 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -20,10 +21,24 @@ Box: TypeAlias = tuple[float, float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """What a region or curve is drawn with: straight segments (k, 2, 2) and full circles (m, 3) as x, y, radius."""
+    """What a region or curve is drawn with: straight segments (k, 2, 2), full circles (m, 3) as x, y, radius, and arcs.
+
+    Arcs (n, 3, 2) are their first ends, points that they pass, and their other ends.
+    """
 
     segments: Floats = field(default_factory=lambda: np.empty((0, 2, 2)))
     circles: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    arcs: Floats = field(default_factory=lambda: np.empty((0, 3, 2)))
+
+    @cached_property
+    def whole_circles(self) -> Floats:
+        """The circles, and those that the arcs are parts of."""
+        (a, m, b) = self.arcs.transpose(1, 2, 0)
+        u, v = m - a, b - a
+        bend = 2.0 * (u[0] * v[1] - u[1] * v[0])
+        uu, vv = (u * u).sum(axis=0), (v * v).sum(axis=0)
+        offset = np.array([v[1] * uu - u[1] * vv, u[0] * vv - v[0] * uu]) / bend
+        return np.concatenate([self.circles, np.column_stack([*(a + offset), np.hypot(*offset)])])
 
 
 class Straight(ABC):
@@ -33,6 +48,16 @@ class Straight(ABC):
     @abstractmethod
     def outline(self) -> Outline:
         """The segments."""
+
+    @property
+    def drawn(self) -> Floats:
+        """Points (k, 2) along the outline."""
+        return np.asarray(self.outline.segments[:, 0])
+
+    @property
+    def corners(self) -> Floats:
+        """Corners (c, 2)."""
+        return self.drawn
 
     @property
     def x_lines(self) -> tuple[float, ...]:

@@ -23,6 +23,7 @@ from signorini.shapes.outlines import (
     require_circle,
     require_finite,
 )
+from signorini.shapes.rounded import Rounded
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -259,7 +260,7 @@ class Ring(Round):
         return 2.0 * math.pi * self.radius
 
 
-Region: TypeAlias = Rectangle | Circle | Polygon
+Region: TypeAlias = Rectangle | Circle | Polygon | Rounded
 Curve: TypeAlias = Polyline | Ring
 
 

@@ -229,14 +229,16 @@ def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity
             advice = "Give it a stiffness, or take values from beside it." if rigid else "Take values from beside it."
             yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
     if rigid and shape is not None and not shape.contains(found.mesh.points).all():
-        drawn = _around(shape.center, shape.radius) if isinstance(shape, Circle) else shape.outline.segments[:, 0]
+        drawn = _around(shape.center, shape.radius) if isinstance(shape, Circle) else shape.drawn
         closed = _points(np.concatenate([drawn, drawn[:1]]))
         advice = "Give the area a stiffness."
         yield Singularity(
             closed, f"Outline of the rigid area of {support.name}", ("pressure",), advice, support.name, True
         )
         if not isinstance(shape, Circle):
-            corners = [at for at in drawn if found.mesh.locate(at[None]).inside[0] and not len(_boundary(found).at(at))]
+            corners = [
+                at for at in shape.corners if found.mesh.locate(at[None]).inside[0] and not len(_boundary(found).at(at))
+            ]
             if corners:
                 what = f"Corner of the rigid area of {support.name}"
                 yield Singularity(_points(np.array(corners)), what, ("shear",), advice, support.name)
@@ -269,7 +271,7 @@ def _of_zones(found: Discretisation) -> Iterator[Singularity]:
     """Corners of borders inside the plate, at which thickness or stiffness jump."""
     edge, mesh = _boundary(found), found.mesh
     for number, zone in enumerate(found.model.zone, 1):
-        corners = zone.region.outline.segments[:, 0]
+        corners = np.zeros((0, 2)) if isinstance(zone.region, Circle) else zone.region.corners
         around = corners[:, None] + _AROUND * mesh.size * _EIGHT
         elements = mesh.locate(around.reshape(-1, 2)).elements.reshape(-1, len(_EIGHT))
         inside = (elements >= 0).all(axis=1)

@@ -27,6 +27,8 @@ _RADON = 3
 """Order of Gauss's rule up to which seven points are as good on a triangle."""
 _LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (0,), 6: (1,), 5: (2,), 7: (0, 1, 2)}
 """From which corners of a triangle the lines of a rule run to its sides on the outline, which are 1, 2 and 4 in sum."""
+_WRITTEN = 1e-6
+"""Part of the plate's size by which an area may reach over an edge: coordinates are written with so many digits."""
 _ROUNDINGS = 16.0
 """Of a coordinate, on the way from corners to an area."""
 
@@ -72,7 +74,7 @@ def area_quadrature(
     ----------
     mesh : Mesh
         The mesh.
-    region : Rectangle, Circle, Polygon or None
+    region : Region or None
         None: the whole plate.
     order : int
         Gauss points in each direction of a whole element. Elements that the outline cuts get more, see
@@ -215,8 +217,8 @@ def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature, part: f
     Returns
     -------
     float
-        Zero where only rounding is missing, or of a region what lies between the plate's round outline and the
-        parabolas that the elements have for it.
+        Zero where only rounding is missing, or of a region a strip of a millionth of the plate's size, or what lies
+        between the plate's round outline and the parabolas that the elements have for it.
 
     Examples
     --------
@@ -232,6 +234,7 @@ def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature, part: f
         measure, slack = where.length, apart
     else:
         x0, y0, x1, y1 = where.bounds
+        apart = max(apart, _WRITTEN * mesh.size)
         measure, slack = where.area, mesh.round_outline_area + apart * (x1 - x0 + y1 - y0)
     missing = part * measure - quadrature.total
     return missing if missing > _ON_PLATE * measure + slack else 0.0

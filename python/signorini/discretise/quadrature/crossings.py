@@ -94,7 +94,7 @@ def touched(boxes: Floats, outline: Outline, margin: float) -> tuple[Ints, Ints,
         near &= across <= half[:, 0] * abs(direction[1]) + half[:, 1] * abs(direction[0])
         by_segment.append(np.flatnonzero(near))
     by_circle = []
-    for x, y, radius in outline.circles:
+    for x, y, radius in outline.whole_circles:
         offset = np.abs(centre - (x, y))
         nearest, farthest = np.hypot(*np.maximum(offset - half, 0.0).T), np.hypot(*(offset + half).T)
         by_circle.append(np.flatnonzero((nearest <= radius) & (farthest >= radius)))

@@ -70,7 +70,7 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss) -> Parts:
     ----------
     mesh : Mesh
         The mesh.
-    region : Rectangle, Circle or Polygon
+    region : Region
         Whose outline may cut elements in any way, or leave the mesh.
     order : int
         Gauss points across a strip.
@@ -93,7 +93,7 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss) -> Parts:
     whole, cut_elements = clear[region.contains(centres)], candidates[cut_]
     owners = (np.searchsorted(cut_, by_segment), np.searchsorted(cut_, by_circle))
     pieces, breaks = _pieces(
-        mesh, cut_elements, owners, region.outline.segments[segment], region.outline.circles[circle]
+        mesh, cut_elements, owners, region.outline.segments[segment], region.outline.whole_circles[circle]
     )
     cells = _cells(pieces, _strips(*breaks, boxes[cut_elements]), region)
     owner, positions, weights = _integrate(pieces, cells, boxes[cut_elements], region.area, order, rule)

@@ -63,7 +63,10 @@ class Cut:
 def sides_of(region: Part) -> list[Callable[[Floats], Floats]]:
     """Levels whose zeros are the lines and circles of a region's outline, on and on."""
     outline = region.outline
-    return [*(partial(_across, side) for side in outline.segments), *(partial(_beyond, c) for c in outline.circles)]
+    return [
+        *(partial(_across, side) for side in outline.segments),
+        *(partial(_beyond, c) for c in outline.whole_circles),
+    ]
 
 
 def _across(side: Floats, points: Floats) -> Floats:

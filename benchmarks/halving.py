@@ -10,7 +10,7 @@ def halved(mesh, part=1.0, seed=1):
     random = np.random.default_rng(seed)
     points, elements = list(mesh.points), []
     for element in mesh.elements:
-        if random.random() >= part:
+        if element[2] == element[3] or random.random() >= part:
             elements.append(element)
             continue
         turn = random.integers(4)

@@ -1,0 +1,66 @@
+"""Plates of `outlines.py` that have no closed form, by GetFEM: MITC4 on squares, deflections at nodes.
+
+Runs under the Python that Debian's python3-getfem is installed for, and prints a line of JSON: deflections for so many
+elements along a side of 2, and where those of a quarter, of half and of all of them lead, as a geometric series.
+
+    /usr/bin/python3 benchmarks/peers/getfem_outlines.py L 256
+    /usr/bin/python3 benchmarks/peers/getfem_outlines.py hole 256
+"""
+
+import json
+import sys
+
+import getfem as gf
+import numpy as np
+
+SIDE, THICKNESS, YOUNG, POISSON = 2.0, 0.1, 1e7, 0.3
+CUT = {"L": (1.0, 1.0, 2.0, 2.0), "hole": (0.75, 0.75, 1.25, 1.25)}
+PLACES = {"L": [(0.5, 0.5), (1.5, 0.5)], "hole": [(0.5, 0.5), (0.75, 1.0)]}
+
+
+def inside(points, box):
+    """Which of points (2, q) are in a box."""
+    x, y = points
+    return (x >= box[0]) & (x <= box[2]) & (y >= box[1]) & (y <= box[3])
+
+
+def solve(case, elements):
+    stations = np.linspace(0.0, SIDE, elements + 1)
+    mesh = gf.Mesh("cartesian", stations, stations)
+    centre = np.array([mesh.pts_from_cvid(c)[0].mean(axis=1) for c in mesh.cvid()])
+    mesh.del_convex(mesh.cvid()[inside(centre.T, CUT[case])])
+    faces = mesh.outer_faces()
+    # The hole's edges are free; elements at them are away from the outer ones.
+    free = [case == "hole" and inside(mesh.pts_from_cvid(c)[0], (0.5, 0.5, 1.5, 1.5)).all() for c in faces[0]]
+    mesh.set_region(1, faces[:, ~np.array(free)])
+
+    plane, slopes = gf.MeshFem(mesh, 1), gf.MeshFem(mesh, 2)
+    for space in (plane, slopes):
+        space.set_fem(gf.Fem("FEM_QK(2,1)"))
+    rule = gf.MeshIm(mesh, gf.Integ("IM_GAUSS_PARALLELEPIPED(2,4)"))
+    model = gf.Model("real")
+    model.add_fem_variable("w", plane)
+    model.add_fem_variable("theta", slopes)
+    for name, value in (("E", YOUNG), ("nu", POISSON), ("thickness", THICKNESS), ("kappa", 5 / 6)):
+        model.add_initialized_data(name, [value])
+    # The last argument is GetFEM's MITC4.
+    model.add_Mindlin_Reissner_plate_brick(rule, rule, "w", "theta", "E", "nu", "thickness", "kappa", 2)
+    model.add_linear_term(rule, "-Test_w")
+    model.add_Dirichlet_condition_with_simplification("w", 1)
+    if case == "hole":
+        model.add_Dirichlet_condition_with_simplification("theta", 1)
+    model.solve()
+    w, nodes = model.variable("w"), plane.basic_dof_nodes()
+    return np.array([w[np.argmin(np.hypot(*(nodes.T - at).T))] for at in PLACES[case]])
+
+
+def main():
+    case, elements = sys.argv[1], int(sys.argv[2])
+    coarse, middle, fine = (solve(case, elements // part) for part in (4, 2, 1))
+    ratio = (fine - middle) / (middle - coarse)
+    limits = fine + (fine - middle) * ratio / (1.0 - ratio)
+    print(json.dumps({"deflections": fine.tolist(), "limits": limits.tolist()}))
+
+
+if __name__ == "__main__":
+    main()
