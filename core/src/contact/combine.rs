@@ -13,7 +13,7 @@ use super::responses::Response;
 use super::solution::Outcome;
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
-use crate::lcp::{Lcp, LcpFamily, LcpStatus};
+use crate::lcp::{Lcp, LcpBasis, LcpFamily, LcpStatus};
 use on_set::OnSet;
 use rayon::prelude::*;
 
@@ -108,25 +108,47 @@ impl ContactProblem {
 
     fn combine_one(&self, shared: &CombinedCases, factors: &[f64]) -> Result<Combined, FactorError> {
         let (sum, q) = shared.pose(factors);
+        if q.is_empty() {
+            return self.on_basis(shared, &sum, Ok(&[]), 0);
+        }
+        let found = shared.family.as_ref().map(|family| in_memory(family.solve(&q))).transpose()?.flatten();
+        let Some(LcpBasis { status, basis, mut pivots }) = found else {
+            return self.on_basis(shared, &sum, Err(Outcome::Unsolved), 0);
+        };
+        let ended = match status {
+            LcpStatus::Solved => Ok(&basis[..]),
+            LcpStatus::Ray => Err(Outcome::NoEquilibrium),
+            LcpStatus::PivotLimit | LcpStatus::Interrupted => Err(Outcome::Unsolved),
+        };
+        let combined = self.on_basis(shared, &sum, ended, pivots)?;
+        if ended.is_err() || combined.outcome == Outcome::Solved {
+            return Ok(combined);
+        }
+        // Rounding of many pivots has led astray, but not far: from there, with a tableau of its own, few are left.
+        let posed = PosedLcp { q, ..shared.lcp.clone() };
+        let again = self.solve_lcp(&posed, Some(&basis), &mut pivots, &mut |_| true)?;
+        self.on_basis(shared, &sum, again.as_deref().map_err(|outcome| *outcome), pivots)
+    }
+
+    /// The combination at the basis at which its LCP ended, if it did at one.
+    fn on_basis(
+        &self,
+        shared: &CombinedCases,
+        sum: &Response,
+        found: Result<&[bool], Outcome>,
+        pivots: usize,
+    ) -> Result<Combined, FactorError> {
         let count = sum.moved.len();
-        let mut pivots = 0;
-        let mut basis = Vec::new();
-        let ended = |outcome, pivots| {
+        let ended = |outcome| {
             let nan = vec![f64::NAN; count];
             let (factor, reaction, gap) = (nan.clone(), nan.clone(), nan);
             Ok(Combined { outcome, factor, reaction, gap, closed: vec![false; count], pivots })
         };
-        if !q.is_empty() {
-            let Some(family) = &shared.family else { return ended(Outcome::Unsolved, 0) };
-            let Some(found) = in_memory(family.solve(&q))? else { return ended(Outcome::Unsolved, 0) };
-            pivots = found.pivots;
-            match found.status {
-                LcpStatus::Solved => basis = found.basis,
-                LcpStatus::Ray => return ended(Outcome::NoEquilibrium, pivots),
-                LcpStatus::PivotLimit | LcpStatus::Interrupted => return ended(Outcome::Unsolved, pivots),
-            }
-        }
-        let closed = self.base.condensed.closed_points(&shared.lcp, &basis);
+        let basis = match found {
+            Ok(basis) => basis,
+            Err(outcome) => return ended(outcome),
+        };
+        let closed = self.base.condensed.closed_points(&shared.lcp, basis);
         let travel = match shared.form {
             Form::Dual => (0..count).map(|i| self.lever(i) * sum.moved[i].abs()).fold(0.0, f64::max),
             Form::Stiffness => 0.0,
@@ -137,7 +159,7 @@ impl ContactProblem {
                 let outcome = if settled { Outcome::Solved } else { Outcome::Unsolved };
                 Ok(Combined { outcome, factor, reaction, gap, closed, pivots })
             }
-            None => ended(Outcome::Unsolved, pivots),
+            None => ended(Outcome::Unsolved),
         }
     }
 
