@@ -86,6 +86,8 @@ def envelop(
     largest_by: _Ints,
     smallest: _Floats,
     smallest_by: _Ints,
+    classes: _Ints,
+    left_out: _Bools,
 ) -> tuple[_Floats, _Ints]: ...
 
 @final

@@ -11,6 +11,7 @@ from signorini.base.brief import Brief
 from signorini.contact.answer import Answer
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
+from signorini.results.peak import peak
 from signorini.results.support_result import SupportResult, support_result
 
 
@@ -114,7 +115,7 @@ def path_stop(
     supports = [
         support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
     ]
-    most, least = int(deflection.argmax()), int(deflection.argmin())
+    most, least = peak(deflection, found.mesh.points), peak(-deflection, found.mesh.points)
     at = [(float(x), float(y)) for x, y in found.mesh.points[[most, least]]]
     values = found.mesh.shape_functions(found.probes.elements, found.probes.xi)
     elements = found.mesh.elements[found.probes.elements]

@@ -151,3 +151,11 @@ def columns_of(model: Model) -> list[str]:
     lines = [f"section[{section.name}]" for section in model.section]
     lines += [f"strip[{strip.name}][{station}]" for strip in model.strip for station in range(1, strip.stations + 1)]
     return [f"{line}:{component}" for line in lines for component in COMPONENTS]
+
+
+def paths_of(model: Model) -> list[tuple[str | int, ...]]:
+    """Give the keys and indices that lead to these numbers in results.json (3s,)."""
+    lines: list[tuple[str | int, ...]] = [("sections", index) for index in range(len(model.section))]
+    for index, strip in enumerate(model.strip):
+        lines += [("strips", index, "stations", station) for station in range(strip.stations)]
+    return [(*line, component) for line in lines for component in COMPONENTS]

@@ -35,6 +35,9 @@ def roots(coefficients: Floats, tolerance: Floats) -> tuple[Ints, Floats]:
     """
     if not len(coefficients):
         return np.zeros(0, np.int64), np.zeros(0)
+    # Straight sides that straight outlines cut are by far the most.
+    degree = max(np.flatnonzero(coefficients.any(axis=0)), default=0)
+    coefficients = coefficients[:, : max(degree, 1) + 1]
     derivatives = [coefficients]
     while derivatives[-1].shape[1] > 2:
         last = derivatives[-1]
