@@ -4,7 +4,7 @@ Each figure is the time of a whole process, from the interpreter's start to its 
 and solved, and the results are on disk. The two kinds of run take turns. Some combinations, picked at random, are then
 solved by themselves and compared with their rows.
 
-    python benchmarks/combinations.py [--elements 80] [--combinations 10000] [--repeat 3] [--pick 200]
+    python benchmarks/combinations.py [--elements 80] [--combinations 10000] [--side 4] [--repeat 3] [--pick 200]
     python benchmarks/combinations.py --pynite     ten combinations at 20×20 against PyNite (pip install PyNiteFEA)
     python benchmarks/combinations.py --soil       200 combinations of slab A, on soil, against as many separate solves
     python benchmarks/combinations.py --check      correctness only, on coarse meshes
@@ -20,13 +20,21 @@ from pathlib import Path
 
 import numpy as np
 
-POINTS = [[x, y] for y in (0.5, 3.5, 6.5, 9.5) for x in (0.5, 3.5, 6.5, 9.5)]
+SIDE = 4
+"""Points along a side of slab B."""
+
 CASES = 12
 SPRING = 1e11
 """Stiffness of the springs that stand for rigid points in PyNite."""
 
 
-def tables(elements, combinations):
+def points(side):
+    """At nodes of 80×80 elements."""
+    stations = (np.linspace(0.5, 9.5, side) * 8).round() / 8
+    return [[float(x), float(y)] for y in stations for x in stations]
+
+
+def tables(elements, combinations, side=SIDE):
     """Slab B with its weight, ten forces and a wind that lifts; factors at random."""
     random = np.random.default_rng(5)
     at = random.uniform(0.25, 9.75, (CASES - 2, 2)).round(2).tolist()
@@ -40,7 +48,7 @@ def tables(elements, combinations):
         "material": {"E": 30e9, "nu": 0.2},
         "plate": {"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
         "mesh": {"divisions": [elements, elements]},
-        "support": [{"name": "points", "at": POINTS, "resists": "down"}],
+        "support": [{"name": "points", "at": points(side), "resists": "down"}],
         "load": loads,
         "combination": [{"generate": "table", "columns": [load["case"] for load in loads], "rows": rows}],
         "probe": [{"at": random.uniform(0, 10, (20, 2)).tolist()}],
@@ -123,11 +131,11 @@ def difference_on_soil(row, single):
     return worst
 
 
-def run(elements, combinations, path, first_alone):
+def run(elements, combinations, side, path, first_alone):
     """One process's work: every combination into a table, or the first one with all its results into memory."""
     from signorini import Model, solve
 
-    data = tables(elements, combinations)
+    data = tables(elements, combinations, side)
     if first_alone:
         data = separately(data, "c0")
     results = solve(Model(**data), table=path)
@@ -141,7 +149,7 @@ def process(*arguments):
     return time.perf_counter() - begun, done.stdout
 
 
-def compare(elements, combinations, path, pick):
+def compare(elements, combinations, side, path, pick):
     """Largest relative difference between rows and the same combinations solved by themselves."""
     import pyarrow.parquet as pq
 
@@ -149,7 +157,7 @@ def compare(elements, combinations, path, pick):
     from signorini.analysis.single import solve_one
 
     rows = pq.read_table(path).to_pylist()
-    problem = contact_problem(Model(**tables(elements, combinations)))
+    problem = contact_problem(Model(**tables(elements, combinations, side)))
     every = problem.discretisation.model.effective_combinations
     worst, opened = 0.0, set()
     for number in np.random.default_rng(7).choice(combinations, pick, replace=False).tolist():
@@ -158,10 +166,10 @@ def compare(elements, combinations, path, pick):
         assert row["combination"] == single.name and row["status"] == single.status
         if single.status != "solved":
             continue
-        (points,) = single.supports
-        opened.add(tuple(np.flatnonzero(~points.closed)))
-        forces = np.array([row[f"reaction_at:points[{i + 1}]"] for i in range(16)])
-        worst = max(worst, np.abs(forces - points.reactions).max() / points.reactions.max())
+        (support,) = single.supports
+        opened.add(tuple(np.flatnonzero(~support.closed)))
+        forces = np.array([row[f"reaction_at:points[{i + 1}]"] for i in range(side**2)])
+        worst = max(worst, np.abs(forces - support.reactions).max() / support.reactions.max())
         for index, probe in enumerate(single.probes, start=1):
             values = (probe.deflection, *probe.rotation, *probe.moment, *probe.shear)
             for (name, field), value in zip(single.fields.items(), values, strict=True):
@@ -169,18 +177,20 @@ def compare(elements, combinations, path, pick):
     return worst, len(opened)
 
 
-def measure(elements, combinations, repeat, pick):
+def measure(elements, combinations, side, repeat, pick):
     with tempfile.TemporaryDirectory() as place:
         path = Path(place, "combinations.parquet")
         seconds = {way: [] for way in ("first", "all")}
         for _ in range(repeat):
             for way in seconds:
-                spent, said = process("--run", way, "--elements", elements, "--combinations", combinations, path)
+                given = ("--elements", elements, "--combinations", combinations, "--side", side)
+                spent, said = process("--run", way, *given, path)
                 seconds[way].append(spent)
         first, every = (statistics.median(seconds[way]) for way in ("first", "all"))
-        worst, states = compare(elements, combinations, path, pick)
+        worst, states = compare(elements, combinations, side, path, pick)
     alone, certificate = said.split()
-    print(f"slab B, {elements}x{elements}, {CASES} load cases, median of {repeat} processes of each kind in turn")
+    kind = f"slab B, {elements}x{elements}, {side**2} points, {CASES} load cases"
+    print(f"{kind}, median of {repeat} processes of each kind in turn")
     print(f"first alone {first:.2f} s, all {combinations} {every:.2f} s: {every / first:.2f} times")
     print(f"solved by themselves: {alone}; worst certificate figure {float(certificate):.1e}")
     print(f"{pick} picked at random, {states} contact states: largest relative difference {worst:.1e}")
@@ -209,7 +219,7 @@ def pynite(elements, count):
     for name in model.nodes:
         # In-plane motions and drilling are not the question.
         model.def_support(name, True, True, False, False, False, True)
-    for x, y in POINTS:
+    for x, y in points(SIDE):
         model.def_support_spring(nodes[x, y], "DZ", SPRING, "-")
     for case, load in loads.items():
         if "pressure" in load:
@@ -227,8 +237,8 @@ def pynite(elements, count):
     errors = {"signorini": [], "PyNite, reactions it reports": [], "PyNite, its springs times its deflections": []}
     for name, row in table["rows"].items():
         applied = sum(factor * total[case] for case, factor in zip(table["columns"], row, strict=True))
-        pushed = sum(model.nodes[nodes[x, y]].RxnFZ[name] for x, y in POINTS)
-        springs = sum(-SPRING * min(model.nodes[nodes[x, y]].DZ[name], 0) for x, y in POINTS)
+        pushed = sum(model.nodes[nodes[x, y]].RxnFZ[name] for x, y in points(SIDE))
+        springs = sum(-SPRING * min(model.nodes[nodes[x, y]].DZ[name], 0) for x, y in points(SIDE))
         for which, force in zip(list(errors)[1:], (pushed, springs), strict=True):
             errors[which].append(abs(force - applied) / abs(applied))
         errors["signorini"].append(abs(results[name].reactions["points"] - applied) / abs(applied))
@@ -242,8 +252,8 @@ def check():
     """Every row of a coarse mesh's tables equals its combination solved by itself."""
     with tempfile.TemporaryDirectory() as place:
         path = Path(place, "combinations.parquet")
-        run(20, 300, path, first_alone=False)
-        worst, states = compare(20, 300, path, 100)
+        run(20, 300, SIDE, path, first_alone=False)
+        worst, states = compare(20, 300, SIDE, path, 100)
     print(f"100 of 300 combinations, {states} contact states: largest relative difference {worst:.1e}")
     of_soil, sets = soil(12, 60, 20)
     sys.exit(0 if max(worst, of_soil) <= 1e-9 and states > 5 and sets > 5 else 1)
@@ -253,6 +263,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--elements", type=int)
     parser.add_argument("--combinations", type=int, default=10000)
+    parser.add_argument(
+        "--side", type=int, default=SIDE, help="points along a side (default %(default)s; 20 makes 400)"
+    )
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--pick", type=int, default=200)
     parser.add_argument("--pynite", action="store_true")
@@ -262,7 +275,7 @@ def main():
     parser.add_argument("path", nargs="?", help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.run:
-        run(given.elements, given.combinations, given.path, first_alone=given.run == "first")
+        run(given.elements, given.combinations, given.side, given.path, first_alone=given.run == "first")
     elif given.check:
         check()
     elif given.pynite:
@@ -271,7 +284,7 @@ def main():
         count = min(given.combinations, 200)
         if soil(given.elements or 40, count, min(given.pick, count))[0] > 1e-9:
             sys.exit(1)
-    elif measure(given.elements or 80, given.combinations, given.repeat, given.pick) > 1e-9:
+    elif measure(given.elements or 80, given.combinations, given.side, given.repeat, given.pick) > 1e-9:
         sys.exit(1)
 
 

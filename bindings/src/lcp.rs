@@ -1,5 +1,5 @@
 use crate::arrays::invalid;
-use crate::threads::interruptible;
+use crate::threads::{interruptible, interruptible_alone};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
@@ -43,10 +43,11 @@ pub fn lemke(
     let q = q.as_array().to_vec();
     let covering = covering.map(|d| d.as_array().to_vec());
     let start = start.map(|basis| basis.as_array().to_vec());
-    let found = interruptible(py, |watch| {
+    let solve = |watch: &mut dyn FnMut() -> bool| {
         let options = LemkeOptions { covering: covering.as_deref(), max_pivots };
         lcp::lemke_watched(&Lcp::new(&matrix, &q)?, &options, start.as_deref(), &mut |_, _| watch())
-    })?;
+    };
+    let found = if rows < dense::PARALLEL_ORDER { interruptible_alone(py, solve) } else { interruptible(py, solve) }?;
     let failed = |error| match error {
         LcpError::OutOfMemory => out_of_memory(),
         _ => invalid(error),

@@ -98,6 +98,24 @@ pub fn interruptible<T: Send>(py: Python<'_>, work: impl FnOnce(&mut dyn FnMut()
     told(py, |py, (): ()| py.check_signals(), |tell| work(&mut || tell(())))
 }
 
+/// As `interruptible`, on the thread that called: work that takes no others may be over before one of them wakes up.
+pub fn interruptible_alone<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&mut dyn FnMut() -> bool) -> T + Send,
+) -> PyResult<T> {
+    let mut raised = None;
+    let error = &mut raised;
+    let mut watch = move || match Python::attach(|py| py.check_signals()) {
+        Ok(()) => true,
+        Err(found) => {
+            *error = Some(found);
+            false
+        }
+    };
+    let found = py.detach(move || work(&mut watch));
+    raised.map_or(Ok(found), Err)
+}
+
 /// Runs a callback, in which calls of the core go to a pool that nobody waits in.
 fn in_callback<T>(callback: impl FnOnce() -> T) -> T {
     struct Leaving;

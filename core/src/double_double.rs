@@ -7,6 +7,7 @@ pub struct DoubleDouble {
     pub lo: f64,
 }
 
+#[inline(always)]
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let part = sum - a;
@@ -26,6 +27,7 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 impl DoubleDouble {
+    #[inline(always)]
     pub fn new(hi: f64, lo: f64) -> Self {
         let (hi, lo) = two_sum(hi, lo);
         Self { hi, lo }
@@ -64,6 +66,16 @@ impl DoubleDouble {
     pub fn times_sum(self, factor: Self) -> Self {
         self.times(factor.hi) + self.times(factor.lo)
     }
+
+    /// As [`DoubleDouble::times_sum`], bit for bit, by fused multiply-adds; see [`DoubleDouble::add_product_fused`].
+    #[inline(always)]
+    pub fn times_sum_fused(self, factor: Self) -> Self {
+        let times = |factor: f64| {
+            let product = self.hi * factor;
+            Self::new(product, self.hi.mul_add(factor, -product) + self.lo * factor)
+        };
+        times(factor.hi) + times(factor.lo)
+    }
 }
 
 impl From<f64> for DoubleDouble {
@@ -74,6 +86,7 @@ impl From<f64> for DoubleDouble {
 
 impl std::ops::Neg for DoubleDouble {
     type Output = Self;
+    #[inline(always)]
     fn neg(self) -> Self {
         Self { hi: -self.hi, lo: -self.lo }
     }
@@ -81,6 +94,7 @@ impl std::ops::Neg for DoubleDouble {
 
 impl std::ops::Add for DoubleDouble {
     type Output = Self;
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         let (s, e) = two_sum(self.hi, other.hi);
         let (t, f) = two_sum(self.lo, other.lo);
@@ -91,6 +105,7 @@ impl std::ops::Add for DoubleDouble {
 
 impl std::ops::Sub for DoubleDouble {
     type Output = Self;
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         self + -other
     }

@@ -17,3 +17,4 @@ pub mod plate;
 pub mod residual;
 pub mod stress;
 pub mod superposition;
+mod vectorized;

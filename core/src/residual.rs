@@ -8,6 +8,7 @@ use crate::double_double::DoubleDouble;
 use crate::element::{DOFS, packed};
 use crate::plate::Plate;
 use crate::superposition::sum_in_order;
+use crate::vectorized::vectorized;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -81,6 +82,14 @@ impl Displacement {
 
     /// As [`Displacement::strained`], with all digits.
     pub fn stripped(&self, plate: &Plate, e: usize) -> [DoubleDouble; DOFS] {
+        vectorized(
+            #[inline(always)]
+            || self.stripped_fused(plate, e),
+        )
+    }
+
+    #[inline(always)]
+    fn stripped_fused(&self, plate: &Plate, e: usize) -> [DoubleDouble; DOFS] {
         let nodes = &plate.elements()[e];
         let first = plate.point(nodes[0]);
         let origin = self.at(3 * nodes[0]);
@@ -89,7 +98,8 @@ impl Displacement {
         for i in 1..8 {
             let point = plate.point(nodes[i]);
             // Where the nodes are to the last bit: a rigid motion must not strain by what their differences round off.
-            let along = |k: usize| slope[k].times_sum(DoubleDouble::from(point[k]) - DoubleDouble::from(first[k]));
+            let along =
+                |k: usize| slope[k].times_sum_fused(DoubleDouble::from(point[k]) - DoubleDouble::from(first[k]));
             let rigid = along(0) + along(1);
             out[3 * i] = self.at(3 * nodes[i]) - origin - rigid;
             let here = self.slopes(plate, nodes[i]);
@@ -205,19 +215,7 @@ impl Springs {
 
 /// f − K u − Σ k r (r·u − base) at every dof, those held included (there it is minus the support's force).
 pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &Displacement) -> Vec<f64> {
-    // At rest there is nothing to sum.
-    let moving = displacement.hi.iter().any(|&u| u != 0.0);
-    let count = if moving { plate.elements().len() } else { 0 };
-    let forces = each_element(count, |e| {
-        let mut force = if plate.is_thin(e) {
-            plate.strains(e, &displacement.stripped(plate, e)).nodal()
-        } else {
-            internal_force(plate.element_stiffness(e), &displacement.strained(plate, e))
-        };
-        plate.balance(e, &mut force);
-        plate.into_frames(e, &mut force);
-        force
-    });
+    let forces = each_moving_element(plate, displacement, |e| nodal_force(plate, e, displacement));
     let mut out = load.to_vec();
     scatter(plate, &forces, -1.0, &mut out);
     for row in 0..springs.rows.len() {
@@ -225,6 +223,18 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
         springs.rows.scatter(plate, row, -springs.stiffness[row] * stretch, &mut out);
     }
     out
+}
+
+/// What an element's nodes do to it, in their frames, at some displacements: K_e u without a resultant.
+pub fn nodal_force(plate: &Plate, e: usize, displacement: &Displacement) -> [f64; DOFS] {
+    let mut force = if plate.is_thin(e) {
+        plate.strains(e, &displacement.stripped(plate, e)).nodal()
+    } else {
+        internal_force(plate.element_stiffness(e), &displacement.strained(plate, e))
+    };
+    plate.balance(e, &mut force);
+    plate.into_frames(e, &mut force);
+    force
 }
 
 /// uᵀKu of plate and springs for a vector of doubles, as a sum of squares that no rigid motion cancels in.
@@ -269,7 +279,7 @@ pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64
 
 /// Σ|K_e||u_e| at every dof, of thin elements what their strains take: what rounding in [`residual`] is relative to.
 pub fn internal_magnitudes(plate: &Plate, displacement: &Displacement) -> Vec<f64> {
-    let parts = each_element(plate.elements().len(), |e| {
+    let parts = each_moving_element(plate, displacement, |e| {
         let stripped = displacement.stripped(plate, e);
         if plate.is_thin(e) {
             plate.strains(e, &stripped).magnitude()
@@ -282,9 +292,15 @@ pub fn internal_magnitudes(plate: &Plate, displacement: &Displacement) -> Vec<f6
     sum
 }
 
-/// Nodal forces of the first `count` elements, computed side by side.
-fn each_element(count: usize, force: impl Fn(usize) -> [f64; DOFS] + Sync + Send) -> Vec<[f64; DOFS]> {
+/// Nodal forces of all elements, computed side by side; of none at rest, where there is nothing to sum.
+fn each_moving_element(
+    plate: &Plate,
+    displacement: &Displacement,
+    force: impl Fn(usize) -> [f64; DOFS] + Sync + Send,
+) -> Vec<[f64; DOFS]> {
     const CHUNK: usize = 1024;
+    let moving = displacement.hi.iter().any(|&u| u != 0.0);
+    let count = if moving { plate.elements().len() } else { 0 };
     (0..count).into_par_iter().with_min_len(CHUNK).map(force).collect()
 }
 

@@ -261,22 +261,8 @@ impl Kernel<f64> for Substitute {
         let (own, tail) = columns.split_at(count * count);
         let (solved, below) = vector.split_at_mut(count);
         let (blocks, rest) = tail.split_at(below.len() / ROWS * ROWS * count);
-        let rows = below.chunks_exact(ROWS);
-        let last = rows.remainder();
-        let mut sums = [simd.splat_f64s(0.0); PANEL];
-        for (block, rows) in blocks.chunks_exact(ROWS * count).zip(rows) {
-            let rows = &S::as_simd_f64s(rows).0[..N];
-            let l = &S::as_simd_f64s(block).0[..count * N];
-            for k in 0..count {
-                for n in 0..N {
-                    sums[k] = simd.mul_add_e_f64s(l[k * N + n], rows[n], sums[k]);
-                }
-            }
-        }
-        let mut totals = [0.0; PANEL];
-        for k in 0..count {
-            totals[k] = simd.reduce_sum_f64s(sums[k]);
-        }
+        let (whole, last) = below.split_at(below.len() / ROWS * ROWS);
+        let totals = products::<S, N>(simd, blocks, count, whole);
         for k in (0..count).rev() {
             let l = &own[k * count..(k + 1) * count];
             let mut known = totals[k];
@@ -289,4 +275,52 @@ impl Kernel<f64> for Substitute {
             solved[k] = (solved[k] - known) / l[k];
         }
     }
+}
+
+/// Products of columns with a vector's whole blocks of rows.
+///
+/// The last block comes first, since backward substitution comes to the columns from the last one on: read in one direction
+/// throughout, L comes from memory half as fast again. Sums have names, since arrays that loops run over are kept in memory.
+#[inline(always)]
+fn products<S: Simd, const N: usize>(simd: S, blocks: &[f64], count: usize, vector: &[f64]) -> [f64; PANEL] {
+    let blocks = || blocks.chunks_exact(ROWS * count).zip(vector.chunks_exact(ROWS));
+    let zero = simd.splat_f64s(0.0);
+    let mut totals = [0.0; PANEL];
+    let mut from = 0;
+    if count >= HALF {
+        let (mut low, mut high) = ([zero; HALF], [zero; HALF]);
+        for (block, rows) in blocks().rev() {
+            if count == PANEL {
+                high = add_products::<S, N>(simd, high, &block[ROWS * HALF..], rows);
+            }
+            low = add_products::<S, N>(simd, low, &block[..ROWS * HALF], rows);
+        }
+        for k in 0..HALF {
+            totals[k] = simd.reduce_sum_f64s(low[k]);
+            totals[HALF + k] = simd.reduce_sum_f64s(high[k]);
+        }
+        from = if count == PANEL { PANEL } else { HALF };
+    }
+    for (k, total) in totals.iter_mut().enumerate().take(count).skip(from) {
+        let mut sum = zero;
+        for (block, rows) in blocks().rev() {
+            let (l, rows) = (&S::as_simd_f64s(&block[ROWS * k..]).0[..N], &S::as_simd_f64s(rows).0[..N]);
+            (0..N).for_each(|n| sum = simd.mul_add_e_f64s(l[n], rows[n], sum));
+        }
+        *total = simd.reduce_sum_f64s(sum);
+    }
+    totals
+}
+
+#[inline(always)]
+fn add_products<S: Simd, const N: usize>(simd: S, to: [S::f64s; HALF], block: &[f64], rows: &[f64]) -> [S::f64s; HALF] {
+    let [mut a, mut b, mut c, mut d] = to;
+    let (l, rows) = (&S::as_simd_f64s(block).0[..HALF * N], &S::as_simd_f64s(rows).0[..N]);
+    for n in 0..N {
+        d = simd.mul_add_e_f64s(l[3 * N + n], rows[n], d);
+        c = simd.mul_add_e_f64s(l[2 * N + n], rows[n], c);
+        b = simd.mul_add_e_f64s(l[N + n], rows[n], b);
+        a = simd.mul_add_e_f64s(l[n], rows[n], a);
+    }
+    [a, b, c, d]
 }

@@ -1,7 +1,7 @@
 //! What a child leaves is added to the front of its parent.
 
 use super::front::TILE;
-use pulp::Arch;
+use crate::vectorized::vectorized;
 use std::ops::Range;
 
 /// Rows that follow one another in the child and in the parent.
@@ -70,10 +70,10 @@ impl<'a> Child<'a> {
         skipped: usize,
         place: impl Fn(usize) -> (usize, usize),
     ) {
-        Arch::new().dispatch(
+        vectorized(
             #[inline(always)]
             || {
-                for index in columns {
+                for index in columns.clone() {
                     let run = &runs[index];
                     for k in 0..run.len {
                         let (start, first) = column(run.from + k, self.order);

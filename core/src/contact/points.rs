@@ -3,7 +3,7 @@
 use crate::element::{DOFS, packed};
 use crate::plate::Plate;
 use crate::residual::{Displacement, Rows, Springs};
-use pulp::Arch;
+use crate::vectorized::vectorized;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -71,7 +71,7 @@ impl ActivePoints {
     pub fn overlap(&self, plate: &Plate, displacement: &Displacement) -> Vec<f64> {
         let mut out = vec![0.0; self.len()];
         out.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
-            Arch::new().dispatch(
+            vectorized(
                 #[inline(always)]
                 || self.overlap_from(1024 * chunk, plate, displacement, out),
             );

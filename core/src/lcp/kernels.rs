@@ -4,12 +4,6 @@ use pulp::{Arch, Simd, WithSimd};
 /// Vectors are padded with zeros to a multiple of this.
 pub(super) const LANES: usize = 8;
 
-/// Runs `work` with all that is inlined into it vectorized for this machine.
-#[inline(always)]
-pub(super) fn vectorized<R>(work: impl FnOnce() -> R) -> R {
-    Arch::new().dispatch(work)
-}
-
 /// The largest absolute value of a padded vector, by as many running maxima as there are lanes, so that none waits for the one before.
 #[inline(always)]
 pub(super) fn largest_size(vector: &[f64]) -> f64 {

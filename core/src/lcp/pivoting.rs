@@ -1,12 +1,12 @@
 //! What a complementary basis determines: the principal pivotal transform and the basic solution.
 use faer::{Mat, MatMut};
 
-use super::kernels::vectorized;
 use super::scaling::CoveredLcp;
 use super::tableau::{Parts, Tableau};
 use super::tolerances;
 use crate::dense::{Lu, OutOfMemory, matrix};
 use crate::double_double::DoubleDouble;
+use crate::vectorized::vectorized;
 
 impl CoveredLcp<'_> {
     /// The problem as it reads with z_i and w_i exchanged wherever `basis` is true, with covering vector e; None if the

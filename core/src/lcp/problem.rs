@@ -1,8 +1,8 @@
 //! The linear complementarity problem, its solution and the judgement of one by the other.
 use std::fmt;
 
-use super::kernels::vectorized;
 use crate::dense::OutOfMemory;
+use crate::vectorized::vectorized;
 
 /// The problem of finding z, w with w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0.
 ///

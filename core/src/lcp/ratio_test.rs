@@ -3,10 +3,11 @@
 //! q is thought of as q + (ε, ε², …), ε > 0 arbitrarily small. Then no two ratios are equal, the artificial variable
 //! falls at every pivot and no basis returns. The coefficients of ε, ε², … in the basic variables are the columns of
 //! the initial basis: minus the tableau's column where slack j is nonbasic, a unit vector where it is basic.
-use super::kernels::{LANES, largest_size, vectorized};
+use super::kernels::{LANES, largest_size};
 use super::tableau::Tableau;
 use super::tolerances;
 use crate::dense::OutOfMemory;
+use crate::vectorized::vectorized;
 
 /// The row of the first pivot, where the artificial variable enters: the lexicographic minimum of (q_i, e_i) / d_i,
 /// which is the last of the rows at which q_i / d_i is least.

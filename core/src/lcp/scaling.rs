@@ -1,9 +1,10 @@
 //! Scaling by powers of two, which changes no digit and no pivot.
 use std::borrow::Cow;
 
-use super::kernels::{LANES, largest_size, vectorized};
+use super::kernels::{LANES, largest_size};
 use super::problem::Lcp;
 use crate::dense::{OutOfMemory, room};
+use crate::vectorized::vectorized;
 
 /// w = M′z + q + d z₀ with M′_ij = u_i M_ij u_j and a covering vector d > 0: what a path starts from.
 pub(super) struct CoveredLcp<'a> {

@@ -10,10 +10,11 @@ use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-use super::kernels::{LANES, subtract_multiples, vectorized};
+use super::kernels::{LANES, subtract_multiples};
 use super::scaling::CoveredLcp;
 use super::tolerances;
 use crate::dense::{Lu, OutOfMemory, PARALLEL_ORDER, matrix, parallelism, room, zeros};
+use crate::vectorized::vectorized;
 
 /// Rank-one terms that are collected before the base is touched: at least and at most so many, and between them an eighth of
 /// the order. With fewer the product is bound by reading the base, with more forming columns takes as long as the product.

@@ -17,8 +17,8 @@ pub(super) struct Descent<'a> {
     pub(super) residual: Residual,
     /// Where springs and points alone hold the plate.
     pub(super) afloat: Option<Afloat>,
-    /// Rounding of the internal forces, below which an imbalance says nothing.
-    pub(super) rounding: f64,
+    /// Rounding of the internal forces, below which an imbalance says nothing; absent until it is asked for after a refinement.
+    pub(super) rounding: Option<f64>,
 }
 
 impl Descent<'_> {
@@ -32,10 +32,11 @@ impl Descent<'_> {
         }
         let mut loss: Vec<f64> = direction.force.iter().map(|f| -length * f).collect();
         for (i, &carried) in self.factor.factored().carried.iter().enumerate() {
-            let old = self.stretch[i].max(0.0);
-            self.stretch[i] += length * change[i];
-            let pushes = self.factor.penalty.stiffness[i] * (self.stretch[i].max(0.0) - old);
-            let factor = length * carried * change[i] - pushes;
+            let (moved, old) = (length * change[i], self.stretch[i]);
+            self.stretch[i] += moved;
+            // What pushes on with the stiffness that is carried stays in balance to the last bit.
+            let pushes = if old > 0.0 && self.stretch[i] > 0.0 { moved } else { self.pushing(i) - old.max(0.0) };
+            let factor = carried * moved - self.factor.penalty.stiffness[i] * pushes;
             if factor != 0.0 {
                 points.scatter(&problem.plate, i, factor, &mut loss);
             }
@@ -74,8 +75,12 @@ impl Descent<'_> {
             }
             self.balance();
         }
-        self.rounding = problem.rounding(&self.solution.displacement);
+        self.rounding = None;
         Ok(())
+    }
+
+    pub(super) fn rounding(&mut self) -> f64 {
+        *self.rounding.get_or_insert_with(|| self.problem.rounding(&self.solution.displacement))
     }
 
     pub(super) fn stretched(&mut self) {

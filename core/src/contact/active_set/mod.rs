@@ -96,7 +96,7 @@ impl ContactProblem {
             multiplier,
             residual: Residual::default(),
             afloat: Afloat::under(self, load),
-            rounding: 0.0,
+            rounding: Some(0.0),
         };
         match start.and_then(|start| start.reference) {
             Some(reference) if self.constraints.rows.is_empty() => descent.depart(reference),

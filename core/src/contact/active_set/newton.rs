@@ -141,7 +141,7 @@ impl<'a> Newton<'a> {
             self.descent.penalize(self.descent.problem.first_limit);
             self.closed = self.descent.pushing_points();
         }
-        let mut settled = self.descent.rounding;
+        let mut settled = self.descent.rounding();
         if self.step > 1 && self.descent.drift() {
             self.closed = self.descent.pushing_points();
             // What is left would only send a loose plate away.
@@ -154,8 +154,12 @@ impl<'a> Newton<'a> {
             (false, false) => tolerances::newton::FIRM,
         };
         if self.descent.residual.worst > settled || self.descent.residual.worst.is_nan() {
-            let (imbalance, rounding) = (self.descent.residual.imbalance.clone(), self.descent.rounding);
-            self.gradients = Some(self.descent.factor.gradients(&self.closed, imbalance, tolerance, rounding));
+            let (imbalance, rounding) = (self.descent.residual.imbalance.clone(), self.descent.rounding());
+            let mut gradients = self.descent.factor.gradients(&self.closed, imbalance, tolerance, rounding);
+            if self.step <= PATIENT {
+                self.descent.factor.deflate(&mut gradients);
+            }
+            self.gradients = Some(gradients);
         }
         None
     }
@@ -209,7 +213,7 @@ impl<'a> Newton<'a> {
 
     /// How it ends with springs as stiff as they become, if it does.
     fn settled(&mut self, worst: f64, force: f64, unchanged: bool) -> Option<Outcome> {
-        if worst <= f64::max(tolerances::newton::SETTLED * force, self.descent.rounding) {
+        if worst <= tolerances::newton::SETTLED * force || worst <= self.descent.rounding() {
             return Some(Outcome::Solved);
         }
         // Points that neither push nor gape may change sides for ever; what is out of balance tells nothing more.

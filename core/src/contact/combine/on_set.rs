@@ -8,8 +8,8 @@ use crate::contact::responses::Response;
 use crate::contact::tolerances;
 use crate::dense::{self, Lu, OutOfMemory};
 use crate::double_double::DoubleDouble;
+use crate::vectorized::vectorized;
 use faer::Mat;
-use pulp::Arch;
 
 /// Points that have changed sides, over all, up to which updating an inverse takes less work than a factorization.
 const FEW: f64 = 0.25;
@@ -129,7 +129,7 @@ impl OnSet {
     fn add_products(&self, own: Vec<f64>, x: &[f64], part: impl Fn(usize, f64, f64) -> f64) -> Vec<f64> {
         let count = own.len();
         let (mut high, mut low) = (own, vec![0.0; count]);
-        Arch::new().dispatch(
+        vectorized(
             #[inline(always)]
             || {
                 for (j, &x) in x.iter().enumerate().filter(|(_, x)| **x != 0.0) {

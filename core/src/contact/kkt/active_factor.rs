@@ -8,7 +8,7 @@ use crate::contact::problem::{ContactProblem, Factored};
 use crate::residual::twice_the_energy;
 
 /// A displacement, the force that the factored matrix has for it, and what it adds to two-sided points' reactions.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Direction {
     pub nodal: Vec<f64>,
     pub force: Vec<f64>,
@@ -44,6 +44,8 @@ pub(crate) struct ActiveFactor<'a> {
     pub(crate) state: ContactState,
     /// Whether others ask the factor that it was given too; there are no two-sided points then.
     shares: bool,
+    /// The last direction that this factor has found, unless it shares.
+    pub(super) last: Option<Direction>,
     /// Conjugate gradient steps, and sets factored anew.
     pub(crate) gradients: usize,
     pub(crate) factorizations: usize,
@@ -59,7 +61,8 @@ impl<'a> ActiveFactor<'a> {
     ) -> Result<Option<Self>, FactorError> {
         let Some(state) = given.condensed.state(problem.constraints.two_sided.clone())? else { return Ok(None) };
         let penalty = problem.active.penalized(limit);
-        Ok(Some(Self { problem, limit, penalty, given, own: None, state, shares, gradients: 0, factorizations: 0 }))
+        let (own, last) = (None, None);
+        Ok(Some(Self { problem, limit, penalty, given, own, state, shares, last, gradients: 0, factorizations: 0 }))
     }
 
     pub(crate) fn factored(&self) -> &Factored {
@@ -92,6 +95,7 @@ impl<'a> ActiveFactor<'a> {
                     };
                     self.state = state;
                     self.own = Some(found);
+                    self.last = None;
                     self.factorizations += 1;
                     return Ok(());
                 }

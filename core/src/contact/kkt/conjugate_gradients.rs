@@ -1,7 +1,9 @@
 //! Newton's direction for one set of closed points, by conjugate gradients on K with their springs, preconditioned with
 //! a factor that carries the springs of another set.
 //!
-//! Gould, Hribar & Nocedal (2001) for the preconditioner with two-sided points held.
+//! Gould, Hribar & Nocedal (2001) for the preconditioner with two-sided points held. From one Newton step to the next few
+//! points change sides, so that the last direction can be deflated (Saad, Yeung, Erhel & Guyomarc'h 2000): conjugate
+//! gradients go on from set to set instead of beginning anew.
 
 use super::active_factor::{ActiveFactor, Direction};
 use crate::cholesky::FactorError;
@@ -22,6 +24,7 @@ pub(crate) struct ConjugateGradients {
     residual: Vec<f64>,
     total: Direction,
     ahead: Direction,
+    deflated: Option<Deflated>,
     /// Of the last residual and its preconditioned one.
     product: f64,
 }
@@ -31,6 +34,13 @@ impl ConjugateGradients {
     pub(crate) fn residual(&self) -> &[f64] {
         &self.residual
     }
+}
+
+/// The direction before the first, the force that the present set has for it, and its curvature.
+struct Deflated {
+    direction: Direction,
+    force: Vec<f64>,
+    curvature: f64,
 }
 
 /// What a step of conjugate gradients came to.
@@ -69,8 +79,25 @@ impl ActiveFactor<'_> {
             residual: imbalance,
             total: Direction::zeros(size, reactions),
             ahead: Direction::zeros(size, reactions),
+            deflated: None,
             product: f64::INFINITY,
         }
+    }
+
+    /// Goes along the last direction as far as that leads down, and then keeps to directions conjugate to it.
+    pub(crate) fn deflate(&mut self, gradients: &mut ConjugateGradients) {
+        let last = self.last.take().filter(|_| !gradients.differing.is_empty());
+        let Some(direction) = last else { return };
+        let mut force = self.difference(&gradients.differing, &direction.nodal);
+        force.iter_mut().zip(&direction.force).for_each(|(total, force)| *total += force);
+        let curvature = dot(&direction.nodal, &force);
+        if !(curvature > tolerances::newton::PLAIN * dot(&direction.nodal, &direction.force)) {
+            return;
+        }
+        let alpha = dot(&gradients.residual, &direction.nodal) / curvature;
+        gradients.total.combine(1.0, alpha, &direction);
+        gradients.residual.iter_mut().zip(&force).for_each(|(residual, force)| *residual -= alpha * force);
+        gradients.deflated = Some(Deflated { direction, force, curvature });
     }
 
     /// Begins anew with a factor of their set, as far as that can be factored.
@@ -108,11 +135,15 @@ impl ActiveFactor<'_> {
         gradients.steps += 1;
         self.gradients += 1;
         if gradients.differing.is_empty() {
+            self.last = (!self.shares()).then(|| along.clone());
             return Followed::Found(along);
         }
         let next = dot(&gradients.residual, &along.nodal);
         if !(next > 0.0) {
             return Followed::Found(std::mem::take(&mut gradients.total));
+        }
+        if let Some(Deflated { direction, force, curvature }) = &gradients.deflated {
+            along.combine(1.0, -dot(&along.nodal, force) / curvature, direction);
         }
         let ahead = &mut gradients.ahead;
         ahead.combine(next / gradients.product, 1.0, &along);
@@ -135,6 +166,7 @@ impl ActiveFactor<'_> {
             *residual -= alpha * (force + difference);
         }
         if length(&self.problem.scale, &gradients.residual) <= gradients.enough {
+            self.last = (!self.shares()).then(|| std::mem::take(&mut gradients.ahead));
             return Followed::Found(std::mem::take(&mut gradients.total));
         }
         match (gradients.steps == gradients.most, gradients.patient) {

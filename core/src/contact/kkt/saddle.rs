@@ -15,12 +15,12 @@ use crate::contact::problem::ContactProblem;
 use crate::contact::tolerances;
 use crate::dense::OutOfMemory;
 use crate::double_double::DoubleDouble;
+use crate::vectorized::vectorized;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::solvers::Lu;
 use faer::sparse::{FaerError, SparseColMat, Triplet};
-use pulp::Arch;
 
 /// Right-hand sides for which the factor is read once: two registers of the widest machines.
 pub(crate) const TOGETHER: usize = 16;
@@ -180,7 +180,7 @@ impl Saddle {
     /// nearly cancels.
     fn left<const N: usize>(&self, right: &[[f64; N]], unknown: &[[f64; N]]) -> Vec<[f64; N]> {
         let (mut high, mut low) = (right.to_vec(), vec![[0.0; N]; right.len()]);
-        Arch::new().dispatch(
+        vectorized(
             #[inline(always)]
             || {
                 for &(row, column, value) in &self.entries {

@@ -1,0 +1,23 @@
+//! Loops compiled for the widest registers that the machine turns out to have.
+
+use pulp::{Arch, Simd, WithSimd};
+
+/// Runs a closure marked `#[inline(always)]` with all that is inlined into it vectorized for this machine.
+///
+/// It is called as `FnMut`: as `FnOnce` a closure that gives nothing away would be called by a shim that is not inlined,
+/// and so not vectorized; a fused multiply-add is then a function call.
+#[inline(always)]
+pub fn vectorized<R>(work: impl FnMut() -> R) -> R {
+    Arch::new().dispatch(Work(work))
+}
+
+struct Work<F>(F);
+
+impl<R, F: FnMut() -> R> WithSimd for Work<F> {
+    type Output = R;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, _: S) -> R {
+        (self.0)()
+    }
+}
