@@ -168,6 +168,21 @@ def test_areas_may_have_arcs(plate):
     assert result.certificate.passed
 
 
+def test_sections_cut_areas_with_arcs():
+    line = [[4.7, 0], [4.7, 6]]
+    load = [{"pressure": 5e3, "area": {"polygon": D_SHAPED}}]
+    result = solved(
+        load=load,
+        section=[{"name": "cut", "line": line}],
+        support=[{"name": side, "edge": [side]} for side in ("left", "right")],
+    )
+    (section,) = result.sections
+    # Of the half disc about [4.5, 3] what is to the right of the line.
+    segment = np.arccos(0.2) - 0.2 * np.sqrt(1 - 0.04)
+    right = result.reactions["right"] - 5e3 * segment
+    assert abs(section.shear) == approx(abs(right), rel=1e-9)
+
+
 def test_a_zone_of_arcs_is_the_circle():
     arcs = [[5.3, 3], {"through": [4, 4.3], "to": [2.7, 3]}, {"through": [4, 1.7], "to": [5.3, 3]}]
     given = {"mesh": {"size": 0.4, "error": False}, "plate": {"holes": [{"rectangle": [0.4, 0.6, 1.2, 1.4]}]}}

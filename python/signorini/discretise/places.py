@@ -202,7 +202,7 @@ def _how_far(mesh: Mesh, shape: Region | Curve) -> str:
     if isinstance(shape, Circle):
         corners = circle(shape.center, shape.radius, "").points()
     else:
-        corners = shape.outline.segments.reshape(-1, 2)
+        corners = shape.drawn if isinstance(shape, Rounded) else shape.outline.segments.reshape(-1, 2)
     corners = corners[~mesh.locate(corners).inside]
     if not len(corners):
         return ""

@@ -157,7 +157,7 @@ class LeftOf:
             return Outline(segments)
         around = self.region.outline
         pieces = [_divided(a, b, around) for a, b in segments]
-        return Outline(np.concatenate([*pieces, around.segments]), around.circles)
+        return Outline(np.concatenate([*pieces, around.segments]), around.circles, around.arcs)
 
     @property
     def area(self) -> float:
@@ -184,7 +184,7 @@ def _divided(a: Floats, b: Floats, outline: Outline) -> Floats:
     with np.errstate(divide="ignore", invalid="ignore"):
         across = along[0] * other[:, 1] - along[1] * other[:, 0]
         of_segments = (offset[:, 0] * other[:, 1] - offset[:, 1] * other[:, 0]) / across
-        x, y, radius = outline.circles.T
+        x, y, radius = outline.whole_circles.T
         square, half = along @ along, (a[0] - x) * along[0] + (a[1] - y) * along[1]
         root = np.sqrt(half**2 - square * ((a[0] - x) ** 2 + (a[1] - y) ** 2 - radius**2))
         of_circles = np.concatenate([-half - root, -half + root]) / square
