@@ -134,27 +134,27 @@ def judged_ordinary(seed):
     tables["output"] = {"combinations": "each"}
     try:
         model = validate(tables)
-        found = discretise(model)
     except InputError:
         return Counter({"refused input": 1}), []
     try:
         results = solve(model)
+        found = results.problem.discretisation
         messages = {name: result.message for name, result in results.items()}
     except InputError:
-        return Counter({"mechanism": 1}), []
+        return Counter({"mechanism" if _can_be_discretised(model) else "refused input": 1}), []
     except NotCertifiedError as error:
         if _certified_as_advised(tables, str(error)):
             return Counter({"refused, certified as advised": 1}), []
         return Counter({"not certified": 1}), [str(error)]
     except NoEquilibriumError as error:
+        found = discretise(model)
         names = [combination.name for combination in model.effective_combinations]
         lines = str(error).splitlines()
         messages = {name: line.removeprefix(f"{name}: ") for name, line in zip(names, lines, strict=True)}
-    straight = {
-        **tables,
-        "load": [{**load, "curvature": [0.0, 0.0, 0.0]} if "curvature" in load else load for load in tables["load"]],
-    }
-    straight = discretise(validate(straight))
+    straight = found
+    if any("curvature" in load for load in tables["load"]):
+        loads = [{**load, "curvature": [0.0, 0.0, 0.0]} if "curvature" in load else load for load in tables["load"]]
+        straight = discretise(validate({**tables, "load": loads}))
     outcomes, wrong = Counter(), []
     for combination in model.effective_combinations:
         message = messages[combination.name]
@@ -170,6 +170,14 @@ def judged_ordinary(seed):
         elif contradiction and deflection_exists(found):
             wrong.append(f'"{combination.name}": a deflection agrees with all supports, yet: "{message}"')
     return outcomes, wrong
+
+
+def _can_be_discretised(model):
+    try:
+        discretise(model)
+    except InputError:
+        return False
+    return True
 
 
 def lost(found, combination, result):

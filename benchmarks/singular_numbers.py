@@ -25,7 +25,7 @@ import half_width_coverage
 
 from signorini import SignoriniError, solve
 from signorini.analysis.twins.half_width import FASTEST, half_widths
-from signorini.analysis.twins.leaves import acts_at_points, away, kind_of, largest_of, leaves, may_grow
+from signorini.analysis.twins.leaves import acts_at_points, away, kind_of, leaves, may_grow, sizes_of
 from signorini.analysis.twins.meshes import side
 from signorini.results.figures import figures
 
@@ -57,16 +57,18 @@ def unnamed(seed, along):
         return None
     sizes = [side(result.mesh) for result in results]
     reach, own = 2.0 * sizes[-1], results[-1]
-    largest = largest_of(own, max((support.gaps.max(initial=0.0) for support in own.supports), default=0.0))
     trees = [figures(result) for result in results]
     found = [leaves(tree) for tree in trees]
-    limited = [path for path in found[-1] if not may_grow(path, trees[-1], own.singular, reach)]
+    largest = sizes_of({path: np.array([value]) for path, value in found[-1].items()}, own.model, own.mesh)
+    grows = may_grow(list(found[-1]), trees[-1], own.singular, reach).tolist()
+    limited = [path for path, may in zip(found[-1], grows, strict=True) if not may]
     rows = [
-        (".".join(map(str, path)), largest[kind_of(path)], [of.get(path, np.nan) for of in found]) for path in limited
+        (".".join(map(str, path)), largest[kind_of(path)].item(), [of.get(path, np.nan) for of in found])
+        for path in limited
     ]
     for kind in ("moment", "shear"):
         peaks = [_peak(result, kind, reach) for result in results]
-        rows.append((f"largest {kind} at {peaks[0][1]}", largest[kind], [peak for peak, _ in peaks]))
+        rows.append((f"largest {kind} at {peaks[0][1]}", largest[kind].item(), [peak for peak, _ in peaks]))
     values, none = np.array([row[2] for row in rows]).T, np.zeros(len(rows))
     size = np.array([row[1] for row in rows])
     steps = ((values[k : k + 3], sizes[k : k + 3]) for k in (0, 1))

@@ -2,6 +2,8 @@
 
 import ast
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -341,3 +343,30 @@ def test_complementarity_knows_nothing_of_plates() -> None:
         for place, text in places.items()
     }
     assert {place: names for place, names in foreign.items() if names} == {}
+
+
+SLOW_TO_READ = {
+    *("scipy.linalg", "scipy.optimize", "scipy.spatial", "scipy.sparse.csgraph", "scipy.sparse.linalg"),
+    *("matplotlib", "meshio", "pyarrow", "ezdxf", "typer", "rich"),
+}
+
+
+@pytest.mark.parametrize(
+    "support",
+    [
+        {"at": [[1, 1], [3, 1], [1, 3], [3, 3]], "resists": "down"},
+        {"area": "all", "resists": "down", "stiffness": 1e7},
+        {"edge": ["left", "right"], "fix": "simple"},
+    ],
+)
+def test_a_plain_solve_reads_no_module_that_it_can_do_without(support: dict[str, object]) -> None:
+    code = f"""
+import sys, signorini
+plate = {{"shape": "rectangle", "size": [4, 4], "thickness": 0.2}}
+load = [{{"pressure": 2e3}}, {{"force": 1e3, "at": [2, 2]}}]
+model = signorini.Model(material={{"E": 30e9, "nu": 0.2}}, plate=plate, support=[{support}], load=load)
+assert signorini.solve(model)["all"].plus_minus
+print(*sys.modules)
+"""
+    read = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert SLOW_TO_READ & set(read) == set()

@@ -11,7 +11,7 @@ TEXT = (Path(__file__).parents[1] / "docs" / "input.md").read_text("utf-8")
 SCHEMA = signorini.schema()
 LISTS = {"zone", "support", "load", "combination", "moving", "probe"}
 # Tables of the schema that are values of a key, with the section that tells theirs.
-WITHIN = {"Area": "support", "Circle": "support", "Modifiers": "plate"}
+WITHIN = {"Area": "support", "Circle": "support", "Modifiers": "plate", "Stiffness": "plate"}
 
 
 def keys_of(node):
@@ -58,7 +58,8 @@ def test_every_key_of_a_section_is_in_the_schema(table):
     own = {key for owner, key in names if owner in ("", table)}
     shared = set().union(*(TABLES.get(owner, set()) for owner in next(t for t, _ in sections() if table in t)))
     shapes = {"rectangle", "disc", "annulus", "polygon", "mesh"} if table == "plate" else set()
-    assert own - shared - shapes - set(SCHEMA["properties"]) == set()
+    inner = set().union(*(keys_of(SCHEMA["$defs"][name]) for name, owner in WITHIN.items() if owner == table))
+    assert own - shared - inner - shapes - set(SCHEMA["properties"]) == set()
 
 
 def test_keys_of_areas_and_circles_are_told():

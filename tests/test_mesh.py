@@ -15,7 +15,7 @@ from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import folded
 from signorini.mesh.meshers import annulus, disc, rectangle
-from signorini.mesh.subdivision import divisions_from_size, subdivide
+from signorini.mesh.subdivision import subdivide
 from signorini.shapes import Polyline, Ring
 
 SQUARE = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]], float)
@@ -217,12 +217,6 @@ def test_a_subdivision_is_the_same_in_other_units_for_lines_on_a_grid(count, lin
 
 def test_a_line_too_near_another_is_left_out():
     assert np.array_equal(subdivide(0.0, 10.0, 10, [5.0, 5.01]), np.linspace(0.0, 10.0, 11))
-
-
-def test_divisions_follow_from_an_element_size():
-    assert divisions_from_size([0.3, 1.0, 0.01], 0.1) == (3, 10, 1)
-    with pytest.raises(InputError, match="element size must be positive"):
-        divisions_from_size([1.0], 0.0)
 
 
 @pytest.mark.parametrize(

@@ -126,8 +126,7 @@ def test_q8r_takes_quadrilaterals_alone():
     with pytest.raises(
         InputError, match=r"plate.element: The mesh has \d+ triangles, and q8r is a quadrilateral alone"
     ):
-        hole = {"circle": {"center": [2, 2], "radius": 0.7}}
-        meshed(model(plate={"element": "q8r", "holes": [hole]}))
+        meshed(model(plate={"element": "q8r", "points": [[0, 0], [8, 0], [3, 7]]}, support=[{"edge": "edge 1"}]))
 
 
 def test_areas_pass_over_holes_and_lines_do_not():

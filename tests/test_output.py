@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import meshio
 import numpy as np
@@ -78,6 +79,8 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
             dict.fromkeys(["at", "deflection", "rotation", "moment", "shear", "pressure", "principal_moment"])
             | {"design_moment": dict.fromkeys(["bottom", "top"])}
         ],
+        "sections": None,
+        "strips": None,
     }
     assert keys(found) == {
         "schema": None,
@@ -101,7 +104,9 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                 "limit": dict.fromkeys(["case", "factor"]),
                 "plus_minus": numbers,
                 "singular": [
-                    dict.fromkeys(["where", "line", "limited", "within", "what", "numbers", "source", "advice"])
+                    dict.fromkeys(
+                        ["where", "count", "box", "line", "limited", "within", "what", "numbers", "source", "advice"]
+                    )
                 ],
                 "certificate": dict.fromkeys(
                     [
@@ -123,6 +128,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         ],
         "governing_reactions": [
             dict.fromkeys(["support", "point", "at", "max", "max_by", "max_with", "min", "min_by", "min_with"])
+            | {"plus_minus": dict.fromkeys(["max", "max_with", "min", "min_with"])}
         ],
         "groups": None,
         "seconds": dict.fromkeys(["mesh", "assemble", "order", "factor", "contact", "recover", "total"]),
@@ -532,3 +538,29 @@ def test_governing_reactions_come_with_those_of_the_others() -> None:
         assert one["max"] == max(values[index] for values in reactions.values()) == one["max_with"][index]
         assert one["min"] == min(values[index] for values in reactions.values())
         assert one["max_with"] == reactions[one["max_by"]] and one["min_with"] == reactions[one["min_by"]]
+
+
+def test_pictures_of_a_group_have_one_scale_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    limits = dict[str, Any]()
+
+    def kept(plan: Any, pictures: Any, length: str) -> None:
+        limits.update({Path(one.path).name: one.panels()[0].limits for one in pictures})
+
+    monkeypatch.setattr("signorini.plot.save_pictures", kept)
+    named = {"ULS 1": 1.35, "ULS 2": 1.5, "SLS": 1.0}
+    combinations = [{"name": name, "group": name[:3], "factors": {"load": one}} for name, one in named.items()]
+    plain = {"material": {"E": 30e9, "nu": 0.2}, "support": [{"edge": ["left", "right"], "fix": "simple"}]}
+    loaded = {"load": [{"pressure": 2e3}], "combination": combinations, "mesh": {"divisions": [4, 4], "error": False}}
+    plate = {"shape": "rectangle", "size": [4, 4], "thickness": 0.2}
+    write(signorini.solve(signorini.Model(plate=plate, **plain, **loaded)), tmp_path)
+    assert limits["uls-1.png"] == limits["uls-2.png"] != limits["sls.png"]
+    assert limits["uls-2-shears.png"][1] == pytest.approx(1.5 * limits["sls-shears.png"][1])
+
+
+def test_of_extremes_alike_but_for_rounding_the_one_at_the_least_x_and_then_y_is_named() -> None:
+    legs = [{"at": [[0.4, 0.4], [3.6, 0.4], [0.4, 3.6], [3.6, 3.6]], "resists": "down"}]
+    found = signorini.solve(model(support=legs, load=[{"pressure": 5}], combination=[], mesh={"divisions": [16, 16]}))
+    extremes = found["all"].extremes
+    assert extremes["deflection"].min_at == (0, 0)
+    assert extremes["mx"].max_at == (2, 0) and extremes["my"].max_at == (0, 2)
+    assert extremes["qx"].max_at[1] < 2 and extremes["qy"].max_at[0] < 2

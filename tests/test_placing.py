@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from models import rectangular
 
-from signorini import solve
+from signorini import Model, solve
 from signorini.discretise import discretise
+from signorini.errors import InputError
 from signorini.mesh import Mesh
 
 PLATE = {
@@ -64,3 +65,12 @@ def test_points_all_but_at_one_place_are_at_one_place(apart):
         result = solve(model)["all"]
         assert list(result.reactions.values())[:2] == pytest.approx([140000, 20000], rel=1e-9)
         assert result.supports[1].positions[0, 0] == 1 + apart and result.not_unique
+
+
+def test_an_area_off_a_round_edge_is_told_how_far() -> None:
+    corners = [[0, 0], [4.5, 0], [0, 4]]
+    load = [{"pressure": 1e3, "area": {"polygon": corners}}]
+    plate = {"shape": "disc", "radius": 4, "thickness": 0.2}
+    model = Model(material={"E": 30e9, "nu": 0.2}, plate=plate, support=[{"edge": "rim", "fix": "simple"}], load=load)
+    with pytest.raises(InputError, match=r"% of its size off the plate, up to 0\.5 beyond it at \[4\.5, 0\]"):
+        discretise(model)

@@ -32,9 +32,10 @@ from signorini.plot import (
     supports,
 )
 from signorini.plot.marks import legend_words
-from signorini.results.marks import load_marks
+from signorini.results.marks import case_totals, edge_marks, load_marks, singular_marks
 from signorini.results.panels import support_marks
 from signorini.shapes.tessellation import tessellate
+from signorini.singularities.named import singularities
 
 # A square whose right edge bulges, and its neighbour on the left.
 POINTS = np.array(
@@ -268,13 +269,22 @@ def test_a_long_title_is_wrapped_to_the_page() -> None:
     assert extent.y0 > figure.axes[0].get_window_extent().y1
 
 
+def test_every_curve_of_a_load_path_looks_different() -> None:
+    from signorini.plot import load_path_picture
+
+    figure = load_path_picture([0, 1, 2], {f"probe {i}": [0, i, 2 * i] for i in range(14)}, {"prop": [0, 1]})
+    looks = [(line.get_color(), line.get_linestyle(), line.get_marker()) for line in figure.axes[0].get_lines()]
+    drawn = [look for look in looks if look[2] != "None"]
+    assert len(set(drawn)) == len(drawn) == 12
+
+
 def test_several_fields_stand_side_by_side_each_with_its_scale() -> None:
     panels = [Panel(scale * POINTS[:, 0], label) for scale, label in ((1, "mx"), (10, "my"), (100, "mxy"))]
-    figure = field_picture(PLAN, panels, [PADS])
+    figure = field_picture(Plan.of(POINTS * [1, 2], ELEMENTS), panels, [PADS])
     assert [axes.get_ylabel() for axes in figure.axes[3:]] == ["mx", "my", "mxy"]
     assert figure.axes[5].get_ylim()[1] > 100
-    left = [axes.get_position().x0 for axes in figure.axes[:3]]
-    assert left == sorted(left) and left[0] != left[2]
+    assert [axes.yaxis.get_visible() for axes in figure.axes[:3]] == [True, False, False]
+    assert (np.diff([axes.get_position().x0 for axes in figure.axes[:3]]) > 0.2).all()
 
 
 def test_saved_together_pictures_are_those_drawn_alone_and_what_they_share_stays(tmp_path: Path) -> None:
@@ -287,7 +297,7 @@ def test_saved_together_pictures_are_those_drawn_alone_and_what_they_share_stays
     save_pictures(PLAN, [*pictures, pictures[0], pictures[1]], "m")
     for picture in pictures:
         alone = field_picture(PLAN, picture.panels(), picture.marks, title=picture.title, length="m")
-        save(alone, tmp_path / "alone.png", tight=False)
+        save(alone, tmp_path / "alone.png")
         one, other = (imread(path)[..., :3] for path in (picture.path, tmp_path / "alone.png"))
         assert one.shape == other.shape
         # Lines that are drawn in another order differ by a shade.
@@ -493,5 +503,33 @@ def test_drawing_leaves_matplotlib_s_global_state_alone() -> None:
 def test_a_load_by_a_formula_is_drawn_as_one_and_the_way_it_acts() -> None:
     model = rectangular(load=[{"case": "W", "pressure": "-1.5*(x<2)"}, {"case": "Q", "pressure": "2*(x<2)"}])
     wind, live = load_marks(discretise(model))
-    assert (wind.name, wind.upward) == ("pressure by its formula, upward", True)
-    assert (live.name, live.upward) == ("pressure by its formula", False)
+    assert (wind.name, wind.value, wind.upward) == ("pressure by its formula, upward", "0 to 1.5", True)
+    assert (live.name, live.value, live.upward) == ("pressure by its formula", "0 to 2", False)
+
+
+def test_the_check_picture_names_edges_values_of_loads_their_sums_and_places_without_a_limit(tmp_path: Path) -> None:
+    loads = [
+        {"case": "G", "pressure": 5, "area": {"rectangle": [0, 0, 2, 4]}},
+        {"case": "G", "force": -60, "at": [[3, 2], [3, 3]]},
+        {"case": "T", "moment": [0, 4.5], "at": [2, 2]},
+    ]
+    model = rectangular(units={"length": "m", "force": "kN"}, load=loads)
+    found = discretise(model)
+    figure = check_picture(
+        Plan.of(found.mesh.points, found.mesh.elements),
+        loads=load_marks(found),
+        totals=case_totals(found),
+        edges=edge_marks(found.mesh),
+        singular=singular_marks(singularities(found)),
+    )
+    axes = figure.axes[0]
+    written = [text.get_text() for text in axes.texts]
+    assert {"left", "right", "bottom", "top"} < set(written)
+    assert written.count("60 kN") == 2 and {"5 kN/m²", "[0, 4.5] kN m"} < set(written)
+    legend = [entry.get_text().replace("\n", " ") for entry in axes.get_legend().get_texts()]
+    assert {"G: pressure, 5 kN/m²", "G: force, upward, 60 kN", "G: 80 kN up in all"} < set(legend)
+    assert not any("T:" in words and "in all" in words for words in legend)
+    (named,) = (words for words in legend if words.startswith("no limit"))
+    assert "Force at a point of load[2]" in named and "Couple at a point of load[3]" in named
+    rings = [line for line in axes.lines if line.get_markersize() == 13.0]
+    assert sum(len(line.get_xdata()) for line in rings) >= 3

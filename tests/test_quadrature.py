@@ -17,6 +17,7 @@ from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import annulus, disc, rectangle
 from signorini.shapes import Circle, Polygon, Polyline, Rectangle, Ring
+from signorini.shapes.cuts import CutLine, LeftOf
 
 
 def distorted(mesh, bend, seed=1):
@@ -374,3 +375,24 @@ def test_an_element_is_parted_by_the_levels_that_cross_it_alone():
         return sum(asked)
 
     assert looked_at(12) < 3 * 4 * looked_at(3)
+
+
+@given(
+    any_mesh,
+    st.tuples(*4 * [coordinate]),
+    st.sampled_from([None, Circle((0.3, -0.2), 0.8), Rectangle(-1, -0.5, 0.9, 1)]),
+)
+@settings(max_examples=60, deadline=None)
+def test_left_and_right_of_a_line_are_the_whole(name, ends, region):
+    """Of the plate, and of a region whose outline the line crosses within elements."""
+    mesh = MESHES[name]
+    a, b = np.array(ends).reshape(2, 2)
+    assume(math.dist(a, b) > 0.1)
+    points = [tuple(p) for p in (2 * a - b, a, b, b + np.array([0.3, 1.2])[:: 1 if b[0] > a[0] else -1])]
+    box = (-2.1, -2.1, 2.1, 2.1)
+    whole = moments(area_quadrature(mesh, region))
+    halves = [area_quadrature(mesh, LeftOf(CutLine(line, 1e-9), box, region), 4) for line in (points, points[::-1])]
+    assert sum(moments(half) for half in halves) == pytest.approx(whole, abs=1e-10 * whole[0])
+    for half, line in zip(halves, (points, points[::-1]), strict=True):
+        assert (CutLine(line, 1e-9).near(half.positions).side <= 0).all()
+        assert region is None or region.contains(half.positions).all()

@@ -229,9 +229,21 @@ def test_only_what_acts_is_named():
     written = json.loads(json.dumps(results_json(results)))["combinations"][2]["singular"]
     (one,) = written
     assert (one["where"], one["numbers"], one["line"]) == ([[2.0, 2.0]], ["deflection", "moment", "shear"], False)
+    assert (one["count"], one["box"]) == (1, [2.0, 2.0, 2.0, 2.0])
     assert one["what"] == "Force at a point of load[2]"
     assert "footprint" in one["advice"]
     assert len(check(results.model).singular) == 1
+
+
+def test_of_many_places_some_are_listed_with_the_box_around_all():
+    circle = {"area": {"circle": {"center": [2.1, 2.1], "radius": 1.03}}, "thickness": 0.3}
+    model = rectangular(support=[HARD], load=[PRESSURE], zone=[circle], mesh={"divisions": [16, 16], "error": False})
+    result = solve(model)["all"]
+    (written,) = (one for one in results_json(solve(model))["combinations"][0]["singular"] if "within" in one["what"])
+    every = max((one.where for one in result.singular), key=len)
+    assert written["count"] == len(every) > 50
+    assert written["where"] == [list(at) for at in every[:20]]
+    assert written["box"] == [*np.min(every, axis=0), *np.max(every, axis=0)]
 
 
 @pytest.mark.parametrize("footprint", [{"patch": [0.1, 0.02]}, {"radius": 0.05}])
@@ -277,15 +289,42 @@ def test_peaks_leave_singular_places_out():
     largest = []
     for n in (8, 16, 32):
         results = solve(rectangular(divisions=[n, n], **tables))
-        high, _ = results.envelope.peaks("mx")
-        found = results.discretisation
-        away = away_from(found.mesh, singularities(found), "moment")
-        assert away[high]
-        assert (~away).sum() > 0
-        largest.append(results.envelope.fields["mx"].largest[high])
-        json_peak = results_json(results)["envelope"]["fields"]["mx"]
-        assert json_peak["max_at"] == found.mesh.points[high].tolist()
+        peak = results_json(results)["envelope"]["fields"]["mx"]
+        largest.append(peak["max"])
+        assert np.hypot(peak["max_at"][0] - 1, peak["max_at"][1] - 1) > 0.2
+        assert peak["max"] < results.envelope.fields["mx"].largest.max()
+        single = results[peak["max_by"]].extremes["mx"]
+        assert (peak["max"], peak["max_at"]) == (pytest.approx(single.max, rel=1e-9), list(single.max_at))
     assert np.ptp(largest[1:]) < 0.05 * largest[-1]
+
+
+@pytest.mark.parametrize("solver", ["lemke", "active_set"])
+def test_peaks_of_rows_leave_out_what_acts_in_them_alone(solver):
+    """Where the force does not act its place counts; where it does the row has what the result by itself has."""
+    moving = {"case": "wheel", "line": [[1, 1.5], [3, 1.5]], "step": 1, "axles": [0, 2e3]}
+    rows = {"without": [1.0, 0.0], "with": [1.0, 1.0], "less": [0.5, 0.2]}
+    results = solve(
+        rectangular(
+            divisions=[12, 12],
+            support=[HARD, {"at": [2, 2], "resists": "down"}],
+            load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": 1e3, "at": [2, 3]}],
+            moving=[moving],
+            combination=[
+                {"name": "t", "generate": "table", "columns": ["G", "Q"], "rows": rows},
+                {"name": "w", "generate": "positions", "factors": {"G": 1.0, "wheel": 1.0}},
+            ],
+            output={"combinations": "table"},
+            solver={"method": solver},
+        )
+    )
+    table = results.table
+    for row, name in enumerate(results):
+        for field, ends in results[name].extremes.items():
+            for side in ("max", "min"):
+                value = table[f"{side}:{field}"][row]
+                assert value == pytest.approx(getattr(ends, side), rel=1e-6, abs=1e-9 * abs(ends.max)), (name, field)
+    rows_of_mx = table["max:mx"]
+    assert results_json(results)["envelope"]["fields"]["mx"]["max"] == max(rows_of_mx)
 
 
 def test_extremes_name_the_singular_place_that_they_leave_out():

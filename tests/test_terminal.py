@@ -40,6 +40,8 @@ def model(count: int, **changes: object) -> signorini.Model:
         "combination": [
             {"name": f"ULS {i + 1}: 1.35 G + {i / 8} Q", "factors": {"G": 1.35, "Q": i / 8}} for i in range(count)
         ],
+        "section": [{"name": "beside the prop", "line": [[2.1, 0], [2.4, 4]]}],
+        "strip": [{"name": "over the pads", "line": [[0, 1], [4, 1]], "width": 1.5}],
         "probe": [{"at": [[2, 2], [1 / 3, 1 / 3], [3.5, 2.25]]}],
     }
     return rectangular(**data | changes)

@@ -134,3 +134,44 @@ def test_of_a_table_they_are_said_once() -> None:
     wide, far = results_json(results)["table"]["warnings"]
     assert wide.startswith("The mesh is one element wide") and far.startswith("The deflection at [")
     json.dumps(results_json(results), allow_nan=False)
+
+
+@pytest.mark.parametrize(
+    ("support", "said"),
+    [
+        ({"area": "all", "stiffness": 5e4}, ""),
+        ({"area": "all", "stiffness": 5e13}, "as good as rigid"),
+        ({"area": "all", "stiffness": 5e-4}, "as good as none"),
+        ({"at": [[1, 1], [3, 1], [2, 3]], "stiffness": 1e5}, ""),
+        ({"at": [[1, 1], [3, 1], [2, 3]], "stiffness": 1e11}, "as good as rigid"),
+        ({"edge": "left", "stiffness": 1e-3}, "as good as none"),
+    ],
+)
+def test_a_stiffness_in_another_unit(support: dict[str, object], said: str) -> None:
+    warnings = check(model(support=[PADS, {"name": "bed", **support}])).warnings
+    assert [warning for warning in warnings if "stiffness of bed" in warning and said in warning] or not said
+    assert bool(warnings) == bool(said)
+
+
+@pytest.mark.parametrize(("weight", "said"), [(25, False), (25e3, True), (0.025, True)])
+def test_a_weight_in_another_unit(weight: float, said: bool) -> None:
+    heavy = {"E": 30e6, "nu": 0.2, "unit_weight": weight}
+    assert (
+        any("unit_weight" in warning for warning in check(model(material=heavy, load=[{"self_weight": True}])).warnings)
+        == said
+    )
+    assert check(model(material=heavy)).warnings == ()
+
+
+@pytest.mark.parametrize(("x", "said"), [(0.1, True), (0.3, False), (0.0, False)])
+def test_a_rigid_point_beside_an_edge_that_is_held(x: float, said: bool) -> None:
+    wall, prop = {"edge": "left", "fix": "clamped"}, {"name": "prop", "at": [x, 2], "resists": "down"}
+    assert any("pry against" in warning for warning in check(model(support=[wall, prop])).warnings) == said
+
+
+@pytest.mark.parametrize(
+    ("moment", "at", "said"), [([3, 0], [0, 2], True), ([0, 3], [0, 2], False), ([3, 0], [1, 2], False)]
+)
+def test_a_couple_that_an_edge_of_symmetry_takes(moment: list[float], at: list[float], said: bool) -> None:
+    load, supports = [{"moment": moment, "at": at}, {"pressure": 5}], [PADS, {"edge": "left", "fix": "symmetry"}]
+    assert any("does nothing" in warning for warning in check(model(support=supports, load=load)).warnings) == said

@@ -15,6 +15,7 @@ from signorini.output import write
 
 CONCRETE = {"E": 30e9, "nu": 0.2, "unit_weight": 25e3}
 MIDDLE = {"rectangle": [3, 2, 5, 4]}
+STIFF = {"Dx": 8e6, "Dy": 6e6, "D1": 1e6, "Dxy": 2e6, "Sx": 1e8, "Sy": 1e8}
 THICK = {"area": MIDDLE, "thickness": 0.4}
 
 
@@ -122,6 +123,27 @@ def test_where_zones_overlap_later_ones_win_key_by_key():
     assert made.rigidity[element].tolist() == [1, 0, 0]
 
 
+def test_a_later_zone_of_thickness_or_material_is_solid_again():
+    wide, narrow = {"rectangle": [2, 1, 6, 5]}, MIDDLE
+    zones = [
+        {"area": wide, "thickness": 0.3, "stiffness": STIFF},
+        {"area": narrow, "modifiers": {"bending": 0.5}},
+        {"area": {"rectangle": [3, 2, 4, 4]}, "thickness": 0.3},
+        {"area": {"rectangle": [3, 2, 4, 3]}, "material": CONCRETE},
+    ]
+    found = discretise(slab(*zones))
+    places = [[4.6, 3.6], [2.1, 1.1], [0.1, 0.1], [3.6, 3.6], [3.6, 2.6]]
+    made = found.zones.of_elements
+    element = found.mesh.locate(np.array(places)).elements
+    # Materials have the numbers 0 to 4, the plate's and zones' stiffnesses those from 5 on.
+    assert made.section[element].tolist() == [6, 6, 0, 0, 4]
+    assert made.thickness[element].tolist() == [1, 1, 0, 3, 3]
+    first = found.zones.rigidities[made.rigidity[element[1]]].bending * 0.3**3
+    assert first == approx(np.array([[8e6, 1e6, 0], [1e6, 6e6, 0], [0, 0, 2e6]]), rel=1e-14)
+    halved = found.zones.rigidities[made.rigidity[element[0]]].bending * 0.3**3
+    assert halved[0] == approx(0.5 * first[0], rel=1e-14)
+
+
 def test_overlaps_that_are_seldom_meant_are_told():
     other = {"area": {"rectangle": [4, 3, 6, 5]}, "thickness": 0.3}
     (partly,) = check(slab(THICK, other)).warnings
@@ -134,7 +156,11 @@ def test_overlaps_that_are_seldom_meant_are_told():
 @pytest.mark.parametrize(
     ("zone", "message"),
     [
-        ({"area": MIDDLE}, r"zone\[1\]: it changes nothing; give thickness, material or modifiers"),
+        ({"area": MIDDLE}, r"zone\[1\]: it changes nothing; give thickness, material, modifiers or stiffness"),
+        ({"area": MIDDLE, "stiffness": STIFF}, r"zone\[1\].thickness: 'thickness' is missing; it goes with stiffness"),
+        ({"area": MIDDLE, "stiffness": STIFF, "thickness": "x"}, r"zone\[1\].thickness: found \"x\"; beside stiffness"),
+        ({"area": MIDDLE, "stiffness": STIFF | {"D1": 8e6}}, r"stiffness.D1: found 8e\+06; its size must be less than"),
+        ({"area": MIDDLE, "thickness": 0.3, "material": {}}, r"zone\[1\].material.E: 'E' is missing. Young's modulus"),
         ({"area": "all", "thickness": 0.3}, r'zone\[1\].area: found "all"'),
         ({"area": {"rectangle": [7, 2, 9, 4]}, "thickness": 0.3}, r"zone\[1\].area: The area has 50 % of its size off"),
         ({"area": {"rectangle": [9, 2, 10, 4]}, "thickness": 0.3}, r"zone\[1\].area: The area is not on the plate"),

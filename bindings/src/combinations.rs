@@ -11,7 +11,7 @@ use signorini_core::contact::{self, Outcome};
 use signorini_core::plate;
 use signorini_core::residual::Displacement;
 use signorini_core::stress::{Strained, smoothed_together};
-use signorini_core::superposition::{self, Envelope};
+use signorini_core::superposition::{self, Envelope, LeftOut};
 use std::sync::Arc;
 
 /// What the plate does under one load case, or at one contact point, alone: displacements (3n,) as two doubles,
@@ -253,7 +253,8 @@ type Peaks<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
 
 /// Widens an envelope (n,), in place, by every sum of vectors (b, n) with coefficients (k, b) of combinations `who` (k,).
 ///
-/// Returns every sum's largest and smallest value (k, 2) and where they are (k, 2).
+/// Returns every sum's largest and smallest value (k, 2) and where they are (k, 2), without the entries of some of the
+/// classes (n,): `left_out` (k, c).
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn envelop<'py>(
@@ -265,6 +266,8 @@ pub fn envelop<'py>(
     mut largest_by: PyReadwriteArray1<'py, i64>,
     mut smallest: PyReadwriteArray1<'py, f64>,
     mut smallest_by: PyReadwriteArray1<'py, i64>,
+    classes: PyReadonlyArray1<'py, i64>,
+    left_out: PyReadonlyArray2<'py, bool>,
 ) -> PyResult<Peaks<'py>> {
     let (count, length) = (vectors.shape()[0], vectors.shape()[1]);
     let number = who.len();
@@ -272,6 +275,12 @@ pub fn envelop<'py>(
     if coefficients.shape() != [number, count] || sizes.iter().any(|&size| size != length) {
         return Err(invalid("coefficients (k, b), vectors (b, n), k names and an envelope (n,) must agree"));
     }
+    let (class, count_of) = (classes.as_slice()?, left_out.shape()[1]);
+    if class.len() != length || left_out.shape()[0] != number || class.iter().any(|&c| c < 0 || c as usize >= count_of)
+    {
+        return Err(invalid("classes (n,) must count from 0, and left_out (k, c) tell of each"));
+    }
+    let left_out = LeftOut { class, sums: left_out.as_slice()?, classes: count_of };
     let (coefficients, vectors, who) = (coefficients.as_slice()?, vectors.as_slice()?, who.as_slice()?);
     let mut envelope = Envelope {
         largest: largest.as_slice_mut()?,
@@ -279,7 +288,7 @@ pub fn envelop<'py>(
         smallest: smallest.as_slice_mut()?,
         smallest_by: smallest_by.as_slice_mut()?,
     };
-    let peaks = released(py, || superposition::envelop(coefficients, vectors, who, &mut envelope))?;
+    let peaks = released(py, || superposition::envelop(coefficients, vectors, who, &mut envelope, left_out))?;
     let values = peaks.iter().flat_map(|peak| [peak.largest, peak.smallest]).collect();
     let places = peaks.iter().flat_map(|peak| [peak.largest_at as i64, peak.smallest_at as i64]).collect();
     Ok((matrix(py, values, 2)?, PyArray1::from_vec(py, places).reshape([number, 2])?))

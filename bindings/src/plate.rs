@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use signorini_core::assembly::{Assembly, Numbering};
 use signorini_core::element::{DOFS, Kind, Layered, Material, Materials, Section, Thickness};
 use signorini_core::plate::{self, StressNodes};
-use signorini_core::residual::{Displacement, internal_magnitudes, openings, residual};
+use signorini_core::residual::{Displacement, internal_magnitudes, nodal_force, openings, residual};
 use signorini_core::stress;
 use std::sync::Arc;
 
@@ -277,6 +277,50 @@ impl Plate {
         let nodal = matrix(py, nodal.into_flattened(), 5)?;
         let sampled = sampled.into_flattened().into_flattened();
         Ok((nodal, PyArray1::from_vec(py, sampled).reshape([count, 4, 5])?))
+    }
+
+    /// What the nodes of elements (k,) do to them (k, 24), in the nodes' frames, loads but the stress-free curvature left
+    /// out, and [mx, my, mxy, qx, qy] (k, p, 5) at the points of their stiffness.
+    fn element_forces<'py>(
+        &self,
+        py: Python<'py>,
+        elements: PyReadonlyArray1<'_, i64>,
+        hi: PyReadonlyArray1<'_, f64>,
+        lo: PyReadonlyArray1<'_, f64>,
+        curvature: [f64; 3],
+        couples: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Stresses<'py>> {
+        let plate = &self.inner;
+        let elements = indices("elements", &elements, plate.elements().len())?;
+        let displacement = displacement(&hi, &lo, plate.dof_count())?;
+        let couples = sized("couples", &couples, 2 * plate.elements().len())?;
+        let (forces, stress) = released(py, || {
+            let of = stress::Strained { displacement: &displacement, curvature, couples: &couples };
+            let (mut forces, mut stress) = (Vec::new(), Vec::new());
+            for &e in &elements {
+                let (free, _) = plate.curvature_load_on(e, curvature);
+                forces.extend(nodal_force(plate, e, &displacement).iter().zip(free).map(|(force, free)| force - free));
+                stress.extend(stress::at_integration_points(plate, e, &of).into_flattened());
+            }
+            (forces, stress)
+        })?;
+        let points = stress.len() / (5 * elements.len()).max(1);
+        let stress = PyArray1::from_vec(py, stress).reshape([elements.len(), points, 5])?;
+        Ok((matrix(py, forces, DOFS)?, stress))
+    }
+
+    /// [κx, κy, 2κxy, γx, γy] at the points of the stiffness of elements (k,), over the dofs of their nodes, in the
+    /// nodes' frames: (k, p, 120), a strain's 24 one behind the other.
+    fn strain_rows<'py>(
+        &self,
+        py: Python<'py>,
+        elements: PyReadonlyArray1<'_, i64>,
+    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let elements = indices("elements", &elements, self.inner.elements().len())?;
+        let rows = |&e: &usize| stress::strain_rows(&self.inner, e).into_flattened().into_flattened();
+        let all: Vec<f64> = released(py, || elements.iter().flat_map(rows).collect())?;
+        let points = all.len() / (5 * DOFS * elements.len()).max(1);
+        PyArray1::from_vec(py, all).reshape([elements.len(), points, 5 * DOFS])
     }
 
     /// Lower triangle of K with springs, in the mesh's own order: column starts, rows, values.

@@ -381,30 +381,27 @@ impl Plate {
     pub fn curvature_load(&self, curvature: [f64; 3]) -> (Vec<f64>, Vec<f64>) {
         let mut load = vec![0.0; self.dof_count()];
         let mut centre = vec![0.0; 2 * self.elements.len()];
-        for e in 0..self.elements.len() {
-            let geometry = self.geometry(e);
-            let all = element::curvature_load(self.kind, &geometry, self.materials.at(e), self.sections(e), curvature);
-            let couples = [all[DOFS], all[DOFS + 1]];
-            self.add_condensed(e, &all, &mut load);
-            centre[2 * e] = couples[0];
-            centre[2 * e + 1] = couples[1];
+        for (e, nodes) in self.elements.iter().enumerate() {
+            let (nodal, couples) = self.curvature_load_on(e, curvature);
+            for (i, &node) in nodes.iter().enumerate() {
+                for a in 0..3 {
+                    load[3 * node + a] += nodal[3 * i + a];
+                }
+            }
+            centre[2 * e..2 * e + 2].copy_from_slice(&couples);
         }
         (load, centre)
     }
 
-    fn add_condensed(&self, e: usize, all: &[f64; ALL_DOFS], load: &mut [f64]) {
+    /// The same of one element.
+    pub fn curvature_load_on(&self, e: usize, curvature: [f64; 3]) -> ([f64; DOFS], [f64; 2]) {
+        let (geometry, material) = (self.geometry(e), self.materials.at(e));
+        let all = element::curvature_load(self.kind, &geometry, material, self.sections(e), curvature);
         let coupling = &self.centre(e).coupling;
-        let mut nodal = [0.0; DOFS];
-        for j in 0..DOFS {
-            nodal[j] = all[j] - coupling[0][j] * all[DOFS] - coupling[1][j] * all[DOFS + 1];
-        }
+        let mut nodal = std::array::from_fn(|j| all[j] - coupling[0][j] * all[DOFS] - coupling[1][j] * all[DOFS + 1]);
         self.balance(e, &mut nodal);
         self.into_frames(e, &mut nodal);
-        for (i, &node) in self.elements[e].iter().enumerate() {
-            for a in 0..3 {
-                load[3 * node + a] += nodal[3 * i + a];
-            }
-        }
+        (nodal, [all[DOFS], all[DOFS + 1]])
     }
 }
 

@@ -214,16 +214,7 @@ impl Springs {
 
 /// f − K u − Σ k r (r·u − base) at every dof, those held included (there it is minus the support's force).
 pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &Displacement) -> Vec<f64> {
-    let forces = each_moving_element(plate, displacement, |e| {
-        let mut force = if plate.is_thin(e) {
-            plate.strains(e, &displacement.stripped(plate, e)).nodal()
-        } else {
-            internal_force(plate.element_stiffness(e), &displacement.strained(plate, e))
-        };
-        plate.balance(e, &mut force);
-        plate.into_frames(e, &mut force);
-        force
-    });
+    let forces = each_moving_element(plate, displacement, |e| nodal_force(plate, e, displacement));
     let mut out = load.to_vec();
     scatter(plate, &forces, -1.0, &mut out);
     let stretch = |row: usize| springs.rows.beyond(plate, row, displacement, springs.base[row]);
@@ -232,6 +223,18 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
         springs.rows.scatter(plate, row, -springs.stiffness[row] * stretch, &mut out);
     }
     out
+}
+
+/// What an element's nodes do to it, in their frames, at some displacements: K_e u without a resultant.
+pub fn nodal_force(plate: &Plate, e: usize, displacement: &Displacement) -> [f64; DOFS] {
+    let mut force = if plate.is_thin(e) {
+        plate.strains(e, &displacement.stripped(plate, e)).nodal()
+    } else {
+        internal_force(plate.element_stiffness(e), &displacement.strained(plate, e))
+    };
+    plate.balance(e, &mut force);
+    plate.into_frames(e, &mut force);
+    force
 }
 
 /// uᵀKu of plate and springs for a vector of doubles, as a sum of squares that no rigid motion cancels in.

@@ -7,7 +7,7 @@
 //! element's mean.
 
 use crate::element::quadrature::GAUSS_2;
-use crate::element::{self, ALL_DOFS, DOFS, Section, mitc7, shape::NODES};
+use crate::element::{self, ALL_DOFS, DOFS, Kind, Section, StrainMatrix, mitc7, shape::NODES};
 use crate::plate::Plate;
 use crate::residual::Displacement;
 use rayon::prelude::*;
@@ -29,24 +29,34 @@ pub fn at_gauss_points(
     Samples::of(plate, e).stress(plate, e, displacement, curvature, couples)
 }
 
-/// What the stresses at an element's Gauss points are made of, whatever its displacements.
-struct Samples {
-    strain: [[[f64; ALL_DOFS]; 5]; 4],
-    sections: [Section; 4],
+/// What the stresses at points of an element are made of, whatever its displacements.
+struct Samples<const N: usize = 4> {
+    strain: [StrainMatrix; N],
+    sections: [Section; N],
 }
 
 impl Samples {
     fn of(plate: &Plate, e: usize) -> Self {
-        let geometry = plate.geometry(e);
-        let (sections, first) = (plate.sections(e), plate.kind.first_sample());
-        let points = &plate.kind.points_of(geometry.triangle)[first..];
-        let points: [(f64, f64); 4] = std::array::from_fn(|i| (points[i].0, points[i].1));
-        let mut strain = element::strain_matrices(plate.kind, &geometry, points);
-        if geometry.triangle {
-            let mean = mitc7::mean_shear(&geometry);
-            strain.iter_mut().for_each(|strain| strain[3..].copy_from_slice(&mean));
+        let mut samples = Self::from(plate, e, plate.kind.first_sample());
+        if plate.is_triangle(e) {
+            let mean = mitc7::mean_shear(&plate.geometry(e));
+            samples.strain.iter_mut().for_each(|strain| strain[3..].copy_from_slice(&mean));
         }
-        Self { strain, sections: std::array::from_fn(|i| sections.at(first + i, plate.materials.at(e))) }
+        samples
+    }
+}
+
+impl<const N: usize> Samples<N> {
+    /// At so many of the element's points, from a first one on.
+    fn from(plate: &Plate, e: usize, first: usize) -> Self {
+        let geometry = plate.geometry(e);
+        let points = &plate.kind.points_of(geometry.triangle)[first..];
+        let points: [(f64, f64); N] = std::array::from_fn(|i| (points[i].0, points[i].1));
+        let sections = plate.sections(e);
+        Self {
+            strain: element::strain_matrices(plate.kind, &geometry, points),
+            sections: std::array::from_fn(|i| sections.at(first + i, plate.materials.at(e))),
+        }
     }
 
     fn stress(
@@ -56,7 +66,7 @@ impl Samples {
         displacement: &Displacement,
         curvature: [f64; 3],
         couples: [f64; 2],
-    ) -> [Stress; 4] {
+    ) -> [Stress; N] {
         let strained = displacement.strained(plate, e);
         let mut all = [0.0; ALL_DOFS];
         all[..DOFS].copy_from_slice(&strained);
@@ -65,7 +75,7 @@ impl Samples {
             all[DOFS + a] = inner.compliance[a][0] * couples[0] + inner.compliance[a][1] * couples[1]
                 - inner.coupling[a].iter().zip(&strained).map(|(c, u)| c * u).sum::<f64>();
         }
-        let mut out = [[0.0; 5]; 4];
+        let mut out = [[0.0; 5]; N];
         for ((stress, rows), section) in out.iter_mut().zip(&self.strain).zip(&self.sections) {
             let strain = rows.map(|row| row.iter().zip(&all).map(|(b, u)| b * u).sum::<f64>());
             let elastic = [strain[0] - curvature[0], strain[1] - curvature[1], strain[2] - 2.0 * curvature[2]];
@@ -74,6 +84,31 @@ impl Samples {
             *stress = [-mx, -my, -mxy, qx, qy];
         }
         out
+    }
+}
+
+/// Stress at the points that an element's stiffness is integrated by: nine, or q8r's four.
+pub fn at_integration_points(plate: &Plate, e: usize, of: &Strained) -> Vec<Stress> {
+    let couples = [of.couples[2 * e], of.couples[2 * e + 1]];
+    match plate.kind {
+        Kind::Mitc9 => Samples::<9>::from(plate, e, 0).stress(plate, e, of.displacement, of.curvature, couples).into(),
+        Kind::Q8r => Samples::<4>::from(plate, e, 0).stress(plate, e, of.displacement, of.curvature, couples).into(),
+    }
+}
+
+/// Strains there over the dofs of the element's nodes, in their frames, its centre following them.
+pub fn strain_rows(plate: &Plate, e: usize) -> Vec<[[f64; DOFS]; 5]> {
+    let condensed = |strain: &StrainMatrix| {
+        strain.map(|row| {
+            let coupling = &plate.centre(e).coupling;
+            let mut out = std::array::from_fn(|j| row[j] - coupling[0][j] * row[DOFS] - coupling[1][j] * row[DOFS + 1]);
+            plate.into_frames(e, &mut out);
+            out
+        })
+    };
+    match plate.kind {
+        Kind::Mitc9 => Samples::<9>::from(plate, e, 0).strain.iter().map(condensed).collect(),
+        Kind::Q8r => Samples::<4>::from(plate, e, 0).strain.iter().map(condensed).collect(),
     }
 }
 

@@ -72,6 +72,20 @@ pub struct Peak {
     pub smallest_at: usize,
 }
 
+/// Entries (n,) by class, and of every sum (k,) the classes (k, c) whose entries are no part of its peak.
+#[derive(Clone, Copy)]
+pub struct LeftOut<'a> {
+    pub class: &'a [i64],
+    pub sums: &'a [bool],
+    pub classes: usize,
+}
+
+impl LeftOut<'_> {
+    fn has(&self, sum: usize, entry: usize) -> bool {
+        self.sums[sum * self.classes + self.class[entry] as usize]
+    }
+}
+
 const NO_PEAK: Peak = Peak { largest: f64::NEG_INFINITY, largest_at: 0, smallest: f64::INFINITY, smallest_at: 0 };
 
 impl Peak {
@@ -94,7 +108,13 @@ impl Peak {
 /// Widens an envelope by every sum of the vectors (b, n) with coefficients (k, b), and returns each sum's peak.
 ///
 /// `who` (k,) names the combinations. Sums are made and judged tile by tile, and never stored.
-pub fn envelop(coefficients: &[f64], vectors: &[f64], who: &[i64], envelope: &mut Envelope) -> Vec<Peak> {
+pub fn envelop(
+    coefficients: &[f64],
+    vectors: &[f64],
+    who: &[i64],
+    envelope: &mut Envelope,
+    left_out: LeftOut,
+) -> Vec<Peak> {
     let length = envelope.largest.len();
     let count = coefficients.len() / who.len().max(1);
     // Cases that none of these combinations has cost nothing.
@@ -128,7 +148,7 @@ pub fn envelop(coefficients: &[f64], vectors: &[f64], who: &[i64], envelope: &mu
                     smallest_by: &mut smallest_by[part],
                 };
                 let (vectors, envelope, peaks) = (&tile[..], &mut bounds, &mut peaks[..]);
-                Arch::new().dispatch(Tile { rows: &rows, vectors, who, first, envelope, peaks });
+                Arch::new().dispatch(Tile { rows: &rows, vectors, who, first, envelope, peaks, left_out });
             }
             peaks
         })
@@ -145,6 +165,7 @@ struct Tile<'a, 'b> {
     first: usize,
     envelope: &'a mut Envelope<'b>,
     peaks: &'a mut [Peak],
+    left_out: LeftOut<'a>,
 }
 
 impl WithSimd for Tile<'_, '_> {
@@ -152,7 +173,7 @@ impl WithSimd for Tile<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Tile { rows, vectors, who, first, envelope, peaks } = self;
+        let Tile { rows, vectors, who, first, envelope, peaks, left_out } = self;
         let (width, count) = (envelope.largest.len(), vectors.len() / TILE);
         let (mut high, mut low) = ([f64::NEG_INFINITY; TILE], [f64::INFINITY; TILE]);
         high[..width].copy_from_slice(envelope.largest);
@@ -182,9 +203,9 @@ impl WithSimd for Tile<'_, '_> {
             }
             let (largest, smallest) = (simd.reduce_max_f64s(most), simd.reduce_min_f64s(least));
             if largest > peak.largest || smallest < peak.smallest {
-                let at = |wanted: f64| first + sum.iter().position(|&s| s == wanted).unwrap_or(0);
-                let here = Peak { largest, largest_at: at(largest), smallest, smallest_at: at(smallest) };
-                *peak = peak.or(here);
+                for (at, &s) in (first..).zip(&sum[..width]).filter(|(at, _)| !left_out.has(k, *at)) {
+                    *peak = peak.or(Peak { largest: s, largest_at: at, smallest: s, smallest_at: at });
+                }
             }
             if simd.reduce_max_f64s(beyond) > 0.0 {
                 for i in 0..width {
@@ -256,15 +277,21 @@ mod tests {
                 smallest: &mut smallest,
                 smallest_by: &mut smallest_by,
             };
-            let peaks = envelop(&coefficients, &vectors, &who, &mut envelope);
+            // Every third entry counts for every other sum alone.
+            let class: Vec<i64> = (0..length as i64).map(|i| i64::from(i % 3 == 2)).collect();
+            let sums_without: Vec<bool> = (0..combinations).flat_map(|k| [false, k % 2 == 1]).collect();
+            let left_out = LeftOut { class: &class, sums: &sums_without, classes: 2 };
+            let peaks = envelop(&coefficients, &vectors, &who, &mut envelope, left_out);
             for i in 0..length {
                 let column: Vec<f64> = (0..combinations).map(|k| sums[k * length + i]).collect();
                 assert!(column.iter().all(|s| *s <= largest[i] && *s >= smallest[i]));
                 assert_eq!(column[(largest_by[i] - 100) as usize], largest[i]);
                 assert_eq!(column[(smallest_by[i] - 100) as usize], smallest[i]);
             }
-            for (peak, sum) in peaks.iter().zip(sums.chunks(length)) {
-                assert!(sum.iter().all(|s| *s <= peak.largest && *s >= peak.smallest));
+            for (k, (peak, sum)) in peaks.iter().zip(sums.chunks(length)).enumerate() {
+                let counts = |i: usize| class[i] == 0 || k % 2 == 0;
+                assert!((0..length).all(|i| !counts(i) || (sum[i] <= peak.largest && sum[i] >= peak.smallest)));
+                assert!(counts(peak.largest_at) && counts(peak.smallest_at));
                 assert_eq!((sum[peak.largest_at], sum[peak.smallest_at]), (peak.largest, peak.smallest));
             }
         }

@@ -2,8 +2,9 @@
 //!
 //! The outline is checked (`outline`) and turned into the direction that most of it has; lines to follow are cut where
 //! they meet it (`planar`). Nodes are placed along them and on a lattice that is finer where elements must be smaller
-//! (`sizes`, `seeding`), joined to Delaunay triangles (`triangles`), these to quadrilaterals (`pairing`), and nodes are
-//! moved to better places (`smoothing`). The same input gives the same bits.
+//! (`sizes`, `seeding`), joined to Delaunay triangles (`triangles`), these to quadrilaterals (`pairing`), those left over
+//! too, as far as they can be led together (`tunnels`), and nodes are moved to better places (`smoothing`). The same
+//! input gives the same bits.
 
 #![forbid(unsafe_code)]
 
@@ -18,6 +19,7 @@ mod sizes;
 mod smoothing;
 mod tree;
 mod triangles;
+mod tunnels;
 
 pub use geometry::Point;
 pub use outline::{Fault, Loop};
@@ -25,12 +27,14 @@ pub use sizes::Refinement;
 
 use geometry::Curve;
 use outline::{Outline, directions, turned};
-use planar::Planar;
+use planar::{Piece, Planar};
 use quadratic::Quadratic;
-use seeding::{Chord, Style, seed};
+use quality::Corners;
+use seeding::{Chord, Seeds, Style, seed};
 use sizes::Sizes;
 use smoothing::{Freedom, smooth};
 use triangles::Triangles;
+use tunnels::Chords;
 
 /// How a plate is to be meshed.
 #[derive(Clone, Debug, Default)]
@@ -120,8 +124,15 @@ pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
             );
             return Err(Fault { message, side: None });
         }
-        let task =
-            Task { given: &given, outline: &outline, sizes: &sizes, lines: &lines, points: &points, frame: &frame };
+        let task = Task {
+            given: &given,
+            outline: &outline,
+            sizes: &sizes,
+            lines: &lines,
+            points: &points,
+            frame: &frame,
+            sharp: SHARP.min(0.9 * outline.sharpest()),
+        };
         let bad = match task.made(Style::Square) {
             Ok(first) => return Ok(task.best(first, slant).finish()),
             Err(bad) => bad,
@@ -151,6 +162,22 @@ struct Frame {
 const ENOUGH: f64 = 0.99;
 const SHARP: f64 = 40.0;
 const MANY: usize = 20_000;
+/// So few elements keep their triangles: longer quadrilaterals in their place would cost more than they bring.
+const FEW: usize = 25;
+/// Least quality, before nodes are moved, of what leads triangles together, and the same in meshes of many elements,
+/// which are not made again without it where it leaves sharp angles.
+const BOLD: f64 = 0.05;
+const CAUTIOUS: f64 = 0.3;
+
+/// The better of two meshes, of equal ones the first.
+fn better(one: Quadratic, other: Quadratic) -> Quadratic {
+    let rank = |mesh: &Quadratic| {
+        let (share, angle) = mesh.measures();
+        // Up to here a degree of the smallest angle counts as much as a fiftieth of the area.
+        100.0 * share + 2.0 * angle.min(SHARP)
+    };
+    if rank(&other) > rank(&one) { other } else { one }
+}
 
 struct Task<'a> {
     given: &'a Outline,
@@ -159,24 +186,19 @@ struct Task<'a> {
     lines: &'a [Curve],
     points: &'a [Point],
     frame: &'a Frame,
+    /// The smallest angle that is good enough.
+    sharp: f64,
 }
 
 impl Task<'_> {
     /// The best of a mesh and those in other styles.
     fn best(&self, first: Quadratic, slant: Option<f64>) -> Quadratic {
-        let rank = |mesh: &Quadratic| {
-            let (share, angle) = mesh.measures();
-            // Up to here a degree of the smallest angle counts as much as a hundredth of the area.
-            100.0 * share + angle.min(SHARP)
-        };
         let (share, angle) = first.measures();
-        if (share >= ENOUGH && angle >= SHARP) || first.len() > MANY {
+        if (share >= ENOUGH && angle >= self.sharp && slant.is_none()) || first.len() > MANY {
             return first;
         }
         let others = [Some(Style::Lined), Some(Style::Loose), slant.map(Style::Skew)].into_iter().flatten();
-        others
-            .filter_map(|style| self.made(style).ok())
-            .fold(first, |best, other| if rank(&other) > rank(&best) { other } else { best })
+        others.filter_map(|style| self.made(style).ok()).fold(first, better)
     }
 
     /// The mesh in a style.
@@ -185,14 +207,42 @@ impl Task<'_> {
     ///
     /// The places where elements must be smaller.
     fn made(&self, style: Style) -> Result<Quadratic, Vec<Point>> {
-        let Task { given, outline, sizes, frame, .. } = *self;
+        let Task { outline, sizes, .. } = *self;
         let mut planar = Planar::new(outline, sizes);
         self.lines.iter().for_each(|line| planar.follow_curve(line));
         self.points.iter().for_each(|&p| planar.follow_point(p));
         let (vertices, pieces) = planar.finish();
         let (mut seeds, grid) = seed(outline, sizes, vertices, &pieces, style);
         let triangles = Triangles::new(&mut seeds, sizes, style, |chord: &Chord| pieces[chord.piece].side.is_some())?;
-        let elements = pairing::pair(&triangles, &seeds.points, |a, b| grid.is_along(a, b));
+        let paired = pairing::pair(&triangles, &seeds.points, |a, b| grid.is_along(a, b));
+        let chords = Chords::new(&seeds.chords, &pieces);
+        let before = seeds.points.clone();
+        let many = paired.len() > MANY;
+        let mut found = Err(Vec::new());
+        for led in if paired.len() < FEW { &[false][..] } else { &[true, false] } {
+            let mut elements = paired.clone();
+            if *led {
+                tunnels::join(&mut elements, &before, &chords, sizes, if many { CAUTIOUS } else { BOLD });
+            }
+            seeds.points.copy_from_slice(&before);
+            found = match (found, self.shaped(&mut seeds, &pieces, &elements)) {
+                (Ok(one), Err(_)) => Ok(one),
+                (Ok(one), Ok(other)) => Ok(better(one, other)),
+                (Err(_), made) => made,
+            };
+            if found.as_ref().is_ok_and(|mesh| many || mesh.measures().1 >= self.sharp) {
+                break;
+            }
+        }
+        found
+    }
+
+    /// Elements with their nodes moved to better places.
+    ///
+    /// # Errors
+    ///
+    /// The places where elements must be smaller.
+    fn shaped(&self, seeds: &mut Seeds, pieces: &[Piece], elements: &[Corners]) -> Result<Quadratic, Vec<Point>> {
         let mut freedom = vec![Freedom::None; seeds.fixed_points];
         freedom.resize(seeds.points.len(), Freedom::Plane);
         for chord in &seeds.chords {
@@ -210,8 +260,8 @@ impl Task<'_> {
                 freedom[node] = Freedom::Along(pieces[piece].curve, t, [low, high]);
             }
         }
-        smooth(&mut seeds.points, &elements, &mut freedom);
-        let made = Quadratic::new(given, &pieces, &seeds, &elements, &freedom, frame.back);
+        smooth(&mut seeds.points, elements, &mut freedom);
+        let made = Quadratic::new(self.given, pieces, seeds, elements, &freedom, self.frame.back);
         let folded = made.folded();
         if folded.is_empty() { Ok(made) } else { Err(folded) }
     }

@@ -2,6 +2,7 @@
 
 use crate::geometry::{Curve, Point, cross, distance, dot, nearest_points};
 use crate::tree::{Box2, Segment, Tree};
+use std::f64::consts::{PI, TAU};
 use std::fmt;
 
 /// A closed line: its sides run from each corner to the next, the last one to the first.
@@ -104,6 +105,15 @@ impl Outline {
 
     pub fn are_neighbours(&self, one: usize, other: usize) -> bool {
         self.sides[one].neighbours.contains(&other)
+    }
+
+    /// The smallest angle at a corner, in degrees.
+    pub fn sharpest(&self) -> f64 {
+        let inside = |side: &Side| {
+            let (inward, onward) = (side.curve.direction(1.0), self.sides[side.neighbours[1]].curve.direction(0.0));
+            PI - cross(inward, onward).atan2(dot(inward, onward))
+        };
+        self.sides.iter().map(inside).fold(TAU, f64::min).to_degrees()
     }
 
     fn fault(&self, side: usize, message: String) -> Fault {

@@ -85,19 +85,28 @@ fn orthogonal_slabs_are_all_but_quadrilaterals_at_any_angle() {
 }
 
 #[test]
-fn discs_and_skew_plates_are_mostly_quadrilaterals() {
+fn discs_skew_plates_and_triangles_are_all_but_quadrilaterals() {
     let skew = |degrees: f64| {
         let (sin, cos) = f64::to_radians(degrees).sin_cos();
         [polygon(&[[0.0, 0.0], [6.0, 0.0], [6.0 + 4.0 * cos, 4.0 * sin], [4.0 * cos, 4.0 * sin]])]
     };
-    for (loops, size) in [
-        (vec![circle("rim", [3.0, 1.0], 2.0)], 0.2),
-        (vec![circle("rim", [0.0, 0.0], 1.0), circle("hole 1", [0.3, 0.1], 0.3)], 0.05),
-        (skew(60.0).to_vec(), 0.3),
-        (skew(45.0).to_vec(), 0.3),
+    let triangle = |p: Point, q: Point| [polygon(&[[0.0, 0.0], p, q])];
+    let turn = |degrees: f64| [4.0 * f64::to_radians(degrees).cos(), 4.0 * f64::to_radians(degrees).sin()];
+    for (loops, size, share, angle) in [
+        (vec![circle("rim", [3.0, 1.0], 2.0)], 0.5, 0.97, 40.0),
+        (vec![circle("rim", [3.0, 1.0], 2.0)], 0.2, 0.98, 40.0),
+        (vec![circle("rim", [0.0, 0.0], 1.0), circle("hole 1", [0.3, 0.1], 0.3)], 0.05, 0.98, 40.0),
+        (skew(60.0).to_vec(), 0.3, 1.0, 60.0),
+        (skew(45.0).to_vec(), 0.3, 1.0, 45.0),
+        (triangle([4.0, 0.0], turn(60.0)).to_vec(), 0.5, 0.95, 40.0),
+        (triangle(turn(22.0), turn(82.0)).to_vec(), 0.5, 0.95, 40.0),
+        (triangle([4.0, 0.0], [0.0, 3.0]).to_vec(), 0.5, 0.95, 36.8),
+        (triangle([4.0, 0.0], [1.7, 3.0]).to_vec(), 0.5, 0.93, 40.0),
+        (triangle([4.0, 0.0], [1.2, 1.6]).to_vec(), 0.25, 0.95, 29.7),
     ] {
         let mesh = made(&loops, &of(size));
-        assert!(mesh.quadrilaterals > 0.95 && mesh.least_angle > 40.0, "{} {}", mesh.quadrilaterals, mesh.least_angle);
+        let (found, least) = (mesh.quadrilaterals, mesh.least_angle);
+        assert!(found > share - 1e-9 && least > angle - 1e-6, "{loops:?}: {found} {least}");
     }
 }
 

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from signorini.results.load_path import LoadPath
     from signorini.results.probe_result import ProbeResult
     from signorini.results.result import Result
+    from signorini.results.section_result import SectionResult, StationResult, StripResult
     from signorini.results.support_result import SupportResult
 
 _HOME = {
@@ -50,6 +51,7 @@ _HOME = {
     "results.load_path": ("LoadPath",),
     "results.probe_result": ("ProbeResult",),
     "results.result": ("Result",),
+    "results.section_result": ("SectionResult", "StationResult", "StripResult"),
     "results.support_result": ("SupportResult",),
 }
 """Where public names are; each is read when it is first asked for, as some take long."""
@@ -67,7 +69,10 @@ __all__ = [
     "Result",
     "Results",
     "RowProblem",
+    "SectionResult",
     "SignoriniError",
+    "StationResult",
+    "StripResult",
     "SupportResult",
     "__version__",
     "contact_problem",

@@ -86,6 +86,8 @@ def envelop(
     largest_by: _Ints,
     smallest: _Floats,
     smallest_by: _Ints,
+    classes: _Ints,
+    left_out: _Bools,
 ) -> tuple[_Floats, _Ints]: ...
 
 @final
@@ -135,6 +137,10 @@ class Plate:
     def stresses(
         self, hi: _Floats, lo: _Floats, curvature: tuple[float, float, float], couples: _Floats
     ) -> tuple[_Floats, _Floats]: ...
+    def element_forces(
+        self, elements: _Ints, hi: _Floats, lo: _Floats, curvature: tuple[float, float, float], couples: _Floats
+    ) -> tuple[_Floats, _Floats]: ...
+    def strain_rows(self, elements: _Ints) -> _Floats: ...
     def stiffness_matrix(self, spring_arrays: _Springs) -> tuple[_Ints, _Ints, _Floats]: ...
     def element_stiffness(self) -> _Floats: ...
 

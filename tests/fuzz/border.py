@@ -22,7 +22,6 @@ import numpy as np
 from signorini import Model, _core
 from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.discretise import Discretisation
-from signorini.discretise.rigidity import Rigidity
 
 ORDINARY = (ValueError, TypeError, RuntimeError, MemoryError, OverflowError)
 
@@ -87,7 +86,15 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
 
     thickness = np.full((len(mesh.elements), len(_core.section_points("mitc9"))), 0.3)
     rigidities = np.tile([2.0, 0.6, 0.0, 2.0, 0.0, 0.7, 80.0, 0.0, 80.0], (1, thickness.shape[1], 1))
-    plate = [mesh.points, mesh.elements, thickness, material.E, Rigidity.of(found.model).for_core, "mitc9", held.frames]
+    plate = [
+        mesh.points,
+        mesh.elements,
+        thickness,
+        material.E,
+        found.zones.rigidities[0].for_core,
+        "mitc9",
+        held.frames,
+    ]
 
     def layered(*arguments):
         *most, elements, rigidities = arguments

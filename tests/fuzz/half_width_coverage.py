@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from itertools import islice
 from random import Random
 
+import numpy as np
 import random_models
 
 from signorini import SignoriniError, solve, validate
-from signorini.analysis.twins.leaves import kind_of, largest_of, leaves
+from signorini.analysis.twins.leaves import kind_of, leaves, sizes_of
 from signorini.model import Model
 from signorini.results.figures import figures
 from signorini.results.result import Result
@@ -48,7 +49,41 @@ def plate(seed: int, least: int = 8, most: int = 16) -> Model:
     on = (at for at in drawn if random_models.on_plate(tables["plate"], at))
     tables["probe"] = [{"at": list(islice(on, 3))}]
     tables["output"] = {"combinations": "each"}
+    # Drawn last, so that a seed's other choices are what they were without them.
+    if others.random() < 0.3:
+        _zones(others, tables)
+    if others.random() < 0.2:
+        _overlap(others, tables)
     return validate(tables)
+
+
+def _zones(rng: Random, tables: random_models.Tables) -> None:
+    """Give parts of the plate a thickness or a stiffness of their own, one perhaps over another."""
+    plate = tables["plate"]
+    thickness = float(str(plate["thickness"]).split("*")[0].strip("()"))
+    own = [{"thickness": part * thickness} for part in (0.5, 2.0, 3.0)] + [{"modifiers": {"bending": 0.3}}]
+    areas = [random_models.area(rng, plate, random_models.extent(plate)) for _ in range(rng.choice([1, 1, 2]))]
+    tables["zone"] = [{"area": area} | rng.choice(own) for area in areas]
+
+
+def _overlap(rng: Random, tables: random_models.Tables) -> None:
+    """Load the plate on footprints that overlap."""
+    (x, y), room = random_models.middle(rng, tables["plate"])
+    a, b = (room * rng.choice([0.3, 0.8]) for _ in range(2))
+    first = {**tables["load"][0]}
+    force = abs(float(first.get("force", 0.0))) or _weight(tables)
+    at = [[x, y], [x + 0.4 * a, y + rng.choice([0.0, 0.3]) * b]]
+    case = {"case": first["case"]} if "case" in first else {}
+    tables["load"].append(
+        case | {"force": force, "at": at} | rng.choice([{"patch": [a, b]}, {"radius": 0.5 * min(a, b)}])
+    )
+
+
+def _weight(tables: random_models.Tables) -> float:
+    """A force that bends the plate by a thousandth of its size."""
+    size = random_models.extent(tables["plate"])
+    thickness = float(str(tables["plate"]["thickness"]).split("*")[0].strip("()"))
+    return float(1e-3 * tables["material"]["E"] * thickness**3 / 12 / size)
 
 
 def judged(seed: int, least: int = 8, most: int = 16) -> list[Judged]:
@@ -69,9 +104,9 @@ def _compared(ours: Result, truth: Result) -> Iterator[Judged]:
     if ours.status != "solved" or truth.status != "solved" or ours.plus_minus is None:
         return
     values, widths, true = (leaves(tree) for tree in (figures(ours), ours.plus_minus, figures(truth)))
-    largest = largest_of(ours, max((support.gaps.max(initial=0.0) for support in ours.supports), default=0.0))
+    largest = sizes_of({path: np.array([value]) for path, value in values.items()}, ours.model, ours.mesh)
     for path, value in values.items():
         kind = kind_of(path)
         if path in true and kind not in ("closed", "open"):
             name = f"{ours.name}: {'.'.join(map(str, path))}"
-            yield Judged(name, kind, widths.get(path), abs(value - true[path]), _ROUNDING * largest[kind])
+            yield Judged(name, kind, widths.get(path), abs(value - true[path]), _ROUNDING * largest[kind].item())

@@ -72,7 +72,7 @@ def _step(rng: Random, tables: Tables) -> None:
     items = [(plate, "thickness")] * 2
     items += [(load, key) for load in tables["load"] for key in ("pressure", "line_load") if key in load]
     items += [(s, key) for s in tables["support"] for key in ("stiffness", "gap", "settlement") if key in s]
-    (x, y), radius = _middle(rng, plate)
+    (x, y), radius = middle(rng, plate)
     where = rng.choice(
         [f"x < {x}", f"y >= {y}", f"x - {x} > 0.3*(y - {y})", f"(x - {x})**2 + (y - {y})**2 < {0.7 * radius}**2"]
     )
@@ -106,7 +106,7 @@ def _reshape(rng: Random, tables: Tables) -> None:
             if "edge" in item:
                 item["edge"] = rng.sample(_edges(plate), min(len(item["edge"]), 2))
     else:
-        (x, y), most = _middle(rng, plate)
+        (x, y), most = middle(rng, plate)
         r = most * rng.choice([0.5, 0.25])
         plate["holes"] = [
             rng.choice(
@@ -135,7 +135,7 @@ def _onto(rng: Random, plate: Tables, at: list[float]) -> list[float]:
 def _spread(rng: Random, tables: Tables, size: float) -> None:
     """Give what acts at points footprints, a bit farther inside; say a couple about the axes."""
     plate = tables["plate"]
-    (x, y), _ = _middle(rng, plate)
+    (x, y), _ = middle(rng, plate)
     for item in (*tables["support"], *tables["load"]):
         if "at" not in item or item.get("fix", "simple") != "simple" or rng.random() < 0.2:
             continue
@@ -266,7 +266,7 @@ def _place(rng: Random, plate: Tables, size: float, kinds: list[str]) -> Tables:
             inside = plate["shape"] != "rectangle" and rng.random() < 0.7
             return {"circle": _concentric(rng, plate) if inside else _circle(rng, plate, size)}
         case _:
-            return {"area": rng.choice(["all", _area(rng, plate, size)])}
+            return {"area": rng.choice(["all", area(rng, plate, size)])}
 
 
 def _concentric(rng: Random, plate: Tables) -> Tables:
@@ -274,7 +274,7 @@ def _concentric(rng: Random, plate: Tables) -> Tables:
     return {"center": plate.get("center", [0.0, 0.0]), "radius": inner + (outer - inner) * rng.choice([0.5, 0.7, 1.0])}
 
 
-def _middle(rng: Random, plate: Tables) -> tuple[list[float], float]:
+def middle(rng: Random, plate: Tables) -> tuple[list[float], float]:
     """Draw a point well inside the plate, and how far it is from its outline at least."""
     if plate["shape"] == "polygon":
         (x, x1), (y, y1) = _bounds(plate)
@@ -294,11 +294,12 @@ def _middle(rng: Random, plate: Tables) -> tuple[list[float], float]:
 def _circle(rng: Random, plate: Tables, size: float) -> Tables:
     if rng.random() < 0.1:
         return {"center": point(rng, plate), "radius": size * rng.choice([0.1, 0.25, 0.5])}
-    center, most = _middle(rng, plate)
+    center, most = middle(rng, plate)
     return {"center": center, "radius": most * rng.choice([0.9, 0.5, 0.1])}
 
 
-def _area(rng: Random, plate: Tables, size: float) -> Tables:
+def area(rng: Random, plate: Tables, size: float) -> Tables:
+    """Draw an area that is, mostly, well inside the plate."""
     circle = _circle(rng, plate, size)
     (x, y), r = circle["center"], circle["radius"]
     a, b = 0.7 * r * rng.choice([1.0, rng.random()]), 0.7 * r
@@ -336,7 +337,7 @@ def _load(rng: Random, plate: Tables, scale: _Scale) -> Tables:
     case: Tables = {"case": rng.choice(["G", "Q"])} if rng.random() < 0.4 else {}
     match rng.choice(["pressure"] * 3 + ["force", "force", "line_load", "moment", "self_weight", "curvature"]):
         case "pressure":
-            where = {"area": _area(rng, plate, size)} if rng.random() < 0.4 else {}
+            where = {"area": area(rng, plate, size)} if rng.random() < 0.4 else {}
             p = force / size**2
             return case | {"pressure": rng.choice([p, 3 * p, -0.5 * p, f"{p}*(x/{size} - 0.1)"])} | where
         case "force":

@@ -13,6 +13,7 @@ from scipy.linalg import block_diag
 
 from signorini import _core
 from signorini.discretise.rigidity import Rigidity
+from signorini.mesh.isoparametric import determinants
 
 E, NU, KAPPA = 3.0, 0.27, 5 / 6
 RIGIDITY = Rigidity.isotropic(E, NU, KAPPA).for_core
@@ -233,3 +234,31 @@ def test_constant_shear_between_held_rotations_is_exact_on_any_shape(element, no
         row, _ = plate.interpolation_rows(np.zeros(1, np.int64), np.zeros((1, 2)), 1 + part)
         force -= row[0] * couples[part]
     assert force[::3] == pytest.approx(edge_forces(nodes, shear), abs=1e-12)
+
+
+@pytest.mark.parametrize("element", ["mitc9", "mitc7", "q8r"])
+def test_stresses_and_strains_at_the_points_of_the_stiffness_are_the_nodal_forces(element):
+    """∫ Bᵀσ = Ku − ∫ BᵀDκ⁰, with frames, for a thickness that varies."""
+    random = np.random.default_rng(4)
+    kind, triangle = "mitc9" if element == "mitc7" else element, element == "mitc7"
+    at = np.array([[0, 0], [3, 0.2], [2.7, 2], [0.1, 1.6]], float)[: 3 if triangle else 4]
+    points = np.vstack([at, 0.5 * (at + np.roll(at, -1, axis=0))])
+    nodes = np.array([[0, 1, 2, 2, 3, 4, 2, 5]]) if triangle else np.arange(8)[None]
+    stations = _core.section_points(kind, triangle)
+    count = 4 if element == "q8r" else 9
+    thickness = 0.2 + 0.1 * random.random((1, len(stations)))
+    angles = random.uniform(0, 1, len(points))
+    frames = np.column_stack([np.cos(angles), np.sin(angles)])
+    plate = _core.Plate(points, nodes, thickness, E, RIGIDITY, kind, frames)
+    u = random.normal(size=3 * len(points))
+    forces, stress = plate.element_forces(np.array([0]), u, np.zeros_like(u), (0.1, -0.2, 0.3), np.zeros(2))
+    rows = plate.strain_rows(np.array([0])).reshape(count, 5, 24)
+    line = {3: [5 / 9, 8 / 9, 5 / 9], 2: [1.0, 1.0]}[round(count**0.5)]
+    root = 15**0.5
+    light, heavy = (155 - root) / 2400, (155 + root) / 2400
+    weights = np.array([0.1125, *3 * [light], *3 * [heavy], 0, 0]) if triangle else np.outer(line, line).ravel()
+    weights = weights * determinants(points[nodes], stations[:count], triangle)[0]
+    work = np.einsum("p,ps,psd->d", weights, stress[0] * [-1, -1, -1, 1, 1], rows)
+    dofs = (3 * nodes[0][:, None] + np.arange(3)).ravel()
+    found = [np.bincount(dofs, values, len(u)) for values in (work, forces[0])]
+    assert found[0] == pytest.approx(found[1], abs=1e-12 * np.abs(found[1]).max())

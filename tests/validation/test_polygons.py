@@ -56,7 +56,7 @@ def test_an_equilateral_triangle_on_hard_edges_takes_its_closed_form(turn):
     errors = [abs(deflection(solved(points, size, h, support, [0, 0])) / exact - 1) for size in (0.6, 0.3, 0.15)]
     assert errors[0] < 1e-3
     assert errors[2] < 5e-5
-    assert errors[2] < 0.1 * errors[0]
+    assert errors[2] < 0.2 * errors[0]
 
 
 def test_a_clamped_ellipse_of_arcs_takes_its_closed_form():

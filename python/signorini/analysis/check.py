@@ -20,7 +20,15 @@ from signorini.equilibrium.words import explain
 from signorini.errors import InputError
 from signorini.mesh.quality import Quality
 from signorini.model import Combination, Model
-from signorini.results.marks import load_marks, support_marks, zone_marks
+from signorini.results.marks import (
+    case_totals,
+    cut_marks,
+    edge_marks,
+    load_marks,
+    singular_marks,
+    support_marks,
+    zone_marks,
+)
 from signorini.results.warnings import model_warnings, no_resultant
 from signorini.singularities.named import Singularity, singularities
 
@@ -130,6 +138,10 @@ class Check:
             zones=zone_marks(found),
             supports=support_marks(found),
             loads=load_marks(found),
+            cuts=cut_marks(found.model),
+            totals=case_totals(found),
+            edges=edge_marks(found.mesh),
+            singular=singular_marks(self.singular),
             poorest=(Quality.of(found.mesh).corner, self.quality),
             balance=[BalanceMark(r.name, r.at, r.force < 0, bool(r.message), r.axis) for r in self.resultants],
             title=found.model.title,

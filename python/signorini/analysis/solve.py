@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
 
 from signorini.analysis.accuracy import Refined, refined, worst_of
-from signorini.analysis.batch import mean_load, solve_several
 from signorini.analysis.combinations import Combined, Sink, combine
 from signorini.analysis.single import solve_one, timed
+from signorini.analysis.tables import OtherTables, rows_of, solve_rows, solve_table
 from signorini.analysis.twins import Twins
-from signorini.analysis.twins.columns import column_widths
-from signorini.analysis.twins.compared import Meshes
+from signorini.analysis.twins.columns import ENDING, Rows
+from signorini.analysis.twins.leaves import Path
 from signorini.base.arguments import known, watching
 from signorini.base.on_demand import OnDemand
 from signorini.base.progress import Progress, Watcher
@@ -26,15 +28,13 @@ from signorini.equilibrium.limits import nearest_limit
 from signorini.errors import InputError, NoEquilibriumError, UnknownNameError
 from signorini.mesh import Mesh
 from signorini.model import Combination, Model
-from signorini.results.columns import Column, together
+from signorini.results.columns import Column
 from signorini.results.envelope import Envelope
 from signorini.results.result import Result
 from signorini.results.states import States
 
 _KEPT = 12
 """Results computed when they were asked for that are kept: each has every field at every node."""
-_REASONS = 5
-"""Combinations without equilibrium that a message names where none has one."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -146,35 +146,33 @@ class Results(States[str], Mapping[str, Result]):
     @cached_property
     def table(self) -> Mapping[str, Column]:
         """Every column by name, with a row a combination; where these are many they are solved again for it."""
-        blocks = list[list[tuple[str, Column]]]()
-        self._combine(lambda columns: blocks.append(list(columns)))
-        return together(blocks)
+        return rows_of(self.combined, self._combine)
 
     @cached_property
     def table_plus_minus(self) -> Mapping[str, Floats]:
         """Half-widths of the table's columns, ``<column>:plus_minus``, from its rows on other meshes; none without."""
+        if self.model.tabulated:
+            return self._other_tables.widths
+        trees = [result.plus_minus for result in self.full.values()]
+        columns = Rows(self.discretisation, self.combined.layout).columns if any(trees) else {}
+        return {
+            name + ENDING: np.array([_number(tree, path) for tree in trees], np.float64)
+            for name, path in columns.items()
+            if name in self.table
+        }
 
-        def solved(problem: ContactProblem, watcher: Watcher) -> tuple[Mapping[str, Column], Mesh]:
-            blocks = list[list[tuple[str, Column]]]()
-            _combined(problem, watcher, lambda columns: blocks.append(list(columns)))
-            return together(blocks), problem.mesh
-
-        found, _ = self.twins.others(solved, several=True)
-        if not found:
-            return {}
-        meshes, order = self._in_order([mesh for _, mesh in found])
-        tables = [self.table, *(table for table, _ in found)]
-        return dict(column_widths([tables[place] for place in order], meshes, self.model))
-
-    def _in_order(self, others: Sequence[Mesh]) -> tuple[Meshes, list[int]]:
-        """Meshes in the order in which they are compared, and their places in this one and the others."""
-        every = [self.discretisation.mesh, *others]
-        meshes = Meshes.of(every[0], others)
-        return meshes, [every.index(mesh) for mesh in meshes.every]
+    def half_width(self, column: str, row: int) -> float | None:
+        """The half-width of a reaction that governs, or of another number that an envelope names; None without."""
+        if not self.model.estimated:
+            return None
+        if self.model.tabulated:
+            return self._other_tables.width(column, row)
+        path = Rows(self.discretisation, self.combined.layout).columns[column]
+        return _number(self[self.key(row)].plus_minus, path)
 
     def _combine(self, sink: Sink | None) -> Combined:
         if self.model.tabulated:
-            return _combined(self.problem, watching(None, ""), sink)
+            return solve_rows(self.problem, watching(None, ""), sink)
         return combine(self.problem, lambda one: self.full[one.name], None, lambda name: None, sink)
 
     @cached_property
@@ -194,50 +192,25 @@ class Results(States[str], Mapping[str, Result]):
         for result in self.full.values():
             _ = result.asked_estimate
         if self.model.estimated and self.model.tabulated:
-            self.__dict__["_compared"] = self._on_other_meshes(table)
+            self.__dict__["_other_tables"] = self._on_other_meshes(table)
 
     @property
     def others(self) -> tuple[tuple[Combined, Mesh], ...]:
         """What is known of all combinations together on other meshes, and these; none where none are asked for."""
-        return self._compared[0]
+        found = self._other_tables.others if self.model.estimated else ()
+        return tuple((combined, problem.mesh) for combined, problem in found)
 
     @property
     def no_others(self) -> str:
         """Why there are no other meshes, where they are asked for; empty where there are."""
-        return self._compared[1]
+        return self._other_tables.why if self.model.estimated else ""
 
     @cached_property
-    def _compared(self) -> tuple[tuple[tuple[Combined, Mesh], ...], str]:
-        return self._on_other_meshes(None) if self.model.estimated else ((), "")
+    def _other_tables(self) -> OtherTables:
+        return self._on_other_meshes(None)
 
-    def _on_other_meshes(self, table: str | os.PathLike[str] | None) -> tuple[tuple[tuple[Combined, Mesh], ...], str]:
-        files: list[FilePath] = []
-
-        def solved(problem: ContactProblem, watcher: Watcher) -> tuple[Combined, Mesh]:
-            file = None if table is None else FilePath(f"{table}-{len(problem.mesh.elements)}")
-            found = _solve_table(problem, watcher, file), problem.mesh
-            files.extend([] if file is None else [file])
-            return found
-
-        try:
-            found, why = self.twins.others(solved, several=True)
-            if table is not None and found:
-                self._widen(FilePath(table), files, [mesh for _, mesh in found])
-        finally:
-            for file in files:
-                file.unlink()
-        return tuple(found), why
-
-    def _widen(self, table: FilePath, files: Sequence[FilePath], others: Sequence[Mesh]) -> None:
-        # Only this function needs pyarrow.
-        from signorini.formats.parquet import widen
-
-        meshes, order = self._in_order(others)
-
-        def more(blocks: Sequence[Mapping[str, Floats]]) -> Mapping[str, Floats]:
-            return dict(column_widths([blocks[place] for place in order], meshes, self.model))
-
-        widen(table, files, more)
+    def _on_other_meshes(self, table: str | os.PathLike[str] | None) -> OtherTables:
+        return OtherTables.solved(self.problem, self.combined, self.twins, table)
 
     @property
     def unbalanced(self) -> Mapping[str, str]:
@@ -332,7 +305,7 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
     combined = None
     contact = recover = 0.0
     if model.tabulated:
-        combined = _solve_table(problem, watcher, table)
+        combined = solve_table(problem, watcher, table)
         contact = time.perf_counter() - begun - found.seconds["mesh"] - found.seconds["assemble"]
         contact -= sum(problem.seconds.values())
     for combination in _with_all_results(model, combined):
@@ -358,46 +331,12 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
     return Results(kept, results, seconds, twins, _combined=combined)
 
 
-def _combined(problem: ContactProblem, watcher: Watcher, sink: Sink | None) -> Combined:
-    """Every combination as a row."""
-
-    def show(step: int, changing: int, residual: float) -> None:
-        watcher(Progress("the mean", step, changing, residual))
-
-    problem = problem.near(mean_load(problem.discretisation), show)
-
-    def single(combination: Combination) -> Result:
-        return solve_one(problem, combination, watcher)
-
-    def begin(name: str) -> None:
-        watcher(Progress(name))
-
-    def several(combinations: Sequence[Combination], alone: Callable[[Combination], Result]) -> Iterator[Result]:
-        return solve_several(problem, combinations, alone, begin)
-
-    return combine(problem, single, several, begin, sink)
-
-
-def _solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
-    """Every combination as a row, written to the table if there is one."""
-    if table is None:
-        combined = _combined(problem, watcher, None)
-    else:
-        # Only this function needs pyarrow.
-        from signorini.formats.parquet import writing
-
-        try:
-            with writing(table) as sink:
-                combined = _combined(problem, watcher, sink)
-        except OSError as error:
-            why = error.strerror or str(error)
-            raise InputError(f"the table cannot be written there: {why}. Name another file.", str(table)) from None
-    if not combined.solved:
-        reasons = "\n".join(f"{name}: {message}" for name, message in list(combined.unbalanced.items())[:_REASONS])
-        raise NoEquilibriumError(
-            f"None of {len(combined.combinations)} combinations has one, to begin with:\n{reasons}"
-        )
-    return combined
+def _number(tree: Mapping[str, Any] | None, path: Path) -> float | None:
+    """A number of a tree; None where there is none."""
+    found: Any = tree
+    for part in path:
+        found = None if found is None else found[part]
+    return None if found is None else float(found)
 
 
 def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combination]:

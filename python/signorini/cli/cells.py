@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from signorini.model import Units
-
 ROUNDING = 1e-10
 """Part of the largest of its kind below which a figure is shown as zero; certificates allow a hundredfold."""
 
@@ -114,11 +112,6 @@ def point(at: Sequence[float], size: float = 0.0) -> str:
     '[-5.7985, 0]'
     """
     return f"[{', '.join('0' if abs(value) <= ROUNDING * size else f'{value:.6g}' for value in at)}]"
-
-
-def per_area(units: Units) -> str:
-    """The unit of a pressure."""
-    return f"{units.force}/{units.length}²" if units.force and units.length else ""
 
 
 def in_unit(unit: str) -> str:

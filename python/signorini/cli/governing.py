@@ -10,11 +10,12 @@ from rich.console import Console
 from rich.text import Text
 
 from signorini.analysis.solve import Results
-from signorini.cli.cells import cell, compared, in_unit, number, per_area, point, size_of, unit_of
+from signorini.cli.cells import cell, compared, estimated, in_unit, number, point, size_of, unit_of
 from signorini.cli.grid import Column, Grid, numbers, say
+from signorini.cli.through import print_enveloped
 from signorini.contact.certificate import FIGURES
 from signorini.output.envelope_json import envelope_json
-from signorini.output.governing import Governing, governing_reactions
+from signorini.output.governing import governing_reactions
 from signorini.results.panels import quantity
 
 Widths = Mapping[str, Any] | None
@@ -49,7 +50,8 @@ def print_combined(console: Console, results: Results) -> None:
             continue
         _print_fields(console, results, group, found["plus_minus"])
         _print_supports(console, results, group, found["plus_minus"])
-        print_governing(console, results, group, found["plus_minus"])
+        print_enveloped(console, results, found)
+        print_governing(console, results, group)
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {figures}")
     meshes = [results.discretisation.mesh, *(mesh for _, mesh in results.others)] if results.others else []
@@ -59,7 +61,7 @@ def print_combined(console: Console, results: Results) -> None:
         say(console, f"all results of: {', '.join(results.full)}")
 
 
-def print_governing(console: Console, results: Results, group: str = "", widths: Widths = None) -> None:
+def print_governing(console: Console, results: Results, group: str = "") -> None:
     """Print the largest and the smallest reaction of each bearing, with those of all others in that combination."""
     model, reactions = results.model, governing_reactions(results, group)
     if len(reactions) > 2 * _MOST_BEARINGS:
@@ -80,21 +82,15 @@ def print_governing(console: Console, results: Results, group: str = "", widths:
     for index, one in enumerate(reactions):
         side = "largest" if one.largest else "smallest"
         cells = [Text(number(value, largest)) for value in one.reactions]
-        cells[index // 2] = Text(_own(results, one, widths, largest), style="bold")
+        own = index // 2
+        told = any(width is not None for width in one.widths)
+        shown_own = estimated(one.own, one.widths[own], largest) if told else number(one.own, largest)
+        cells[own] = Text(shown_own, style="bold")
         shown.add(f"{side} {names[index // 2]}", one.combination, *cells)
     of = f" in {group}" if group else ""
     say(console, f"largest and smallest reaction of each bearing{of}, beside it what the others do then")
     shown.show(console)
     console.print()
-
-
-def _own(results: Results, one: Governing, widths: Widths, largest: float) -> str:
-    """Write what a bearing itself does where it governs; only results of their own, or the envelope, know its ±."""
-    point = one.bearing.point
-    path = ("supports", one.bearing.support, *(() if point is None else ("points", point - 1)), "reaction")
-    if results.model.tabulated:
-        return cell(one.own, widths, (*path, "max" if one.largest else "min"), largest)
-    return cell(one.own, results.full[one.combination].asked_estimate.plus_minus, path, largest)
 
 
 def _print_fields(console: Console, results: Results, group: str, widths: Widths) -> None:
@@ -140,7 +136,7 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
         if envelope.pressed is not None:
             pressure = cell(float(envelope.pressed.largest[0]), widths, (*of_support, "max_pressure", "max"))
             area = cell(float(envelope.pressed.smallest[1]), widths, (*of_support, "contact_area", "min"))
-            highest, least = f"{pressure} {per_area(units)}".rstrip(), f"{area}{unit_of(units.length, 2)}"
+            highest, least = f"{pressure} {units.force_by_length(-2)}".rstrip(), f"{area}{unit_of(units.length, 2)}"
             of_highest = results.key(int(envelope.pressed.largest_by[0]))
             of_least = results.key(int(envelope.pressed.smallest_by[1]))
             say(console, f"{support.name}: largest pressure {highest} in {of_highest}")

@@ -10,13 +10,15 @@ from rich.text import Text
 from signorini.analysis.check import ASKED, Check
 from signorini.analysis.solve import Results
 from signorini.analysis.twins.leaves import largest_of
-from signorini.cli.cells import cell, compared, in_unit, number, per_area, point, size_of, unit_of
+from signorini.cli.cells import cell, compared, in_unit, number, point, size_of, unit_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
+from signorini.cli.through import print_through
 from signorini.discretise import Discretisation
 from signorini.model import Support
 from signorini.output.envelope_json import table_warnings
 from signorini.results.extremes import NUMBERS
+from signorini.results.marks import case_totals
 from signorini.results.panels import quantity
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
@@ -97,6 +99,9 @@ def print_check(console: Console, check: Check) -> None:
         supports.add(_symbol(support, console), support.name, describe(support), *map(str, counts))
     supports.show(console)
     console.print()
+    if totals := case_totals(found):
+        say(console, f"load cases in all: {', '.join(f'{case} {total}' for case, total in totals.items())}")
+        console.print()
     titles = (f"load{in_unit(units.force)}", f"acts at{in_unit(units.length)}", "balanced", "limit")
     loads = Grid([Column("combination"), *numbers(*titles)])
     largest = size_of([resultant.force for resultant in check.resultants])
@@ -186,11 +191,11 @@ def _print_result(console: Console, result: Result, limit: tuple[str, float] | N
             within = cell(found.contact_area, widths, ("supports", index, "contact_area"), largest["contact_area"])
             area = f"{within}{unit_of(units.length, 2)}"
             pressed = cell(found.max_pressure, widths, ("supports", index, "max_pressure"), largest["pressure"])
-            pressure = f"{pressed} {per_area(units)}".rstrip()
+            pressure = f"{pressed} {units.force_by_length(-2)}".rstrip()
             said = f"{found.name}, in contact: {area}, largest pressure {pressure}"
             if found.max_tension:
                 pulled = cell(found.max_tension, widths, ("supports", index, "max_tension"), largest["pressure"])
-                said += f", largest tension {pulled} {per_area(units)}".rstrip()
+                said += f", largest tension {pulled} {units.force_by_length(-2)}".rstrip()
             say(console, said)
     _print_deflection(console, result)
     _print_extremes(console, result, largest)
@@ -201,6 +206,7 @@ def _print_result(console: Console, result: Result, limit: tuple[str, float] | N
     if result.probes:
         console.print()
         _print_probes(console, result, largest)
+    print_through(console, result, largest)
 
 
 def _print_points(console: Console, result: Result, largest: Mapping[str, float]) -> None:

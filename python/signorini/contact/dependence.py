@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import csr_array
 
+from signorini.base.components import components
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 
@@ -173,9 +174,6 @@ def _can_meet(level: Floats, side: Floats, group: Ints) -> Bools:
 
 def _ties(rows: csr_array) -> Floats:
     """Combinations (g, k) of rows of length one that are zero; each is of few rows where that can be."""
-    from scipy.linalg import lapack, solve_triangular
-    from scipy.sparse.csgraph import connected_components
-
     left = _entangled(rows)
     if not len(left):
         return np.zeros((rows.shape[0], 0))
@@ -183,8 +181,11 @@ def _ties(rows: csr_array) -> Floats:
     products = rows_left @ rows_left.T
     if _clearly_independent(products):
         return np.zeros((rows.shape[0], 0))
-    parts = []
-    _, label = connected_components(products, directed=False)
+    # What follows needs scipy.linalg, which takes a while to read; most plates do not come here.
+    from scipy.linalg import lapack, solve_triangular
+
+    parts, near = [], products.tocoo()
+    label = components(len(left), *near.coords)
     for part in range(int(label.max()) + 1):
         mine = np.flatnonzero(label == part)
         own = rows_left[mine]
@@ -248,15 +249,11 @@ def _clearly_independent(products: csr_array) -> bool:
 
 def _tell(ties: Floats, told: Bools, lowest: Ints, highest: Ints) -> Bools:
     """Whether a tie, with those that share rows with it, moves forces that results tell."""
-    from scipy.sparse.csgraph import connected_components
-
     if not ties.shape[1]:
         return np.zeros(0, np.bool_)
     # Ties and rows are the two sides of one graph.
-    moves = coo_array(ties)
-    whole = coo_array((moves.data, (moves.coords[0], len(ties) + moves.coords[1])), shape=(sum(ties.shape),) * 2)
-    _, part_of = connected_components(whole, directed=False)
-    _, label = np.unique(part_of[len(ties) :], return_inverse=True)
+    row, tie = np.nonzero(ties)
+    _, label = np.unique(components(sum(ties.shape), row, len(ties) + tie)[len(ties) :], return_inverse=True)
     tells = np.zeros(ties.shape[1], np.bool_)
     for part in range(int(label.max()) + 1):
         rows = (ties[:, label == part] != 0.0).any(axis=1)

@@ -11,6 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import curve, region
 from signorini.discretise.quadrature.crossings import evaluate, quadratics, with_circles, with_segments
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -22,8 +23,6 @@ from signorini.model import AnnulusPlate, DiscPlate, Model, Plate, Support
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.shapes import Region
 
-_SAME_PLACE = 1e-9
-"""Part of the plate's size within which points are one."""
 _NEAR = 1e-4
 """Part of an element's side within which a mesh cannot tell places apart; deflections there are those of one place, but
 for what the plate may turn."""
@@ -31,7 +30,7 @@ _STEEP = 0.1
 """Slope from which on deflections are no longer small."""
 _CONSISTENT = 1e-9
 """Part of the largest gap and settlement on two supports by which their bounds may cross: at places that are one but
-for `_SAME_PLACE` a formula differs by as much."""
+for `SAME_PLACE` a formula differs by as much."""
 _ROUNDING = 1e-15
 """Part of the largest coordinate by which coordinates are rounded."""
 _ROOT_OF_ROUNDING = 1e-7
@@ -291,7 +290,7 @@ def _require_agreement_of(
     of_other, at_other = other.nearest(asked, near)
     asked, at_one = asked[of_other], at_one[of_other]
     apart = np.maximum(np.hypot(*(at_one - asked).T), np.hypot(*(at_other - asked).T))
-    together = (apart <= _SAME_PLACE * mesh.size)[:, None]
+    together = (apart <= SAME_PLACE * mesh.size)[:, None]
     at = [np.where(together, asked, place) for place in (at_one, at_other)]
     on_plate = mesh.locate(at[0]).inside & mesh.locate(at[1]).inside
     at = [places[on_plate] for places in at]
@@ -373,7 +372,7 @@ def _contradiction(
     (first, *mine), (second, *theirs) = ((index, least[which], most[which]) for index, least, most in bounds)
     names = [path_in_words(("support", index)) for index in (first, second)]
     away, why = "", ""
-    if distance > _SAME_PLACE * mesh.size:
+    if distance > SAME_PLACE * mesh.size:
         away, why = f", {distance:.3g} away,", "Mesh elements are too large to tell these places apart. "
     if mine[0] == mine[1] and theirs[0] == theirs[1]:
         said = f"{names[0]} holds the plate at {mine[0] + 0.0:g} there and {names[1]}{away} at {theirs[0] + 0.0:g}"

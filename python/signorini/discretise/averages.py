@@ -14,13 +14,16 @@ from typing import Self
 import numpy as np
 
 from signorini.discretise.outlines import outline
+from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import region
 from signorini.discretise.quadrature.arcs import arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
 from signorini.mesh import Mesh
+from signorini.mesh.boxtree import BoxTree
 from signorini.model import Plate, Support
 from signorini.shapes import Circle, Curve, Polyline, Region, Ring
+from signorini.shapes.distances import distances
 
 STRIP = 1e-2
 """Part of an element's area that each point on the outline stands for: enough to act where a bed is a little stiff."""
@@ -32,7 +35,6 @@ _FOUR = 4
 """Points on the hull, whether of a circle or a rectangle, that hold both slopes and prefer no direction."""
 _NUDGE = 1e-4
 """Distance, over an element's size, at which to look for the elements around a point."""
-_SAME_PLACE = 1e-9
 _ROUND = np.radians(22.5 + 45.0 * np.arange(8))
 
 
@@ -86,13 +88,12 @@ def outline_points(mesh: Mesh, plate: Plate, support: Support, covered: Bools) -
 
 def missing_corners(mesh: Mesh, plate: Plate, support: Support, covered: Bools, reached: Floats) -> OutlinePoints:
     """Corners of an area's hull at which none of its points (q, 2) is: tips, where a quadrature has no weight."""
-    from scipy.spatial import cKDTree
-
     shape = region(support.area)
     corners = np.zeros((0, 2)) if shape is None else _corners(shape)
     corners = corners[_off_hull(outline(mesh, plate, support), corners) <= _ON_OUTLINE * mesh.size]
-    if len(corners):
-        corners = corners[cKDTree(reached).query(corners)[0] > _SAME_PLACE * mesh.size]
+    near = SAME_PLACE * mesh.size
+    there, _ = BoxTree.build(np.hstack([reached - near, reached + near])).pairs(corners)
+    corners = np.delete(corners, there, axis=0)
     return _around(mesh, corners, float(np.sqrt(mesh.element_area[covered].min())), covered)
 
 
@@ -147,7 +148,4 @@ def _spread(points: Floats, apart: float) -> Floats:
 
 def _off_hull(corners: Floats, points: Floats) -> Floats:
     """Distance (v,) of points from the sides between corners (k, 2) of a hull, in order."""
-    begin, side = corners, np.roll(corners, -1, axis=0) - corners
-    offset = points[:, None] - begin
-    part = np.clip((offset * side).sum(axis=2) / (side**2).sum(axis=1), 0.0, 1.0)
-    return np.asarray(np.hypot(*np.moveaxis(offset - part[..., None] * side, -1, 0)).min(axis=1))
+    return np.asarray(distances(points, corners, np.roll(corners, -1, axis=0)).min(axis=1))

@@ -26,6 +26,8 @@ from signorini.discretise.placed import placed
 from signorini.discretise.places import located
 from signorini.discretise.redundancy import Repeated, that_can_act
 from signorini.discretise.rows import Bools, Floats, Rows
+from signorini.discretise.sections import Sections
+from signorini.discretise.sections.acting import Acting
 from signorini.discretise.stressnodes import Sides, StressNodes, stress_nodes_of
 from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
 from signorini.discretise.thickness import Thickness, thickness_of
@@ -52,6 +54,7 @@ class Discretisation(Remade):
     springs: Springs
     contacts: ContactPoints
     repeated: Repeated
+    sections: Sections
     cases: Mapping[str, CaseLoad]
     probes: Location
     probe_positions: Floats
@@ -108,6 +111,33 @@ class Discretisation(Remade):
         springs = self.springs
         at_rest = springs.base if base is None else base
         return -springs.stiffness * self.plate.openings(*springs.rows.arrays, at_rest, hi, lo)
+
+    def through(self, load: CaseLoad, hi: Floats, lo: Floats, reaction: Floats, pull: Floats) -> Floats:
+        """Moment, twist and shear (3s,) of each section and, as means, of each station of a strip.
+
+        Under a load, at displacements hi + lo (3n,); ``reaction`` (m + r,) are those of ``points``, ``pull`` (k,) the
+        upward forces of springs.
+        """
+        of_points, of_springs = self._reactions_through
+        within = self.sections.within(self.plate, hi, lo, load.curvature, load.couples)
+        forces = within + load.through + of_points[:, : len(reaction)] @ reaction + of_springs @ pull
+        return np.asarray(forces / np.repeat(self.sections.per, 3))
+
+    @cached_property
+    def _reactions_through(self) -> tuple[csr_array, csr_array]:
+        """What reactions of ``points`` (3s, m + r) and of springs (3s, k) do at sections."""
+        springs, points = self.springs, self.points
+        up = Acting(
+            springs.rows,
+            springs.positions,
+            springs.weights,
+            np.ones(len(springs)),
+            springs.support,
+            springs.numbers,
+        )
+        both = Acting(points.rows, points.positions, points.weights, points.direction, points.support, points.numbers)
+        supports = self.model.support
+        return self.sections.of_supports(supports, both), self.sections.of_supports(supports, up)
 
     @cached_property
     def rigid_motions(self) -> Floats:
@@ -178,7 +208,8 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     plate = _plate(mesh, zones, thickness, stress_nodes, held)
     stiffness = PlateStiffness.of(mesh, zones, thickness.at_points)
     springs, contacts = springs_and_contacts(model.plate, mesh, plate, held.dofs, stiffness, supports, problems)
-    still = case_loads(zones, mesh, plate, held, problems)
+    sections = Sections.of(model, mesh, plate, held, problems)
+    still = case_loads(zones, mesh, plate, held, sections, problems)
     probes = [Location(np.zeros(0, np.int64), np.zeros((0, 2)))]
     for index, probe in enumerate(model.probe):
         with problems.collected():
@@ -200,7 +231,8 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
         springs,
         contacts,
         repeated,
-        Cases(still, model.moving, mesh),
+        sections,
+        Cases(still, model.moving, mesh, sections),
         Location(np.concatenate([at.elements for at in probes]), np.concatenate([at.xi for at in probes])),
         np.array([at for probe in model.probe for at in probe.at]).reshape(-1, 2),
         seconds,

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from signorini import _core
 from signorini.discretise.footprints import Footprints
 from signorini.discretise.frames import Held
-from signorini.discretise.places import Sampled, along_curve, in_area, located, mesh_edges
+from signorini.discretise.places import Sampled, along_curve, in_area, located, mesh_edges, region
 from signorini.discretise.quadrature import Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
+from signorini.discretise.sections import Sections
+from signorini.discretise.sections.acting import Spread
 from signorini.discretise.zones import Zones
 from signorini.errors import Place, Problems
 from signorini.mesh import Mesh
 from signorini.model import Load
+from signorini.model.footprint import footprints as shapes_of
+from signorini.shapes.cuts import Part
 
 _GAUSS = 3
 _GAUSS_VARYING = 5
@@ -41,6 +46,9 @@ class CaseLoad:
         Couples on the centre rotations of the elements.
     weighing: (3n,) array
         Of ``nodal`` what has a resultant: without stress-free curvatures, and without loads that balance themselves.
+    through : (3s,) array
+        Of the moment, twist and shear of each section what the load itself does where its line is; of nodal forces
+        nothing.
     acting : frozenset of str
         The load cases that it is made of.
     """
@@ -49,6 +57,7 @@ class CaseLoad:
     curvature: Floats
     couples: Floats
     weighing: Floats
+    through: Floats = field(default_factory=lambda: np.zeros(()))
     acting: frozenset[str] = frozenset()
 
     @classmethod
@@ -70,6 +79,7 @@ class CaseLoad:
             _sum(self.curvature, other.curvature),
             _sum(self.couples, other.couples),
             nodal if self.all_weighs and other.all_weighs else _sum(self.weighing, other.weighing),
+            self.through + other.through,
             self.acting | other.acting,
         )
 
@@ -78,7 +88,8 @@ class CaseLoad:
         nodal = factor * self.nodal
         weighing = nodal if self.all_weighs else factor * self.weighing
         acting = self.acting if factor else frozenset()
-        return CaseLoad(nodal, factor * self.curvature, factor * self.couples, weighing, acting)
+        through = factor * self.through
+        return CaseLoad(nodal, factor * self.curvature, factor * self.couples, weighing, through, acting)
 
 
 def _sum(a: Floats, b: Floats) -> Floats:
@@ -86,7 +97,9 @@ def _sum(a: Floats, b: Floats) -> Floats:
     return np.where(np.abs(total) <= _CANCELLED * (np.abs(a) + np.abs(b)), 0.0, total)
 
 
-def case_loads(zones: Zones, mesh: Mesh, plate: _core.Plate, held: Held, problems: Problems) -> dict[str, CaseLoad]:
+def case_loads(
+    zones: Zones, mesh: Mesh, plate: _core.Plate, held: Held, sections: Sections, problems: Problems
+) -> dict[str, CaseLoad]:
     """Every load case of the model, by name."""
     model = zones.model
     cases: dict[str, CaseLoad] = {}
@@ -94,7 +107,8 @@ def case_loads(zones: Zones, mesh: Mesh, plate: _core.Plate, held: Held, problem
     footprints = Footprints(mesh, model.support)
     for index, load in enumerate(model.load):
         with problems.collected():
-            found = _weighed(motions, _load(zones, mesh, plate, footprints, load, ("load", index)))
+            onto = Onto(mesh, sections)
+            found = _weighed(motions, _load(zones, onto, plate, footprints, load, ("load", index)))
             cases[load.case] = cases[load.case] + found if load.case in cases else found
     return {case: replace(_weighed(motions, load), acting=frozenset([case])) for case, load in cases.items()}
 
@@ -106,60 +120,107 @@ def _weighed(motions: Floats, load: CaseLoad) -> CaseLoad:
     return replace(load, weighing=np.zeros_like(load.nodal)) if balanced and load.nodal.any() else load
 
 
-def _load(zones: Zones, mesh: Mesh, plate: _core.Plate, footprints: Footprints, load: Load, place: Place) -> CaseLoad:
-    model = zones.model
-    nodal = np.zeros(3 * mesh.node_count)
-    curvature, couples = np.zeros(3), np.zeros(2 * len(mesh.elements))
+def _load(zones: Zones, onto: Onto, plate: _core.Plate, footprints: Footprints, load: Load, place: Place) -> CaseLoad:
+    model, mesh = zones.model, onto.mesh
     match load.kind:
         case "pressure":
             assert load.pressure is not None
             order = _GAUSS if load.pressure.is_constant else _GAUSS_VARYING
             over = in_area(mesh, model.plate, load.area, place, order, levels=load.pressure.levels)
-            pressure = load.pressure(*over.positions.T, place=(*place, "pressure"))
-            push(mesh, nodal, over.elements, over.xi, over.weights * pressure)
+            formula, key = load.pressure, (*place, "pressure")
+            onto.spread(over, Spread(region(load.area), order, formula.levels, lambda _, at: formula(*at.T, place=key)))
         case "self_weight":
-            _weigh(zones, mesh, nodal)
+            _weigh(zones, onto)
         case "line_load":
             assert load.line_load is not None
             order = _GAUSS if load.line_load.is_constant else _GAUSS_VARYING
             sides = mesh_edges(mesh, load, place)
             points = along_curve(mesh, model.plate, load, place, sides, order, levels=load.line_load.levels)
             force = load.line_load(*points.positions.T, place=(*place, "line_load"))
-            push(mesh, nodal, points.elements, points.xi, points.weights * force)
+            onto.push(points, points.weights * force)
         case "force":
             assert load.force is not None and load.at is not None
             spread = footprints.of(load, place)
-            for over in spread:
-                push(mesh, nodal, over.elements, over.xi, load.force * over.weights / over.total)
+            for over, shape in zip(spread, shapes_of(load) if spread else (), strict=True):
+                onto.spread(over, even(shape, load.force / over.total))
             if not spread:
                 points = located(mesh, load.at, (*place, "at"))
-                push(mesh, nodal, points.elements, points.xi, load.force * points.weights)
+                onto.push(points, load.force * points.weights)
         case "moment" | "couple_about":
             assert load.couple is not None and load.at is not None
             spread = footprints.of(load, place)
-            for over in spread:
-                push(mesh, nodal, over.elements, over.xi, _turning(over, load.couple))
+            for over, shape in zip(spread, shapes_of(load) if spread else (), strict=True):
+                onto.spread(over, Spread(shape, _GAUSS, (), _turning(over, load.couple)))
             if not spread:
-                _twist(mesh, plate, nodal, couples, located(mesh, load.at, (*place, "at")), load.couple)
+                onto.twist(plate, located(mesh, load.at, (*place, "at")), load.couple)
         case "curvature":
             assert load.curvature is not None
             nodal, couples = plate.curvature_load(load.curvature)
-            curvature = np.array(load.curvature)
-    return CaseLoad(nodal, curvature, couples, np.zeros_like(nodal) if load.kind == "curvature" else nodal)
+            return CaseLoad(nodal, np.array(load.curvature), couples, np.zeros_like(nodal), onto.through)
+    return onto.load
 
 
-def _weigh(zones: Zones, mesh: Mesh, nodal: Floats) -> None:
-    """Add the plate's weight to a nodal vector (3n,)."""
-    over = _over_plate(zones, mesh)
-    made = zones.at(over.elements, over.positions)
-    weight = zones.unit_weights[made.material] * zones.thickness(made.thickness, over.positions)
-    push(mesh, nodal, over.elements, over.xi, over.weights * weight)
+class Onto:
+    """Nodal forces of what acts on a mesh, and what it does at sections, as they are summed."""
+
+    def __init__(self, mesh: Mesh, sections: Sections) -> None:
+        self.mesh, self._sections = mesh, sections
+        self._nodal = np.zeros(3 * mesh.node_count)
+        self._couples = np.zeros(2 * len(mesh.elements))
+        self.through = np.zeros(3 * len(sections))
+
+    @property
+    def load(self) -> CaseLoad:
+        """All of it."""
+        return CaseLoad(self._nodal, np.zeros(3), self._couples, self._nodal, self.through)
+
+    def push(self, points: Sampled | Quadrature, force: Floats) -> None:
+        """Add forces (q,) at points."""
+        self._add(points.elements, points.xi, force)
+        self.through += self._sections.of_points(points.elements, points.xi, points.positions, force)
+
+    def spread(self, over: Quadrature, spread: Spread) -> None:
+        """Add a pressure, integrated at points."""
+        force = over.weights * spread.pressure(over.elements, over.positions)
+        self._add(over.elements, over.xi, force)
+        self.through += self._sections.of_spread(over.elements, over.xi, force, spread)
+
+    def twist(self, plate: _core.Plate, points: Sampled, moment: tuple[float, float]) -> None:
+        """Add a couple at each of some points."""
+        dofs = (3 * self.mesh.elements[points.elements][:, :, None] + np.arange(3)).reshape(-1, 24)
+        for field_, couple in enumerate(moment, start=1):
+            rows, centre = plate.interpolation_rows(points.elements, points.xi, field_)
+            np.add.at(self._nodal, dofs, couple * rows)
+            np.add.at(self._couples, 2 * points.elements[:, None] + np.arange(2), couple * centre)
+            self.through += self._sections.of_couples(points.elements, points.positions, couple * rows)
+
+    def _add(self, elements: Ints, xi: Floats, force: Floats) -> None:
+        values = self.mesh.shape_functions(elements, xi)
+        nodes = self.mesh.elements[elements].ravel()
+        self._nodal[::3] += np.bincount(nodes, (force[:, None] * values).ravel(), self.mesh.node_count)
 
 
-def _over_plate(zones: Zones, mesh: Mesh) -> Quadrature:
+def even(shape: Part, pressure: float) -> Spread:
+    """A constant pressure over a footprint."""
+    return Spread(shape, _GAUSS, (), lambda _, at: np.full(len(at), pressure))
+
+
+def _weigh(zones: Zones, onto: Onto) -> None:
+    """Add the plate's weight."""
+    formulas = dict.fromkeys(zones.formulas)
+    order = _GAUSS if all(formula.is_constant for formula in formulas) else _GAUSS_VARYING
+    levels: Levels = [level for formula in formulas for level in formula.levels]
+    parted = [*levels, *zones.borders] if zones.parted.any() else levels
+
+    def weight(elements: Ints, positions: Floats) -> Floats:
+        made = zones.at(elements, positions)
+        return np.asarray(zones.unit_weights[made.material] * zones.thickness(made.thickness, positions))
+
+    onto.spread(_over_plate(zones, onto.mesh, order, levels), Spread(None, order, parted, weight))
+
+
+def _over_plate(zones: Zones, mesh: Mesh, order: int, levels: Levels) -> Quadrature:
     """Points all over the plate to integrate its thickness by."""
-    order = _GAUSS if all(formula.is_constant for formula in zones.formulas) else _GAUSS_VARYING
-    levels: Levels = [level for formula in dict.fromkeys(zones.formulas) for level in formula.levels]
     over = area_quadrature(mesh, None, order, levels=levels)
     parted = np.flatnonzero(zones.parted.any(axis=0))
     if not len(parted):
@@ -176,28 +237,16 @@ def _over_plate(zones: Zones, mesh: Mesh) -> Quadrature:
     )
 
 
-def _turning(over: Quadrature, couple: tuple[float, float]) -> Floats:
-    """Forces (q,) of the pressure that varies linearly over a footprint and whose resultant is a couple."""
+def _turning(over: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, Floats], Floats]:
+    """The pressure that varies linearly over a footprint and whose resultant is a couple."""
     # From the middle, and by the footprint's own size: the three products are then of one size.
     middle = over.weights @ over.positions / over.total
     size = np.sqrt(over.total)
-    linear = np.column_stack([np.ones(len(over.weights)), (over.positions - middle) / size])
+
+    def linear(positions: Floats) -> Floats:
+        return np.column_stack([np.ones(len(positions)), (positions - middle) / size])
+
+    at = linear(over.positions)
     resultant = np.array([0.0, *couple]) / [1.0, size, size]
-    pressure = np.linalg.solve(linear.T @ (over.weights[:, None] * linear), resultant)
-    return np.asarray(over.weights * (linear @ pressure))
-
-
-def push(mesh: Mesh, nodal: Floats, elements: Ints, xi: Floats, force: Floats) -> None:
-    """Add forces (q,) at points of elements to a nodal vector (3n,)."""
-    values = mesh.shape_functions(elements, xi)
-    nodal[::3] += np.bincount(mesh.elements[elements].ravel(), (force[:, None] * values).ravel(), mesh.node_count)
-
-
-def _twist(
-    mesh: Mesh, plate: _core.Plate, nodal: Floats, couples: Floats, points: Sampled, moment: tuple[float, float]
-) -> None:
-    dofs = (3 * mesh.elements[points.elements][:, :, None] + np.arange(3)).reshape(-1, 24)
-    for field, couple in enumerate(moment, start=1):
-        rows, centre = plate.interpolation_rows(points.elements, points.xi, field)
-        np.add.at(nodal, dofs, couple * rows)
-        np.add.at(couples, 2 * points.elements[:, None] + np.arange(2), couple * centre)
+    pressure = np.linalg.solve(at.T @ (over.weights[:, None] * at), resultant)
+    return lambda _, positions: np.asarray(linear(positions) @ pressure)

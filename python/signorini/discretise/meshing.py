@@ -31,7 +31,7 @@ from signorini.model import (
     Zone,
 )
 from signorini.model.footprint import footprints
-from signorini.shapes import Curve, Floats, Region
+from signorini.shapes import Curve, Floats, Polyline, Region
 from signorini.shapes.contours import circle
 from signorini.shapes.outlines import Box, Point
 
@@ -198,11 +198,13 @@ def _borders(model: Model) -> tuple[Region, ...]:
 
 
 def _shapes(model: Model) -> Iterator[Region | Curve]:
+    """Outlines and lines of supports and loads, then those of sections."""
     items: list[Support | Load] = [*model.support, *model.load]
     for item in items:
         for shape in (region(item.area), curve(item), *footprints(item)):
             if shape is not None:
                 yield shape
+    yield from (Polyline(section.line) for section in model.section)
 
 
 def _radii(model: Model, center: Point, outer: float) -> list[float]:

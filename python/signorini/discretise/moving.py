@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from signorini.discretise.loads import CaseLoad, push
-from signorini.discretise.quadrature import area_quadrature
+from signorini.discretise.loads import CaseLoad, Onto, even
+from signorini.discretise.quadrature import Quadrature, area_quadrature
+from signorini.discretise.sections import Sections
 from signorini.mesh import Mesh
 from signorini.model import Moving
 from signorini.model.moving import Wheel
@@ -27,19 +28,23 @@ class Cases(Mapping[str, CaseLoad]):
     moving : tuple of Moving
         Every position of theirs is a case. Wheels, or parts of their prints, that are not on the plate do not act.
     mesh : Mesh
+    sections : Sections
     """
 
-    def __init__(self, still: Mapping[str, CaseLoad], moving: tuple[Moving, ...], mesh: Mesh) -> None:
+    def __init__(
+        self, still: Mapping[str, CaseLoad], moving: tuple[Moving, ...], mesh: Mesh, sections: Sections
+    ) -> None:
         self._still = still
         self._places = {at: (load, s) for load in moving for at, s in load.positions.items()}
-        self._mesh = mesh
+        self._mesh, self._sections = mesh, sections
 
     def __getitem__(self, case: str) -> CaseLoad:
         """Return a case."""
         if case in self._still:
             return self._still[case]
         load, travelled = self._places[case]
-        return replace(_position(self._mesh, load.wheels(travelled), load.patch), acting=frozenset([case]))
+        found = _position(Onto(self._mesh, self._sections), load.wheels(travelled), load.patch)
+        return replace(found, acting=frozenset([case]))
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names."""
@@ -51,17 +56,19 @@ class Cases(Mapping[str, CaseLoad]):
         return len(self._still) + len(self._places)
 
 
-def _position(mesh: Mesh, wheels: list[Wheel], patch: tuple[float, float] | None) -> CaseLoad:
-    nodal = np.zeros(3 * mesh.node_count)
+def _position(onto: Onto, wheels: list[Wheel], patch: tuple[float, float] | None) -> CaseLoad:
+    mesh = onto.mesh
     if patch is None:
-        where = mesh.locate(np.array([at for at, _, _ in wheels]))
+        positions = np.array([at for at, _, _ in wheels])
+        where = mesh.locate(positions)
         forces = np.array([force for _, _, force in wheels])
-        push(mesh, nodal, where.elements[where.inside], where.xi[where.inside], forces[where.inside])
+        on, at = where.inside, positions[where.inside]
+        onto.push(Quadrature(where.elements[on], where.xi[on], np.ones(len(at)), at), forces[on])
     else:
-        for at, direction, force in wheels:
-            points = area_quadrature(mesh, Polygon(_print(at, direction, patch)), _GAUSS)
-            push(mesh, nodal, points.elements, points.xi, force / (patch[0] * patch[1]) * points.weights)
-    return CaseLoad(nodal, np.zeros(3), np.zeros(2 * len(mesh.elements)), nodal)
+        for middle, direction, force in wheels:
+            shape = Polygon(_print(middle, direction, patch))
+            onto.spread(area_quadrature(mesh, shape, _GAUSS), even(shape, force / (patch[0] * patch[1])))
+    return onto.load
 
 
 def _print(

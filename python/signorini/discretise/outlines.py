@@ -9,12 +9,11 @@ from signorini.discretise.rows import Floats
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, DiscPlate, MeshPlate, Plate, Support
 from signorini.shapes import Curve, Region
+from signorini.shapes.hull import hull
 from signorini.shapes.outlines import Point
 
 _TURN = 360
 """Points of a full circle: the arcs between them rise by 4e-5 of the radius over their chords."""
-_ON_LINE = 1e-12
-"""Breadth over length below which points are on one line."""
 
 
 def outline(mesh: Mesh, plate: Plate, support: Support) -> Floats:
@@ -35,9 +34,11 @@ def outline(mesh: Mesh, plate: Plate, support: Support) -> Floats:
         return np.array(support.at, dtype=np.float64)
     shape = curve(support) or region(support.area)
     if shape is not None:
-        return _hull(_of_shape(plate, shape))
-    names = support.edge if support.edge is not None else (None,)
-    return _hull(np.concatenate([_edge(mesh, plate, name) for name in names]))
+        points = _of_shape(plate, shape)
+    else:
+        names = support.edge if support.edge is not None else (None,)
+        points = np.concatenate([_edge(mesh, plate, name) for name in names])
+    return np.asarray(points[hull(points)])
 
 
 def _of_shape(plate: Plate, shape: Region | Curve) -> Floats:
@@ -68,15 +69,3 @@ def _arc(center: Point, radius: float, sector: float) -> Floats:
     """An arc from the x axis on, both its ends included."""
     turn = np.radians(np.linspace(0.0, sector, 1 + int(np.ceil(_TURN * sector / 360.0))))
     return np.asarray(center + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
-
-
-def _hull(points: Floats) -> Floats:
-    """The corners of the hull; of points on one line its ends."""
-    from scipy.spatial import ConvexHull
-
-    about = points - points.mean(axis=0)
-    _, extent, axes = np.linalg.svd(about, full_matrices=False)
-    if len(points) < 3 or extent[1] <= _ON_LINE * extent[0]:
-        along = about @ axes[0]
-        return np.asarray(points[[along.argmin(), along.argmax()]])
-    return np.asarray(points[ConvexHull(points).vertices])

@@ -22,6 +22,7 @@ from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, Area, DiscPlate, Load, OutlinedPlate, Plate, Refinement, Support
 from signorini.shapes import Circle, Curve, Polygon, Polyline, Rectangle, Region, Ring
 from signorini.shapes.contours import circle
+from signorini.shapes.distances import distances
 from signorini.shapes.overlap import overlap
 
 _SECTOR_SLACK = 1e-3
@@ -196,8 +197,23 @@ def _require_on_plate(
             beyond, slack = beyond + over, slack + _SECTOR_SLACK * over
     missing = missing - beyond if missing > beyond + slack else 0.0
     if missing > 0:
-        off = f"has {100 * missing / whole:.3g} % of its size off the plate"
+        off = f"has {100 * missing / whole:.3g} % of its size off the plate{_how_far(mesh, shape)}"
         raise InputError(f"{what} {off}. Cut it to the plate.", place=place)
+
+
+def _how_far(mesh: Mesh, shape: Region | Curve) -> str:
+    """Say which corner of an outline is farthest off the plate, and how far."""
+    if isinstance(shape, Circle):
+        corners = circle(shape.center, shape.radius, "").points()
+    else:
+        corners = shape.outline.segments.reshape(-1, 2)
+    corners = corners[~mesh.locate(corners).inside]
+    if not len(corners):
+        return ""
+    sides = mesh.points[np.concatenate([mesh.boundary[:, :2], mesh.boundary[:, 1:]])]
+    begin, end = sides.transpose(1, 0, 2)
+    far = distances(corners, begin, end).min(axis=1)
+    return f", up to {far.max():.3g} beyond it at {point(corners[far.argmax()], mesh.size)}"
 
 
 def _sampled(points: LineQuadrature) -> Sampled:

@@ -110,8 +110,6 @@ def _with_its_other_way(contacts: ContactPoints, which: Bools) -> Bools:
 
 def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[ContactPoints, Repeated]:
     """Set apart two-sided points that follow from other two-sided ones."""
-    from scipy.linalg import lapack, solve_triangular
-
     none = Repeated(contacts.pick(np.zeros(0, np.int64)), csr_array((0, len(contacts))))
     equations = np.flatnonzero(contacts.two_sided)
     if len(equations) < 2:
@@ -122,6 +120,9 @@ def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[Conta
             "told apart. Hold an edge, or a line or circle that the mesh follows, or give a stiffness.",
             place=("support", int(contacts.support[equations[0]])),
         )
+    # What follows needs scipy.linalg, which takes a while to read; most plates do not come here.
+    from scipy.linalg import lapack, solve_triangular
+
     points = contacts.pick(equations)
     rows, scale = _unit_rows(mesh, held, points)
     factor, pivots, rank, _ = lapack.dpstrf((rows @ rows.T).toarray(), lower=1, tol=_DEPENDENT)

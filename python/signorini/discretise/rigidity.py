@@ -8,8 +8,8 @@ from typing import Self
 import numpy as np
 
 from signorini.discretise.rows import Floats
-from signorini.model import Material, Model
-from signorini.model.plate import Modifiers
+from signorini.model import Material
+from signorini.model.plate import Modifiers, Stiffness
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,11 +41,6 @@ class Rigidity:
         return cls(bending, factor * E / (2 * (1 + nu)) * np.eye(2))
 
     @classmethod
-    def of(cls, model: Model) -> Self:
-        """Take those of a model's plate."""
-        return cls.made_of(model.material, model.plate.shear_factor, model.plate.modifiers)
-
-    @classmethod
     def made_of(cls, material: Material, factor: float, modifiers: Modifiers) -> Self:
         """Take a material's, those of an orthotropic one turned from its axes to x and y."""
         if material.E is not None and material.nu is not None:
@@ -55,12 +50,28 @@ class Rigidity:
         d = axes.Ex / (12 * (1 - axes.nu_xy**2 * stiffer))
         coupled, twist = d * axes.nu_xy * stiffer, axes.Gxy / 12
         bending = np.array([[d, coupled, 0], [coupled, d * stiffer, 0], [0, 0, twist]])
-        own = cls(bending, factor * np.diag([axes.Gxz, axes.Gyz])).modified(modifiers)
-        angle = np.radians(axes.angle)
-        c, s = np.cos(angle), np.sin(angle)
+        return cls(bending, factor * np.diag([axes.Gxz, axes.Gyz])).modified(modifiers).turned(axes.angle)
+
+    @classmethod
+    def given(cls, by: Stiffness, thickness: float, modifiers: Modifiers) -> Self:
+        """Take those of a section that has a thickness, turned from its axes to x and y.
+
+        Examples
+        --------
+        >>> from signorini.model.plate import Modifiers, Stiffness
+        >>> ribbed = Stiffness(Dx=8.0, Dy=1.6, D1=0.8, Dxy=0.4, Sx=6.0, Sy=2.0, angle=90)
+        >>> Rigidity.given(ribbed, 2.0, Modifiers()).for_core.round(12).tolist()
+        [0.2, 0.1, 0.0, 1.0, 0.0, 0.05, 1.0, 0.0, 3.0]
+        """
+        bending = np.array([[by.Dx, by.D1, 0], [by.D1, by.Dy, 0], [0, 0, by.Dxy]]) / thickness**3
+        return cls(bending, np.diag([by.Sx, by.Sy]) / thickness).modified(modifiers).turned(by.angle)
+
+    def turned(self, degrees: float) -> Self:
+        """Turn from axes of their own, the first by so many degrees from x, to x and y."""
+        c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
         turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
         ahead = np.array([[c, s], [-s, c]])
-        return cls(turn.T @ own.bending @ turn, ahead.T @ own.shear @ ahead)
+        return type(self)(turn.T @ self.bending @ turn, ahead.T @ self.shear @ ahead)
 
     def modified(self, by: Modifiers) -> Self:
         """Multiply by the plate's factors of bending, twist and shear.

@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from signorini.base.components import components
 from signorini.base.remade import Remade
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
@@ -159,9 +160,6 @@ def _made(mesh: Mesh, zones: Zones, elements: Ints, xi: Floats) -> tuple[Floats,
 
 def _parted(mesh: Mesh, joined: Ints, nodes: Ints) -> StressNodes:
     """Part nodes (j,) between elements that no sides (k, 2) without a jump join there."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     count = mesh.node_count
     on_jump = np.zeros(count, np.bool_)
     on_jump[nodes] = True
@@ -171,8 +169,7 @@ def _parted(mesh: Mesh, joined: Ints, nodes: Ints) -> StressNodes:
     triples = mesh.sides.reshape(-1, 3)[joined[:, 0]]
     side, which = np.nonzero(on_jump[triples])
     one, other = (np.searchsorted(keys, triples[side, which] + count * (joined[side, i] // 4)) for i in range(2))
-    graph = coo_array((np.ones(len(one)), (one, other)), shape=(len(keys), len(keys)))
-    _, group = connected_components(graph, directed=False)
+    group = components(len(keys), one, other)
     # Of a node's groups that of the first element keeps the node's number.
     node = keys % count
     first = np.full(group.max() + 1, len(keys))

@@ -13,7 +13,7 @@ from signorini.base.brief import Brief
 from signorini.discretise.averages import STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
 from signorini.discretise.footprints import mean_deflections
 from signorini.discretise.holds import holds_deflection, prescribed_rotations
-from signorini.discretise.placed import Placed
+from signorini.discretise.placed import SAME_PLACE, Placed
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
@@ -34,7 +34,6 @@ then outnumber what can answer them, and settle ever more slowly; what is left o
 STIFFEST_SPRING = 1e8
 """Stiffness of a spring, over the plate's in shear, beyond which it makes no difference to eight digits. In K it would
 drown the plate's own; one that lets go is rigid, or its force would be that of penetrations that are rounding."""
-_SAME_PLACE = 1e-9
 _NONE = 1e-12
 """Coefficient of a row that counts as none."""
 _NOT_SHARED = np.full((0, 4), -1, np.int64)
@@ -351,7 +350,7 @@ def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: O
 def _once(mesh: Mesh, sampled: Sampled) -> Sampled:
     """Points of a line each once, where its pieces share them."""
     _, first, point = np.unique(
-        np.round(sampled.positions / (_SAME_PLACE * mesh.size)), axis=0, return_index=True, return_inverse=True
+        np.round(sampled.positions / (SAME_PLACE * mesh.size)), axis=0, return_index=True, return_inverse=True
     )
     order = np.sort(first)
     weights = np.bincount(point.ravel(), sampled.weights).astype(np.float64)[point.ravel()]

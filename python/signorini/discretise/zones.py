@@ -17,7 +17,8 @@ from signorini.errors import Place, Problems
 from signorini.expression import Expression
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import CENTROID
-from signorini.model import Model
+from signorini.model import Material, Model
+from signorini.model.plate import Stiffness
 from signorini.shapes.outlines import Outline
 
 _SLIVER = 0.01
@@ -32,10 +33,14 @@ _BESIDE = 1e-6
 
 
 class Made(NamedTuple):
-    """Whose thickness and material a place has, 0 the plate's and i that of zone i, and which of the rigidities."""
+    """Whose thickness and material a place has, 0 the plate's and i that of zone i, and which of the rigidities.
+
+    ``section`` is the material, or beyond all materials i the stiffness that zone i, or the plate, gives.
+    """
 
     thickness: Ints
     material: Ints
+    section: Ints
     rigidity: Ints
 
 
@@ -52,8 +57,8 @@ class Zones:
         The plate's, and what others there may be.
     young : (r,) array
         The largest Young's modulus of each.
-    number : (z + 1, z + 1) int array
-        Which rigidities a zone's material, or the plate's, has with another one's modifiers.
+    number : (2z + 2, z + 1) int array
+        Which rigidities a section, see `Made`, has with the modifiers of a zone or the plate.
     """
 
     model: Model
@@ -105,8 +110,10 @@ class Zones:
 
     def poisson_of(self, elements: Ints) -> Floats:
         """Poisson's ratios (q,) of elements (q,)."""
-        materials = [self.model.material, *(zone.material or self.model.material for zone in self.model.zone)]
-        return np.array([material.poisson for material in materials])[self.of_elements.material[elements]]
+        found = np.full(len(self.number), np.nan)
+        for section, own in _sections(self.model).items():
+            found[section] = own.poisson
+        return found[self.of_elements.section[elements]]
 
     @property
     def of_elements(self) -> Made:
@@ -138,7 +145,7 @@ class Zones:
             points, normals = _along(zone.region.outline, 0.5 * float(np.sqrt(mesh.element_area.min(initial=size**2))))
             ways = np.array([near, -near, far, -far])[:, None, None] * normals
             where = np.array([other.region.contains((points + ways).reshape(-1, 2)) for other in self.model.zone])
-            made = np.array(self._made(where)).reshape(3, 4, -1)
+            made = np.array(self._made(where)).reshape(4, 4, -1)
             for side in (0, 1):
                 strip = (made[:, side] != made[:, 2]).any(axis=0) & (made[:, side] != made[:, 3]).any(axis=0)
                 elements = mesh.locate(points[strip] + ways[side, strip]).elements
@@ -146,14 +153,18 @@ class Zones:
         return found
 
     def _made(self, inside: Bools) -> Made:
-        material = self._last("material", inside)
-        return Made(self._last("thickness", inside), material, self.number[material, self._last("modifiers", inside)])
+        material, stiffness = self._last("material", inside), self._last("stiffness", inside)
+        count = len(self.model.zone) + 1
+        own = np.array([part.stiffness is not None for part in (self.model.plate, *self.model.zone)])
+        section = np.where(own[stiffness] & (stiffness >= self._last("is_solid", inside)), count + stiffness, material)
+        number = self.number[section, self._last("modifiers", inside)]
+        return Made(self._last("thickness", inside), material, section, number)
 
     def _last(self, key: str, inside: Bools) -> Ints:
         """The last zone that has a key, of places inside (z, q) of zones; 0 the plate."""
         found = np.zeros(inside.shape[1], np.int64)
         for index, zone in enumerate(self.model.zone):
-            if getattr(zone, key) is not None:
+            if getattr(zone, key) not in (None, False):
                 found[inside[index]] = index + 1
         return found
 
@@ -174,20 +185,34 @@ def _along(outline: Outline, step: float) -> tuple[Floats, Floats]:
     return np.concatenate(points), np.concatenate(normals)
 
 
+def _sections(model: Model) -> dict[int, Material | Stiffness]:
+    """What sections are made of, by their numbers (`Made`); materials without moduli make none."""
+    parts = list(enumerate((model.plate, *model.zone)))
+    materials = ((0, model.material), *((i, zone.material) for i, zone in enumerate(model.zone, 1)))
+    found: dict[int, Material | Stiffness] = {}
+    found |= {i: material for i, material in materials if material is not None and material.is_elastic}
+    found |= {len(parts) + i: part.stiffness for i, part in parts if part.stiffness is not None}
+    return found
+
+
 def _rigidities(model: Model) -> tuple[tuple[Rigidity, ...], Floats, Ints]:
-    """Rigidities with Young's moduli, those alike once, and which a material has with modifiers."""
-    zones = list(enumerate(model.zone, 1))
-    materials = {0: model.material} | {i: zone.material for i, zone in zones if zone.material is not None}
-    modifiers = {0: model.plate.modifiers} | {i: zone.modifiers for i, zone in zones if zone.modifiers is not None}
+    """Rigidities with Young's moduli, those alike once, and which a section has with modifiers."""
+    parts = (model.plate, *model.zone)
+    modifiers = {i: part.modifiers for i, part in enumerate(parts) if part.modifiers is not None}
     known: dict[bytes, int] = {}
     made: list[tuple[Rigidity, float]] = []
-    number = np.zeros((len(zones) + 1, len(zones) + 1), np.int64)
-    for (i, material), (j, factors) in product(materials.items(), modifiers.items()):
-        rigidity = Rigidity.made_of(material, model.plate.shear_factor, factors)
-        key = np.append(rigidity.for_core, material.young).tobytes()
+    number = np.zeros((2 * len(parts), len(parts)), np.int64)
+    for (i, own), (j, factors) in product(_sections(model).items(), modifiers.items()):
+        if isinstance(own, Material):
+            rigidity, young = Rigidity.made_of(own, model.plate.shear_factor, factors), own.young
+        else:
+            formula = parts[i - len(parts)].thickness
+            assert formula is not None  # it goes with a stiffness
+            rigidity, young = Rigidity.given(own, formula.value, factors), own.young(formula.value)
+        key = np.append(rigidity.for_core, young).tobytes()
         if key not in known:
             known[key] = len(made)
-            made.append((rigidity, material.young))
+            made.append((rigidity, young))
         number[i, j] = known[key]
-    rigidities, young = zip(*made, strict=True)
-    return rigidities, np.array(young), number
+    rigidities, youngs = zip(*made, strict=True)
+    return rigidities, np.array(youngs), number

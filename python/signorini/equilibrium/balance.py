@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +10,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.outlines import outline
 from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError, point
+from signorini.shapes.hull import hull
 
 RANK = 1e-9
 """Rigid motions of unit size that move a support by less than this part of the plate's size do not move it."""
@@ -118,11 +118,7 @@ def _bearing(found: Discretisation, motions: Floats, positions: Floats, directio
     for direction in (1.0, -1.0):
         those = np.flatnonzero(directions == direction)
         if len(those) > _MANY:
-            from scipy.spatial import ConvexHull, QhullError
-
-            # On one line there is no hull, and every point stays.
-            with contextlib.suppress(QhullError):
-                those = those[np.sort(ConvexHull(positions[those]).vertices)]
+            those = those[np.sort(hull(positions[those]))]
         deciding.append(those)
     which = np.concatenate(deciding)
     at = np.column_stack([np.ones(len(which)), (positions[which] - found.middle) / found.mesh.size])
@@ -166,12 +162,13 @@ def restraining_points(freedom: RigidFreedom, stiffness: Floats) -> Ints:
     """
     if not freedom.count:
         return np.zeros(0, dtype=np.int64)
-    from scipy.linalg import qr
-
-    # Each pick is the longest column that is left, and lengths, being convex, are greatest at corners of the hull.
-    columns = freedom.moves.T * np.sqrt(stiffness / stiffness.max())
-    _, _, order = qr(columns, mode="economic", pivoting=True)
-    return np.asarray(order[: freedom.count], dtype=np.int64)
+    # Each pick is the longest row that is left, and lengths, being convex, are greatest at corners of the hull.
+    left, picked = freedom.moves * np.sqrt(stiffness / stiffness.max())[:, None], list[int]()
+    for _ in range(freedom.count):
+        picked.append(int(np.linalg.norm(left, axis=1).argmax()))
+        along = left[picked[-1]] / np.linalg.norm(left[picked[-1]])
+        left = left - np.outer(left @ along, along)
+    return np.array(picked)
 
 
 def load_size(found: Discretisation, nodal: Floats) -> float:

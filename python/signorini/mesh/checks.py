@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from signorini.base.components import components
 from signorini.errors import InputError, point
 from signorini.mesh.boxtree import BoxTree
 from signorini.mesh.isoparametric import (
@@ -144,14 +145,12 @@ def check_boundary_nodes(points: Floats, boundary: Ints) -> None:
 
 def check_one_piece(points: Floats, elements: Ints) -> None:
     """Check that every element can be reached from every other through sides."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     of, side = np.nonzero(real_sides(elements))
     midsides = elements[of, 4 + side]
-    incidence = coo_array((np.ones(len(of), dtype=np.int8), (of, midsides)), shape=(len(elements), len(points))).tocsr()
-    count, piece = connected_components(incidence @ incidence.T, directed=False)
-    if count > 1:
+    order = np.argsort(midsides, kind="stable")
+    shared = np.flatnonzero(np.diff(midsides[order]) == 0)
+    piece = components(len(elements), of[order[shared]], of[order[shared + 1]])
+    if (count := int(piece.max()) + 1) > 1:
         names = [name_element(points, elements, int(np.argmax(piece == i))) for i in range(min(count, 3))]
         raise InputError(
             f"The mesh is in {count} pieces that share no side: {'; '.join(names)}{'; …' if count > 3 else ''}. "

@@ -39,6 +39,8 @@ Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 
+OUTLINE = "boundary"
+"""Name of the whole outline, as an edge of plates from files."""
 _ROOT = np.sqrt(0.6)
 _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])
 _GAUSS_WEIGHTS = np.outer([5.0, 8.0, 5.0], [5.0, 8.0, 5.0]).ravel() / 81.0
@@ -186,6 +188,10 @@ class Mesh(Remade):
         area[~self.triangles] = of_squares
         area[self.triangles] = 0.5 * determinants(self.nodes[self.triangles], _TRIANGLE, True).mean(axis=1)
         return area
+
+    def part(self, elements: Ints) -> Mesh:
+        """Some of the elements (k,), in this order, with all nodes and without edges; nothing is checked again."""
+        return self._with({"points": self.points, "elements": self.elements[elements], "edges": {}})
 
     def shape_functions(self, elements: Ints, xi: Floats) -> Floats:
         """Compute the shape functions (q, 8) of elements (q,) at reference points (q, 2)."""

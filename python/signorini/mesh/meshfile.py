@@ -17,16 +17,16 @@ from typing import TypeVar
 import meshio  # type: ignore[import-untyped]
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from signorini.base.components import components
 from signorini.base.regular import open_regular
 from signorini.errors import InputError, point
 from signorini.expression import LARGEST
 from signorini.mesh import Mesh
 from signorini.mesh.checks import loops, on_boundary
 from signorini.mesh.isoparametric import SIDES, are_triangles, real_sides
+from signorini.mesh.mesh import OUTLINE
 from signorini.mesh.nodenumbers import node_blocks, node_numbers
 
 Floats = npt.NDArray[np.float64]
@@ -35,7 +35,6 @@ Ints = npt.NDArray[np.int64]
 
 _T = TypeVar("_T")
 
-OUTLINE = "boundary"
 _SAME = 1e-9
 _FARTHEST = 1e6
 """Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
@@ -254,14 +253,10 @@ def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
             "it to the origin."
         )
     i, j = cKDTree(points[used]).query_pairs(_SAME * size, output_type="ndarray").T
-    graph = coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(len(used), len(used)))
-    group = connected_components(graph, directed=False)[1]
+    group = components(len(used), i, j)
     number = np.full(len(points), -1, dtype=np.int64)
-    _, first, inverse = np.unique(group, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    number[used] = rank[inverse]
-    return number, used[np.sort(first)]
+    number[used] = group
+    return number, used[np.unique(group, return_index=True)[1]]
 
 
 def _edges_of_lines(data: meshio.Mesh, number: Ints, sides: Ints, outer: Bools) -> dict[str, Ints]:

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import heapq
-import math
 from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-
-from signorini.errors import InputError
 
 Floats = npt.NDArray[np.float64]
 
@@ -97,21 +94,3 @@ def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | N
             left -= left > 0
             heapq.heappush(heap, (-lengths[i] / counts[i], i))
     return counts
-
-
-def divisions_from_size(lengths: Sequence[float], size: float) -> tuple[int, ...]:
-    """Count the divisions of each length whose parts are no longer than `size`.
-
-    Raises
-    ------
-    InputError
-        If the size is not positive.
-
-    Examples
-    --------
-    >>> divisions_from_size([10.0, 6.1], 0.5)
-    (20, 13)
-    """
-    if not (math.isfinite(size) and size > 0.0):
-        raise InputError(f"The element size must be positive; found {size:g}.")
-    return tuple(max(1, math.ceil(length / size * (1.0 - 1e-12))) for length in lengths)

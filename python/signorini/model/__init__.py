@@ -20,6 +20,7 @@ from signorini.model.plate import (
     PolygonPlate,
     RectanglePlate,
 )
+from signorini.model.section import Section, Strip
 from signorini.model.support import Support
 from signorini.model.validation import validate
 from signorini.model.whole import Model, Solver, Units
@@ -49,7 +50,9 @@ __all__ = [
     "Probe",
     "RectanglePlate",
     "Refinement",
+    "Section",
     "Solver",
+    "Strip",
     "Support",
     "Units",
     "Zone",

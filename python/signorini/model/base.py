@@ -237,6 +237,7 @@ Number = Annotated[float, BeforeValidator(number)]
 Positive = Annotated[float, Field(gt=0), AfterValidator(_not_tiny), BeforeValidator(number)]
 NonNegative = Annotated[float, Field(ge=0), BeforeValidator(number)]
 Count = Annotated[int, Field(ge=1, le=100_000), BeforeValidator(_whole)]
+Stations = Annotated[int, Field(ge=2, le=1000), BeforeValidator(_whole)]
 Text = Annotated[str, Field(strict=True, max_length=200), AfterValidator(_printable)]
 
 Scalar = Annotated[Expression, *_scalar()]

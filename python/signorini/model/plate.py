@@ -11,9 +11,11 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
+from signorini.expression import Expression
 from signorini.model.base import (
     Complaint,
     NonNegative,
+    Number,
     Point,
     Positive,
     PositiveScalar,
@@ -53,13 +55,21 @@ class Axes(NamedTuple):
 
 
 def _either(schema: dict[str, Any]) -> None:
-    none = {"not": {"anyOf": [{"required": [key]} for key in _ORTHOTROPIC]}}
-    only = {"not": {"anyOf": [{"required": [key]} for key in _ISOTROPIC]}}
-    schema["oneOf"] = [{"required": list(_ISOTROPIC), **none}, {"required": list(_NEEDED), **only}]
+    def without(*keys: str) -> dict[str, Any]:
+        return {"not": {"anyOf": [{"required": [key]} for key in keys]}}
+
+    schema["oneOf"] = [
+        {"required": list(_ISOTROPIC), **without(*_ORTHOTROPIC)},
+        {"required": list(_NEEDED), **without(*_ISOTROPIC)},
+        without(*_ISOTROPIC, *_ORTHOTROPIC),
+    ]
 
 
 class Material(Table):
-    """A linear elastic material: isotropic by E and nu, or orthotropic by Ex, Ey, nu_xy and Gxy."""
+    """A linear elastic material: isotropic by E and nu, or orthotropic by Ex, Ey, nu_xy and Gxy.
+
+    Without any of them it is one of sections whose stiffness is given.
+    """
 
     model_config = ConfigDict(json_schema_extra=_either)
 
@@ -83,6 +93,11 @@ class Material(Table):
     )
 
     @property
+    def is_elastic(self) -> bool:
+        """Whether it has moduli."""
+        return bool(self.given((*_ISOTROPIC, *_ORTHOTROPIC)))
+
+    @property
     def young(self) -> float:
         """Young's modulus, of an orthotropic material the larger one."""
         return self.E if self.E is not None else max(self.axes.Ex, self.axes.Ey)
@@ -98,11 +113,16 @@ class Material(Table):
         Ex, Ey, nu_xy, Gxy = (getattr(self, key) for key in _NEEDED)
         return Axes(Ex, Ey, nu_xy, Gxy, self.Gxz or Gxy, self.Gyz or Gxy, self.angle or 0.0)
 
-    def _complaints(self) -> Iterator[Complaint]:
-        isotropic, orthotropic = self.given(_ISOTROPIC), self.given(_ORTHOTROPIC)
-        for key in () if orthotropic else _ISOTROPIC:
+    def missing(self) -> Iterator[Complaint]:
+        """Say which moduli an isotropic material lacks."""
+        for key in _ISOTROPIC:
             if getattr(self, key) is None:
                 yield (key,), f"'{key}' is missing. {type(self).model_fields[key].description}"
+
+    def _complaints(self) -> Iterator[Complaint]:
+        isotropic, orthotropic = self.given(_ISOTROPIC), self.given(_ORTHOTROPIC)
+        if isotropic and not orthotropic:
+            yield from self.missing()
         if not orthotropic:
             return
         if isotropic:
@@ -136,6 +156,41 @@ class Modifiers(Table):
     shear: Positive = Field(default=1.0, description="Factor of the rigidities in shear.")
 
 
+class Stiffness(Table):
+    """What a section resists with along axes of its own, such as a ribbed or hollow one."""
+
+    Dx: Positive = Field(description="Bending moment per curvature along the first axis, force times length.")
+    Dy: Positive = Field(description="Bending moment per curvature along the second axis.")
+    D1: Number = Field(description="Bending moment along either axis per curvature along the other one.")
+    Dxy: Positive = Field(description="Twisting moment per twice the twist; (1 - nu) D / 2 of a solid plate.")
+    Sx: Positive = Field(description="Shear force per shear strain along the first axis, force per length.")
+    Sy: Positive = Field(description="Shear force per shear strain along the second axis.")
+    angle: Number = Field(default=0.0, description="Angle from x to the first axis, in degrees; default 0.")
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio, the geometric mean of those of both axes."""
+        return self.D1 / math.sqrt(self.Dx * self.Dy)
+
+    def young(self, thickness: float) -> float:
+        """Young's modulus with which a solid plate of a thickness would be about as stiff."""
+        return 12.0 * max(self.Dx, self.Dy) / thickness**3
+
+    def _complaints(self) -> Iterator[Complaint]:
+        most = math.sqrt(self.Dx * self.Dy)
+        if abs(self.D1) >= most:
+            yield ("D1",), f"found {self.D1:g}; its size must be less than the root of Dx Dy, {most:.6g}."
+
+
+def constant_thickness(thickness: Expression) -> Iterator[Complaint]:
+    """Refuse an expression beside a stiffness, which stands for one section."""
+    if not thickness.is_constant:
+        yield (
+            ("thickness",),
+            f'found "{thickness.source}"; beside stiffness, which is that of one section, it must be a number.',
+        )
+
+
 class _Plate(Table):
     model_config = ConfigDict(json_schema_extra=_require_shape)
 
@@ -147,6 +202,9 @@ class _Plate(Table):
     shear_factor: Positive = Field(default=5 / 6, description="Shear correction factor; default 5/6.")
     modifiers: Modifiers = Field(
         default=Modifiers(), description="Factors of the stiffness in bending, twist and shear."
+    )
+    stiffness: Stiffness | None = Field(
+        default=None, description="Stiffness of the section, in place of what material and thickness give."
     )
 
 

@@ -17,7 +17,7 @@ from signorini.model.words import as_list, describe
 
 _MOST_READ = 1000
 
-LISTS = ("zone", "support", "load", "combination", "moving", "probe")
+LISTS = ("zone", "support", "load", "combination", "moving", "probe", "section", "strip")
 """Tables that stand in double brackets."""
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}

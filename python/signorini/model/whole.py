@@ -16,8 +16,9 @@ from signorini.model.load import Load, Probe
 from signorini.model.meshoptions import MeshOptions
 from signorini.model.moving import Moving
 from signorini.model.output import FEW, Output
-from signorini.model.plate import AnyPlate, Material, MeshPlate
+from signorini.model.plate import AnyPlate, Material, MeshPlate, constant_thickness
 from signorini.model.problems import TOP, tables_of
+from signorini.model.section import Section, Strip
 from signorini.model.support import Support
 from signorini.model.zone import Zone
 
@@ -25,7 +26,7 @@ _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
 _MOST_POSITIONS = 2000
 
-Named = TypeVar("Named", Support, Combination)
+Named = TypeVar("Named", Support, Combination, Section, Strip)
 
 
 class Units(Table):
@@ -33,6 +34,19 @@ class Units(Table):
 
     length: Text = Field(default="", description='Label of the unit of length, such as "m".')
     force: Text = Field(default="", description='Label of the unit of force, such as "N".')
+
+    def force_by_length(self, power: int) -> str:
+        """Unit of a force times a power of a length, from -2 to 1; empty where a label is missing.
+
+        Examples
+        --------
+        >>> units = Units(length="m", force="kN")
+        >>> [units.force_by_length(power) for power in (-2, -1, 0, 1)], Units(force="kN").force_by_length(1)
+        (['kN/m²', 'kN/m', 'kN', 'kN m'], '')
+        """
+        if not self.force or (power and not self.length):
+            return ""
+        return self.force + {-2: f"/{self.length}²", -1: f"/{self.length}", 0: "", 1: f" {self.length}"}[power]
 
 
 class Solver(Table):
@@ -79,6 +93,12 @@ class Model(Table):
     )
     moving: tuple[Moving, ...] = Field(default=(), description="Loads that move along a line.")
     probe: tuple[Probe, ...] = Field(default=(), description="Points where results are written out.")
+    section: Annotated[tuple[Section, ...], AfterValidator(_named)] = Field(
+        default=(), description="Lines along which the forces through the plate are written out."
+    )
+    strip: Annotated[tuple[Strip, ...], AfterValidator(_named)] = Field(
+        default=(), description="Strips of which mean moments over their width are written out."
+    )
     output: Output = Field(default=Output(), description="What is written of each combination.")
     solver: Solver = Field(default=Solver(), description="How the contact problem is solved.")
 
@@ -107,8 +127,12 @@ class Model(Table):
 
     @property
     def young(self) -> float:
-        """Young's modulus, the largest there is."""
-        return max(material.young for material in self.materials)
+        """Young's modulus, the largest there is; of sections whose stiffness is given that of solid ones as stiff."""
+        found = [material.young for material in self.materials if material.is_elastic]
+        for part in (self.plate, *self.zone):
+            if part.stiffness is not None and part.thickness is not None:
+                found.append(part.stiffness.young(part.thickness.value))
+        return max(found)
 
     @property
     def positions(self) -> Positions:
@@ -143,8 +167,11 @@ class Model(Table):
         yield from self._mesh_complaints()
         yield from _repeated("support", [support.name for support in self.support])
         yield from _repeated("combination", [combination.name for combination in self.combination])
+        yield from _repeated("section", [section.name for section in self.section])
+        yield from _repeated("strip", [strip.name for strip in self.strip])
         yield from self._edge_complaints()
         yield from self._node_complaints()
+        yield from self._section_complaints()
         for index, load in enumerate(self.load):
             if load.self_weight and self.material.unit_weight is None:
                 yield (
@@ -159,6 +186,21 @@ class Model(Table):
                 )
         yield from self._moving_complaints()
         yield from self._combination_complaints()
+
+    def _section_complaints(self) -> Iterator[Complaint]:
+        """Sections that are made of a material without moduli."""
+        if self.plate.stiffness is not None:
+            yield from ((("plate", *path), message) for path, message in constant_thickness(self.plate.thickness))
+        parts = (
+            (("material",), self.plate, self.material),
+            *((("zone", i, "material"), z, z.material) for i, z in enumerate(self.zone)),
+        )
+        for number, (place, part, material) in enumerate(parts):
+            if material is None or material.is_elastic:
+                continue
+            later = any(zone.is_solid and zone.material is None for zone in self.zone[number:])
+            if part.stiffness is None or later:
+                yield from (((*place, *path), message) for path, message in material.missing())
 
     def _mesh_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):

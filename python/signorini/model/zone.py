@@ -8,10 +8,10 @@ from pydantic import ConfigDict, Field
 
 from signorini.model.area import AnyArea, Area
 from signorini.model.base import Complaint, PositiveScalar, Table
-from signorini.model.plate import Material, Modifiers
+from signorini.model.plate import Material, Modifiers, Stiffness, constant_thickness
 from signorini.shapes import Region
 
-KEYS = ("thickness", "material", "modifiers")
+KEYS = ("thickness", "material", "modifiers", "stiffness")
 
 
 class Zone(Table):
@@ -27,6 +27,9 @@ class Zone(Table):
     modifiers: Modifiers | None = Field(
         default=None, description="Factors of the stiffness there, in place of those of the plate."
     )
+    stiffness: Stiffness | None = Field(
+        default=None, description="Stiffness of the section there; beside it a thickness, for the weight."
+    )
 
     @property
     def region(self) -> Region:
@@ -39,3 +42,13 @@ class Zone(Table):
             yield ("area",), 'found "all"; what the whole plate is made of stands in [plate] and [material].'
         if not self.given(KEYS):
             yield (), f"it changes nothing; give {', '.join(KEYS[:-1])} or {KEYS[-1]}."
+        if self.stiffness is not None:
+            if self.thickness is None:
+                yield ("thickness",), "'thickness' is missing; it goes with stiffness, for the weight."
+            else:
+                yield from constant_thickness(self.thickness)
+
+    @property
+    def is_solid(self) -> bool:
+        """Whether material and thickness make it, whatever makes what is below."""
+        return self.stiffness is None and bool(self.given(("thickness", "material")))

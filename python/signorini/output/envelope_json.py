@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from signorini.analysis.combinations import Combined
 from signorini.analysis.solve import Results
-from signorini.analysis.twins.compared import Meshes, compared
-from signorini.analysis.twins.leaves import with_numbers
+from signorini.analysis.tables import rows_named
+from signorini.analysis.twins.compared import Meshes, compared, rounded
+from signorini.analysis.twins.leaves import Path, leaves, with_numbers
 from signorini.discretise.rows import Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.formats.vtk import write_vtu
@@ -20,8 +21,13 @@ from signorini.output.names import TABLE, envelope_files
 from signorini.results.columns import Layout
 from signorini.results.envelope import NONE, Envelope, Extremes
 from signorini.results.result import FIELDS
+from signorini.results.section_result import COMPONENTS
 from signorini.results.warnings import model_warnings, too_far
 from signorini.singularities.named import singularities
+
+_AT_NODES = ("reaction", "contact_pressure", "rigid_contact_pressure")
+"""Fields of which rows have no extremes."""
+_ESTIMATED = ("fields", "supports", "probes", "sections", "strips")
 
 Name = Callable[[int], str]
 """Tells the name of a combination, given its number."""
@@ -66,12 +72,20 @@ def envelope_json(results: Results, group: str = "") -> dict[str, Any] | None:
     told = [one for one, tree in trees.items() if tree is not None and one is not mesh]
     if told:
         meshes = Meshes.of(mesh, told)
-        every = [tree for one in meshes.every if (tree := trees[one]) is not None]
-        numbers, _ = compared(
-            every, meshes, results.model, singularities(results.discretisation), lambda path, value: abs(value)
-        )
-        plus_minus = with_numbers({key: own[key] for key in ("fields", "supports", "probes")}, numbers)
+        every = [_without_rows(tree) for one in meshes.every if (tree := trees[one]) is not None]
+        named = [(singularities(results.discretisation), np.ones(1, np.bool_))]
+        widths, _ = compared(every, meshes, results.model, own, named)
+        numbers = {path: rounded(width) for path, (width,) in zip(every[meshes.own], widths.tolist(), strict=True)}
+        for path, column, row in rows_named(results.combined.layout, results.combined.over(group)):
+            numbers[path] = results.half_width(column, row)
+        plus_minus = with_numbers({key: own[key] for key in _ESTIMATED}, numbers)
     return own | {"plus_minus": plus_minus}
+
+
+def _without_rows(tree: Mapping[str, Any]) -> dict[Path, Floats]:
+    """The numbers of an envelope that are no row's: pressures and nodal reactions over all nodes and points."""
+    found = {path: np.array([value]) for path, value in leaves(tree).items()}
+    return {path: value for path, value in found.items() if path[1] in _AT_NODES or "largest" in path}
 
 
 def _envelope(results: Results, combined: Combined, mesh: Mesh, group: str) -> dict[str, Any] | None:
@@ -80,19 +94,23 @@ def _envelope(results: Results, combined: Combined, mesh: Mesh, group: str) -> d
         return None
     envelope, name = combined.over(group), results.key
     fields = {}
-    for field, extremes in envelope.fields.items():
-        high, low = envelope.peaks(field)
-        fields[field] = _ends(name, extremes, combined.layout.nodes, high, low)
+    peaks = envelope.peaks
+    for at, field in enumerate(envelope.names):
+        fields[field] = _ends(name, peaks.extremes, (peaks.largest_at, peaks.smallest_at), at, at)
+    over = {"reaction": (mesh.points, envelope.fields["reaction"])} if "reaction" in envelope.fields else {}
     for field, (places, extremes) in envelope.pressures.items():
         elastic = field == "contact_pressure"
-        at = mesh.points[places] if elastic else mesh.points[mesh.elements[places]].mean(axis=1)
-        fields[field] = _ends(name, extremes, at, int(extremes.largest.argmax()), int(extremes.smallest.argmin()))
+        over[field] = (mesh.points[places] if elastic else mesh.points[mesh.elements[places]].mean(axis=1)), extremes
+    for field, (points, extremes) in over.items():
+        high, low = int(extremes.largest.argmax()), int(extremes.smallest.argmin())
+        fields[field] = _ends(name, extremes, (points, points), high, low)
     layout = combined.layout
     return {
         "file": envelope_files(results).get(group),
         "fields": fields,
         "supports": [_support(name, envelope, layout, index) for index in range(len(layout.supports))],
         "probes": [_probe(name, envelope, layout, index) for index in range(len(layout.probes))],
+        **_through(name, envelope, layout),
     }
 
 
@@ -117,12 +135,12 @@ def write_envelope(nodes: StressNodes, envelope: Envelope, path: str | os.PathLi
     write_vtu(path, nodes.points, nodes.elements, at_nodes, of_elements)
 
 
-def _ends(name: Name, extremes: Extremes, places: Floats, high: int, low: int) -> dict[str, Any]:
+def _ends(name: Name, extremes: Extremes, places: tuple[Floats, Floats], high: int, low: int) -> dict[str, Any]:
     return {
         **_side(name, "max", extremes, high),
-        "max_at": places[high].tolist(),
+        "max_at": places[0][high].tolist(),
         **_side(name, "min", extremes, low),
-        "min_at": places[low].tolist(),
+        "min_at": places[1][low].tolist(),
     }
 
 
@@ -179,3 +197,19 @@ def _probe(name: Name, envelope: Envelope, layout: Layout, index: int) -> dict[s
     first = index * len(FIELDS)
     values = {field: _both(name, envelope.probes, first + i) for i, field in enumerate(FIELDS)}
     return {"at": layout.probes[index].tolist(), **values}
+
+
+def _through(name: Name, envelope: Envelope, layout: Layout) -> dict[str, Any]:
+    """Extremes of sections and strips."""
+    lines = iter(range(0, len(layout.through), len(COMPONENTS)))
+
+    def line() -> dict[str, Any]:
+        first = next(lines)
+        return {of: _both(name, envelope.through, first + i) for i, of in enumerate(COMPONENTS)}
+
+    sections = [{"name": section.name, **line()} for section in layout.model.section]
+    strips = [
+        {"name": strip.name, "stations": [{"at": at, **line()} for at in strip.places[0].tolist()]}
+        for strip in layout.model.strip
+    ]
+    return {"sections": sections, "strips": strips}

@@ -20,8 +20,10 @@ from signorini.output.cells import name_cell
 from signorini.output.directory import cannot_write, former_path
 from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE
 from signorini.results.estimate import PathEstimate
+from signorini.results.figures import through_json
 from signorini.results.load_path import LoadPath
 from signorini.results.path_stop import PathStop
+from signorini.results.section_result import columns_of, section_results
 
 SCHEMA = 1
 _OF_POINTS = ("opens", "closes")
@@ -120,6 +122,7 @@ def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
             {"name": support.name} | dict(zip(_OF_SUPPORTS, values, strict=True)) for support, *values in supports
         ],
         "probes": [{"at": at, "deflection": w} for at, w in zip(positions, stop.deflections.tolist(), strict=True)],
+        **through_json(*section_results(path.problem.discretisation, stop.through)),
     }
 
 
@@ -145,6 +148,7 @@ def path_csv(path: LoadPath) -> str:
         ["t", "t_plus_minus", "event", "deflection_max", "deflection_min"]
         + [f"{what}:{name}" for name in names for what in _OF_SUPPORTS]
         + [f"probe[{i}]:deflection" for i in range(1, len(positions) + 1)]
+        + columns_of(path.model)
     )
     for index, stop in enumerate(path.stops):
         supports = zip(*_columns(stop), strict=True)
@@ -156,7 +160,7 @@ def path_csv(path: LoadPath) -> str:
             stop.smallest,
             *itertools.chain.from_iterable(supports),
         ]
-        table.writerow([*row, *stop.deflections.tolist()])
+        table.writerow([*row, *stop.deflections.tolist(), *stop.through.tolist()])
     return text.getvalue()
 
 

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from signorini.analysis.solve import Results
 from signorini.output.cells import name_cell
 from signorini.output.envelope_json import envelope_json, table_json
@@ -24,6 +26,8 @@ _COLUMNS = (
     *("reaction_plus_minus", "gap_plus_minus", "contact_area_plus_minus", "max_pressure_plus_minus"),
     "max_tension",
 )
+_MOST_PLACES = 20
+"""Points of a singularity that are listed; nodes of elements that a border cuts may be thousands."""
 _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure")
 
 
@@ -128,7 +132,9 @@ def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
     """Give the key "singular" of a combination."""
     return [
         {
-            "where": [list(at) for at in one.where],
+            "where": [list(at) for at in (one.where if one.line else one.where[:_MOST_PLACES])],
+            "count": len(one.where),
+            "box": [*np.min(one.where, axis=0).tolist(), *np.max(one.where, axis=0).tolist()] if one.where else None,
             "line": one.line,
             "limited": one.limited,
             "within": one.within,

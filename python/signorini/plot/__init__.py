@@ -7,19 +7,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from signorini.plot.balance import BalanceMark
+from signorini.plot.cuts import CutMark
 from signorini.plot.field import contour, line
+from signorini.plot.files import DRAWN_BY, save
 from signorini.plot.load_path import load_path_picture
-from signorini.plot.marks import LoadMark, SupportMark, ZoneMark, draw_legend, supports
-from signorini.plot.pictures import (
-    DRAWN_BY,
-    Panel,
-    Picture,
-    check_picture,
-    draw_panel,
-    field_picture,
-    save,
-    save_pictures,
-)
+from signorini.plot.loads import LoadMark
+from signorini.plot.marks import SupportMark, ZoneMark, draw_legend, supports
+from signorini.plot.panel import Panel, draw_panel
+from signorini.plot.pictures import Picture, check_picture, field_picture, save_pictures
+from signorini.plot.places import EdgeMark, SingularMark
 from signorini.plot.plan import Plan
 from signorini.plot.pressure import PressureLayer, pressure
 from signorini.plot.refinement import refinement_picture
@@ -28,12 +24,15 @@ __all__ = [
     "DRAWN_BY",
     "Axes",
     "BalanceMark",
+    "CutMark",
+    "EdgeMark",
     "Figure",
     "LoadMark",
     "Panel",
     "Picture",
     "Plan",
     "PressureLayer",
+    "SingularMark",
     "SupportMark",
     "ZoneMark",
     "check_picture",

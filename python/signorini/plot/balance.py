@@ -104,7 +104,10 @@ def draw_balance(mark: BalanceMark, axes: Axes) -> list[Entry]:
         if (np.abs(at - np.clip(at, low, high)) <= _FARTHEST * size).all():
             axes.plot(*at, zorder=8, **look)
             beside: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 8, "zorder": 8}
-            axes.annotate(literal(mark.name), mark.at, (7, 5), **beside)
+            # On the right half its name stands left of it, as there the page may end.
+            to_the_left = at[0] > 0.5 * (low[0] + high[0])
+            beside |= {"ha": "right" if to_the_left else "left"}
+            axes.annotate(literal(mark.name), mark.at, (-7 if to_the_left else 7, 5), **beside)
             margin = 0.04 * size
             axes.set_xlim(min(low[0], at[0] - margin), max(high[0], at[0] + margin))
             axes.set_ylim(min(low[1], at[1] - margin), max(high[1], at[1] + margin))

@@ -16,8 +16,9 @@ from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
+from signorini.base.plain import POWERS, plain
 from signorini.errors import InputError
-from signorini.plot.plan import INK, Plan, draw_outlines, inches_per_unit, literal, plan_axes, set_window
+from signorini.plot.plan import INK, Plan, draw_outlines, inches_per_unit, literal, plan_axes, put_label, set_window
 
 _NOISE = 1e-9
 BANDS = 14
@@ -190,15 +191,14 @@ def in_words(level: float, step: float) -> str:
 
     Examples
     --------
-    >>> in_words(0.0015, 0.0005), in_words(-20.0, 10.0), in_words(2.5e6, 5e5), in_words(-1e-19, 1.0)
-    ('0.0015', '−20', '2.5e6', '0')
+    >>> in_words(0.0015, 0.0005), in_words(-20.0, 10.0), in_words(7500, 2500), in_words(2.5e6, 5e5), in_words(-1e-19, 1)
+    ('0.0015', '−20', '7500', '2.5e6', '0')
     """
     if abs(level) < 1e-9 * step:
         return "0"
     # One digit more than the step's first: steps of 2.5 have two.
     digits = max(0, int(np.floor(np.log10(abs(level) / step) + 1e-9))) + 2
-    text = f"{level:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
-    return text.replace("-", "−")
+    return plain(level, digits)
 
 
 def line(
@@ -255,9 +255,11 @@ def add_colour_bar(axes: Axes, scale: Scale, label: str, beside: Axes | None = N
         room: dict[str, Any] = {"cax": beside} if beside is not None else {"shrink": 0.92, "aspect": 28, "pad": 0.025}
         bar = figure.colorbar(scale.bar, ax=axes, spacing="proportional", **room)
         bar.set_label(literal(label), fontsize=9)
+        put_label(bar.ax.yaxis, 1.0, 0.5, 0.58, 0.0)
         bar.outline.set_visible(False)
         bar.formatter = ScalarFormatter()
-        bar.formatter.set_powerlimits((-3, 4))
+        bar.formatter.set_powerlimits(POWERS)
+        bar.minorticks_off()
         bar.ax.tick_params(length=2.5, labelsize=8.5)
         bar.update_ticks()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,7 +19,9 @@ Floats: TypeAlias = NDArray[np.float64]
 
 _CURVES = ("#1f5fa8", "#d95f02", "#1b6e53", "#7a3e9d", "#8c6d1f", "#b3261e")
 _CLOSED, _OPEN = "#1f5fa8", "#eef2f5"
-_MOST_CURVES = 12
+_STYLES = (("solid", "o"), ("dashed", "s"))
+"""Of curves of one colour the first one's and the second one's."""
+_MOST_CURVES = len(_CURVES) * len(_STYLES)
 
 
 def load_path_picture(
@@ -116,10 +118,11 @@ def _drawn(
 def _draw_curves(axes: Axes, stops: Floats, curves: Mapping[str, Floats]) -> None:
     few = len(stops) <= 40
     for i, (name, values) in enumerate(list(curves.items())[:_MOST_CURVES]):
-        colour = _CURVES[i % len(_CURVES)]
-        line = Line2D(stops, values, color=colour, linewidth=1.5, label=literal(name))
+        style, marker = _STYLES[i // len(_CURVES)]
+        look: dict[str, Any] = {"color": _CURVES[i % len(_CURVES)], "linestyle": style, "linewidth": 1.5}
+        line = Line2D(stops, values, label=literal(name), **look)
         if few:
-            line.set_marker("o")
+            line.set_marker(marker)
             line.set_markersize(3.2)
         axes.add_line(line)
     for event in stops[1:-1] if few else []:

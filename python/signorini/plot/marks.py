@@ -1,4 +1,4 @@
-"""Supports and loads as they are drawn in plan."""
+"""Supports and zones as they are drawn in plan, and the legend."""
 
 from __future__ import annotations
 
@@ -21,8 +21,6 @@ from numpy.typing import NDArray
 
 from signorini.plot.plan import INK, inches_per_unit, literal
 
-_LOADS = ("#b3261e", "#7a3e9d", "#b8860b", "#1b6e53", "#c2185b", "#4d5b9e")
-"""Colours of load cases, one after the other."""
 _EDGE = "#d95f02"
 _ZONE = "#3f6f8f"
 _ACTIONS = {
@@ -115,38 +113,6 @@ class SupportMark:
         return words if counts is None else f"{words}, {counts[0]} closed, {counts[1]} open"
 
 
-@dataclass(frozen=True)
-class LoadMark:
-    """A load as it is drawn.
-
-    Attributes
-    ----------
-    case : str
-        Its load case: those of one case have one colour.
-    name : str
-        What it is, in the legend.
-    positions : ndarray, shape (k, 2)
-        Points of application, vertices of the loaded line, or the outline of the loaded area; a row of NaN starts a
-        new piece. None at all, shape (0, 2), for a load on the whole plate, which the legend only names.
-    style : {"points", "line", "area"}
-        Which of the three.
-    upward : bool
-        A point load away from the reader is a crossed circle; one towards him, upward, is a dotted circle.
-    couple : (mx, my) or None
-        Of a moment, which is drawn as the pair of forces that it is: crossed circle down, dotted circle up.
-    footprints : ndarray, shape (k, 2)
-        Outlines of what the points' forces are spread over; a row of NaN starts a new one.
-    """
-
-    case: str
-    name: str
-    positions: NDArray[np.float64]
-    style: Literal["points", "line", "area"] = "points"
-    upward: bool = False
-    couple: tuple[float, float] | None = None
-    footprints: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
-
-
 def supports(marks: Iterable[SupportMark], ax: Axes) -> Axes:
     """Draw supports, closed contact filled and open contact hollow, and edges of contact; the legend is below.
 
@@ -196,7 +162,7 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
     samples: list[Artist] = []
     per_unit = inches_per_unit(axes)
     size = _LARGEST
-    for piece in _pieces(mark.footprints):
+    for piece in pieces(mark.footprints):
         axes.fill(*piece.T, facecolor=to_rgba(INK, 0.10), edgecolor=INK, linewidth=0.8, zorder=3)
     if mark.style == "points":
         size = _fitting(positions, per_unit)
@@ -212,42 +178,6 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
         if chosen.any() or (chosen is closed and not len(positions)):
             samples.append(Line2D([], [], **_glyph(mark, max(size, 6.0), hollow)))
     return mark.label, tuple(samples)
-
-
-def draw_load(mark: LoadMark, axes: Axes, colour: str) -> Entry:
-    """Draw one load and return its entry in the legend."""
-    positions = np.asarray(mark.positions, dtype=float)
-    words = f"{mark.case}: {mark.name}"
-    ring: dict[str, Any] = {"markersize": 11.0, "linestyle": "none", "color": colour, "markeredgewidth": 0.4}
-    ring |= {"clip_on": False, "zorder": 6}
-    down, up = ring | {"marker": r"$\otimes$"}, ring | {"marker": r"$\odot$"}
-    look: dict[str, Any]
-    for piece in _pieces(mark.footprints):
-        axes.fill(*piece.T, facecolor=to_rgba(colour, 0.10), edgecolor=colour, linewidth=0.8, zorder=3)
-    if mark.couple is not None:
-        arm = np.array(mark.couple) / max(np.hypot(*mark.couple), 1e-300) * 0.16 / inches_per_unit(axes)
-        for at in positions:
-            axes.plot(*np.array([at - arm, at + arm]).T, color=colour, linewidth=1.4, zorder=5.8, clip_on=False)
-        axes.plot(*(positions + arm).T, **down)
-        axes.plot(*(positions - arm).T, **up)
-        return words, (Line2D([], [], **up), Line2D([], [], color=colour, linewidth=1.4), Line2D([], [], **down))
-    if mark.style == "points":
-        look = up if mark.upward else down
-        axes.plot(*positions.T, **look)
-        return words, (Line2D([], [], **look),)
-    if mark.style == "line":
-        look = {"color": colour, "linewidth": 2.4, "solid_capstyle": "butt"}
-        axes.plot(*positions.T, zorder=4.5, **look)
-        return words, (Line2D([], [], **look),)
-    look = {
-        "facecolor": to_rgba(colour, 0.10),
-        "edgecolor": colour,
-        "hatch": "oo" if mark.upward else "....",
-        "linewidth": 1.2,
-    }
-    for piece in _pieces(positions):
-        axes.fill(*piece.T, zorder=3, **look)
-    return words, (Patch(**look),)
 
 
 @dataclass(frozen=True)
@@ -281,13 +211,6 @@ def draw_zones(marks: Iterable[ZoneMark], axes: Axes, plate: Path) -> list[Entry
     return entries
 
 
-def draw_loads(marks: Iterable[LoadMark], axes: Axes) -> list[Entry]:
-    """Draw loads, those of one case in one colour, and return their entries in the legend."""
-    marks = list(marks)
-    cases = list(dict.fromkeys(mark.case for mark in marks))
-    return [draw_load(mark, axes, _LOADS[cases.index(mark.case) % len(_LOADS)]) for mark in marks]
-
-
 def _glyph(mark: SupportMark, size: float, hollow: bool) -> dict[str, Any]:
     """How a mark is drawn at a point: with a spring if it is elastic, with a bar if there is a gap before it."""
     shape, turned = _GLYPHS[mark.kind], _FLIPPED if mark.kind == "up" else np.ones(2)
@@ -317,14 +240,14 @@ def _draw_line(
     look: dict[str, Any] = {"color": INK, "linewidth": width, "clip_on": False, "solid_capstyle": "butt"}
     if mark.kind == "symmetry":
         look |= {"linewidth": 1.4, "linestyle": (0, (7, 2.5, 1.2, 2.5))}
-        for piece in _pieces(positions):
+        for piece in pieces(positions):
             axes.plot(*piece.T, color="white", linewidth=2.6, zorder=4, clip_on=False)
             axes.plot(*piece.T, zorder=4.1, **look)
         return [Line2D([], [], **look)]
     if mark.kind == "clamped":
         look["path_effects"] = [Normal(), TickedStroke(spacing=6, angle=-135, length=0.9)]
         middle = np.array([sum(axes.get_xlim()), sum(axes.get_ylim())]) / 2
-        for piece in _pieces(positions):
+        for piece in pieces(positions):
             axes.plot(*_hatched_outside(piece, middle).T, zorder=4, **look)
         return [Line2D([], [], **look)]
     core: dict[str, Any] = {"color": "white", "linewidth": 0.5 * width, "clip_on": False, "solid_capstyle": "butt"}
@@ -419,7 +342,7 @@ def draw_legend(axes: Axes, entries: Sequence[Entry], at: tuple[float, float] | 
     )
 
 
-def _pieces(positions: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+def pieces(positions: NDArray[np.float64]) -> list[NDArray[np.float64]]:
     """Split a polyline at its rows of NaN."""
     return [piece for piece, _ in _pieces_with(positions, np.ones(len(positions), bool))]
 

@@ -8,9 +8,11 @@ from typing import Any, Self
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
 from matplotlib.path import Path
+from matplotlib.transforms import ScaledTranslation
 from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
@@ -115,7 +117,15 @@ def set_window(axes: Axes, plan: Plan) -> None:
     axes.set_xlim(x0, x1)
     axes.set_ylim(y0, y1)
     axes.spines[:].set_visible(False)
-    axes.tick_params(length=0, labelsize=8.5)
+    axes.tick_params(bottom=False, left=False, labelsize=8.5)
+
+
+def put_label(axis: Axis, across: float, up: float, right: float, above: float) -> None:
+    """Put the label of an axis at a part of its axes, and so many inches from there; finding its place takes time."""
+    figure = axis.axes.get_figure(root=True)
+    assert figure is not None, "axes are made with their figure"
+    away = ScaledTranslation(right, above, figure.dpi_scale_trans)
+    axis.set_label_coords(across, up, axis.axes.transAxes + away)
 
 
 def inches_per_unit(axes: Axes) -> float:

@@ -16,9 +16,10 @@ from signorini.model import Model
 from signorini.results.contact_field import AreaContact, Pressures
 from signorini.results.extremes import NUMBERS
 from signorini.results.result import FIELDS, Result
+from signorini.results.section_result import columns_of, numbers_of
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_contact
-from signorini.singularities.named import away_from, singularities
+from signorini.singularities.named import at_peaks, singularities_of
 
 _MOST_BEARINGS = 100
 """Points of one support beyond which its reaction is looked at as a whole."""
@@ -35,6 +36,64 @@ class Bearing:
     point: int | None
     at: tuple[float, float] | None
 
+    def column(self, model: Model) -> str:
+        """The table's column of its reaction."""
+        name = model.support[self.support].name
+        return f"reaction:{name}" if self.point is None else f"reaction_at:{name}[{self.point}]"
+
+
+@dataclass(frozen=True, eq=False)
+class Hidden:
+    """Nodes (n,) of a field at which it has no limit, by class: alike are those that the same load cases hide.
+
+    Parameters
+    ----------
+    classes : (n,) array
+        0 of those that nothing hides.
+    always : (c,) array
+        Which classes are hidden whatever acts.
+    by_case : dict of (c,) arrays
+        Which classes a load case hides, if any.
+    """
+
+    classes: Ints
+    always: Bools
+    by_case: Mapping[str, Bools]
+
+    @classmethod
+    def nothing(cls, count: int) -> Hidden:
+        """No node of so many."""
+        return cls(np.zeros(count, np.int64), np.zeros(1, np.bool_), {})
+
+    @classmethod
+    def of(cls, found: Discretisation, number: str) -> Hidden:
+        """Look for the nodes of the fields that singularities call so; none if it is empty."""
+        places: dict[str | None, Ints] = {}
+        for case in (None, *found.cases) if number else ():
+            at = np.flatnonzero(at_peaks(found.mesh, singularities_of(found, case), number))
+            places |= {case: at} if len(at) else {}
+        of_mesh = found.stress_nodes.nodes if number else np.arange(found.mesh.node_count)
+        if not places:
+            return cls.nothing(len(of_mesh))
+        nodes = np.unique(np.concatenate(list(places.values())))
+        by = np.array([np.isin(nodes, at) for at in places.values()], np.bool_)
+        alike, which = np.unique(by, axis=1, return_inverse=True)
+        classes = np.zeros(found.mesh.node_count, np.int64)
+        classes[nodes] = 1 + which.ravel()
+        hides = {case: np.append(False, row) for case, row in zip(places, alike, strict=True)}
+        always = hides.pop(None, np.zeros(1 + alike.shape[1], np.bool_))
+        by_case = {case: row for case, row in hides.items() if case is not None}
+        return cls(classes[of_mesh], always, by_case)
+
+    def under(self, acting: Bools, cases: Sequence[str]) -> Bools:
+        """Which classes (k, c) are hidden where load cases act (k, a); where no node would be left, none."""
+        found = np.tile(self.always, (len(acting), 1))
+        for column, case in enumerate(cases):
+            if case in self.by_case:
+                found |= acting[:, column, None] & self.by_case[case]
+        present = np.bincount(self.classes, minlength=found.shape[1]) > 0
+        return np.asarray(found & (~found & present).any(axis=1, keepdims=True))
+
 
 @dataclass(frozen=True, eq=False)
 class Layout:
@@ -47,8 +106,8 @@ class Layout:
     probes: Floats
     nodes: Floats
     """Positions (s, 2) of the nodes of stresses; the first are those of the mesh."""
-    away: Mapping[str, Bools]
-    """Of every field which of its nodes are away from where it has no limit, under any load that stays where it is."""
+    hidden: Mapping[str, Hidden]
+    """Of every field its nodes at which it has no limit."""
 
     @classmethod
     def of(cls, found: Discretisation, fields: Sequence[str]) -> Layout:
@@ -56,11 +115,15 @@ class Layout:
         points = tuple(SupportPoints.of(found, index) for index in range(len(found.model.support)))
         areas = [index for index, support in enumerate(found.model.support) if support.area is not None]
         at_rest = {index: _at_rest(found, index, points[index]) for index in areas}
-        # Not wheels: what they pass over has its limit while they are elsewhere.
-        named = singularities(found, found.model.cases)
-        away = {name: away_from(found.mesh, named, NUMBERS.get(name, "")) for name in fields}
-        away |= {name: nodes[found.stress_nodes.nodes] for name, nodes in away.items() if name in NUMBERS}
-        return cls(found.model, points, at_rest, tuple(fields), found.probe_positions, found.stress_nodes.points, away)
+        by_number = {number: Hidden.of(found, number) for number in {NUMBERS.get(name, "") for name in fields}}
+        hidden = {name: by_number[NUMBERS.get(name, "")] for name in fields}
+        nodes = found.stress_nodes.points
+        return cls(found.model, points, at_rest, tuple(fields), found.probe_positions, nodes, hidden)
+
+    @cached_property
+    def through(self) -> list[str]:
+        """Columns (3s,) of sections and strips."""
+        return columns_of(self.model)
 
     @property
     def point_count(self) -> int:
@@ -124,12 +187,16 @@ class Block:
         Of every point of every support.
     probes : (k, 8q) array
         Every field at every probe.
+    through : (k, 3s) array
+        Moment, twist and shear of every section, and their means at every station of a strip.
     on_areas : (k, n) array
         Deflections of the nodes around elastic areas.
     areas : (k, a, 2) array
         Of every area its largest pressure, and how much of it is in contact.
-    peaks, places : (k, f, 2) arrays
-        Largest and smallest value of each enveloped field, and the nodes they are at.
+    peaks : (k, f, 2) array
+        Largest and smallest value of each enveloped field, away from where it has no limit.
+    places : (k, f, 2, 2) array
+        Where these are.
     """
 
     first: int
@@ -142,10 +209,11 @@ class Block:
     gap: Floats
     closed: Bools
     probes: Floats
+    through: Floats
     on_areas: Floats
     areas: Floats
     peaks: Floats
-    places: Ints
+    places: Floats
 
     @classmethod
     def empty(cls, layout: Layout, first: int, count: int) -> Block:
@@ -166,10 +234,11 @@ class Block:
             nan(points),
             np.zeros((count, points), np.bool_),
             nan(len(FIELDS) * len(layout.probes)),
+            nan(len(layout.through)),
             nan(len(layout.around_areas)),
             nan(len(layout.at_rest), 2),
             nan(fields, 2),
-            np.zeros((count, fields, 2), np.int64),
+            nan(fields, 2, 2),
         )
 
     @property
@@ -198,10 +267,10 @@ class Block:
             self.areas[row, at] = area.max_pressure, area.contact_area
         values = [(p.deflection, *p.rotation, *p.moment, *p.shear) for p in result.probes]
         self.probes[row] = np.array(values).ravel()
+        self.through[row] = numbers_of(result.sections, result.strips)
         for at, name in enumerate(layout.fields):
-            field = result.fields[name]
-            self.places[row, at] = field.argmax(), field.argmin()
-            self.peaks[row, at] = field[self.places[row, at]]
+            ends = result.extremes[name]
+            self.peaks[row, at], self.places[row, at] = (ends.max, ends.min), (ends.max_at, ends.min_at)
 
     def around(self, area: AreaContact, layout: Layout, rows: Ints) -> Floats:
         """Deflections (r, k) of the nodes on an area, in some rows; none of a rigid one."""
@@ -239,12 +308,12 @@ class Block:
         for index in range(self.probes.shape[1]):
             probe, field = divmod(index, len(FIELDS))
             yield f"probe[{probe + 1}]:{FIELDS[field]}", self.probes[:, index]
+        yield from zip(layout.through, self.through.T, strict=True)
         for at, name in enumerate(layout.fields):
             for side, what in enumerate(("max", "min")):
                 yield f"{what}:{name}", self.peaks[:, at, side]
-                place = np.where(self.solved[:, None], layout.nodes[self.places[:, at, side]], np.nan)
-                yield f"{what}_x:{name}", place[:, 0]
-                yield f"{what}_y:{name}", place[:, 1]
+                yield f"{what}_x:{name}", self.places[:, at, side, 0]
+                yield f"{what}_y:{name}", self.places[:, at, side, 1]
         for index, name in enumerate(FIGURES):
             yield f"certificate:{name}", self.certificate[:, index]
 

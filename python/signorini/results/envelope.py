@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +10,7 @@ from signorini import _core
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.results.columns import Block, Layout
+from signorini.results.extremes import NUMBERS
 from signorini.results.result import FIELDS, Result
 
 NONE = -1
@@ -59,9 +59,15 @@ class Extremes:
             found.append(better)
         return found[0], found[1]
 
-    def take_sums(self, coefficients: Floats, vectors: Floats, who: Ints) -> tuple[Floats, Ints]:
-        """Meet sums of vectors (b, n) with coefficients (k, b); return each one's extremes and their places (k, 2)."""
-        return _core.envelop(coefficients, vectors, who, self.largest, self.largest_by, self.smallest, self.smallest_by)
+    def take_sums(
+        self, coefficients: Floats, vectors: Floats, who: Ints, classes: Ints, left_out: Bools
+    ) -> tuple[Floats, Ints]:
+        """Meet sums of vectors (b, n) with coefficients (k, b); return each one's extremes and their places (k, 2).
+
+        Those extremes leave out what is in some of the classes (n,), by ``left_out`` (k, c).
+        """
+        extremes = (self.largest, self.largest_by, self.smallest, self.smallest_by)
+        return _core.envelop(coefficients, vectors, who, *extremes, classes, left_out)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +99,34 @@ class Concurrent:
         larger, smaller = self.extremes.meet(other.extremes)
         self.with_largest[larger] = other.with_largest[larger]
         self.with_smallest[smaller] = other.with_smallest[smaller]
+
+
+@dataclass(frozen=True, eq=False)
+class Peaks:
+    """The largest and the smallest of the results' own extremes of fields (f,), and where (f, 2) these are."""
+
+    extremes: Extremes
+    largest_at: Floats
+    smallest_at: Floats
+
+    @classmethod
+    def none(cls, fields: int) -> Peaks:
+        """Nothing met yet."""
+        return cls(Extremes.none(fields), np.full((fields, 2), np.nan), np.full((fields, 2), np.nan))
+
+    def take(self, peaks: Floats, places: Floats, who: Ints) -> None:
+        """Meet extremes (k, f, 2) of results (k,), in rising order, and their places (k, f, 2, 2)."""
+        if not len(who):
+            return
+        fields, high, low = np.arange(peaks.shape[1]), peaks[..., 0].argmax(axis=0), peaks[..., 1].argmin(axis=0)
+        one = Extremes(peaks[high, fields, 0], who[high], peaks[low, fields, 1], who[low])
+        self.meet(Peaks(one, places[high, fields, 0], places[low, fields, 1]))
+
+    def meet(self, other: Peaks) -> None:
+        """Meet what others have met."""
+        larger, smaller = self.extremes.meet(other.extremes)
+        self.largest_at[larger] = other.largest_at[larger]
+        self.smallest_at[smaller] = other.smallest_at[smaller]
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,18 +175,23 @@ class Envelope:
         In the order of the model.
     probes : Extremes
         Of every field at every probe, (8q,).
+    through : Extremes
+        Of moment, twist and shear of every section, and of their means at every station of a strip (3s,).
     bearings : Concurrent
         Of the bearings' reactions, in the order of the layout.
-    away : dict
-        Of every field which of its nodes are away from where they have no limit: peaks elsewhere count.
+    names : tuple of str
+        Fields whose extremes over nodes each result has, away from where these have no limit: those of ``peaks``.
+    peaks : Peaks
     """
 
     fields: dict[str, Extremes]
     pressures: dict[str, tuple[Ints, Extremes]]
     supports: tuple[SupportEnvelope, ...]
     probes: Extremes
+    through: Extremes
     bearings: Concurrent
-    away: Mapping[str, Bools]
+    names: tuple[str, ...]
+    peaks: Peaks
 
     @classmethod
     def none(cls, layout: Layout, mesh: Mesh) -> Envelope:
@@ -162,12 +201,14 @@ class Envelope:
             names.append("reaction")
         on = {"contact_pressure": layout.pressures.nodes, "rigid_contact_pressure": layout.pressures.elements}
         return cls(
-            {name: Extremes.none(len(layout.away.get(name, mesh.points))) for name in names},
+            {name: Extremes.none(len(layout.nodes if name in NUMBERS else mesh.points)) for name in names},
             {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
             tuple(_nothing_of(layout, index) for index in range(len(layout.supports))),
             Extremes.none(len(FIELDS) * len(layout.probes)),
+            Extremes.none(len(layout.through)),
             Concurrent.none(len(layout.bearings)),
-            layout.away,
+            layout.fields,
+            Peaks.none(len(layout.fields)),
         )
 
     def take_fields(self, result: Result, who: Ints) -> None:
@@ -177,7 +218,7 @@ class Envelope:
 
     def meet(self, other: Envelope) -> None:
         """Meet what others have met."""
-        pairs = [(self.probes, other.probes)]
+        pairs = [(self.probes, other.probes), (self.through, other.through)]
         pairs += [(mine, other.fields[name]) for name, mine in self.fields.items()]
         pairs += [(mine, other.pressures[name][1]) for name, (_, mine) in self.pressures.items()]
         for here, there in zip(self.supports, other.supports, strict=True):
@@ -188,12 +229,15 @@ class Envelope:
         for mine, theirs in pairs:
             mine.meet(theirs)
         self.bearings.meet(other.bearings)
+        self.peaks.meet(other.peaks)
 
     def take(self, block: Block, layout: Layout, rows: Ints) -> None:
-        """Meet supports and probes of rows (k,) of a block that were solved."""
+        """Meet supports, probes, sections and strips of rows (k,) of a block that were solved."""
         who = block.numbers[rows]
         self.probes.take(block.probes[rows], who)
+        self.through.take(block.through[rows], who)
         self.bearings.take(layout.of_bearings(block.reaction[rows]), who)
+        self.peaks.take(block.peaks[rows], block.places[rows], who)
         for where, support in zip(layout.slices, self.supports, strict=True):
             reaction = block.reaction[rows, where]
             support.reaction.take(reaction.sum(axis=1)[:, None], who)
@@ -220,35 +264,20 @@ class Envelope:
             deflection = block.on_areas[np.ix_(rows, np.searchsorted(layout.around_areas, nodes))]
             extremes.take(pressures.at_nodes(deflection, forces), who)
 
-    def peaks(self, field: str) -> tuple[int, int]:
-        """Nodes of a field's largest and smallest value, away from where it has no limit."""
-        extremes, away = self.fields[field], self.away.get(field, np.bool_(True))
-        high = np.where(away, extremes.largest, -np.inf).argmax()
-        return int(high), int(np.where(away, extremes.smallest, np.inf).argmin())
-
     def governing(self) -> dict[str, tuple[float, int, float, int]]:
         """Largest value, by which result, smallest value, and by which; of fields and of supports' reactions.
 
         Keys are names of fields, and "reaction:" with a support's place in the model.
         """
-        found = {}
-        for name, extremes in self.fields.items():
-            high, low = self.peaks(name)
-            found[name] = (
-                float(extremes.largest[high]),
-                int(extremes.largest_by[high]),
-                float(extremes.smallest[low]),
-                int(extremes.smallest_by[low]),
-            )
-        for index, support in enumerate(self.supports):
-            total = support.reaction
-            found[f"reaction:{index}"] = (
-                float(total.largest[0]),
-                int(total.largest_by[0]),
-                float(total.smallest[0]),
-                int(total.smallest_by[0]),
-            )
-        return found
+        ends = {name: (self.peaks.extremes, at, at) for at, name in enumerate(self.names)}
+        if "reaction" in self.fields:
+            nodal = self.fields["reaction"]
+            ends["reaction"] = nodal, int(nodal.largest.argmax()), int(nodal.smallest.argmin())
+        ends |= {f"reaction:{index}": (support.reaction, 0, 0) for index, support in enumerate(self.supports)}
+        return {
+            name: (float(of.largest[high]), int(of.largest_by[high]), float(of.smallest[low]), int(of.smallest_by[low]))
+            for name, (of, high, low) in ends.items()
+        }
 
     @property
     def rows(self) -> list[int]:

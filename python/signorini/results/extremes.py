@@ -10,6 +10,7 @@ import numpy as np
 
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
+from signorini.results.peak import peak
 from signorini.singularities.named import Singularity, away_from
 
 NUMBERS = {"mx": "moment", "my": "moment", "mxy": "moment", "qx": "shear", "qy": "shear"}
@@ -18,7 +19,7 @@ NUMBERS = {"mx": "moment", "my": "moment", "mxy": "moment", "qx": "shear", "qy":
 
 @dataclass(frozen=True)
 class FieldExtremes:
-    """Extremes of a field over the nodes.
+    """Extremes of a field over the nodes; of places alike but for rounding that of the least x, and then y.
 
     Parameters
     ----------
@@ -43,9 +44,9 @@ class FieldExtremes:
         places, away = nodes.points[: len(values)], away[nodes.nodes[: len(values)]]
         ends: list[tuple[float, tuple[float, float], str]] = []
         for signed in (values, -values):
-            node, peak = int(np.where(away, signed, -np.inf).argmax()), int(signed.argmax())
+            node, highest = peak(np.where(away, signed, -np.inf), places), int(signed.argmax())
             x, y = places[node].tolist()
-            beside = "" if away[peak] else _nearest(places[peak], singular, number)
+            beside = "" if away[highest] else _nearest(places[highest], singular, number)
             ends.append((float(values[node]), (x, y), beside))
         return cls(*ends[0], *ends[1])
 

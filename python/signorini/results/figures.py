@@ -1,18 +1,19 @@
-"""What results.json says of one combination in numbers: deflection, fields, supports and probes."""
+"""What results.json says of one combination in numbers: deflection, fields, supports, probes, sections, strips."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 from signorini.results.probe_result import ProbeResult
 from signorini.results.result import Result
+from signorini.results.section_result import SectionResult, StripResult
 from signorini.results.support_result import SupportResult
 
 
 def figures(result: Result) -> dict[str, Any]:
-    """Give the keys deflection, fields, supports and probes of a combination; docs/results.md describes them."""
+    """Give the keys of a combination that are numbers of the plate; docs/results.md describes them."""
     ends = {name: _listed(asdict(of)) for name, of in result.extremes.items()} if result.status == "solved" else {}
     deflection = ends.pop("deflection", None)
     return {
@@ -20,7 +21,13 @@ def figures(result: Result) -> dict[str, Any]:
         "fields": ends,
         "supports": [_support(support) for support in result.supports],
         "probes": [_probe(probe) for probe in result.probes],
+        **through_json(result.sections, result.strips),
     }
+
+
+def through_json(sections: Sequence[SectionResult], strips: Sequence[StripResult]) -> dict[str, Any]:
+    """Give the keys sections and strips."""
+    return {"sections": [asdict(section) for section in sections], "strips": [_strip(strip) for strip in strips]}
 
 
 def _support(support: SupportResult) -> dict[str, Any]:
@@ -53,6 +60,12 @@ def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
 def _probe(probe: ProbeResult) -> dict[str, Any]:
     designed = _listed(probe.design_moment)
     return _listed(asdict(probe)) | {"principal_moment": list(probe.principal_moment), "design_moment": designed}
+
+
+def _strip(strip: StripResult) -> dict[str, Any]:
+    most, least = strip.sagging, strip.hogging
+    ends = {"max_moment": most.moment, "max_at": list(most.at), "min_moment": least.moment, "min_at": list(least.at)}
+    return {"name": strip.name, **ends, "stations": [_listed(asdict(station)) for station in strip.stations]}
 
 
 def _listed(parts: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,21 +8,28 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from signorini import shapes
+from signorini.base.plain import plain
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
-from signorini.model import Area, Circle, Load, Support
+from signorini.model import Area, Circle, Load, Model, Support
 from signorini.model.footprint import footprints
+from signorini.model.whole import Units
 from signorini.results.contact_field import AreaContact
 from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.support_words import describe
 from signorini.shapes import Region
 from signorini.shapes.tessellation import tessellate
+from signorini.singularities.named import Singularity
 
 if TYPE_CHECKING:
-    from signorini.plot import LoadMark, PressureLayer, SupportMark, ZoneMark
+    from signorini.plot import CutMark, EdgeMark, LoadMark, PressureLayer, SingularMark, SupportMark, ZoneMark
 
 _AROUND = 180
+_MOST_EDGES = 40
+"""Edges that have their names drawn; outlines of chords have hundreds."""
+_NO_FORCE = 1e-12
+"""Part of forces below which their sum is rounding."""
 _ALONG = 200
 """Pieces of the longest part of a line, each as open or closed as the nearest contact point."""
 _BREAK = np.full((1, 2), np.nan)
@@ -107,11 +114,26 @@ def zone_marks(found: Discretisation) -> list[ZoneMark]:
         parts = [] if zone.thickness is None else [f"thickness {zone.thickness.source}"]
         if zone.material is not None:
             own = zone.material
-            parts.append(f"E = {own.E:.4g}" if own.E is not None else f"Ex = {own.Ex:.4g}, Ey = {own.Ey:.4g}")
+            if own.is_elastic:
+                parts.append(f"E = {own.E:.4g}" if own.E is not None else f"Ex = {own.Ex:.4g}, Ey = {own.Ey:.4g}")
+        if zone.stiffness is not None:
+            parts.append(f"Dx = {zone.stiffness.Dx:.4g}, Dy = {zone.stiffness.Dy:.4g}")
         if zone.modifiers is not None:
             parts += [f"{key} × {value:.4g}" for key, value in zone.modifiers if value != 1.0]
         assert isinstance(zone.area, Area)  # "all" is refused
         marks.append(ZoneMark(", ".join(parts) or "as the plate", _outline(zone.area)))
+    return marks
+
+
+def cut_marks(model: Model) -> list[CutMark]:
+    """Draw the sections and the strips of a model."""
+    from signorini.plot import CutMark
+
+    marks = [CutMark(section.name, np.array(section.line)) for section in model.section]
+    for strip in model.strip:
+        # Lines across a strip run from its right to its left.
+        borders = np.array(strip.across).transpose(1, 0, 2)[::-1]
+        marks.append(CutMark(strip.name, np.array(strip.line), borders))
     return marks
 
 
@@ -127,15 +149,17 @@ def load_marks(found: Discretisation) -> list[LoadMark]:
         sizes = np.asarray(value if isinstance(value, float) else value(*middles.T))
         upward = bool(sizes.max() <= 0.0 and sizes.min() < 0.0)
         name = load.kind.replace("_", " ") + (" by its formula" if varies else "") + (", upward" if upward else "")
+        style: Literal["points", "line", "area"] = "area"
         if load.at is not None:
-            marks.append(LoadMark(load.case, name, np.array(load.at), "points", upward, load.couple, _prints(load)))
+            style, places = "points", np.array(load.at)
         elif load.kind == "line_load":
-            marks.append(LoadMark(load.case, name, path(found.mesh, load), "line", upward))
+            style, places = "line", path(found.mesh, load)
         elif isinstance(load.area, Area):
-            marks.append(LoadMark(load.case, name, _outline(load.area), "area", upward))
+            places = _outline(load.area)
         else:
-            words = name if varies else f"{name} everywhere"
-            marks.append(LoadMark(load.case, words, np.zeros((0, 2)), "area", upward))
+            places, name = np.zeros((0, 2)), name if varies else f"{name} everywhere"
+        words = _value(load, sizes, found.model.units)
+        marks.append(LoadMark(load.case, name, places, style, upward, load.couple, words, _prints(load)))
     for moving in found.model.moving:
         marks.append(LoadMark(moving.case, "the way it moves", np.array(moving.line), "line"))
         wheels = moving.wheels(0.5 * moving.length)
@@ -145,6 +169,50 @@ def load_marks(found: Discretisation) -> list[LoadMark]:
             prints = [part for at, along, _ in wheels for part in (_BREAK, _print(at, along, moving.patch))]
             marks.append(LoadMark(moving.case, "its wheels' prints halfway", np.concatenate(prints), "area"))
     return marks
+
+
+def _value(load: Load, sizes: Floats, units: Units) -> str:
+    """Write how much a load is, with its unit; without a sign, which its mark has."""
+    unit = units.force_by_length({"pressure": -2, "line_load": -1, "force": 0}.get(load.kind, 1))
+    if load.couple is not None:
+        text = f"[{', '.join(plain(part, 4) for part in load.couple)}]"
+    elif load.curvature is not None:
+        text, unit = f"[{', '.join(plain(part, 4) for part in load.curvature)}]", units.length and f"1/{units.length}"
+    elif load.self_weight:
+        return ""
+    else:
+        ends = sizes if sizes.min() < 0.0 < sizes.max() else np.abs(sizes)
+        text = " to ".join(dict.fromkeys(plain(float(end), 4) for end in (ends.min(), ends.max())))
+    return f"{text} {unit}".rstrip()
+
+
+def case_totals(found: Discretisation) -> dict[str, str]:
+    """Sums of the forces of load cases that stay where they are, in words."""
+    unit, sums = found.model.units.force, {}
+    for case in dict.fromkeys(load.case for load in found.model.load):
+        forces = found.cases[case].weighing[::3]
+        total = float(forces.sum())
+        if abs(total) > _NO_FORCE * float(np.abs(forces).sum()):
+            sums[case] = f"{plain(abs(total), 4)} {unit}".rstrip() + (" up" if total < 0 else " down")
+    return sums
+
+
+def edge_marks(mesh: Mesh) -> list[EdgeMark]:
+    """Name edges before the middle, where values of loads stand, unless they are too many."""
+    from signorini.plot import EdgeMark
+
+    marks = []
+    for name, triples in mesh.edges.items() if len(mesh.edges) <= _MOST_EDGES else ():
+        begin, half, end = mesh.points[triples[2 * len(triples) // 5]].tolist()
+        marks.append(EdgeMark(name, (half[0], half[1]), (end[0] - begin[0], end[1] - begin[1])))
+    return marks
+
+
+def singular_marks(named: Sequence[Singularity]) -> list[SingularMark]:
+    """Mark the places of singularities."""
+    from signorini.plot import SingularMark
+
+    return [SingularMark(one.what, np.array(one.where), one.line, one.limited) for one in named if one.where]
 
 
 def _prints(item: Support | Load) -> Floats:

@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 
 PRESSURE = "pressure"
 _WORDS = {
-    "deflection": "deflection{length}, positive down",
+    "deflection": "deflection{unit}, positive down",
     "rotation_x": "rotation θx",
     "rotation_y": "rotation θy",
-    "mx": "moment mx{moment}",
-    "my": "moment my{moment}",
-    "mxy": "moment mxy{moment}",
-    "qx": "shear qx{shear}",
-    "qy": "shear qy{shear}",
-    PRESSURE: "contact pressure{pressure}, positive up",
+    "mx": "moment mx{unit}",
+    "my": "moment my{unit}",
+    "mxy": "moment mxy{unit}",
+    "qx": "shear qx{unit}",
+    "qy": "shear qy{unit}",
+    PRESSURE: "contact pressure{unit}, positive up",
 }
 _COLOURS = {"d": "RdBu", "r": "PiYG", "m": "BrBG", "q": "PRGn", "p": "PuOr"}
 """Maps whose middle is zero, by the first letter of the quantity."""
@@ -83,11 +83,13 @@ def quantity(field: str, units: Units) -> str:
     >>> quantity("mx", units), quantity("qx", units), quantity("mx", Units())
     ('moment mx [kN m/m]', 'shear qx [kN/m]', 'moment mx')
     """
+    unit = unit_of(field, units)
+    return _WORDS[field].format(unit=f" [{unit}]" if unit else "")
+
+
+def unit_of(field: str, units: Units) -> str:
+    """Unit of a field; empty where the model has none."""
     length, force = units.length, units.force
-    both = bool(length and force)
-    return _WORDS[field].format(
-        length=f" [{length}]" if length else "",
-        moment=f" [{force} {length}/{length}]" if both else "",
-        shear=f" [{force}/{length}]" if both else "",
-        pressure=f" [{force}/{length}²]" if both else "",
-    )
+    if field[0] == "m":
+        return f"{force} {length}/{length}" if length and force else ""
+    return {"d": length, "q": units.force_by_length(-1), "p": units.force_by_length(-2)}.get(field[0], "")

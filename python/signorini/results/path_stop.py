@@ -11,6 +11,7 @@ from signorini.base.brief import Brief
 from signorini.contact.answer import Answer
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
+from signorini.results.peak import peak
 from signorini.results.support_result import SupportResult, support_result
 
 
@@ -56,6 +57,8 @@ class PathStop(Brief):
         Of areas; else NaN.
     deflections : (q,) array
         At the model's probes.
+    through : (3s,) array
+        Moment, twist and shear of the model's sections, and their means at the stations of its strips.
     largest, smallest : float
         Extremes of the deflection over the nodes.
     largest_at, smallest_at : (x, y)
@@ -73,6 +76,7 @@ class PathStop(Brief):
     contact_areas: Floats
     max_pressures: Floats
     deflections: Floats
+    through: Floats
     largest: float
     smallest: float
     largest_at: tuple[float, float]
@@ -111,7 +115,7 @@ def path_stop(
     supports = [
         support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
     ]
-    most, least = int(deflection.argmax()), int(deflection.argmin())
+    most, least = peak(deflection, found.mesh.points), peak(-deflection, found.mesh.points)
     at = [(float(x), float(y)) for x, y in found.mesh.points[[most, least]]]
     values = found.mesh.shape_functions(found.probes.elements, found.probes.xi)
     elements = found.mesh.elements[found.probes.elements]
@@ -126,6 +130,7 @@ def path_stop(
         np.array([support.contact_area for support in supports], dtype=np.float64),
         np.array([support.max_pressure for support in supports], dtype=np.float64),
         np.einsum("qi,qi->q", values, deflection[elements]),
+        found.through(load, answer.hi, answer.lo, answer.shared, pull),
         float(deflection[most]),
         float(deflection[least]),
         at[0],

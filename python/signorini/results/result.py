@@ -30,6 +30,7 @@ from signorini.results.extremes import FieldExtremes, extremes
 from signorini.results.notebook import supports_table
 from signorini.results.panels import panel, support_marks
 from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
+from signorini.results.section_result import SectionResult, StripResult, section_results
 from signorini.results.support_result import SupportResult, support_result
 from signorini.results.warnings import model_warnings, result_warnings
 from signorini.singularities.named import Singularity, singularities
@@ -99,6 +100,8 @@ class Result(Remade):
     nodal_reaction: Floats
     supports: tuple[SupportResult, ...]
     probes: tuple[ProbeResult, ...]
+    sections: tuple[SectionResult, ...]
+    strips: tuple[StripResult, ...]
     seconds: float
     warnings: tuple[str, ...]
     singular: tuple[Singularity, ...]
@@ -140,6 +143,7 @@ class Result(Remade):
         )
         nodes = found.stress_nodes
         fields = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(rotation), stress])
+        through = found.through(load, hi, lo, answer.shared, pull)
         return cls(
             name,
             "solved",
@@ -159,6 +163,7 @@ class Result(Remade):
             nodal_reaction[::3],
             supports,
             tuple(probe_results(fields, nodes, supports, found.probes, found.probe_positions)),
+            *section_results(found, through),
             time.perf_counter() - begun,
             result_warnings(found, load, nodal[:, 0], answer.not_unique),
             singularities(found, load.acting),
@@ -225,9 +230,9 @@ class Result(Remade):
     def plus_minus(self) -> Mapping[str, Any] | None:
         """Half-widths within which refining the mesh is expected to move every number: of the mesh, not the equations.
 
-        The same structure as the keys deflection, fields, supports and probes of results.json (docs/results.md). None
-        in place of a number that has none, and where nothing is known: without equilibrium, or of reactions that were
-        given.
+        The same structure as the keys deflection, fields, supports, probes, sections and strips of results.json
+        (docs/results.md). None in place of a number that has none, and where nothing is known: without equilibrium, or
+        of reactions that were given.
 
         Examples
         --------
@@ -407,6 +412,8 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
         np.full((of_stress, 3), nan),
         np.full((of_stress, 2), nan),
         nothing,
+        (),
+        (),
         (),
         (),
         0.0,

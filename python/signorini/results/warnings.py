@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from signorini.base.units import METRES
 from signorini.contact.answer import NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.placed import SAME_PLACE
@@ -19,14 +19,14 @@ from signorini.model import Support
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.model.zone import KEYS
 from signorini.results.support_points import SupportPoints
+from signorini.results.unit_slips import unit_slips
 from signorini.shapes.depths import depth
+from signorini.shapes.distances import distances
 
-_NEWTONS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "MN": 1e6, "kgf": 9.80665, "lbf": 4.4482216, "lb": 4.4482216}
-_NEWTONS |= {"tf": 9806.65, "kip": 4448.2216, "kips": 4448.2216}
-_SOFTEST, _STIFFEST = 1e8, 1e12
-"""Pascals between which Young's moduli of plates are: rubber is softer, and hardly anything stiffer than diamond."""
 _INSIDE = 1e-6
 """Part of the plate's size by which a point of one area must be inside another: areas that touch do not overlap."""
+_NOTHING = 1e-9
+"""Part of a couple that is rounding."""
 _NO_FORCE = 1e-12
 """Part of the forces that act below which their sum is rounding."""
 
@@ -49,8 +49,8 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
     ('E = 3e+10 kN/m² is 3e+13 Pa, and what plates are made of has 1e+08 to 1e+12: was another unit meant?',)
     """
     if found not in _KNOWN:
-        of_supports = *_one_place(found), *_overlaps(found), *_never_act(found)
-        _KNOWN[found] = (*_unit_of_modulus(found), *_one_element(found), *_zones(found), *of_supports)
+        of_supports = *_one_place(found), *_overlaps(found), *_never_act(found), *_near_edges(found)
+        _KNOWN[found] = (*unit_slips(found), *_one_element(found), *_zones(found), *of_supports)
     return _KNOWN[found]
 
 
@@ -88,18 +88,6 @@ def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
         yield (
             f"The deflection at [{x:.6g}, {y:.6g}], {deflection[node]:.4g}{unit}, is beyond the thickness, "
             f"{thickness[at]:.4g}{unit}: the theory is of small ones. Are E, thickness and loads in the same units?"
-        )
-
-
-def _unit_of_modulus(found: Discretisation) -> Iterator[str]:
-    units, modulus = found.model.units, found.model.young
-    if units.force not in _NEWTONS or units.length not in METRES:
-        return
-    pascals = modulus * _NEWTONS[units.force] / METRES[units.length] ** 2
-    if not _SOFTEST <= pascals <= _STIFFEST:
-        yield (
-            f"E = {modulus:.4g} {units.force}/{units.length}² is {pascals:.4g} Pa, and what plates are made of has "
-            f"{_SOFTEST:.0e} to {_STIFFEST:.0e}: was another unit meant?"
         )
 
 
@@ -161,6 +149,38 @@ def _one_place(found: Discretisation) -> Iterator[str]:
                 f"{model.support[one].name} and {model.support[other].name} both hold the plate rigidly at "
                 f"[{x:.6g}, {y:.6g}]: how they share its reaction is a convention."
             )
+
+
+def _near_edges(found: Discretisation) -> Iterator[str]:
+    """Rigid points that pry against an edge, and couples that an edge of symmetry takes."""
+    model, mesh, thickness = found.model, found.mesh, float(found.thickness.max())
+    within = SAME_PLACE * mesh.size
+    for holding in model.support:
+        for name in holding.edge or ():
+            begin, end = mesh.points[mesh.edges[name][:, [0, 2]]].transpose(1, 0, 2)
+            for support in model.support if holding.holds_w and holding.stiffness is None else ():
+                if support.at is None or support.stiffness is not None or support.given(FOOTPRINT):
+                    continue
+                apart = distances(np.array(support.at), begin, end).min(axis=1)
+                if len(near := np.flatnonzero((within < apart) & (apart < thickness))):
+                    yield (
+                        f"{support.name} holds the plate rigidly at {point(support.at[near[0]])}, {apart[near[0]]:.3g} "
+                        f"from the edge {name} that {holding.name} holds, less than the thickness: they pry against "
+                        "each other, and their reactions are not those of a plate. Leave it out, or give it a "
+                        "stiffness."
+                    )
+            for index, load in enumerate(model.load) if "slope" in holding.fixed else ():
+                if load.couple is None or load.at is None or load.given(FOOTPRINT):
+                    continue
+                apart = distances(np.array(load.at), begin, end)
+                side = apart.argmin(axis=1)
+                across = (end - begin)[side][:, ::-1] * [1.0, -1.0]
+                part = np.abs(across @ load.couple) / (np.hypot(*across.T) * math.hypot(*load.couple) + 1e-300)
+                if len(lost := np.flatnonzero((apart.min(axis=1) <= within) & (part > _NOTHING))):
+                    yield (
+                        f"The couple of load[{index + 1}] at {point(load.at[lost[0]])} turns the plate across the edge "
+                        f"{name}, where {holding.name} holds the slope: that part of it does nothing."
+                    )
 
 
 def _overlaps(found: Discretisation) -> Iterator[str]:

@@ -106,12 +106,20 @@ def singularities(found: Discretisation, cases: Collection[str] | None = None) -
     ...     print(one.where, one)
     ((2.0, 1.5),) Force at a point of load[1]: deflection, moment and shear have no limit as the mesh is refined. ...
     """
-    known = _KNOWN.setdefault(found, {})
-    if "" not in known:
-        measured = _measured(found, (*_of_supports(found), *_of_corners(found), *_of_zones(found)))
-        known[""] = (*measured, *_of_cut_elements(found))
     acting = [case for case in found.cases if cases is None or case in cases]
-    return (*(one for case in acting for one in _of_case(found, known, case)), *known[""])
+    return (*(one for case in acting for one in singularities_of(found, case)), *singularities_of(found))
+
+
+def singularities_of(found: Discretisation, case: str | None = None) -> tuple[Singularity, ...]:
+    """Name those of one load case alone; of none those that are always there."""
+    known = _KNOWN.setdefault(found, {})
+    if case not in known:
+        if case is None:
+            measured = _measured(found, (*_of_supports(found), *_of_corners(found), *_of_zones(found)))
+            known[case] = (*measured, *_of_cut_elements(found))
+        else:
+            known[case] = _measured(found, _of_loads(found, case))
+    return known[case]
 
 
 def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
@@ -121,23 +129,25 @@ def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     although their values are partly of what is there: to leave them out would leave out more of the plate the coarser
     its mesh is. Where no node is left, all are.
     """
-    away = np.ones(mesh.node_count, np.bool_)
-    order = np.argsort(mesh.points[:, 0])
-    x, y = mesh.points[order].T
-    for one in named:
-        for at in one.where if number in one.numbers and not (one.line or one.limited) else ():
-            # Only nodes of a strip about it may be so near.
-            low, high = at[0] - 1.01 * one.within, at[0] + 1.01 * one.within
-            near = slice(np.searchsorted(x, low), np.searchsorted(x, high, side="right"))
-            away[order[near]] &= np.hypot(x[near] - at[0], y[near] - at[1]) > one.within
+    away = ~at_peaks(mesh, named, number)
     return away if away.any() else np.ones_like(away)
 
 
-def _of_case(found: Discretisation, known: dict[str, tuple[Singularity, ...]], case: str) -> tuple[Singularity, ...]:
-    name = f"case {case}"
-    if name not in known:
-        known[name] = _measured(found, _of_loads(found, case))
-    return known[name]
+def at_peaks(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
+    """Which nodes (n,) are part of the peak of a number without a limit."""
+    found = np.zeros(mesh.node_count, np.bool_)
+    peaks = [one for one in named if number in one.numbers and not (one.line or one.limited)]
+    if not peaks:
+        return found
+    order = np.argsort(mesh.points[:, 0])
+    x, y = mesh.points[order].T
+    for one in peaks:
+        for at in one.where:
+            # Only nodes of a strip about it may be so near.
+            low, high = at[0] - 1.01 * one.within, at[0] + 1.01 * one.within
+            near = slice(np.searchsorted(x, low), np.searchsorted(x, high, side="right"))
+            found[order[near]] |= np.hypot(x[near] - at[0], y[near] - at[1]) <= one.within
+    return found
 
 
 def _measured(found: Discretisation, named: Iterable[Singularity]) -> tuple[Singularity, ...]:
@@ -425,5 +435,5 @@ def _boundary(found: Discretisation) -> Boundary:
     return _BOUNDARIES[found]
 
 
-_KNOWN: WeakKeyDictionary[Discretisation, dict[str, tuple[Singularity, ...]]] = WeakKeyDictionary()
+_KNOWN: WeakKeyDictionary[Discretisation, dict[str | None, tuple[Singularity, ...]]] = WeakKeyDictionary()
 _BOUNDARIES: WeakKeyDictionary[Discretisation, Boundary] = WeakKeyDictionary()

@@ -19,7 +19,7 @@ from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import doubtful
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Combination, Combinations, Model
-from signorini.results.columns import Block, Column, Layout
+from signorini.results.columns import Block, Column, Hidden, Layout, together
 from signorini.results.envelope import Envelope
 from signorini.results.result import FIELDS, Result
 from signorini.results.support_result import area_contact
@@ -62,6 +62,8 @@ class Combined(Brief):
         The worst of each figure.
     unbalanced : dict of str
         Why the first of those without equilibrium have none, by name.
+    rows : dict or None
+        The table's columns, where they are few enough numbers to be kept.
     """
 
     combinations: Combinations
@@ -73,6 +75,7 @@ class Combined(Brief):
     not_unique: int
     certificate: Mapping[str, float]
     unbalanced: Mapping[str, str]
+    rows: Mapping[str, Column] | None
 
     def over(self, group: str) -> Envelope:
         """The envelope over a group; by no name over all."""
@@ -113,22 +116,29 @@ def combine(
     run = _Run(problem, layout, single, several)
     combinations = found.model.effective_combinations
     width = layout.point_count * 3 + len(FIELDS) * len(layout.probes) + len(run.cases) + len(layout.around_areas) + 20
-    rows = int(np.clip(_MOST_NUMBERS // width, 16, _MOST_ROWS))
-    for first in range(0, len(combinations), rows):
+    width += len(layout.through)
+    most = int(np.clip(_MOST_NUMBERS // width, 16, _MOST_ROWS))
+    kept: list[list[tuple[str, Column]]] = []
+    few = True
+    for first in range(0, len(combinations), most):
         begin(combinations[first].name)
-        rowed = combinations[first : first + rows]
+        rowed = combinations[first : first + most]
         block = Block.empty(layout, first, len(rowed))
         run.solve(block, rowed)
+        keys = [("combination", [combination.name for combination in rowed])]
+        columns = list(block.columns(layout, keys, _loads(found.model, rowed)))
+        few = few and len(columns) * len(combinations) <= _MOST_NUMBERS
+        kept += [columns] if few else []
         if sink is not None:
-            keys = [("combination", [combination.name for combination in rowed])]
-            sink(block.columns(layout, keys, _loads(found.model, rowed)))
+            sink(columns)
     worst = {name: float(value) for name, value in zip(FIGURES, run.worst, strict=True)}
     envelope = Envelope.none(layout, found.mesh)
     for of_group in run.envelopes.values():
         envelope.meet(of_group)
     groups = {name: run.envelopes[name] for name in combinations.groups if name in run.envelopes}
     counts = (run.solved, run.alone, run.not_unique)
-    return Combined(combinations, layout, envelope, groups, *counts, worst, run.unbalanced)
+    rows = together(kept) if few else None
+    return Combined(combinations, layout, envelope, groups, *counts, worst, run.unbalanced, rows)
 
 
 class _Run:
@@ -199,15 +209,20 @@ class _Run:
         sides = self.problem.discretisation.probe_sides
         at_sides = _core.superpose(coefficients, terms.probes).reshape(len(rows), len(sides.point), len(FIELDS))
         block.probes[rows] = sides.larger(at_sides).reshape(len(rows), block.probes.shape[1])
+        block.through[rows] = _core.superpose(coefficients, terms.through)
         block.on_areas[rows] = _core.superpose(coefficients, terms.on_areas)
         self._put_supports(block, rows, _core.superpose(coefficients, terms.fixed), reaction[rows], gap, closed)
         for group, own in _by_group(groups, rows):
             shares = np.ascontiguousarray(coefficients[np.searchsorted(rows, own)])
             for name, extremes in self._envelope(group).fields.items():
-                peaks, places = extremes.take_sums(shares, terms.fields[name], block.numbers[own])
+                hidden = self.layout.hidden.get(name, Hidden.nothing(len(extremes.largest)))
+                left_out = hidden.under(factors[own] != 0, terms.cases)
+                peaks, at_nodes = extremes.take_sums(
+                    shares, terms.fields[name], block.numbers[own], hidden.classes, left_out
+                )
                 if name in self.layout.fields:
                     at = self.layout.fields.index(name)
-                    block.peaks[own, at], block.places[own, at] = peaks, places
+                    block.peaks[own, at], block.places[own, at] = peaks, self.layout.nodes[at_nodes]
         self._put_areas(block, rows)
         block.iterations[:] = pivots
         for row in rows:

@@ -40,6 +40,8 @@ class Terms:
         Deflection of the nodes around elastic areas.
     probes : (b, 8q) array
         Every field at every probe.
+    through : (b, 3s) array
+        Moment, twist and shear of every section, and their means at every station of a strip.
     fixed : (b, f) array
         Upward force of held nodes and springs, support by support.
     proof : Proof
@@ -51,6 +53,7 @@ class Terms:
     fields: dict[str, Floats]
     on_areas: Floats
     probes: Floats
+    through: Floats
     fixed: Floats
     proof: Proof
 
@@ -105,6 +108,7 @@ class _Measured:
         self._nodes = nodes
         self._on_areas: list[Floats] = []
         self._probes: list[Floats] = []
+        self._through: list[Floats] = []
         self._fixed: list[Floats] = []
         self._sizes: list[Sizes] = []
 
@@ -144,6 +148,7 @@ class _Measured:
         self._fields.append(kept)
         at_probes = np.einsum("qi,qif->qf", self._values, every[nodes.elements[self._at.elements]])
         self._probes.append(at_probes.ravel())
+        self._through.append(found.through(load, hi, lo, reaction, pull))
         forces = [np.concatenate([at_holds[::3][points.nodes], pull[points.springs]]) for points in self._supports]
         self._fixed.append(np.concatenate([np.zeros(0), *forces]))
         self._sizes.append(Sizes.of(found, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest))
@@ -153,7 +158,16 @@ class _Measured:
         names = [*self._names, "reaction"] if self._names else []
         fields = {name: np.array([field[i] for field in self._fields]) for i, name in enumerate(names)}
         proof = Proof.of(self._found, self._sizes)
-        return Terms(cases, shared, fields, _table(self._on_areas), _table(self._probes), _table(self._fixed), proof)
+        return Terms(
+            cases,
+            shared,
+            fields,
+            _table(self._on_areas),
+            _table(self._probes),
+            _table(self._through),
+            _table(self._fixed),
+            proof,
+        )
 
 
 def _table(rows: Iterable[Floats]) -> Floats:

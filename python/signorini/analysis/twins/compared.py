@@ -1,19 +1,25 @@
-"""Half-widths of numbers that stand in trees of one structure, one of each mesh."""
+"""Half-widths of numbers by their paths, of one result or of many at once."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from signorini.analysis.twins.half_width import FASTEST, FASTEST_OF_POINTS, half_widths, unsettled
-from signorini.analysis.twins.leaves import Path, acts_at_points, beside, leaves, may_grow
+from signorini.analysis.twins.layers import KINDS as TOUCHED
+from signorini.analysis.twins.layers import unseen_layer
+from signorini.analysis.twins.leaves import Path, acts_at_points, beside, kind_of, may_grow, sizes_of
 from signorini.analysis.twins.meshes import side
+from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.singularities.named import Singularity
+
+_MOVED = 1e-8
+"""Part of its field by which a number changes that is not the same on every mesh."""
 
 
 @dataclass(frozen=True)
@@ -46,40 +52,61 @@ class Meshes:
 
 
 def compared(
-    trees: Sequence[Mapping[str, Any]],
+    found: Sequence[Mapping[Path, Floats]],
     meshes: Meshes,
     model: Model,
-    singular: Sequence[Singularity],
-    largest: Callable[[Path, float], float],
-) -> tuple[dict[Path, float | None], list[Path]]:
-    """Give half-widths by the path of every number, and the paths of those without a limit.
+    figures: Mapping[str, Any],
+    named: Sequence[tuple[Sequence[Singularity], Bools]],
+) -> tuple[Floats, Bools]:
+    """Give the half-widths of every number of k results, and which have no limit, each (n, k).
 
-    ``trees`` are in the order of the meshes; only what a singularity is named for may have no limit.
+    The same rule for results by themselves, rows of a table and envelopes: none of a number depends on which it is in.
+
+    Parameters
+    ----------
+    found : sequence of mapping
+        In the order of the meshes, by its path every number of the results (k,).
+    meshes : Meshes
+    model : Model
+    figures : mapping
+        Names the supports and places the probes, as results.json does.
+    named : sequence of (singularities, (k,) array)
+        Those under some load, or under none, and in which of the results. Only what a singularity is named for may
+        have no limit.
     """
-    found = [leaves(tree) for tree in trees]
     own = found[meshes.own]
     paths = list(own)
-    values = np.array([[of.get(path, np.nan) for path in paths] for of in found]).reshape(len(found), -1)
-    sizes = np.array([largest(path, value) for path, value in own.items()])
-    widths, growing = half_widths(
-        values,
-        meshes.sizes,
-        meshes.own,
-        FASTEST_OF_POINTS if acts_at_points(model) or any(one.limited for one in singular) else FASTEST,
-        beside(paths, np.abs(values[0] - values[1])),
-        sizes,
-        np.array([not may_grow(path, trees[meshes.own], singular, meshes.reach) for path in paths], np.bool_),
-    )
+    count = len(named[0][1])
+    nothing = np.full(count, np.nan)
+    values = np.array([[of.get(path, nothing) for path in paths] for of in found]).reshape(len(found), -1, count)
+    sizes = sizes_of(own, model, meshes.every[meshes.own])
+    largest = np.array([sizes[kind_of(path)] for path in paths]).reshape(-1, count)
+    at_points, limited = np.full(count, acts_at_points(model)), np.ones((len(paths), count), np.bool_)
+    for singular, where in named:
+        at_points |= where & any(one.limited for one in singular)
+        limited &= ~(may_grow(paths, figures, singular, meshes.reach)[:, None] & where)
+    fastest = np.where(at_points, FASTEST_OF_POINTS, FASTEST)
+    changes = beside(paths, np.abs(values[0] - values[1]))
+    layer = unseen_layer(model, meshes.every[meshes.own], meshes.sizes)
+    touched = np.array([kind_of(path) in TOUCHED for path in paths], np.bool_)[:, None] & (changes > _MOVED * largest)
+    widths, growing = half_widths(values, meshes.sizes, meshes.own, fastest, changes, largest, limited)
     # Peaks under the outline of a rigid area have none, but need not grow steadily on elements that hardly know it.
-    rigid = {one.source for one in singular if one.line and "pressure" in one.numbers}
-    supports = trees[meshes.own]["supports"]
-    peaks = np.array([path[-1] == "max_pressure" and supports[path[1]]["name"] in rigid for path in paths], np.bool_)
-    growing |= peaks & unsettled(values, sizes)
-    widths = np.where(growing, np.nan, widths)
-    numbers = {path: rounded(width) for path, width in zip(paths, widths.tolist(), strict=True)}
-    return numbers, [path for path, grows in zip(paths, growing.tolist(), strict=True) if grows]
+    rigid = {one.source for singular, _ in named for one in singular if one.line and "pressure" in one.numbers}
+    names = [support["name"] for support in figures["supports"]]
+    peaks = np.array([path[-1] == "max_pressure" and names[int(path[1])] in rigid for path in paths], np.bool_)
+    growing |= peaks[:, None] & unsettled(values, largest)
+    widths = np.where(touched, np.maximum(widths, layer * largest), widths)
+    return _rounded(np.where(growing, np.nan, widths)), growing
 
 
 def rounded(width: float) -> float | None:
     """Round a half-width to three digits; None of NaN."""
-    return None if np.isnan(width) else float(f"{width:.3g}")
+    return None if np.isnan(width) else float(_rounded(np.array(width)))
+
+
+def _rounded(widths: Floats) -> Floats:
+    known = widths > 0
+    power = np.floor(np.log10(widths, where=known, out=np.zeros_like(widths))) - 2
+    # Powers of ten up to 22 are exact, so that what is written has no more digits.
+    up, down = 10.0 ** np.maximum(power, 0), 10.0 ** np.maximum(-power, 0)
+    return np.where(known, np.rint(widths * down / up) / down * up, widths)

@@ -33,7 +33,13 @@ _ROUNDING = 1e-10
 
 
 def half_widths(
-    values: Floats, sizes: Sequence[float], own: int, fastest: float, beside: Floats, largest: Floats, limited: Bools
+    values: Floats,
+    sizes: Sequence[float],
+    own: int,
+    fastest: float | Floats,
+    beside: Floats,
+    largest: Floats,
+    limited: Bools,
 ) -> tuple[Floats, Bools]:
     """Say how far refining the mesh is expected to move numbers, and which have no limit.
 
@@ -44,26 +50,26 @@ def half_widths(
 
     Parameters
     ----------
-    values : (k, n) array
-        Of k = 2 or 3 meshes, the finest first; NaN where a mesh does not tell.
-    sizes : k floats
+    values : (m, ...) array
+        Of m = 2 or 3 meshes, the finest first; NaN where a mesh does not tell.
+    sizes : m floats
         Mean sides of elements.
     own : int
         Which of the meshes the half-widths are for.
-    fastest : float
+    fastest : float or (...) array
         The order that is trusted at most.
-    beside : (n,) array
+    beside : (...) array
         A change that each counts as at least, because of others that were found with it: one may vanish by chance.
-    largest : (n,) array
+    largest : (...) array
         The largest value of each number's field.
-    limited : (n,) array
+    limited : (...) array
         Numbers that cannot grow for ever.
 
     Returns
     -------
-    (n,) float array
+    (...) float array
         NaN where there is none.
-    (n,) bool array
+    (...) bool array
         Which numbers have no limit.
 
     Examples
@@ -77,14 +83,14 @@ def half_widths(
     """
     change = np.abs(values[0] - values[1])
     last = np.where((values == 0).all(axis=0), 0.0, np.fmax(change, beside))
-    order, growing = np.full(len(change), fastest), np.zeros(len(change), np.bool_)
+    order, growing = np.broadcast_to(fastest, change.shape), np.zeros(change.shape, np.bool_)
     if len(values) > 2:
         before = values[1] - values[2]
         ratio = sizes[1] / sizes[0]
         with np.errstate(divide="ignore", invalid="ignore"):
             shown = np.log(np.abs(before) / change) / np.log(sizes[2] / sizes[1])
         told = ~np.isnan(before)
-        order = np.where(told & (change > 0), np.clip(np.nan_to_num(shown, nan=fastest), _SLOWEST, fastest), order)
+        order = np.where(told & (change > 0), np.clip(np.where(np.isnan(shown), order, shown), _SLOWEST, order), order)
         part = _OF_BEFORE if own == 0 else _OF_BEFORE_WHERE_COARSE
         last = np.where(told, np.fmax(last, part * np.abs(before)), last)
         size = np.abs(values)
@@ -98,7 +104,7 @@ def half_widths(
 
 
 def unsettled(values: Floats, largest: Floats) -> Bools:
-    """Which numbers (n,) of two or three meshes change by more than slow convergence would, not half as much as before.
+    """Which numbers (...) of 2 or 3 meshes change by more than slow convergence would, not half as much as before.
 
     Examples
     --------
@@ -106,5 +112,5 @@ def unsettled(values: Floats, largest: Floats) -> Bools:
     [True, False]
     """
     change = np.abs(values[0] - values[1])
-    settles = change < 0.5 * np.abs(values[1] - values[2]) if len(values) > 2 else np.zeros(len(change), np.bool_)
+    settles = change < 0.5 * np.abs(values[1] - values[2]) if len(values) > 2 else np.zeros(change.shape, np.bool_)
     return np.asarray(~settles & (change > _COUNTS * largest))

@@ -1,19 +1,21 @@
-"""Numbers of a result by what they are of: support, point, probe; never by a node of the mesh."""
+"""Numbers of a result by what they are of: support, point, probe, section; never by a node of the mesh."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from signorini.discretise.rows import Floats
+from signorini.analysis.twins.layers import thickness_at
+from signorini.discretise.rows import Bools, Floats
 from signorini.errors import point
+from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.results.result import Result
+from signorini.shapes.distances import distances
 from signorini.singularities.named import Singularity
 
 Path = tuple[str | int, ...]
@@ -23,7 +25,7 @@ _OF_THE_MESH = {"nodes", "contact_boundary", "max_at", "min_at"}
 _OF_VECTOR, _OF_POINTS = 0.5, 0.1
 """Part of the largest change in a vector, and among the points of a support."""
 _BENT = 0.01
-_GIVEN = {"at"}
+_GIVEN = {"at", "length", "width"}
 _COUNTS = {"closed", "open", "lifted", "lifted_in"}
 _FIELD_OF = dict.fromkeys(("mx", "my", "mxy"), "moment") | dict.fromkeys(("qx", "qy"), "shear")
 _FIELD_OF |= dict.fromkeys(("rotation_x", "rotation_y"), "rotation")
@@ -74,30 +76,31 @@ def with_numbers(tree: Any, numbers: Mapping[Path, float | None], path: Path = (
 
 
 def beside(paths: Sequence[Path], changes: Floats) -> Floats:
-    """Changes (n,) that numbers count as at least, by the largest of those that were found with them.
+    """Changes (n, k) that numbers count as at least, by the largest of those that were found with them.
 
     Components of a vector turn into each other; points of one support share what acts on it.
     """
-    groups = [
-        path[:-1] if isinstance(path[-1], int) else (*path[:3], *path[4:]) if "points" in path else path
-        for path in paths
-    ]
-    most: dict[Path, float] = {}
-    for group, change in zip(groups, np.nan_to_num(changes).tolist(), strict=True):
-        most[group] = max(most.get(group, 0.0), change)
-    return np.array(
-        [
-            most[group] * (_OF_VECTOR if isinstance(path[-1], int) else _OF_POINTS)
-            for path, group in zip(paths, groups, strict=True)
-        ]
-    )
+    groups: dict[Path, list[int]] = {}
+    for place, path in enumerate(paths):
+        alike = path[:-1] if isinstance(path[-1], int) else (*path[:3], *path[4:]) if "points" in path else path
+        groups.setdefault(alike, []).append(place)
+    found, known = np.empty_like(changes), np.nan_to_num(changes)
+    for members in groups.values():
+        found[members] = known[members].max(axis=0)
+    parts = [_OF_VECTOR if isinstance(path[-1], int) else _OF_POINTS for path in paths]
+    return np.asarray(found * np.array(parts).reshape(-1, 1))
 
 
 def kind_of(path: Path) -> str:
     """The field that a number is of."""
     names = [part for part in path if isinstance(part, str)]
+    if names[0] in ("sections", "strips"):
+        summed = {"shear": "force"}.get(names[-1], "couple") if names[0] == "sections" else ""
+        return summed or ("shear" if "shear" in names else "moment")
     if names[0] == "fields" or names[1] in _OF_MOMENTS:
         return _FIELD_OF.get(names[1], names[1])
+    if "largest" in names:
+        return "pressure"
     return "deflection" if names[-1] in ("max", "min", "gap") else names[-1]
 
 
@@ -108,72 +111,104 @@ def acts_at_points(model: Model) -> bool:
     return points or any(moving.patch is None for moving in model.moving)
 
 
-def may_grow(path: Path, figures: Mapping[str, Any], singular: Sequence[Singularity], reach: float) -> bool:
-    """Whether a number may grow for ever as the mesh is refined: it is of what a singularity within reach is named for.
+def may_grow(paths: Sequence[Path], figures: Mapping[str, Any], singular: Sequence[Singularity], reach: float) -> Bools:
+    """Which numbers (n,) may grow for ever as the mesh is refined: what a singularity within reach is named for.
 
     Of supports it is one of their own, of envelopes one anywhere. Where supports at points give way the whole plate
-    moves, and extremes of the deflection are wherever they are.
+    moves, and extremes of the deflection are wherever they are. ``figures`` name the supports and place the probes.
     """
-    supports = {support["name"] for support in figures["supports"]}
-    kind = "pressure" if {"max_pressure", "max_tension"} & set(path) else kind_of(path)
-    if path[0] == "probes" and isinstance(path[2], str):
-        kind = _FIELD_OF.get(path[2], kind)
+    supports = [support["name"] for support in figures["supports"]]
+    kinds = ["pressure" if {"max_pressure", "max_tension"} & set(path) else kind_of(path) for path in paths]
+    found = np.zeros(len(paths), np.bool_)
     for one in singular:
-        if "deflection" in one.numbers and one.source in supports and kind in ("deflection", "rotation"):
-            return True
-        if kind not in one.numbers:
-            continue
-        if path[0] in ("fields", "deflection") or (
-            path[0] == "supports" and one.source == figures["supports"][path[1]]["name"]
-        ):
-            return True
-        if path[0] == "probes" and away(figures["probes"][path[1]]["at"], one) <= max(reach, one.within):
-            return True
-    return False
+        near = [away(probe["at"], one) <= max(reach, one.within) for probe in figures["probes"]]
+        whole = "deflection" in one.numbers and one.source in supports
+        for place, (path, kind) in enumerate(zip(paths, kinds, strict=True)):
+            through = path[0] in ("sections", "strips") and "reaction" in one.numbers
+            found[place] |= (
+                (whole and kind in ("deflection", "rotation"))
+                or through
+                or (
+                    kind in one.numbers
+                    and (
+                        path[0] in ("fields", "deflection")
+                        or (path[0] == "supports" and one.source == supports[int(path[1])])
+                        or (path[0] == "probes" and near[int(path[1])])
+                    )
+                )
+            )
+    return found
 
 
 def away(at: Sequence[float], singularity: Singularity) -> float:
     """Distance of a point from a singularity."""
-    where = singularity.where
-    if not singularity.line:
-        return min((math.dist(at, place) for place in where), default=math.inf)
-    return min((_from_segment(at, a, b) for a, b in pairwise(where)), default=math.inf)
+    where = np.array(singularity.where).reshape(-1, 2)
+    begin, end = (where[:-1], where[1:]) if singularity.line else (where, where)
+    return float(distances(np.array([at]), begin, end).min(initial=math.inf))
 
 
-def _from_segment(at: Sequence[float], a: tuple[float, float], b: tuple[float, float]) -> float:
-    along, way = (b[0] - a[0], b[1] - a[1]), (at[0] - a[0], at[1] - a[1])
-    share = (along[0] * way[0] + along[1] * way[1]) / max(along[0] ** 2 + along[1] ** 2, 1e-300)
-    return math.dist(way, (min(max(share, 0.0), 1.0) * along[0], min(max(share, 0.0), 1.0) * along[1]))
-
-
-def largest_of(result: Result, gaps: float = 0.0) -> dict[str, float]:
-    """The largest number of every field, in each of which rounding and growth are judged.
-
-    A plate that only moves has moments by rounding: a hundredth of what bending to its deflection takes counts too. So
-    does a hundredth of gaps as movement where rounding is judged, since deflections are told beside them.
-    """
+def largest_of(result: Result) -> dict[str, float]:
+    """The largest number of every field at the nodes, the sum of all reactions, and the largest pressure."""
 
     def size(values: Floats) -> float:
         return float(np.abs(values).max(initial=0.0))
 
-    model, span, moved = result.model, result.mesh.size, max(size(result.deflection), _BENT * gaps)
-    points = result.mesh.points
-    for zone in model.zone:
-        # The plate's own thickness need not be one where zones have another.
-        points = points[~zone.region.contains(points)] if zone.thickness is not None else points
-    rigidity = model.young * size(model.plate.thickness(*points.T)) ** 3 / 12
-    pressed = [size(np.array([s.max_pressure, s.max_tension])) for s in result.supports if s.area is not None]
-    pressure = max(pressed, default=0.0)
+    areas = [np.array([s.max_pressure, s.max_tension]) for s in result.supports if s.area is not None]
+    pressure = max(map(size, areas), default=0.0)
+    bent, moved = _bent(result.model, result.mesh), size(result.deflection)
+    moment = max(size(result.moment), bent["moment"] * moved)
+    shear = max(size(result.shear), bent["shear"] * moved)
     return {
         "deflection": moved,
-        "rotation": max(size(result.rotation), _BENT * moved / span),
-        "moment": max(size(result.moment), _BENT * rigidity * moved / span**2),
-        "shear": max(size(result.shear), _BENT * rigidity * moved / span**3),
+        "rotation": max(size(result.rotation), bent["rotation"] * moved),
+        "moment": moment,
+        "couple": moment * result.mesh.size,
+        "shear": shear,
+        "force": shear * result.mesh.size,
         "reaction": float(sum(np.abs(support.reactions).sum() for support in result.supports)),
         **dict.fromkeys(("pressure", "max_pressure", "max_tension"), pressure),
         "contact_area": float(result.mesh.element_area.sum()),
         "closed": 0.0,
         "open": 0.0,
+    }
+
+
+def sizes_of(numbers: Mapping[Path, Floats], model: Model, mesh: Mesh) -> dict[str, Floats]:
+    """The largest of every kind of number, of k results (k,), by which their rounding and growth are judged.
+
+    Of all that is told alike of a combination by itself and of a row of a table. A plate that only moves has moments
+    by rounding: a hundredth of what bending to its deflection takes counts too. So does a hundredth of gaps as
+    movement, since deflections are told beside them.
+    """
+    points = {path[1] for path in numbers if "points" in path}
+    none = np.zeros(max((len(value) for value in numbers.values()), default=0))
+    found: dict[str, Floats] = {}
+    for path, value in numbers.items():
+        kind, size = kind_of(path), np.nan_to_num(np.abs(value))
+        part = _BENT if path[-1] == "gap" else 1.0
+        if kind == "reaction":
+            if "points" in path or path[1] not in points:
+                found[kind] = found.get(kind, none) + size
+        elif path[0] != "probes" or path[2] not in (*_OF_MOMENTS, "pressure"):
+            found[kind] = np.maximum(found.get(kind, none), part * size)
+    moved = found.get("deflection", none)
+    for kind, part in _bent(model, mesh).items():
+        found[kind] = np.maximum(found.get(kind, none), part * moved)
+    pressed = np.max([found.get(kind, none) for kind in ("pressure", "max_pressure", "max_tension")], axis=0)
+    found |= dict.fromkeys(("pressure", "max_tension"), pressed)
+    return found | {"contact_area": none + mesh.element_area.sum(), "closed": none, "open": none}
+
+
+def _bent(model: Model, mesh: Mesh) -> dict[str, float]:
+    """A hundredth of what rotations, moments and shears are of a plate that bends to a deflection of one."""
+    span, thickness = mesh.size, thickness_at(model, mesh.points)
+    rigidity = model.young * float(thickness.max()) ** 3 / 12
+    return {
+        "rotation": _BENT / span,
+        "moment": _BENT * rigidity / span**2,
+        "couple": _BENT * rigidity / span,
+        "shear": _BENT * rigidity / span**3,
+        "force": _BENT * rigidity / span**2,
     }
 
 
@@ -187,6 +222,13 @@ def named(paths: Sequence[Path], figures: Mapping[str, Any]) -> str:
                 what = " ".join(str(part) for part in (key, *rest)).replace("_", " ")
                 if key in _COMPONENTS:
                     what = _COMPONENTS[str(key)][int(str(rest[0]))]
+            case ("sections", int(index), key):
+                whose, what = f"section {figures['sections'][index]['name']}", str(key)
+            case ("strips", int(index), *rest):
+                strip = figures["strips"][index]
+                whose, what = f"strip {strip['name']}", str(rest[-1]).replace("_", " ")
+                if rest[0] == "stations":
+                    whose += f" at {point(strip['stations'][int(str(rest[1]))]['at'])}"
             case ("supports", int(index), *rest):
                 whose = figures["supports"][index]["name"]
                 what = " ".join(f"of point {part + 1}" if isinstance(part, int) else str(part) for part in rest[::-1])

@@ -9,9 +9,11 @@ from functools import partial
 from types import MappingProxyType
 from typing import TypeVar
 
+import numpy as np
+
 from signorini.analysis.single import solve_one
-from signorini.analysis.twins.compared import Meshes, compared
-from signorini.analysis.twins.leaves import kind_of, largest_of, named, with_numbers
+from signorini.analysis.twins.compared import Meshes, compared, rounded
+from signorini.analysis.twins.leaves import leaves, named, with_numbers
 from signorini.analysis.twins.meshes import Twin, twins_of
 from signorini.analysis.twins.places import boundary_widths, places_of_extremes
 from signorini.base.arguments import watching
@@ -110,10 +112,12 @@ def compare(result: Result, others: list[Result]) -> Estimate:
     meshes = Meshes.of(result.mesh, [one.mesh for one in others])
     every = [next(one for one in (result, *others) if one.mesh is mesh) for mesh in meshes.every]
     trees = [figures(one) for one in every]
-    largest = largest_of(result, max((support.gaps.max(initial=0.0) for support in result.supports), default=0.0))
-    numbers, growing = compared(
-        trees, meshes, result.model, result.singular, lambda path, value: largest[kind_of(path)]
-    )
+    found = [{path: np.array([value]) for path, value in leaves(tree).items()} for tree in trees]
+    own = trees[meshes.own]
+    widths, grow = compared(found, meshes, result.model, own, [(result.singular, np.ones(1, np.bool_))])
+    paths = list(found[meshes.own])
+    growing = [path for path, (grows,) in zip(paths, grow.tolist(), strict=True) if grows]
+    numbers = {path: rounded(width) for path, (width,) in zip(paths, widths.tolist(), strict=True)}
     numbers |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
     numbers |= places_of_extremes(result, numbers)
     warnings = []
@@ -121,7 +125,7 @@ def compare(result: Result, others: list[Result]) -> Estimate:
     told = [path for path in growing if path[0] != "fields"]
     if told:
         warnings.append(
-            f"As the mesh is refined these grow and show no limit: {named(told, trees[meshes.own])}. The "
+            f"As the mesh is refined these grow and show no limit: {named(told, own)}. The "
             "singularities that are named say why, and what to do."
         )
-    return Estimate(with_numbers(trees[meshes.own], numbers), meshes.elements, tuple(warnings))
+    return Estimate(with_numbers(own, numbers), meshes.elements, tuple(warnings))

@@ -16,6 +16,7 @@ from signorini.mesh import Mesh
 from signorini.mesh.curves import at_ends
 from signorini.mesh.isoparametric import TRIANGLE_CORNERS, determinants, real_sides
 from signorini.shapes import Curve, Polyline, Region, Ring
+from signorini.shapes.cuts import Part
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -59,7 +60,7 @@ class Quadrature:
 
 def area_quadrature(
     mesh: Mesh,
-    region: Region | None = None,
+    region: Part | None = None,
     order: int = 3,
     to_outline: Bools | None = None,
     levels: Levels = (),
@@ -131,7 +132,7 @@ def _those(across: Bools, levels: Levels) -> list[Callable[[Floats], Floats]]:
     return [level for level, by_element in zip(levels, across, strict=True) if by_element.any()]
 
 
-def _smooth(mesh: Mesh, region: Region | None, order: int, to_outline: Bools | None) -> Quadrature:
+def _smooth(mesh: Mesh, region: Part | None, order: int, to_outline: Bools | None) -> Quadrature:
     marked = np.zeros(len(mesh.elements), np.bool_) if to_outline is None else to_outline
     if region is None:
         return _by_element(_whole(mesh, np.arange(len(mesh.elements)), order, mesh.on_boundary & marked[:, None]))

@@ -17,7 +17,7 @@ from signorini.discretise.quadrature.crossings import quadratics, touched, with_
 from signorini.discretise.quadrature.pieces import Pieces, straightened
 from signorini.discretise.quadrature.rules import Rule, gauss
 from signorini.mesh import Mesh
-from signorini.shapes import Region
+from signorini.shapes.cuts import Part
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -63,7 +63,7 @@ class _Cells:
         )
 
 
-def cut(mesh: Mesh, region: Region, order: int, rule: Rule = gauss) -> Parts:
+def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss) -> Parts:
     """Divide a mesh by a region.
 
     Parameters
@@ -137,7 +137,7 @@ def _strips(owner: Ints, x: Floats, boxes: Floats) -> tuple[Ints, Floats]:
     return owner[:-1][wide], np.column_stack([x[:-1], x[1:]])[wide]
 
 
-def _cells(pieces: Pieces, strips: tuple[Ints, Floats], region: Region) -> _Cells:
+def _cells(pieces: Pieces, strips: tuple[Ints, Floats], region: Part) -> _Cells:
     """Stack the curves through each strip and keep what is between two of them, in the element and in the region."""
     owner, x = strips
     starts = np.searchsorted(pieces.owner, [owner, owner + 1])

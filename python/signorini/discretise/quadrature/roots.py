@@ -35,6 +35,9 @@ def roots(coefficients: Floats, tolerance: Floats) -> tuple[Ints, Floats]:
     """
     if not len(coefficients):
         return np.zeros(0, np.int64), np.zeros(0)
+    # Straight sides that straight outlines cut are by far the most.
+    degree = max(np.flatnonzero(coefficients.any(axis=0)), default=0)
+    coefficients = coefficients[:, : max(degree, 1) + 1]
     derivatives = [coefficients]
     while derivatives[-1].shape[1] > 2:
         last = derivatives[-1]
@@ -56,14 +59,15 @@ def _value(coefficients: Floats, t: Floats) -> Floats:
 
 
 def _bisect(coefficients: Floats, lower: Floats, upper: Floats) -> Floats:
-    """Halve to the change of sign; without one, towards the end where the value is smaller."""
-    low, high = lower.copy(), upper.copy()
-    start, stop = _value(coefficients, low), _value(coefficients, high)
-    changes = (start < 0.0) != (stop < 0.0)
-    rising = np.where(changes, stop > start, np.abs(stop) > np.abs(start))
-    for _ in range(_BISECTIONS):
+    """Halve to the change of sign; without one it is the end where the value is smaller."""
+    start, stop = _value(coefficients, lower), _value(coefficients, upper)
+    found = np.where(np.abs(stop) > np.abs(start), lower, upper)
+    which, at = np.nonzero((start < 0.0) != (stop < 0.0))
+    low, high, own = lower[which, at][:, None], upper[which, at][:, None], coefficients[which]
+    rising = (stop > start)[which, at][:, None]
+    for _ in range(_BISECTIONS if len(which) else 0):
         middle = 0.5 * (low + high)
-        value = _value(coefficients, middle)
-        right = np.where(changes, (value < 0.0) == rising, ~rising)
+        right = (_value(own, middle) < 0.0) == rising
         low, high = np.where(right, middle, low), np.where(right, high, middle)
-    return np.asarray(0.5 * (low + high))
+    found[which, at] = 0.5 * (low + high)[:, 0]
+    return found

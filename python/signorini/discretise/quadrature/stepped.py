@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from signorini.discretise.quadrature.triangles import Triangles, gauss_on_boxes, gauss_on_triangles, split
 from signorini.mesh import Mesh
-from signorini.shapes import Region
+from signorini.shapes.cuts import Part
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -60,7 +60,7 @@ class Cut:
     fronts: Floats
 
 
-def sides_of(region: Region) -> list[Callable[[Floats], Floats]]:
+def sides_of(region: Part) -> list[Callable[[Floats], Floats]]:
     """Levels whose zeros are the lines and circles of a region's outline, on and on."""
     outline = region.outline
     return [*(partial(_across, side) for side in outline.segments), *(partial(_beyond, c) for c in outline.circles)]

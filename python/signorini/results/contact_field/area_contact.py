@@ -18,6 +18,7 @@ from signorini.model import Support
 from signorini.results.contact_field.fine import Fine
 from signorini.results.contact_field.law import bounds, overlap, pressing
 from signorini.results.contact_field.lines import Segments, chained, clipped, thinned, zero_line
+from signorini.results.peak import peak
 from signorini.shapes import Region
 from signorini.shapes.depths import depth
 from signorini.shapes.tessellation import Tessellation
@@ -119,7 +120,7 @@ class AreaContact(Remade):
         Pictures, tables and envelopes all show this one.
         """
         values, places = self._measured
-        at = int(np.argmax(np.nan_to_num(values, nan=-np.inf)))
+        at = peak(np.nan_to_num(values, nan=-np.inf), places)
         return max(float(values[at]), 0.0), places[at]
 
     @property

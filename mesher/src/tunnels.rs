@@ -1,0 +1,235 @@
+//! Triangles that are left over led together, two by two, through the quadrilaterals between them.
+
+use crate::geometry::{Point, between, cross, distance, scale};
+use crate::planar::Piece;
+use crate::quality::{Corners, count, quality};
+use crate::seeding::Chord;
+use crate::sizes::Sizes;
+use crate::triangles::NONE;
+use std::cmp::{Ordering, Reverse};
+use std::collections::{BinaryHeap, HashMap, HashSet};
+
+/// Least quality of triangles on the way (10°), before nodes are moved.
+const LEAST_TRIANGLE: f64 = 0.2;
+/// How much longer than its size a new side may be: that of three equilateral triangles side by side is 2.
+const LONG: f64 = 2.1;
+/// Quadrilaterals between two triangles at most, and places that are looked at from each triangle.
+const FAR: usize = 12;
+const LOOKS: usize = 1000;
+/// What a step costs beside what it costs in shape.
+const STEP: f64 = 0.05;
+
+/// Replaces pairs of triangles, and the quadrilaterals between them, by quadrilaterals alone.
+///
+/// A triangle and a quadrilateral beside it are a pentagon, and that may have its triangle at another corner: so the
+/// triangle moves on. No chord is taken out, and before nodes are moved all quadrilaterals have a `least` quality.
+pub fn join(elements: &mut Vec<Corners>, points: &[Point], chords: &Chords, sizes: &Sizes, least: f64) {
+    let mut open: Vec<usize> = (0..elements.len()).filter(|&e| count(&elements[e]) == 3).collect();
+    if open.len() < 2 {
+        return;
+    }
+    let mut beside = HashMap::with_capacity(4 * elements.len());
+    for (e, corners) in elements.iter().enumerate() {
+        sides(corners).for_each(|side| {
+            beside.insert(side, e);
+        });
+    }
+    let mut gone = HashSet::new();
+    open.retain(|&start| {
+        if gone.contains(&start) {
+            return false;
+        }
+        let search = Search { elements, points, beside: &beside, chords, sizes, least };
+        if let Some((end, made)) = search.run(start) {
+            for (e, _) in &made {
+                sides(&elements[*e]).for_each(|side| {
+                    beside.remove(&side);
+                });
+            }
+            sides(&elements[end]).for_each(|side| {
+                beside.remove(&side);
+            });
+            for &(e, corners) in &made {
+                elements[e] = corners;
+                sides(&corners).for_each(|side| {
+                    beside.insert(side, e);
+                });
+            }
+            gone.insert(end);
+        }
+        true
+    });
+    let mut e = 0;
+    elements.retain(|_| {
+        e += 1;
+        !gone.contains(&(e - 1))
+    });
+}
+
+/// Sides along pieces, both ways, and of arcs the directions in which they leave their first ends.
+pub struct Chords(HashMap<[usize; 2], Option<Point>>);
+
+impl Chords {
+    pub fn new(chords: &[Chord], pieces: &[Piece]) -> Chords {
+        let both = chords.iter().flat_map(|chord| {
+            let curve = &pieces[chord.piece].curve;
+            let ([a, b], [s, t]) = (chord.ends, chord.span);
+            let leaving = (!curve.is_straight()).then(|| [curve.direction(s), scale(curve.direction(t), -1.0)]);
+            [([a, b], leaving.map(|l| l[0])), ([b, a], leaving.map(|l| l[1]))]
+        });
+        Chords(both.collect())
+    }
+}
+
+fn sides(corners: &Corners) -> impl Iterator<Item = [usize; 2]> + use<> {
+    let (corners, n) = (*corners, count(corners));
+    (0..n).map(move |i| [corners[i], corners[(i + 1) % n]])
+}
+
+/// Where a triangle has come to, and the quadrilateral that it left behind on its last step.
+struct Stop {
+    triangle: [usize; 3],
+    before: usize,
+    steps: usize,
+    /// The quadrilateral that it stepped into.
+    into: usize,
+    behind: Corners,
+}
+
+struct Search<'a> {
+    elements: &'a [Corners],
+    points: &'a [Point],
+    beside: &'a HashMap<[usize; 2], usize>,
+    chords: &'a Chords,
+    sizes: &'a Sizes,
+    least: f64,
+}
+
+struct Next(f64, usize);
+
+impl PartialEq for Next {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Next {}
+
+impl PartialOrd for Next {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Next {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0).then(self.1.cmp(&other.1))
+    }
+}
+
+impl Search<'_> {
+    /// The triangle that another one is best led to, and what the elements on the way, the first included, become.
+    fn run(&self, start: usize) -> Option<(usize, Vec<(usize, Corners)>)> {
+        let [a, b, c, _] = self.elements[start];
+        let mut stops = vec![Stop { triangle: [a, b, c], before: NONE, steps: 0, into: start, behind: [NONE; 4] }];
+        let mut queue = BinaryHeap::from([Reverse(Next(0.0, 0))]);
+        let mut seen = HashSet::new();
+        let mut best: Option<(f64, usize, usize, Corners)> = None;
+        while let Some(Reverse(Next(cost, at))) = queue.pop() {
+            if best.as_ref().is_some_and(|found| found.0 <= cost) || stops.len() > LOOKS {
+                break;
+            }
+            let mut name = stops[at].triangle;
+            name.sort_unstable();
+            if !seen.insert(name) {
+                continue;
+            }
+            for i in 0..3 {
+                let [apex, p, q] = [0, 1, 2].map(|k| stops[at].triangle[(i + k) % 3]);
+                let Some(&n) = self.beside.get(&[q, p]) else {
+                    continue;
+                };
+                if self.chords.0.contains_key(&[p, q]) || self.passed(&stops, at, n) {
+                    continue;
+                }
+                let other = self.elements[n];
+                let m = count(&other);
+                let first = (0..m).find(|&k| other[k] == q).expect("the side is the element's");
+                // The corners around both, from the triangle's own on.
+                let mut ring = vec![apex, p];
+                ring.extend((2..m).map(|k| other[(first + k) % m]));
+                ring.push(q);
+                if ring[2..ring.len() - 1].contains(&apex) {
+                    continue;
+                }
+                if m == 3 {
+                    let made = [ring[0], ring[1], ring[2], ring[3]];
+                    let shape = self.shape(&made);
+                    let sum = cost + price(shape);
+                    if shape >= self.least && best.as_ref().is_none_or(|found| sum < found.0) {
+                        best = Some((sum, at, n, made));
+                    }
+                } else if stops[at].steps < FAR {
+                    for tip in 1..5 {
+                        let [l, t, r, u, v] = [4, 0, 1, 2, 3].map(|k| ring[(tip + k) % 5]);
+                        let triangle = [l, t, r];
+                        let behind = [r, u, v, l];
+                        let shape = self.shape(&behind);
+                        if shape >= self.least
+                            && self.shape(&[l, t, r, NONE]) >= self.least.min(LEAST_TRIANGLE)
+                            && self.is_short(l, r)
+                        {
+                            let sum = cost + STEP + price(shape);
+                            queue.push(Reverse(Next(sum, stops.len())));
+                            let steps = stops[at].steps + 1;
+                            stops.push(Stop { triangle, before: at, steps, into: n, behind });
+                        }
+                    }
+                }
+            }
+        }
+        let (_, mut at, end, mut made) = best?;
+        let mut changed = Vec::new();
+        while at != NONE {
+            // What the triangle's last element becomes lies where the next one began.
+            changed.push((stops[at].into, made));
+            made = stops[at].behind;
+            at = stops[at].before;
+        }
+        Some((end, changed))
+    }
+
+    /// The quality of an element, of corners between chords of arcs by the directions in which the arcs leave them.
+    fn shape(&self, corners: &Corners) -> f64 {
+        let n = count(corners);
+        let mut least = quality(corners, |node| self.points[node]);
+        for i in 0..n {
+            let [before, at, after] = [n - 1, 0, 1].map(|k| corners[(i + k) % n]);
+            let leaving = |to: usize| self.chords.0.get(&[at, to]).copied().flatten();
+            if let (Some(u), Some(v)) = (leaving(after), leaving(before)) {
+                least = least.min(cross(u, v));
+            }
+        }
+        least
+    }
+
+    fn is_short(&self, a: usize, b: usize) -> bool {
+        let [a, b] = [a, b].map(|node| self.points[node]);
+        distance(a, b) <= LONG * self.sizes.at(between(a, b, 0.5))
+    }
+
+    /// Whether the way to a stop has used an element.
+    fn passed(&self, stops: &[Stop], mut at: usize, element: usize) -> bool {
+        while at != NONE {
+            if stops[at].into == element {
+                return true;
+            }
+            at = stops[at].before;
+        }
+        false
+    }
+}
+
+fn price(shape: f64) -> f64 {
+    (1.0 - shape).powi(2)
+}

@@ -1,0 +1,5 @@
+"""Forces through sections, in balance with loads and reactions to rounding."""
+
+from signorini.discretise.sections.sections import Sections
+
+__all__ = ["Sections"]

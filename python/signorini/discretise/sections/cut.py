@@ -1,0 +1,311 @@
+"""The forces through one line as sums over the elements that it meets.
+
+Of the part of the plate on the line's left the principle of virtual work says, for any displacement v,
+
+    ∫ t·v along the line  =  ∫ σ : ε(v) over the part  -  the work of what acts on it,
+
+t what the other part gives it. v is 1, or turns about the line, at the nodes of elements that the line meets and 0 at
+all others. Inner nodes are in equilibrium, so that of those on the left the elements on the right tell as much: only
+elements that the line meets remain. Where v is a rigid motion in them nothing of the elements' own stress is left, and
+the sum is what acts on either side, whatever the quadrature. Where it is not, at an end of the line inside the plate,
+what v is too little on the line times the element's own moments and shears there is added.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from signorini import _core
+from signorini.discretise.frames import Held
+from signorini.discretise.quadrature import Quadrature, area_quadrature
+from signorini.discretise.quadrature.rules import gauss
+from signorini.discretise.quadrature.stepped import Levels
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.mesh import Mesh
+from signorini.shapes.cuts import LEFT, RIGHT, CutLine, LeftOf, Near, Part
+from signorini.shapes.outlines import Point
+
+_TOUCHING = 1e-9
+"""Part of the plate's size within which nodes are on a line."""
+_BESIDE = 1e-6
+"""How far beyond an end, of the plate's size, it is asked whether the plate goes on: more than rounding."""
+_PAST = 1e-7
+"""How far past a side, in reference coordinates, is off the plate: points near curved edges are found inside."""
+_BEYOND = 2.0
+"""Diagonals of the largest element by which a line is followed beyond an end inside the plate: v ends within one."""
+_ORDER = 5
+_AROUND = [0, 4, 1, 5, 2, 6, 3, 7]
+_POINTS = {"mitc9": 9, "q8r": 4}
+"""Points of an element's stiffness."""
+_WORK = np.array([-1.0, -1.0, -1.0, 1.0, 1.0])
+"""σ : ε is −mx κx − my κy − mxy 2κxy + qx γx + qy γy."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """A line and the elements (k,) that it meets.
+
+    Parameters
+    ----------
+    line : CutLine
+    length : float
+        Of the line on the plate.
+    elements : (k,) array
+        In rising order.
+    of_forces : (k, 3, 24) array
+        What nodal forces on the elements count for in moment, twist and shear, in the nodes' frames.
+    of_stress : (k, p, 5, 3) array
+        What the elements' moments and shears do at the points of their stiffness.
+    motion : (k, 3, 24) array
+        v of the elements that the line divides; else 0.
+    left : Quadrature
+        Points of these on the left; elements by their place among the k.
+    """
+
+    line: CutLine
+    length: float
+    elements: Ints
+    of_forces: Floats
+    of_stress: Floats
+    motion: Floats
+    left: Quadrature
+
+    def divided(self) -> Bools:
+        """Which elements (k,) the line divides."""
+        return np.asarray(self.motion.any(axis=(1, 2)))
+
+    def on_left(self, mesh: Mesh, region: Part | None, order: int, levels: Levels) -> Quadrature:
+        """Points of a region on the left, in the elements that the line divides, by their place among the k."""
+        if region is None and not levels:
+            return self.left
+        return _on_left(mesh.part(self.elements), self.line, self.divided(), region, order, levels)
+
+    def work(self, elements: Ints, rows: Floats, left: Floats) -> Floats:
+        """What forces count for (q, 3), down, with rows (q, 24) over elements (q,) by their place among the k.
+
+        ``left`` (q,) is the part of each that acts on the left: half of what acts on the line.
+        """
+        on_whole = (left == 0.5) & ~self.divided()[elements]
+        lever = self.of_forces[elements] + left[:, None, None] * self.motion[elements]
+        return np.where(on_whole[:, None], 0.0, -np.einsum("qcd,qd->qc", lever, rows))
+
+    def lefts(self, positions: Floats) -> Floats:
+        """What part (q,) of something at positions (q, 2) acts on the left."""
+        return np.asarray(0.5 - 0.5 * self.line.near(positions).side)
+
+
+def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[Point]) -> Cut:
+    """Cut a plate of a kind of elements along a line through points."""
+    line = _Followed(mesh, CutLine(points, _TOUCHING * mesh.size))
+    met, divided, pieces = _met(mesh, line)
+    near = line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
+    taken = line.taken(near).reshape(-1, 8)
+    some = taken.any(axis=1)
+    elements, divided, taken = met[some], divided[some], taken[some]
+    shares, off = (values.reshape(len(met), 8, -1)[some] for values in (near.shares, near.off))
+    v = np.zeros((len(elements), 3, 8, 3))
+    v[:, 0, :, 0], v[:, 0, :, 1:] = -(shares * off).sum(axis=2), -shares @ line.line.normals
+    v[:, 1, :, 1:] = -shares @ line.line.along
+    v[:, 2, :, 0] = 1.0
+    v *= taken[:, None, :, None]
+    if held.frames is not None:
+        c, s = np.moveaxis(held.frames[mesh.elements[elements]], -1, 0)[:, :, None]
+        x, y = v[..., 1].copy(), v[..., 2].copy()
+        v[..., 1], v[..., 2] = c * x + s * y, c * y - s * x
+    parts = _parts_of_forces(mesh, line.line, elements, divided, near.side.reshape(-1, 8)[some])
+    of_forces = (v * parts[:, None, :, None]).reshape(-1, 3, 24)
+    whole = v.reshape(-1, 3, 24)
+    motion = np.where(divided[:, None, None], whole, 0.0)
+    stress = _rest(mesh, plate, kind, line, elements, whole, pieces)
+    left = _on_left(mesh.part(elements), line.line, divided, None, _ORDER, ())
+    if divided.any():
+        strains = plate.strain_rows(elements)
+        strains = strains.reshape(*strains.shape[:2], 5, 24)
+        shapes = _between(mesh, kind, elements[left.elements], left.xi)
+        shared = np.zeros((len(elements), shapes.shape[1], shapes.shape[1]))
+        np.add.at(shared, left.elements, left.weights[:, None, None] * shapes[:, :, None] * shapes[:, None, :])
+        work = np.einsum("kcd,kpsd->kpsc", motion, strains) * _WORK[:, None]
+        stress += np.einsum("kap,kpsc->kasc", shared, work)
+    return Cut(line.line, _length(line.line, pieces), elements, of_forces, stress, motion, left)
+
+
+class _Followed:
+    """A line on a plate: which of its ends lie inside, and how far it is followed beyond these."""
+
+    def __init__(self, mesh: Mesh, line: CutLine) -> None:
+        self.line = line
+        self.inside = np.zeros(2, np.bool_)
+        if not line.closed:
+            outward = np.stack([-line.along[0], line.along[-1]])
+            where = mesh.locate(line.ends + _BESIDE * mesh.size * outward)
+            triangles = where.inside & mesh.triangles[where.elements]
+            (x, y), one = where.xi.T, 1.0 + _PAST
+            past = (
+                np.where(triangles, np.maximum(1.0 - 2.0 * np.minimum(x, y), x + y), np.maximum(abs(x), abs(y))) > one
+            )
+            self.inside = where.inside & ~past
+        self.reach = _BEYOND * float(np.hypot(*(mesh.boxes[:, 2:] - mesh.boxes[:, :2]).T).max())
+
+    def near(self, points: Floats) -> Near:
+        """Find where points (q, 2) are from the line."""
+        return self.line.near(points)
+
+    def taken(self, near: Near) -> Floats:
+        """1 at points beside the line, 0 beyond an end inside the plate, a half beside the end itself."""
+        taken, lengths = np.ones(len(near.piece)), self.line.lengths
+        for end, (piece, past) in enumerate(((0, -near.station), (len(lengths) - 1, near.station - lengths[-1]))):
+            if self.inside[end]:
+                there = np.where(np.abs(past) <= self.line.touching, 0.5, past < 0.0)
+                taken = np.where(near.piece == piece, np.minimum(taken, there), taken)
+        return taken
+
+
+def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
+    """Elements (k,) that the line meets as far as it is followed, be it in a node, and which of them it divides.
+
+    And what of it is in each; of elements with curved sides as if these were straight between nodes.
+    """
+    line, beyond = followed.line, np.where(followed.inside, followed.reach, 0.0)
+    x0, y0, x1, y1 = line.extended(followed.reach).bounds
+    boxes = mesh.boxes
+    (near,) = np.nonzero((boxes[:, 0] <= x1) & (boxes[:, 2] >= x0) & (boxes[:, 1] <= y1) & (boxes[:, 3] >= y0))
+    met, divided = np.zeros(len(near), np.bool_), np.zeros(len(near), np.bool_)
+    nodes = mesh.points[mesh.elements[near][:, _AROUND]]
+    pieces = []
+    for piece, (begin, along, normal) in enumerate(zip(line.begin, line.along, line.normals, strict=True)):
+        station, off = ((nodes - begin) @ way for way in (along, normal))
+        low = -beyond[0] * (piece == 0)
+        high = line.lengths[piece] + beyond[1] * (piece == len(line.lengths) - 1)
+        off = np.where(np.abs(off) <= line.touching, 0.0, off)
+        ahead, ahead_off = np.roll(station, -1, axis=1), np.roll(off, -1, axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            crossing = station + (ahead - station) * off / (off - ahead_off)
+        at = np.hstack([crossing, station])
+        on = np.hstack([off * ahead_off < 0.0, off == 0.0])
+        first = np.maximum(np.where(on, at, np.inf).min(axis=1), low)
+        final = np.minimum(np.where(on, at, -np.inf).max(axis=1), high)
+        met |= final >= first - line.touching
+        longer = final > first + line.touching
+        divided |= longer & (off > 0.0).any(axis=1) & (off < 0.0).any(axis=1)
+        stops = np.unique([low, 0.0, line.lengths[piece], high])
+        for begin_at, end_at in pairwise(stops):
+            first_in, final_in = np.maximum(first, begin_at), np.minimum(final, end_at)
+            (some,) = np.nonzero(final_in > first_in + line.touching)
+            pieces.append(_Pieces(near[some], np.full(len(some), piece), first_in[some], final_in[some]))
+    return near[met], divided[met], _Pieces(*(np.concatenate(part) for part in zip(*pieces, strict=True)))
+
+
+class _Pieces(NamedTuple):
+    """What of the line's pieces (q,) is in elements (q,), or along their sides: from one station to another."""
+
+    elements: Ints
+    piece: Ints
+    begin: Floats
+    end: Floats
+
+
+def _parts_of_forces(mesh: Mesh, line: CutLine, elements: Ints, divided: Bools, side: Ints) -> Floats:
+    """What part of v nodal forces of the elements (k, 8) count with, at nodes on a side (k, 8) of the line.
+
+    Of elements that it divides, -v at nodes on the left. Of others v at nodes on the line: half of it on its left, half
+    of -v on its right; along an edge of the plate, where elements are on one side alone, the whole.
+    """
+    nodes = mesh.elements[elements]
+    centres = mesh.map(elements, mesh.inward(elements, np.zeros((len(elements), 2)), 0.0))
+    where = line.near(centres).side
+    beside = [np.isin(nodes, nodes[divided | (where == way)]) for way in (LEFT, RIGHT)]
+    of_whole = -where[:, None] * np.where(beside[0] & beside[1], 0.5, 1.0) * (side == 0)
+    return np.asarray(np.where(divided[:, None], -0.5 * (side == 0) - (side == LEFT), of_whole))
+
+
+def _on_left(part: Mesh, line: CutLine, divided: Bools, region: Part | None, order: int, levels: Levels) -> Quadrature:
+    """Points of a region on the left in those elements (k,) of a part of the mesh that the line divides."""
+    boxes = part.boxes
+    (x0, y0), (x1, y1) = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
+    found = area_quadrature(part, LeftOf(line, (x0, y0, x1, y1), region), order, levels=levels)
+    keep = divided[found.elements]
+    return Quadrature(found.elements[keep], found.xi[keep], found.weights[keep], found.positions[keep])
+
+
+def _between(mesh: Mesh, kind: str, elements: Ints, xi: Floats) -> Floats:
+    """Values (q, p) of the functions that are 1 at one of the points of an element's stiffness and 0 at the others.
+
+    Of triangles, whose last two places are empty, least squares by quadratics through seven points.
+    """
+    count = _POINTS[kind]
+    found = np.zeros((len(xi), count))
+    triangles = mesh.triangles[elements]
+    for some, degrees, points in (
+        (~triangles, _square(round(np.sqrt(count))), _core.section_points(kind)[:count]),
+        (triangles, _TRIANGULAR, _core.section_points("mitc9", True)[:7]),
+    ):
+        if not some.any():
+            continue
+        found[some, : len(points)] = _monomials(xi[some], degrees) @ np.linalg.pinv(_monomials(points, degrees))
+    return found
+
+
+def _square(count: int) -> Ints:
+    return np.array([(i, j) for i in range(count) for j in range(count)])
+
+
+_TRIANGULAR = np.array([(i, j) for i in range(3) for j in range(3 - i)])
+
+
+def _monomials(xi: Floats, degrees: Ints) -> Floats:
+    return np.asarray((xi[:, None, :] ** degrees).prod(axis=2))
+
+
+def _rest(
+    mesh: Mesh, plate: _core.Plate, kind: str, line: _Followed, elements: Ints, v: Floats, pieces: _Pieces
+) -> Floats:
+    """What stresses (k, p, 5, 3) do on what v is too little on the line, where it should be 1 to the line's ends."""
+    place, some = placed(elements, pieces.elements)
+    node, weight = gauss(_ORDER)
+    half = 0.5 * (pieces.end - pieces.begin)[some, None]
+    station = (0.5 * (pieces.begin + pieces.end)[some, None] + half * node).ravel()
+    weights = (half * weight * _once(pieces)[some, None]).ravel()
+    place, piece = (np.repeat(values, _ORDER) for values in (place, pieces.piece[some]))
+    along, normal, at = line.line.along[piece], line.line.normals[piece], elements[place]
+    positions = line.line.begin[piece] + station[:, None] * along
+    xi = mesh.invert(at, positions)
+    wanted = np.zeros((len(at), 3, 3))
+    wanted[:, 0, 1:], wanted[:, 1, 1:], wanted[:, 2, 0] = -normal, -along, 1.0
+    wanted *= line.taken(line.near(positions))[:, None, None]
+    rows = np.stack([plate.interpolation_rows(at, xi, field)[0] for field in range(3)], axis=1)
+    w, x, y = np.moveaxis(wanted - np.einsum("qcd,qfd->qcf", v[place], rows), -1, 0)
+    nx, ny = (part[:, None] for part in normal.T)
+    # What the right gives the left: Q·n on w, -Mn on the slopes.
+    work = weights[:, None, None] * np.stack([-nx * x, -ny * y, -nx * y - ny * x, nx * w, ny * w], axis=1)
+    stress = np.zeros((len(elements), _POINTS[kind], 5, 3))
+    np.add.at(stress, place, _between(mesh, kind, at, xi)[:, :, None, None] * work[:, None])
+    return stress
+
+
+def _once(pieces: _Pieces) -> Floats:
+    """1, or a half where the line runs between two elements, for each of them."""
+    middle = 0.5 * (pieces.begin + pieces.end)
+    order = np.lexsort((middle, pieces.piece))
+    again = (np.diff(pieces.piece[order]) == 0) & (pieces.begin[order][1:] < middle[order][:-1])
+    parts = np.ones(len(middle))
+    for shared in (order[:-1][again], order[1:][again]):
+        parts[shared] = 0.5
+    return parts
+
+
+def _length(line: CutLine, pieces: _Pieces) -> float:
+    """Length of the line on the plate, without what it is followed beyond its ends."""
+    inside = np.minimum(pieces.end, line.lengths[pieces.piece]) - np.maximum(pieces.begin, 0.0)
+    return float(np.maximum(inside, 0.0) @ _once(pieces))
+
+
+def placed(elements: Ints, of: Ints) -> tuple[Ints, Ints]:
+    """Which of some elements (q,) are among elements (k,) in rising order: their place there, and which they are."""
+    place = np.minimum(np.searchsorted(elements, of), len(elements) - 1)
+    some = np.flatnonzero(elements[place] == of) if len(elements) else np.zeros(0, np.int64)
+    return place[some], some

@@ -1,0 +1,162 @@
+"""All sections of a model, those across strips too, as rows over what a solution gives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from signorini import _core
+from signorini.base.brief import Brief
+from signorini.discretise.frames import Held
+from signorini.discretise.quadrature import curve_quadrature
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.sections.acting import (
+    Acting,
+    Spread,
+    footprints_of,
+    of_couples,
+    of_points,
+    of_spread,
+    of_supports,
+)
+from signorini.discretise.sections.cut import Cut, cut
+from signorini.errors import InputError, Place, Problems, point
+from signorini.mesh import Mesh
+from signorini.model import Model, Support
+from signorini.shapes import Polyline
+from signorini.shapes.outlines import Point
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Sections(Brief):
+    """Lines (s,) across the plate: those of sections, and behind them those of strips at their stations.
+
+    Moment, twist and shear of each are linear in nodal forces and stresses of ``elements`` (k,), in loads and in
+    reactions.
+    """
+
+    mesh: Mesh
+    cuts: tuple[Cut, ...]
+    per: Floats
+    """1, or the length (s,) over which a strip has its mean."""
+
+    @classmethod
+    def of(cls, model: Model, mesh: Mesh, plate: _core.Plate, held: Held, problems: Problems) -> Sections:
+        """Cut the plate; lines that cannot be are among the problems."""
+        found: list[Cut] = []
+        for points, place in _lines(model):
+            with problems.collected():
+                _require_on_plate(mesh, points, place)
+                one = cut(mesh, plate, model.plate.element, held, points)
+                if not one.length > 0.0:
+                    raise InputError("The line is not on the plate. Move it onto the plate.", place)
+                found.append(one)
+        lengths = np.array([one.length for one in found])
+        return cls(mesh, tuple(found), np.where(np.arange(len(found)) < len(model.section), 1.0, lengths))
+
+    def __len__(self) -> int:
+        """Count the lines."""
+        return len(self.cuts)
+
+    @property
+    def lengths(self) -> Floats:
+        """Length (s,) of each line on the plate."""
+        return np.array([one.length for one in self.cuts])
+
+    @cached_property
+    def elements(self) -> Ints:
+        """The elements (k,) that any line meets."""
+        return np.unique(np.concatenate([np.zeros(0, np.int64), *(one.elements for one in self.cuts)]))
+
+    def within(self, plate: _core.Plate, hi: Floats, lo: Floats, curvature: Floats, couples: Floats) -> Floats:
+        """Give the part (3s,) of nodal forces and stresses at displacements hi + lo."""
+        if not self.cuts:
+            return np.zeros(0)
+        kx, ky, kxy = curvature.tolist()
+        forces, stress = plate.element_forces(self.elements, hi, lo, (kx, ky, kxy), couples)
+        return np.asarray(self._of_forces @ forces.ravel() + self._of_stress @ stress.ravel())
+
+    def of_points(self, elements: Ints, xi: Floats, positions: Floats, force: Floats) -> Floats:
+        """Give the part (3s,) of forces (q,), down, at points (q, 2) of elements (q,)."""
+        return self._sum(elements, lambda one: of_points(one, self.mesh, elements, xi, positions, force))
+
+    def of_couples(self, elements: Ints, positions: Floats, rows: Floats) -> Floats:
+        """Give the part (3s,) of couples with rows (q, 24) at points (q, 2) of elements (q,)."""
+        return self._sum(elements, lambda one: of_couples(one, elements, positions, rows))
+
+    def of_spread(self, elements: Ints, xi: Floats, force: Floats, spread: Spread) -> Floats:
+        """Give the part (3s,) of a pressure of which nodal forces are those of forces (q,) at points of elements."""
+        return self._sum(elements, lambda one: of_spread(one, self.mesh, elements, xi, force, spread))
+
+    def of_supports(self, supports: Sequence[Support], acting: Acting) -> csr_array:
+        """Give the parts (3s, m) of reactions of 1, up, along rows (m,) of supports."""
+        prints = footprints_of(self.mesh, supports, acting) if self.cuts else {}
+        parts = [of_supports(one, self.mesh, supports, acting, prints) for one in self.cuts if len(acting.rows)]
+        whole = np.concatenate([np.zeros((len(acting.rows), 0)), *parts], axis=1).T
+        return csr_array(whole if parts else np.zeros((3 * len(self.cuts), len(acting.rows))))
+
+    def _sum(self, elements: Ints, part: Callable[[Cut], Floats]) -> Floats:
+        """Parts of all lines, of what acts in some elements (q,)."""
+        if not self._met[elements].any():
+            return np.zeros(3 * len(self.cuts))
+        return np.concatenate([part(one) for one in self.cuts])
+
+    @cached_property
+    def _met(self) -> Bools:
+        met = np.zeros(len(self.mesh.elements), np.bool_)
+        met[self.elements] = True
+        return met
+
+    @cached_property
+    def _of_forces(self) -> csr_array:
+        return self._rows([one.of_forces for one in self.cuts])
+
+    @cached_property
+    def _of_stress(self) -> csr_array:
+        return self._rows([np.moveaxis(one.of_stress, -1, 1) for one in self.cuts])
+
+    def _rows(self, parts: Sequence[Floats]) -> csr_array:
+        """Rows (3s, k·n) of what every line has in its elements, (k, 3, ...) each."""
+        width = int(np.prod(parts[0].shape[2:]))
+        values = [part.reshape(len(part), 3, width) for part in parts]
+        rows, columns = [], []
+        for number, (one, value) in enumerate(zip(self.cuts, values, strict=True)):
+            place = width * np.searchsorted(self.elements, one.elements)
+            row = 3 * number + np.arange(3)
+            rows.append(np.broadcast_to(row[:, None], value.shape).ravel())
+            columns.append(np.broadcast_to(place[:, None, None] + np.arange(width), value.shape).ravel())
+        every = np.concatenate([value.ravel() for value in values])
+        shape = 3 * len(self.cuts), width * len(self.elements)
+        return csr_array((every, (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+
+
+def _lines(model: Model) -> Iterator[tuple[Sequence[Point], Place]]:
+    """Yield the line of every section, and those across strips, with their places in the model."""
+    for index, section in enumerate(model.section):
+        yield section.line, ("section", index, "line")
+    for index, strip in enumerate(model.strip):
+        for ends in strip.across:
+            yield ends, ("strip", index)
+
+
+def _require_on_plate(mesh: Mesh, points: Sequence[Point], place: Place) -> None:
+    """Refuse a line whose end is off the plate; those across strips may end in a hole, not beyond the plate."""
+    ends = np.array([points[0], points[-1]])
+    inside = mesh.locate(ends).inside
+    if place[0] == "strip":
+        away = 2.0 * mesh.size * (ends - ends[::-1]) / math.dist(*points)
+        for end, outward in zip(np.flatnonzero(~inside), away[~inside], strict=True):
+            ray = Polyline((tuple(ends[end].tolist()), tuple((ends[end] + outward).tolist())))
+            inside[end] = curve_quadrature(mesh, ray, 1).total > 0.0
+    for end in ends[~inside]:
+        at = point(end, mesh.size)
+        if place[0] == "strip":
+            middle = point(ends.mean(axis=0), mesh.size)
+            message = f"The strip reaches beyond the plate at {at}, beside its station {middle}. Make it narrower, or "
+            raise InputError(f"{message}move its line or the line's ends.", place=(*place, "width"))
+        raise InputError(f"The line ends at {at}, off the plate. Let it end on the plate; it may cross holes.", place)

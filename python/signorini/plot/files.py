@@ -1,0 +1,54 @@
+"""How pictures reach a file."""
+
+from __future__ import annotations
+
+import os
+import struct
+import zlib
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from signorini.base.files import replacing
+
+DRAWN_BY = "signorini"
+"""What the metadata of pictures name as the program that drew them."""
+_FAST = 1
+"""zlib's level for .png files: a fifth larger than by default, in a fourth of the time."""
+DOTS = 160
+"""Dots per inch of .png files."""
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a figure to a file, whole or not at all; the suffix (``.png``, ``.svg``, ``.pdf``) gives the format.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    """
+    with replacing(path) as beside:
+        png = beside.suffix.lower() == ".png"
+        options = {"pil_kwargs": {"compress_level": _FAST}} if png else {}
+        metadata = {"Software" if png else "Creator": DRAWN_BY}
+        figure.savefig(beside, dpi=DOTS, metadata=metadata, **options)  # type: ignore[arg-type]
+
+
+def as_png(dots: NDArray[np.uint8]) -> bytes:
+    """Give dots (h, w, 3) as a PNG file, its lines unfiltered: as small as matplotlib's in half the time."""
+    height, width, _ = dots.shape
+    lines = np.zeros((height, 1 + 3 * width), np.uint8)
+    lines[:, 1:] = dots.reshape(height, -1)
+    per_metre = round(DOTS / 0.0254)
+    chunks = (
+        (b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)),
+        (b"pHYs", struct.pack(">IIB", per_metre, per_metre, 1)),
+        (b"tEXt", f"Software\0{DRAWN_BY}".encode("latin-1")),
+        (b"IDAT", zlib.compress(lines.tobytes(), _FAST)),
+        (b"IEND", b""),
+    )
+    written = (
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks
+    )
+    return b"\x89PNG\r\n\x1a\n" + b"".join(written)

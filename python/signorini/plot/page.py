@@ -1,0 +1,112 @@
+"""The page of a picture: where plans, colour bars, title and legend are, in inches."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from signorini.plot.marks import Entry, draw_legend
+from signorini.plot.plan import INK, Plan, literal, put_label, set_window
+
+_WIDEST, _TALLEST = 5.6, 7.6
+"""Inches that the plan of a plate may take."""
+_BESIDE_EACH_OTHER = 3.4
+"""Inches that it takes where there are several in a row, which they are unless they are ..."""
+_WIDE = 1.7
+"""times as wide as high."""
+_SMALLEST = (1.6, 0.8)
+"""Inches that it takes at least."""
+_LEFT, _BETWEEN, _BELOW, _GAP, _BAR, _RIGHT, _LINE = 0.68, 0.1, 0.5, 0.12, 0.15, 0.8, 0.2
+"""Inches left of a plan, of the next one beside it, and below it, to its colours, for them and for their numbers; for a
+line of text."""
+_TALLEST_BAR = 5.0
+_TICKS = 0.6
+"""Inches from one number of an axis to the next, about."""
+
+
+class Page:
+    """A figure whose parts have their places in inches, so that none need be sought by drawing it."""
+
+    def __init__(self, plan: Plan, count: int, length: str, *, bars: bool) -> None:
+        low, high = plan.window
+        width, height = high - low
+        self._columns = count if width <= _WIDE * height else 1
+        self._rows, self._beside = -(-count // self._columns), _GAP + _BAR + _RIGHT if bars else 0.3
+        widest = _WIDEST if self._columns == 1 else _BESIDE_EACH_OTHER
+        scale = min(widest / width, _TALLEST / height)
+        self._box = np.maximum([scale * width, scale * height], _SMALLEST)
+        self._above = self._below = 0.0
+        self.figure = Figure(figsize=self._size)
+        self.canvas = FigureCanvasAgg(self.figure)
+        self.plans = [self.figure.add_axes((0, 0, 1, 1)) for _ in range(count)]
+        self.bars = [self.figure.add_axes((0, 0, 1, 1)) for _ in range(count if bars else 0)]
+        unit = literal(f" [{length}]" if length else "")
+        for place, axes in enumerate(self.plans):
+            set_window(axes, plan)
+            for axis, size, name in ((axes.xaxis, self._box[0], "x"), (axes.yaxis, self._box[1], "y")):
+                axis.set_major_locator(MaxNLocator(int(np.clip(size / _TICKS, 2, 8)), steps=[1, 2, 5, 10]))
+                axis.set_label_text(f"{name}{unit}", fontsize=9)
+            put_label(axes.xaxis, 0.5, 0.0, 0.0, -0.36)
+            put_label(axes.yaxis, 0.0, 0.5, -0.5, 0.0)
+            # Of plans beside each other the first one's numbers are enough.
+            axes.yaxis.set_visible(place % self._columns == 0)
+        self._place()
+
+    def artists(self) -> list[Artist]:
+        """Everything that there is on the plans, and on the page beside them."""
+        return [artist for part in (*self.plans, self.figure) for artist in part.get_children()]
+
+    def make_room(self, title: str, words: Sequence[str]) -> None:
+        """Grow, if need be, by the room of a title above and of a legend below."""
+        lines = self._title(title).count("\n") + 1 if title else 0
+        self._above = max(self._above, 0.12 + _LINE * lines)
+        heights = [0.165 * (self._words(part).count("\n") + 1) + 0.035 for part in words]
+        self._below = max(self._below, sum(heights) + 0.12 if heights else 0.0)
+        self.figure.set_size_inches(*self._size)
+        self._place()
+
+    def finish(self, title: str, entries: list[Entry]) -> None:
+        """Put the title above and the legend below."""
+        self.make_room(title, [words for words, _ in entries])
+        across, up = self._size
+        if title:
+            self.figure.text(
+                0.5, 1 - 0.08 / up, literal(self._title(title)), ha="center", va="top", fontsize=11, color=INK
+            )
+        wrapped = [(self._words(words), samples) for words, samples in entries]
+        draw_legend(self.plans[0], wrapped, (across / 2, self._below))
+
+    def _title(self, title: str) -> str:
+        # A letter of this size is about 0.088 inches wide.
+        return textwrap.fill(title, max(20, int(self._size[0] / 0.088)))
+
+    def _words(self, words: str) -> str:
+        return textwrap.fill(words, max(30, int((self._size[0] - 0.9) / 0.068)))
+
+    @property
+    def _pitch(self) -> NDArray[np.float64]:
+        """From one plan to the next, to the right and down."""
+        return np.asarray(self._box + np.array([_BETWEEN + self._beside, _BELOW + 0.1]))
+
+    @property
+    def _size(self) -> tuple[float, float]:
+        across, up = self._pitch * [self._columns, self._rows] + [_LEFT - _BETWEEN, self._above + self._below]
+        return float(across), float(up)
+
+    def _place(self) -> None:
+        size = np.array(self._size)
+        for place, axes in enumerate(self.plans):
+            row, column = divmod(place, self._columns)
+            corner = self._pitch * [column, self._rows - 1 - row] + [_LEFT, self._below + _BELOW]
+            axes.set_position((*(corner / size), *(self._box / size)))
+            if self.bars:
+                tall = min(self._box[1], _TALLEST_BAR)
+                at = corner + np.array([self._box[0] + _GAP, (self._box[1] - tall) / 2])
+                self.bars[place].set_position((*(at / size), *(np.array([_BAR, tall]) / size)))

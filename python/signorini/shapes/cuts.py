@@ -1,0 +1,192 @@
+"""Lines that cut a plate: which side of one points are on, and the part of a region on its left."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from signorini.shapes.outlines import Box, Outline, Point
+from signorini.shapes.regions import Polyline
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+Ints = npt.NDArray[np.int64]
+
+LEFT, RIGHT = -1, 1
+
+
+class Part(Protocol):
+    """A part of the plane that elements can be divided by."""
+
+    @property
+    def outline(self) -> Outline:
+        """What bounds it."""
+        ...
+
+    @property
+    def area(self) -> float:
+        """Its area, or that of more."""
+        ...
+
+    @property
+    def bounds(self) -> Box:
+        """A box that contains it."""
+        ...
+
+    def contains(self, points: Floats) -> Bools:
+        """Whether each of the points (q, 2) is inside."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Near:
+    """Where points are from a cut line.
+
+    Parameters
+    ----------
+    piece : (q,) array
+        Its nearest piece.
+    shares : (q, p) array
+        1 for this piece; of several as near, about a corner, each as much.
+    station : (q,) array
+        How far along the straight line of this piece.
+    off : (q, p) array
+        How far off the straight lines of all pieces, positive to the right.
+    side : (q,) array
+        -1 to the left, 1 to the right, 0 on the line.
+    """
+
+    piece: Ints
+    shares: Floats
+    station: Floats
+    off: Floats
+    side: Ints
+
+
+class CutLine:
+    """A polyline that goes on straight beyond its ends, but one that closes.
+
+    Parameters
+    ----------
+    points : sequence of (x, y)
+        The last of a closed one is the first.
+    touching : float
+        How far points on the line may be from it.
+
+    Examples
+    --------
+    >>> line = CutLine([(0, 0), (0, 4), (3, 4)], 1e-9)
+    >>> near = line.near(np.array([[1.0, 2.0], [0.0, 9.0], [2.0, 4.0]]))
+    >>> near.side.tolist(), near.piece.tolist(), float(near.off[0, 0])
+    ([1, -1, 0], [0, 0, 1], 1.0)
+    """
+
+    def __init__(self, points: Sequence[Point], touching: float) -> None:
+        corners = np.array(points, dtype=np.float64)
+        self.closed = len(corners) > 2 and bool((corners[0] == corners[-1]).all())
+        self.touching = touching
+        self.begin, pieces = corners[:-1], np.diff(corners, axis=0)
+        self.lengths: Floats = np.hypot(*pieces.T)
+        self.along: Floats = pieces / self.lengths[:, None]
+        self.normals: Floats = np.column_stack([self.along[:, 1], -self.along[:, 0]])
+        """To the right."""
+
+    @property
+    def ends(self) -> Floats:
+        """Its first and last point (2, 2)."""
+        return np.stack([self.begin[0], self.begin[-1] + self.lengths[-1] * self.along[-1]])
+
+    def extended(self, by: float) -> Polyline:
+        """Lengthen it at both ends, by pieces of their own; not one that closes."""
+        first, last = self.ends
+        corners = [*self.begin, last]
+        if not self.closed:
+            corners = [first - by * self.along[0], *corners, last + by * self.along[-1]]
+        return Polyline(tuple((float(x), float(y)) for x, y in corners))
+
+    def near(self, points: Floats) -> Near:
+        """Find where points (q, 2) are from it."""
+        offset = points[:, None] - self.begin
+        station, off = (np.einsum("qkd,kd->qk", offset, way) for way in (self.along, self.normals))
+        low, high = np.zeros(len(self.lengths)), self.lengths.copy()
+        if not self.closed:
+            low[0], high[-1] = -np.inf, np.inf
+        on_piece = np.clip(station, low, high)
+        distance = np.hypot(off, station - on_piece)
+        piece = np.argmin(distance, axis=1)
+        shares = distance <= distance.min(axis=1)[:, None] + self.touching
+        pick = np.arange(len(points)), piece
+        beyond = station[pick] - on_piece[pick]
+        # Off a corner what lies on its outer side is beyond both pieces, and beside neither.
+        other = (piece + np.where(beyond > 0.0, 1, -1)) % len(self.lengths)
+        both = self.normals[piece] + self.normals[other]
+        corner = self.begin[piece] + on_piece[pick][:, None] * self.along[piece]
+        across = np.where(beyond == 0.0, off[pick], ((points - corner) * both).sum(axis=1))
+        near = np.hypot(off[pick], beyond) <= self.touching
+        side = np.where(near, 0, np.where(across > 0.0, RIGHT, LEFT))
+        return Near(piece, shares / shares.sum(axis=1)[:, None], station[pick], off, side)
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOf:
+    """What of a box lies on the left of a cut line, or of a region there, whose outline may lie beyond the box.
+
+    Parameters
+    ----------
+    line : CutLine
+    box : (x0, y0, x1, y1)
+    region : Part or None
+    """
+
+    line: CutLine
+    box: Box
+    region: Part | None = None
+
+    @property
+    def outline(self) -> Outline:
+        """The line, as far as it may meet the box, and the region's outline."""
+        x0, y0, x1, y1 = self.box
+        segments = self.line.extended(abs(x1 - x0) + abs(y1 - y0)).outline.segments
+        if self.region is None:
+            return Outline(segments)
+        around = self.region.outline
+        pieces = [_divided(a, b, around) for a, b in segments]
+        return Outline(np.concatenate([*pieces, around.segments]), around.circles)
+
+    @property
+    def area(self) -> float:
+        """That of the box, or of the region."""
+        x0, y0, x1, y1 = self.box
+        return (x1 - x0) * (y1 - y0) if self.region is None else self.region.area
+
+    @property
+    def bounds(self) -> Box:
+        """The box."""
+        return self.box
+
+    def contains(self, points: Floats) -> Bools:
+        """Whether each of the points (q, 2) is on the left, and in the region."""
+        left = self.line.near(points).side < 0
+        return left if self.region is None else np.asarray(left & self.region.contains(points))
+
+
+def _divided(a: Floats, b: Floats, outline: Outline) -> Floats:
+    """Pieces (k, 2, 2) of a segment, divided where it crosses an outline."""
+    along = b - a
+    other = outline.segments[:, 1] - outline.segments[:, 0]
+    offset = outline.segments[:, 0] - a
+    with np.errstate(divide="ignore", invalid="ignore"):
+        across = along[0] * other[:, 1] - along[1] * other[:, 0]
+        of_segments = (offset[:, 0] * other[:, 1] - offset[:, 1] * other[:, 0]) / across
+        x, y, radius = outline.circles.T
+        square, half = along @ along, (a[0] - x) * along[0] + (a[1] - y) * along[1]
+        root = np.sqrt(half**2 - square * ((a[0] - x) ** 2 + (a[1] - y) ** 2 - radius**2))
+        of_circles = np.concatenate([-half - root, -half + root]) / square
+    t = np.concatenate([[0.0, 1.0], of_segments, of_circles])
+    t = np.unique(t[(t >= 0.0) & (t <= 1.0)])
+    corners = a + t[:, None] * along
+    return np.stack([corners[:-1], corners[1:]], axis=1)

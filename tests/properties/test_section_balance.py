@@ -1,0 +1,122 @@
+"""Sections are in balance with what acts on either side of them, on any mesh, wherever they are."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from signorini import Model, solve
+from signorini.analysis.single import solve_one
+from signorini.contact.problem import contact_problem
+from signorini.discretise import discretise
+
+RECTANGLE = [(0.0, 0.0), (8.0, 0.0), (8.0, 6.0), (0.0, 6.0)]
+POLYGON = [(0.0, 0.0), (8.0, 0.0), (9.0, 4.0), (5.0, 6.5), (0.0, 6.0)]
+
+
+def on_left(corners, a, b):
+    """Area of what of a convex polygon is on the left of the line from a to b, and its first moment about the line."""
+    right = np.array([b[1] - a[1], a[0] - b[0]]) / math.dist(a, b)
+    points, kept = [np.array(p) for p in (*corners, corners[0])], []
+    for p, q in pairwise(points):
+        off, then = right @ (p - a), right @ (q - a)
+        kept += [p] if off <= 0 else []
+        kept += [p + (q - p) * off / (off - then)] if off * then < 0 else []
+    if len(kept) < 3:
+        return 0.0, 0.0
+    p = np.array(kept)
+    q = np.roll(p, -1, axis=0)
+    twice = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
+    return twice.sum() / 2, right @ (((p + q) * twice[:, None]).sum(axis=0) / 6 - a * twice.sum() / 2)
+
+
+def box(middle, a, b):
+    return [(middle[0] + i * a / 2, middle[1] + j * b / 2) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+
+
+def by_statics(on, forces, couples, a, b):
+    """Moment and shear through a line from a to b: reactions less loads on its left, and their moment about it."""
+    right = np.array([b[1] - a[1], a[0] - b[0]]) / math.dist(a, b)
+    shear = moment = 0.0
+    for pressure, corners in on:
+        area, first = on_left(corners, a, b)
+        shear, moment = shear - pressure * area, moment + pressure * first
+    for force, at in forces:
+        off = right @ (np.array(at) - a)
+        shear, moment = shear - force * (off < 0), moment + force * min(off, 0.0)
+    return moment + sum(right @ couple for couple, at in couples if right @ (np.array(at) - a) < 0), shear
+
+
+def solved(model, mesh=None):
+    if mesh is None:
+        return solve(model)["all"]
+    (combination,) = model.effective_combinations
+    return solve_one(contact_problem(discretise(model, mesh)), combination, lambda now: None)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("plate", ["rows", "followed", "across elements"])
+def test_statics_give_the_moment_and_the_shear(plate, seed):
+    """Of random loads and one-sided supports; meshes of polygons follow the line, if it is known to them."""
+    random = np.random.default_rng(seed)
+    corners = RECTANGLE if plate == "rows" else POLYGON
+    shape = {"shape": "rectangle", "size": [8, 6]} if plate == "rows" else {"shape": "polygon", "points": corners}
+    pushed, printed, spot = random.uniform([1.5, 1.5], [6.5, 4.5], (3, 2)).tolist()
+    wide, high, long, across = random.uniform(0.2, 2.0, 4).tolist()
+    q, p, f, g = (random.uniform(1e3, 3e3, 4) * [1, 2, 5, 3]).tolist()
+    sides = random.choice(len(corners), 2, replace=False)
+    shares = random.uniform(0.05, 0.95, 2)
+    a, b = (
+        np.array(corners[k]) + t * (np.array(corners[(k + 1) % len(corners)]) - corners[k])
+        for k, t in zip(sides, shares, strict=True)
+    )
+    tables = dict(
+        material={"E": 30e9, "nu": 0.2},
+        plate=shape | {"thickness": 0.25},
+        mesh={"size": 0.8},
+        support=[
+            {"at": random.uniform([0.3, 0.3], [7.0, 4.9], (6, 2)).tolist(), "resists": "down", "stiffness": 5e7},
+            {"at": [[0.3, 0.3], [7.5, 0.3], [0.3, 5.4], [7.4, 4.9]]},
+        ],
+        load=[
+            {"pressure": q},
+            {"pressure": p, "area": {"polygon": box(pushed, wide, high)}},
+            {"force": f, "at": printed, "patch": [long, across]},
+            {"force": g, "at": spot},
+            {"moment": [300, 500], "at": [2.2, 2.3]},
+        ],
+    )
+    mesh = discretise(Model(**tables)).mesh if plate == "across elements" else None
+    lines = [{"line": [a.tolist(), b.tolist()]}, {"line": [b.tolist(), a.tolist()]}]
+    result = solved(Model(**tables, section=lines), mesh)
+    on = [(q, corners), (p, box(pushed, wide, high)), (f / (long * across), box(printed, long, across))]
+    forces = [(g, spot), *((-r, at) for s in result.supports for at, r in zip(s.positions, s.reactions, strict=True))]
+    moment, shear = by_statics(on, forces, [((300, 500), (2.2, 2.3))], a, b)
+    there, back = result.sections
+    assert there.shear == pytest.approx(shear, abs=1e-12 * q * 48.0)
+    assert there.moment == pytest.approx(moment, abs=1e-12 * q * 48.0 * 8.0)
+    assert (back.moment, back.shear) == pytest.approx((there.moment, -there.shear), abs=1e-11 * q * 48.0 * 8.0)
+
+
+def test_strips_side_by_side_add_up_to_the_section(statics=1e-11):
+    """A column strip and a middle strip over the whole width, whose borders no mesh line follows."""
+    sections = [{"line": [[x, 0], [x, 6]]} for x in (2.0, 4.5)]
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [8, 6], "thickness": 0.25},
+        mesh={"size": 0.5},
+        support=[{"at": [[1, 1], [7, 1.3], [1, 5], [7, 5]], "resists": "down"}, {"at": [4.1, 3.3], "stiffness": 2e8}],
+        load=[{"pressure": 2e3}, {"force": 5e4, "at": [4.5, 2.3], "patch": [0.5, 0.7]}],
+        section=sections,
+        strip=[
+            {"line": [[2, 0.95], [4.5, 0.95]], "width": 1.9, "stations": 2},
+            {"line": [[2, 3.95], [4.5, 3.95]], "width": 4.1, "stations": 2},
+        ],
+    )
+    result = solved(model)
+    for station, section in enumerate(result.sections):
+        parts = [strip.stations[station] for strip in result.strips]
+        for number, size in (("moment", 1e5), ("twist", 1e5), ("shear", 1e5)):
+            total = sum(getattr(part, number) * part.width for part in parts)
+            assert total == pytest.approx(getattr(section, number), abs=statics * size)

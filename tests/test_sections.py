@@ -1,0 +1,197 @@
+"""Sections and strips as they are asked for, and written: tables, envelopes, paths, half-widths, errors."""
+
+import io
+import json
+import pickle
+import re
+
+import numpy as np
+import pytest
+from models import rectangular, tables
+from rich.console import Console
+
+from signorini import InputError, Model, path, solve
+from signorini.analysis.check import check
+from signorini.cli.tables import print_results
+from signorini.output.envelope_json import envelope_json
+from signorini.output.load_path import path_csv, path_json
+from signorini.output.tables import results_json
+from signorini.plot import Plan, check_picture
+from signorini.results.marks import cut_marks
+
+SECTIONS = [{"name": "A", "line": [[2, 0], [2, 4]]}, {"line": [[0.7, 0.4], [3.1, 2.9]]}]
+STRIPS = [{"name": "middle", "line": [[0, 2], [4, 2]], "width": 1.5, "stations": 5}]
+ASKED = {
+    "support": [
+        {"name": "walls", "edge": ["left", "right"], "resists": "down"},
+        {"name": "soil", "area": {"rectangle": [1, 1, 3, 3.2]}, "resists": "down", "stiffness": 2e6},
+        {"name": "column", "at": [3, 1], "patch": [0.4, 0.3], "resists": "down"},
+    ],
+    "load": [
+        {"case": "G", "pressure": 5e3},
+        {"case": "Q", "force": 4e4, "at": [1.4, 2.2], "patch": [0.5, 0.5]},
+        {"case": "T", "curvature": [1e-4, 0, 0]},
+    ],
+    "section": SECTIONS,
+    "strip": STRIPS,
+}
+
+
+def numbers(result):
+    stations = [station for strip in result.strips for station in strip.stations]
+    return np.array([[one.moment, one.twist, one.shear] for one in (*result.sections, *stations)])
+
+
+def several(count, soil, **more):
+    combinations = [{"name": f"{i}", "factors": {"G": 1, "Q": 0.1 * i, "T": 0.2}} for i in range(count)]
+    supports = [one for one in ASKED["support"] if soil or one["name"] != "soil"]
+    return rectangular(**ASKED | {"support": supports}, combination=combinations, **more)
+
+
+@pytest.mark.parametrize("soil", [False, True])
+def test_a_table_and_its_envelope_have_what_each_combination_has_alone(soil):
+    """By sums of responses, and side by side."""
+    each = solve(several(4, soil, output={"combinations": "each"}, mesh={"divisions": [5, 5], "error": False}))
+    table = solve(several(4, soil, output={"combinations": "table"}, mesh={"divisions": [5, 5], "error": False}))
+    assert (table.combined.alone < 4) == (not soil)
+    alone = np.array([numbers(each[key]) for key in each])
+    size = np.abs(alone).max(axis=(0, 1))
+    columns = table.table
+    assert columns["section[A]:moment"] == pytest.approx(alone[:, 0, 0], abs=1e-9 * size[0])
+    assert columns["section[section 2]:shear"] == pytest.approx(alone[:, 1, 2], abs=1e-9 * size[2])
+    assert columns["strip[middle][3]:twist"] == pytest.approx(alone[:, 4, 1], abs=1e-9 * size[1])
+    written = envelope_json(table)
+    largest = written["sections"][0]["moment"]
+    assert largest["max"] == pytest.approx(alone[:, 0, 0].max())
+    assert largest["max_by"] == f"{alone[:, 0, 0].argmax()}"
+    assert written["strips"][0]["stations"][4]["shear"]["min"] == pytest.approx(
+        alone[:, 6, 2].min(), abs=1e-9 * size[2]
+    )
+
+
+def test_results_have_every_number_with_its_half_width():
+    results = solve(rectangular(**ASKED))
+    (found,) = results_json(results)["combinations"]
+    section, strip = found["sections"][0], found["strips"][0]
+    assert list(section) == ["name", "length", "moment", "twist", "shear"]
+    assert [len(strip["stations"]), strip["stations"][1]["at"]] == [5, [1.0, 2.0]]
+    assert list(strip) == ["name", "max_moment", "max_at", "min_moment", "min_at", "stations"]
+    assert list(strip["stations"][0]) == ["at", "width", "moment", "twist", "shear"]
+    assert strip["max_moment"] == max(station["moment"] for station in strip["stations"])
+    widths = found["plus_minus"]
+    assert widths["sections"][0]["length"] == 0
+    assert 0 <= widths["sections"][1]["moment"] < 0.1 * abs(found["sections"][1]["moment"])
+    assert widths["strips"][0]["stations"][2]["moment"] >= 0
+    assert widths["strips"][0]["max_at"] == [None, None]
+    json.dumps(found, allow_nan=False)
+
+
+def test_half_widths_hold_what_a_fine_mesh_has():
+    """Of a section that ends inside, and of a strip over a support at a point."""
+    asked = {
+        "support": [{"edge": ["left", "right"], "fix": "simple"}, {"at": [2, 2]}],
+        "load": [{"pressure": 5e3}],
+        "section": [{"line": [[1.1, 0.6], [2.9, 3.1]]}],
+        "strip": [{"line": [[0.5, 2], [3.5, 2]], "width": 1.2, "stations": 7}],
+    }
+    coarse = solve(rectangular(divisions=(8, 8), **asked))["all"]
+    fine = solve(rectangular(divisions=(32, 32), **asked))["all"]
+    widths = coarse.plus_minus
+    pairs = [(coarse.sections[0], fine.sections[0], widths["sections"][0])]
+    pairs += zip(coarse.strips[0].stations, fine.strips[0].stations, widths["strips"][0]["stations"], strict=True)
+    held = [abs(getattr(a, key) - getattr(b, key)) <= w[key] for a, b, w in pairs for key in ("moment", "shear")]
+    assert np.mean(held) > 0.9
+
+
+def test_a_load_path_has_them_at_every_stop():
+    model = rectangular(**ASKED)
+    found = path(model, start="G", add="Q", until=2.0)
+    written = path_json(found)
+    t = written["stops"][1]["t"]
+    there = numbers(found.at(t))
+    stop = written["stops"][1]
+    assert stop["sections"][0]["shear"] == pytest.approx(there[0, 2], abs=1e-9 * np.abs(there).max())
+    assert stop["strips"][0]["stations"][2]["moment"] == pytest.approx(there[4, 0], abs=1e-9 * np.abs(there).max())
+    assert "section[A]:moment" in path_csv(found).splitlines()[0]
+
+
+def test_a_moving_wheel_passes_under_a_section():
+    """The shear of a simple span falls by the wheel as it passes."""
+    model = rectangular(
+        size=(8, 2),
+        divisions=(16, 4),
+        support=[{"edge": ["left", "right"], "fix": "simple"}],
+        load=[{"case": "G", "pressure": 1}],
+        moving=[{"case": "wheel", "line": [[0.5, 1], [7.5, 1]], "step": 1.0, "axles": [[0, 1e4]], "patch": [0.3, 0.3]}],
+        combination=[{"generate": "positions", "factors": {"wheel": 1.0}}],
+        section=[{"line": [[4, 0], [4, 2]]}],
+        mesh={"divisions": [16, 4], "error": False},
+    )
+    results = solve(model)
+    places = np.arange(0.5, 8)
+    assert results.table["section[section 1]:shear"] == pytest.approx(
+        np.where(places < 4, -1e4 * places / 8, 1e4 * (8 - places) / 8)
+    )
+    assert results.table["section[section 1]:moment"] == pytest.approx(1e4 * np.minimum(places, 8 - places) / 2)
+
+
+def test_the_terminal_has_a_row_for_each_with_its_half_widths():
+    console = Console(file=io.StringIO(), width=200)
+    units = {"length": "m", "force": "N"}
+    print_results(console, solve(rectangular(**ASKED, units=units)))
+    print_results(console, solve(several(3, False, units=units, output={"combinations": "table"})))
+    shown = console.file.getvalue()
+    number = r"-?[\d.]+(e[-+]\d+)?( ± [\d.e-]+)?"
+    assert re.search(
+        rf"section +moment \[N m\] +twist \[N m\] +shear \[N\]\n─+\nA +{number} +{number} +{number}\n", shown
+    )
+    assert re.search(rf"strip +largest mean moment \[N m/m\] .*\n─+\nmiddle +{number} +\[", shown)
+    assert re.search(rf"A, moment \[N m\] +{number} +\d +{number} +\d\n", shown)
+
+
+def test_results_with_sections_can_be_pickled():
+    result = solve(rectangular(**ASKED))["all"]
+    again = pickle.loads(pickle.dumps(result))
+    assert again.sections == result.sections
+    assert again.strips == result.strips
+
+
+def test_asking_for_strips_changes_nothing_else():
+    bare = {key: value for key, value in ASKED.items() if key not in ("section", "strip")}
+    with_strips, without = (solve(rectangular(**asked))["all"] for asked in (bare | {"strip": STRIPS}, bare))
+    assert np.array_equal(with_strips.deflection, without.deflection)
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"section": [{"line": [[0, 0], [5, 4]]}]}, r"section\[1\]\.line: The line ends at \[5, 4\], off the plate"),
+        ({"section": [{"line": [[1, 1], [1, 1]]}]}, r"section\[1\]\.line.*point 1 and the one after it are the same"),
+        ({"section": [{"line": [[1, 1]]}]}, r"section\[1\]\.line.*at least 2 points"),
+        ({"section": [{"name": "A"}]}, r"section\[1\]\.line.*missing"),
+        ({"section": SECTIONS[:1] * 2}, r'section\[2\]\.name.*the name "A" is taken by section\[1\]'),
+        ({"section": [{"lines": [[1, 1], [2, 2]]}]}, "unknown key 'lines'. Did you mean 'line'"),
+        ({"strip": [STRIPS[0] | {"width": 4.5}]}, r"strip\[1\]\.width.*The strip reaches beyond the plate at"),
+        ({"strip": [STRIPS[0] | {"width": 0}]}, r"strip\[1\]\.width"),
+        ({"strip": [STRIPS[0] | {"stations": 1}]}, r"strip\[1\]\.stations"),
+        ({"strip": STRIPS * 2}, r'strip\[2\]\.name.*the name "middle" is taken by strip\[1\]'),
+    ],
+)
+def test_what_cannot_be_is_said_with_its_place(asked, message):
+    with pytest.raises(InputError, match=message):
+        solve(Model(**tables(**{**ASKED, "section": [], "strip": []} | asked)))
+
+
+def test_the_check_picture_names_them(tmp_path):
+    found = check(rectangular(**ASKED))
+    marks = cut_marks(found.discretisation.model)
+    assert [(mark.name, mark.borders is None) for mark in marks] == [
+        ("A", True),
+        ("section 2", True),
+        ("middle", False),
+    ]
+    assert marks[2].borders[:, 0].tolist() == [[0.0, 2.75], [0.0, 1.25]]
+    axes = check_picture(
+        Plan.of(found.discretisation.mesh.points, found.discretisation.mesh.elements), cuts=marks
+    ).axes[0]
+    assert {"A", "section 2", "middle"} <= {text.get_text() for text in axes.texts}
