@@ -151,9 +151,10 @@ impl Rows {
     /// Row times displacement, minus `offset`, in double-double.
     pub fn beyond(&self, plate: &Plate, row: usize, displacement: &Displacement, offset: f64) -> f64 {
         let mut sum = DoubleDouble::from(-offset);
-        for (dof, c) in self.entries(plate, row) {
-            sum = sum + displacement.at(dof).times(c);
-        }
+        self.entries(plate, row).for_each(|(dof, c)| {
+            sum.add_product(c, displacement.hi[dof]);
+            sum.lo += c * displacement.lo[dof];
+        });
         sum.value()
     }
 
@@ -164,9 +165,7 @@ impl Rows {
 
     /// Adds `factor` times the row to a nodal vector.
     pub fn scatter(&self, plate: &Plate, row: usize, factor: f64, vector: &mut [f64]) {
-        for (dof, c) in self.entries(plate, row) {
-            vector[dof] += factor * c;
-        }
+        self.entries(plate, row).for_each(|(dof, c)| vector[dof] += factor * c);
     }
 }
 
@@ -218,8 +217,9 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
     let forces = each_moving_element(plate, displacement, |e| nodal_force(plate, e, displacement));
     let mut out = load.to_vec();
     scatter(plate, &forces, -1.0, &mut out);
-    for row in 0..springs.rows.len() {
-        let stretch = springs.rows.beyond(plate, row, displacement, springs.base[row]);
+    let stretch = |row: usize| springs.rows.beyond(plate, row, displacement, springs.base[row]);
+    let stretches: Vec<f64> = (0..springs.rows.len()).into_par_iter().with_min_len(1024).map(stretch).collect();
+    for (row, stretch) in stretches.into_iter().enumerate() {
         springs.rows.scatter(plate, row, -springs.stiffness[row] * stretch, &mut out);
     }
     out
