@@ -337,6 +337,7 @@ def test_every_entry_into_the_core_works_on_the_threads_of_its_process() -> None
 def test_complementarity_knows_nothing_of_plates() -> None:
     places = {place: text for place, text in rust("core").items() if place.startswith("core/src/lcp")}
     foreign = {
-        place: re.findall(r"\bcrate::(?!lcp\b|dense\b|double_double\b|vectorized\b)\w+", text) for place, text in places.items()
+        place: re.findall(r"\bcrate::(?!lcp\b|dense\b|double_double\b|vectorized\b)\w+", text)
+        for place, text in places.items()
     }
     assert {place: names for place, names in foreign.items() if names} == {}
