@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import os
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from itertools import pairwise
 from typing import TypeVar
 
 from signorini.errors import InputError, point
-from signorini.formats.drawing import GAP, Corner, Drawing, Loop, flattened
+from signorini.formats.drawing import GAP, Corner, Drawing, Loop, about, flattened
+from signorini.formats.drawing_checked import checked
 from signorini.formats.dxf_layers import Layer, read_layers
 
 _T = TypeVar("_T")
@@ -23,8 +25,6 @@ _TURN = math.radians(4)
 """Turn of the chords of arcs that are asked whether they are on the plate."""
 _STEP = 0.1
 """Metres between points at which lines are asked whether they are on the plate."""
-_MOST_PLACES = 3
-"""Places that a line of what is left names."""
 
 
 def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str | None = None) -> Drawing:
@@ -70,20 +70,21 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str 
 
     points = _points(found[names["points"]], on_plate, left) if names["points"] else {}
     lines = _lines(found[names["lines"]], on_plate, left) if names["lines"] else []
-    took = [
-        f"outline: {_sides(outline)}, {outline.area:.6g} m², layer {layer}",
-        *(f"hole {i}: {_sides(hole)} about {point(hole.middle)}" for i, hole in enumerate(holes, 1)),
-        *(f"zone {i}: {_sides(zone)} about {point(zone.middle)}" for i, zone in enumerate(zones, 1)),
-        *(f"points: {len(at)}{_footprint(footprint)}" for footprint, at in points.items()),
-        *([f"lines: {len(lines)}"] if lines else []),
-    ]
     left += [f"layer {name}: {rest}" for name, rest in sorted(found.items()) if str(rest)]
     if inside := sum(map(outline.holds, found[layer].loops)):
         left.append(
             f"{inside} of the closed lines of layer {layer} are inside the outline: if they are holes, put them on "
             f"layer {names['holes']}"
         )
-    return Drawing(outline, tuple(holes), tuple(zones), points, tuple(lines), tuple(took), tuple(left))
+    drawing = checked(Drawing(outline, tuple(holes), tuple(zones), points, tuple(lines), (), tuple(left)))
+    took = [
+        f"outline: {_sides(drawing.outline)}, {drawing.outline.area:.6g} m², layer {layer}",
+        *(f"hole {i}: {_sides(hole)} about {point(hole.middle)}" for i, hole in enumerate(drawing.holes, 1)),
+        *(f"zone {i}: {_sides(zone)} about {point(zone.middle)}" for i, zone in enumerate(drawing.zones, 1)),
+        *(f"points: {len(at)}{_footprint(footprint)}" for footprint, at in drawing.points.items()),
+        *([f"lines: {len(drawing.lines)}"] if drawing.lines else []),
+    ]
+    return replace(drawing, took=tuple(took))
 
 
 def _parted(loops: Iterable[Loop], kept: Callable[[Loop], bool]) -> tuple[list[Loop], list[Loop]]:
@@ -98,12 +99,7 @@ def _told(loops: Iterable[Loop], what: str, why: str) -> Iterator[str]:
     """Say where loops are that were left, and why."""
     middles = [loop.middle for loop in loops]
     if middles:
-        yield f"{what}: {len(middles)}{_about(middles)}: {why}"
-
-
-def _about(places: Sequence[tuple[float, float]]) -> str:
-    more = ", …" if len(places) > _MOST_PLACES else ""
-    return f", at {', '.join(map(point, places[:_MOST_PLACES]))}{more}"
+        yield f"{what}: {len(middles)}{about(middles)}: {why}"
 
 
 def _all_of(things: list[_T]) -> list[_T]:
@@ -125,7 +121,7 @@ def _named(role: str, wanted: str | None, found: Mapping[str, Layer]) -> str | N
 def _outline(layer: str | None, found: Mapping[str, Layer]) -> tuple[Loop, str]:
     candidates = [(loop, name) for name, one in found.items() if layer in (None, name) for loop in one.loops]
     if candidates:
-        return max(candidates, key=lambda pair: pair[0].area)
+        return max(candidates, key=lambda pair: _size(pair[0]))
     where = "the drawing" if layer is None else f"layer {layer}"
     ends = [line for name, one in found.items() if layer in (None, name) for line in one.lines]
     if not ends:
@@ -139,6 +135,12 @@ def _outline(layer: str | None, found: Mapping[str, Layer]) -> tuple[Loop, str]:
     )
 
 
+def _size(loop: Loop) -> float:
+    """Area; of a line that crosses itself parts of it cancel, so that of its box."""
+    left, bottom, right, top = loop.box
+    return loop.area if loop.is_simple else (right - left) * (top - bottom)
+
+
 def _points(
     layer: Layer, on_plate: Callable[..., bool], left: list[str]
 ) -> dict[tuple[float, ...], list[tuple[float, float]]]:
@@ -146,10 +148,16 @@ def _points(
 
     An area that is filled and outlined is one place.
     """
-    shapes: list[tuple[Loop | None, tuple[float, float]]] = [(None, at) for at in _all_of(layer.points)]
+    shapes: list[tuple[Loop | None, tuple[float, float]]] = []
+    twice: list[tuple[float, float]] = []
     for loop in _all_of(layer.loops) + [_as_circle(fill) for fill in _all_of(layer.fills)]:
-        if not any(one is not None and math.dist(at, loop.middle) < GAP for one, at in shapes):
+        if not any(math.dist(at, loop.middle) < GAP for _, at in shapes):
             shapes.append((loop, loop.middle))
+    for place in _all_of(layer.points):
+        if any(math.dist(at, place) < GAP for _, at in shapes):
+            twice.append(place)
+        else:
+            shapes.append((None, place))
     found: dict[tuple[float, ...], list[tuple[float, float]]] = defaultdict(list)
     off: list[tuple[float, float]] = []
     over, askew, loose = off.copy(), off.copy(), off.copy()
@@ -168,12 +176,13 @@ def _points(
                 footprint = tuple(round(part, 3) for part in size)
         found[footprint].append(at)
     for places, why in (
+        (twice, "drawn twice; taken once"),
         (off, "not on the plate; left"),
         (over, "their shape reaches beyond the plate; points without footprint"),
         (askew, "rectangles askew, and a patch is along the axes; points without footprint"),
         (loose, "neither circles nor rectangles; points without footprint"),
     ):
-        left += [f"points: {len(places)}{_about(places)}: {why}"] if places else []
+        left += [f"points: {len(places)}{about(places)}: {why}"] if places else []
     return dict(found)
 
 
@@ -202,7 +211,7 @@ def _lines(layer: Layer, on_plate: Callable[..., bool], left: list[str]) -> list
             lines.append(line)
         else:
             off.append(chords[0])
-    left += [f"lines: {len(off)}{_about(off)}: not on the plate; left"] if off else []
+    left += [f"lines: {len(off)}{about(off)}: not on the plate; left"] if off else []
     return lines
 
 
