@@ -175,10 +175,21 @@ class Loop:
         return all(self.has(*at) or self.near(*at) for at in points)
 
 
+def place(at: tuple[float, float]) -> str:
+    """Write a place [m] without the digits that are rounding.
+
+    Examples
+    --------
+    >>> place((1.5, 6e-17))
+    '[1.5, 0]'
+    """
+    return point(at, size=1.0)
+
+
 def about(places: Sequence[tuple[float, float]]) -> str:
     """Say where things are, of many where the first are."""
     more = ", …" if len(places) > _MOST_PLACES else ""
-    return f", at {', '.join(map(point, places[:_MOST_PLACES]))}{more}"
+    return f", at {', '.join(map(place, places[:_MOST_PLACES]))}{more}"
 
 
 def flattened(line: Sequence[Corner], turn: float) -> list[tuple[float, float]]:

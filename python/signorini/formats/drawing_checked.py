@@ -7,8 +7,8 @@ from collections import defaultdict
 from dataclasses import replace
 
 from signorini.discretise import discretise
-from signorini.errors import InputError, Place, point
-from signorini.formats.drawing import Drawing
+from signorini.errors import InputError, Place
+from signorini.formats.drawing import Drawing, place
 from signorini.formats.drawing_toml import drawing_as_toml
 from signorini.model import validate
 
@@ -55,18 +55,18 @@ def _without(drawing: Drawing, faults: dict[Place, str]) -> Drawing | None:
         match path:
             case ("plate", "holes", int(i), *_):
                 off["holes"].add(i)
-                left.append(f"holes: at {point(drawing.holes[i].middle)}: {message}")
+                left.append(f"holes: at {place(drawing.holes[i].middle)}: {message}")
             case ("zone", int(i), *_):
                 off["zones"].add(i)
-                left.append(f"zones: at {point(drawing.zones[i].middle)}: {message}")
+                left.append(f"zones: at {place(drawing.zones[i].middle)}: {message}")
             case ("support", int(i), *rest) if i < len(points):
                 footprint, at = list(drawing.points.items())[i]
                 those = [at[rest[1]]] if len(rest) > 1 and isinstance(rest[1], int) else at
-                points[footprint] = [place for place in points[footprint] if place not in those]
-                left.append(f"points: at {', '.join(map(point, those))}: {message}")
+                points[footprint] = [one for one in points[footprint] if one not in those]
+                left.append(f"points: at {', '.join(map(place, those))}: {message}")
             case ("support", int(i), *_):
                 off["lines"].add(i - len(points))
-                left.append(f"lines: at {point(drawing.lines[i - len(points)][0][:2])}: {message}")
+                left.append(f"lines: at {place(drawing.lines[i - len(points)][0][:2])}: {message}")
     if not left:
         return None
     return replace(

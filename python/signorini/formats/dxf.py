@@ -10,8 +10,8 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import TypeVar
 
-from signorini.errors import InputError, point
-from signorini.formats.drawing import GAP, Corner, Drawing, Loop, about, flattened
+from signorini.errors import InputError
+from signorini.formats.drawing import GAP, Corner, Drawing, Loop, about, flattened, place
 from signorini.formats.drawing_checked import checked
 from signorini.formats.dxf_layers import Layer, read_layers
 
@@ -79,8 +79,8 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str 
     drawing = checked(Drawing(outline, tuple(holes), tuple(zones), points, tuple(lines), (), tuple(left)))
     took = [
         f"outline: {_sides(drawing.outline)}, {drawing.outline.area:.6g} m², layer {layer}",
-        *(f"hole {i}: {_sides(hole)} about {point(hole.middle)}" for i, hole in enumerate(drawing.holes, 1)),
-        *(f"zone {i}: {_sides(zone)} about {point(zone.middle)}" for i, zone in enumerate(drawing.zones, 1)),
+        *(f"hole {i}: {_sides(hole)} about {place(hole.middle)}" for i, hole in enumerate(drawing.holes, 1)),
+        *(f"zone {i}: {_sides(zone)} about {place(zone.middle)}" for i, zone in enumerate(drawing.zones, 1)),
         *(f"points: {len(at)}{_footprint(footprint)}" for footprint, at in drawing.points.items()),
         *([f"lines: {len(drawing.lines)}"] if drawing.lines else []),
     ]
@@ -129,8 +129,8 @@ def _outline(layer: str | None, found: Mapping[str, Layer]) -> tuple[Loop, str]:
     longest = max(ends, key=len)
     first, last = longest[0], longest[-1]
     raise InputError(
-        f"no line of {where} is closed. The longest has {len(longest) - 1} sides and ends at {point(first[:2])} and "
-        f"{point(last[:2])} m. Join these ends in the drawing.",
+        f"no line of {where} is closed. The longest has {len(longest) - 1} sides and ends at {place(first[:2])} and "
+        f"{place(last[:2])} m. Join these ends in the drawing.",
         place="outline",
     )
 
@@ -153,11 +153,11 @@ def _points(
     for loop in _all_of(layer.loops) + [_as_circle(fill) for fill in _all_of(layer.fills)]:
         if not any(math.dist(at, loop.middle) < GAP for _, at in shapes):
             shapes.append((loop, loop.middle))
-    for place in _all_of(layer.points):
-        if any(math.dist(at, place) < GAP for _, at in shapes):
-            twice.append(place)
+    for one in _all_of(layer.points):
+        if any(math.dist(at, one) < GAP for _, at in shapes):
+            twice.append(one)
         else:
-            shapes.append((None, place))
+            shapes.append((None, one))
     found: dict[tuple[float, ...], list[tuple[float, float]]] = defaultdict(list)
     off: list[tuple[float, float]] = []
     over, askew, loose = off.copy(), off.copy(), off.copy()
