@@ -13,7 +13,7 @@ from typing import TypeVar
 from signorini.errors import InputError
 from signorini.formats.drawing import GAP, Corner, Drawing, Loop, about, flattened, place
 from signorini.formats.drawing_checked import checked
-from signorini.formats.dxf_layers import Layer, read_layers
+from signorini.formats.dxf_entities import Layer, layers_in
 
 _T = TypeVar("_T")
 
@@ -49,7 +49,7 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str 
     SignoriniError
         If the file cannot be read, or ezdxf, which reads it, is not there.
     """
-    found = read_layers(path, unit)
+    found = layers_in(path, unit)
     names = {role: _named(role, layers.get(role), found) for role in ROLES}
     outline, layer = _outline(names["outline"], found)
     found[layer].loops.remove(outline)

@@ -58,7 +58,7 @@ class Layer:
         return "; ".join([*placed, *(f"{count} {kind}" for kind, count in sorted(self.others.items()))])
 
 
-def read_layers(path: str | os.PathLike[str], unit: str | None) -> dict[str, Layer]:
+def layers_in(path: str | os.PathLike[str], unit: str | None) -> dict[str, Layer]:
     """Read every layer that has something, by name; what is not shown counts as other things.
 
     Raises
