@@ -3,17 +3,20 @@
 import math
 import tomllib
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import ezdxf
 import pytest
 from ezdxf.document import Drawing as Document
+from ezdxf.layouts import Modelspace
 from typer.testing import CliRunner
 
 import signorini
 from signorini.analysis.check import check
 from signorini.cli.commands import app
 from signorini.errors import InputError
+from signorini.formats.drawing import Drawing
 from signorini.formats.drawing_toml import drawing_as_toml
 from signorini.formats.dxf import read_dxf
 
@@ -82,7 +85,44 @@ def test_closed_lines_within_the_outline_on_its_layer_are_holes(tmp_path: Path) 
     space.add_circle((60000, 3000), 400, on("A"))
     drawing = read_dxf(saved(made, tmp_path), {})
     assert [round(hole.area, 6) for hole in drawing.holes] == [round(math.pi * 0.5**2, 6), round(math.pi * 0.4**2, 6)]
-    assert drawing.left == ("layer A: 1 closed line",)
+    assert drawing.left == ("layer A: 1 closed line, at [60, 3]",)
+
+
+def arcs(space: Modelspace, layer: str, x: float, y: float, radius: float) -> None:
+    for start in (0, 180):
+        space.add_arc((x, y), radius, start, start + 180, dxfattribs=on(layer))
+
+
+def test_arcs_and_splines_that_mirror_each_other_are_two(tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    arcs(space, "outline", 0, 0, 5)
+    arcs(space, "holes", 2, 0, 1)
+    space.add_arc((-2, 0), 2, 60, 120, dxfattribs=on("holes"))
+    space.add_arc((-2, 2 * math.sqrt(3)), 2, 240, 300, dxfattribs=on("holes"))
+    for y in (1, -1):
+        space.add_open_spline([(-1, 0), (-0.5, 0.5 * y), (0.5, -0.5 * y), (1, 0)], dxfattribs=on("lines"))
+    drawing = read_dxf(saved(made, tmp_path), {})
+    assert drawing.outline.area == pytest.approx(25 * math.pi)
+    assert [hole.area for hole in drawing.holes] == pytest.approx([math.pi, 8 * (math.pi / 6 - math.sqrt(3) / 4)])
+    assert not drawing.lines and "closed line" in drawing.left[-1]
+
+
+def test_what_is_drawn_twice_counts_once_in_any_sense(tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    space.add_arc((0, 0), 5, 0, 180)
+    space.add_lwpolyline([(-5, 0, -1), (5, 0)], "xyb")
+    space.add_line((-5, 0), (5, 0))
+    space.add_line((5, 0), (-5, 1e-7))
+    drawing = read_dxf(saved(made, tmp_path), {})
+    assert drawing.outline.area == pytest.approx(12.5 * math.pi) and not drawing.left
+
+
+def test_a_whole_turn_drawn_as_an_arc_is_closed(tmp_path: Path) -> None:
+    made = document(6)
+    made.modelspace().add_arc((1, 2), 5, 0, 360)
+    assert read_dxf(saved(made, tmp_path), {}).outline.area == pytest.approx(25 * math.pi)
 
 
 def test_footprints_of_points_are_read_from_blocks_turned_scaled_and_repeated(tmp_path: Path) -> None:
@@ -279,7 +319,7 @@ def test_what_is_left_is_listed_by_layer_and_kind(tmp_path: Path) -> None:
     space.add_line((0, 0), (1, 1), on("notes"))
     space.add_line((0, 0), (1, 1), on("old"))
     left = read_dxf(saved(made, tmp_path), {"outline": "slab"}).left
-    assert left == ("layer notes: 1 open line, 1 TEXT", "layer old: 1 hidden LINE")
+    assert left == ("layer notes: 1 open line, at [0, 0]; 1 TEXT", "layer old: 1 hidden LINE")
 
 
 @pytest.mark.parametrize(
@@ -377,3 +417,112 @@ def test_a_floor_of_twenty_columns_two_shafts_and_a_drop_panel_goes_from_its_dra
     widths = result.plus_minus["supports"][0]["points"]
     assert all(0 < one["reaction"] < 0.01 * reactions.max() for one in widths)
     assert len(result.stress_nodes.further) >= 4
+
+
+def accepted(drawing: Drawing, directory: Path) -> None:
+    """Check what is written of a drawing, on soil so that it stands."""
+    target = directory / "floor.toml"
+    target.write_text(drawing_as_toml(drawing, "floor") + "\n[[support]]\narea = 'all'\nstiffness = 1e7\n", "utf-8")
+    check(signorini.load(target))
+
+
+@pytest.mark.parametrize("end", [180, 30, 3])
+@pytest.mark.parametrize("begin", [0, 180])
+def test_an_arc_and_its_chord_are_read_back(begin: int, end: int, tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    for layer, (x, radius) in {"outline": (0, 50), "zones": (20, 9), "holes": (-20, 9)}.items():
+        y = 0 if layer == "outline" else 15 * math.cos(math.radians(begin))
+        arc = space.add_arc((x, y), radius, begin, begin + end, dxfattribs=on(layer))
+        space.add_line(arc.start_point, arc.end_point, on(layer))
+    drawing = read_dxf(saved(made, tmp_path), {})
+    turn = math.radians(end)
+    assert drawing.outline.area == pytest.approx(50**2 * (turn - math.sin(turn)) / 2)
+    assert end < 180 or (len(drawing.holes), len(drawing.zones), drawing.left) == (1, 1, ())
+    accepted(drawing, tmp_path)
+
+
+def test_a_point_drawn_twice_is_taken_once(tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    space.add_lwpolyline([(0, 0), (6, 0), (6, 4), (0, 4)], close=True)
+    for at in ((1, 1), (5, 1), (1, 1), (5, 3)):
+        space.add_point(at, dxfattribs=on("points"))
+    space.add_circle((5, 3), 0.2, on("points"))
+    drawing = read_dxf(saved(made, tmp_path), {})
+    assert drawing.points == {(): [(1, 1), (5, 1)], (0.2,): [(5, 3)]}
+    assert drawing.left == ("points: 2, at [1, 1], [5, 3]: drawn twice; taken once",)
+    accepted(drawing, tmp_path)
+
+
+def test_holes_in_holes_and_holes_that_touch_are_left_and_told(tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    space.add_lwpolyline([(0, 0), (12, 0), (12, 7), (0, 7)], close=True)
+    for x, y, radius in ((3, 3, 1), (3, 3, 0.5), (7, 3, 1), (9, 3, 1)):
+        space.add_circle((x, y), radius, on("holes"))
+    space.add_lwpolyline([(10, 5), (11, 6), (11, 5), (10, 6)], close=True, dxfattribs=on("zones"))
+    drawing = read_dxf(saved(made, tmp_path), {})
+    assert [hole.middle for hole in drawing.holes] == [(3, 3), (7, 3)] and not drawing.zones
+    assert sorted(left.partition(". ")[0] for left in drawing.left) == [
+        "holes: at [3, 3]: hole 2 at [3.5, 3] is inside hole 1",
+        "holes: at [9, 3]: hole 3 and hole 4 cross or touch at [8, 3]",
+        "zones: at [10.5, 5.5]: The polygon crosses or touches itself: the sides from corners 1 and 3 meet",
+    ]
+    accepted(drawing, tmp_path)
+
+
+@pytest.mark.parametrize("right", [4, 5])
+def test_an_outline_that_crosses_itself_is_refused_with_the_place(right: float, tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    space.add_lwpolyline([(0, 0), (4, 4), (right, 0), (0, 4)], close=True, dxfattribs=on("outline"))
+    space.add_circle((1, 2), 0.1, on("outline"))
+    with pytest.raises(InputError, match=r"outline: .*edge 1 and edge 3 cross or touch at \["):
+        read_dxf(saved(made, tmp_path), {})
+
+
+def test_slivers_are_left_with_their_place(tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    space.add_lwpolyline([(0, 0), (6, 0), (6, 4), (0, 4)], close=True)
+    space.add_lwpolyline([(1, 1), (3, 1), (3, 1.0002), (1, 1.0002)], close=True)
+    assert read_dxf(saved(made, tmp_path), {}).left == ("layer 0: 1 sliver, at [2, 1]",)
+
+
+def ring(random: Random, space: Modelspace, layer: str, x: float, y: float, radius: float) -> None:
+    """A closed shape of lines, arcs and bulges, as one polyline or as many entities, at times one that crosses."""
+    count = random.randint(2, 6)
+    angles = [math.tau * (i + 0.8 * random.random()) / count for i in range(count)]
+    if random.random() < 0.15:
+        random.shuffle(angles)
+    corners = []
+    for angle in angles:
+        far = radius * random.uniform(0.5, 1.0)
+        corners.append((x + far * math.cos(angle), y + far * math.sin(angle)))
+    bulges = [random.choice([0.0, 0.0, random.uniform(-0.6, 1.0)]) for _ in corners]
+    bulges[0] = bulges[0] or float(count == 2)
+    whole = random.random() < 0.5
+    sides = [(*at, bulge) for at, bulge in zip(corners, bulges, strict=True)]
+    polyline = space.add_lwpolyline(sides, "xyb", close=True, dxfattribs=on(layer))
+    if not whole:
+        polyline.explode()
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_is_written_of_random_drawings_is_accepted_or_told(seed: int, tmp_path: Path) -> None:
+    random = Random(seed)
+    made = document(6)
+    space = made.modelspace()
+    ring(random, space, "outline", 0, 0, 10)
+    for layer in ("holes", "holes", "zones", "points"):
+        ring(random, space, layer, random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(0.3, 3))
+    for _ in range(6):
+        space.add_point((random.randint(-4, 4), random.randint(-4, 4)), dxfattribs=on("points"))
+    try:
+        drawing = read_dxf(saved(made, tmp_path), {})
+    except InputError as error:
+        assert "cross or touch" in str(error) or "folds back" in str(error)
+        return
+    if not any(left.startswith("outline: ") for left in drawing.left):
+        accepted(drawing, tmp_path)

@@ -9,10 +9,15 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
+from signorini.errors import InputError, point
+from signorini.shapes import Polygon
+
 GAP = 1e-3
 """Metres between ends that count as one place: less than anything built, more than a careless end."""
 _WALL = 3.0
 """Length over width from which on a rectangle is a wall."""
+_MOST_PLACES = 3
+"""Places that are named of many."""
 _FINE = math.radians(4)
 """Turn of the chords that stand for arcs where it is asked what is inside."""
 
@@ -139,7 +144,30 @@ class Loop:
         if self.radius:
             right, left = (Corner(self.corners[0].x + side * self.radius, self.corners[0].y, 1.0) for side in (1, -1))
             return Loop((right, left)).points
-        return flattened((*self.corners, self.corners[0]), _FINE)[:-1]
+        return self.chords(_FINE)
+
+    def chords(self, turn: float) -> list[tuple[float, float]]:
+        """Corners [m], and of arcs points so that chords turn by an angle or less; three at least."""
+        if len(self.corners) == 2:
+            turn = min([turn, *(2 * math.atan(abs(corner.bulge)) for corner in self.corners if corner.bulge)])
+        return flattened((*self.corners, self.corners[0]), turn)[:-1]
+
+    @cached_property
+    def is_simple(self) -> bool:
+        """Whether it neither crosses nor touches itself."""
+        try:
+            return bool(self.radius) or Polygon(tuple(self.points)).area > 0
+        except InputError:
+            return False
+
+    @property
+    def is_thin(self) -> bool:
+        """Whether it is all on one line."""
+        x, y = max(self.points, key=lambda at: math.dist(at, self.points[0]))
+        far = max(self.points, key=lambda at: math.dist(at, (x, y)))
+        length = math.dist(far, (x, y))
+        rises = (abs((far[0] - x) * (b - y) - (far[1] - y) * (a - x)) for a, b in self.points)
+        return max(rises) <= GAP * length
 
     def has(self, x: float, y: float) -> bool:
         """Whether a point is inside."""
@@ -164,6 +192,23 @@ class Loop:
     def covers(self, points: Iterable[tuple[float, float]]) -> bool:
         """Whether points are inside or on the sides."""
         return all(self.has(*at) or self.near(*at) for at in points)
+
+
+def place(at: tuple[float, float]) -> str:
+    """Write a place [m] without the digits that are rounding.
+
+    Examples
+    --------
+    >>> place((1.5, 6e-17))
+    '[1.5, 0]'
+    """
+    return point(at, size=1.0)
+
+
+def about(places: Sequence[tuple[float, float]]) -> str:
+    """Say where things are, of many where the first are."""
+    more = ", …" if len(places) > _MOST_PLACES else ""
+    return f", at {', '.join(map(place, places[:_MOST_PLACES]))}{more}"
 
 
 def flattened(line: Sequence[Corner], turn: float) -> list[tuple[float, float]]:

@@ -131,7 +131,9 @@ def _area(loop: Loop) -> str:
 def _corners(loop: Loop) -> list[str]:
     """Corners from one that a straight side leads to, where there is one; an arc names its middle and its end."""
     sides = list(loop)
-    begin = next((i for i, (a, _) in enumerate(sides[-1:] + sides[:-1]) if a.bulge == 0), 0)
+    # Of an arc and its chord the arc is last: it names the first corner again, and three are needed.
+    straight = [i for i, (a, _) in enumerate(sides[-1:] + sides[:-1]) if (a.bulge == 0) == (len(sides) > 2)]
+    begin = straight[0] if straight else 0
     sides = sides[begin:] + sides[:begin]
     found = [_list(sides[0][0][:2])]
     found += [_to(a, b) for a, b in sides[:-1]]

@@ -6,11 +6,13 @@ import math
 import os
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations, pairwise
 from typing import TypeVar
 
-from signorini.errors import InputError, point
-from signorini.formats.drawing import GAP, Corner, Drawing, Loop, flattened
+from signorini.errors import InputError
+from signorini.formats.drawing import GAP, Corner, Drawing, Loop, about, flattened, place
+from signorini.formats.drawing_checked import checked
 from signorini.formats.dxf_entities import Layer, layers_in
 
 _T = TypeVar("_T")
@@ -31,8 +33,6 @@ _LONG = 3.0
 """Length over distance from which on two lines are a wall."""
 _ASKEW = 0.01
 """Slope to each other of parallel lines: half a degree, that of a careless drawing."""
-_MOST_PLACES = 3
-"""Places that a line of what is left names."""
 
 
 def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str | None = None) -> Drawing:
@@ -78,20 +78,21 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str 
 
     points = _points(found[names["points"]], on_plate, left) if names["points"] else {}
     lines = _lines(found[names["lines"]], on_plate, left) if names["lines"] else []
-    took = [
-        f"outline: {_sides(outline)}, {outline.area:.6g} m², layer {layer}",
-        *(f"hole {i}: {_sides(hole)} about {point(hole.middle)}" for i, hole in enumerate(holes, 1)),
-        *(f"zone {i}: {_sides(zone)} about {point(zone.middle)}" for i, zone in enumerate(zones, 1)),
-        *(f"points: {len(at)}{_footprint(footprint)}" for footprint, at in points.items()),
-        *([f"lines: {len(lines)}"] if lines else []),
-    ]
     left += [f"layer {name}: {rest}" for name, rest in sorted(found.items()) if str(rest)]
     if inside := sum(map(outline.holds, found[layer].loops)):
         left.append(
             f"{inside} of the closed lines of layer {layer} are inside the outline: if they are holes, put them on "
             f"layer {names['holes']}"
         )
-    return Drawing(outline, tuple(holes), tuple(zones), points, tuple(lines), tuple(took), tuple(left))
+    drawing = checked(Drawing(outline, tuple(holes), tuple(zones), points, tuple(lines), (), tuple(left)))
+    took = [
+        f"outline: {_sides(drawing.outline)}, {drawing.outline.area:.6g} m², layer {layer}",
+        *(f"hole {i}: {_sides(hole)} about {place(hole.middle)}" for i, hole in enumerate(drawing.holes, 1)),
+        *(f"zone {i}: {_sides(zone)} about {place(zone.middle)}" for i, zone in enumerate(drawing.zones, 1)),
+        *(f"points: {len(at)}{_footprint(footprint)}" for footprint, at in drawing.points.items()),
+        *([f"lines: {len(drawing.lines)}"] if drawing.lines else []),
+    ]
+    return replace(drawing, took=tuple(took))
 
 
 def _parted(loops: Iterable[Loop], kept: Callable[[Loop], bool]) -> tuple[list[Loop], list[Loop]]:
@@ -106,12 +107,7 @@ def _told(loops: Iterable[Loop], what: str, why: str) -> Iterator[str]:
     """Say where loops are that were left, and why."""
     middles = [loop.middle for loop in loops]
     if middles:
-        yield f"{what}: {len(middles)}{_about(middles)}: {why}"
-
-
-def _about(places: Sequence[tuple[float, float]]) -> str:
-    more = ", …" if len(places) > _MOST_PLACES else ""
-    return f", at {', '.join(map(point, places[:_MOST_PLACES]))}{more}"
+        yield f"{what}: {len(middles)}{about(middles)}: {why}"
 
 
 def _all_of(things: list[_T]) -> list[_T]:
@@ -133,7 +129,7 @@ def _named(role: str, wanted: str | None, found: Mapping[str, Layer]) -> str | N
 def _outline(layer: str | None, found: Mapping[str, Layer]) -> tuple[Loop, str]:
     candidates = [(loop, name) for name, one in found.items() if layer in (None, name) for loop in one.loops]
     if candidates:
-        return max(candidates, key=lambda pair: pair[0].area)
+        return max(candidates, key=lambda pair: _size(pair[0]))
     where = "the drawing" if layer is None else f"layer {layer}"
     ends = [line for name, one in found.items() if layer in (None, name) for line in one.lines]
     if not ends:
@@ -141,10 +137,16 @@ def _outline(layer: str | None, found: Mapping[str, Layer]) -> tuple[Loop, str]:
     longest = max(ends, key=len)
     first, last = longest[0], longest[-1]
     raise InputError(
-        f"no line of {where} is closed. The longest has {len(longest) - 1} sides and ends at {point(first[:2])} and "
-        f"{point(last[:2])} m. Join these ends in the drawing.",
+        f"no line of {where} is closed. The longest has {len(longest) - 1} sides and ends at {place(first[:2])} and "
+        f"{place(last[:2])} m. Join these ends in the drawing.",
         place="outline",
     )
+
+
+def _size(loop: Loop) -> float:
+    """Area; of a line that crosses itself parts of it cancel, so that of its box."""
+    left, bottom, right, top = loop.box
+    return loop.area if loop.is_simple else (right - left) * (top - bottom)
 
 
 def _points(
@@ -154,10 +156,16 @@ def _points(
 
     An area that is filled and outlined is one place.
     """
-    shapes: list[tuple[Loop | None, tuple[float, float]]] = [(None, at) for at in _all_of(layer.points)]
+    shapes: list[tuple[Loop | None, tuple[float, float]]] = []
+    twice: list[tuple[float, float]] = []
     for loop in _all_of(layer.loops) + [_as_circle(fill) for fill in _all_of(layer.fills)]:
-        if not any(one is not None and math.dist(at, loop.middle) < GAP for one, at in shapes):
+        if not any(math.dist(at, loop.middle) < GAP for _, at in shapes):
             shapes.append((loop, loop.middle))
+    for one in _all_of(layer.points):
+        if any(math.dist(at, one) < GAP for _, at in shapes):
+            twice.append(one)
+        else:
+            shapes.append((None, one))
     found: dict[tuple[float, ...], list[tuple[float, float]]] = defaultdict(list)
     off: list[tuple[float, float]] = []
     over, loose = off.copy(), off.copy()
@@ -176,11 +184,12 @@ def _points(
                 footprint = tuple(round(part, 3) for part in size)
         found[footprint].append(at)
     for places, why in (
+        (twice, "drawn twice; taken once"),
         (off, "not on the plate; left"),
         (over, "their shape reaches beyond the plate; points without footprint"),
         (loose, "neither circles nor rectangles; points without footprint"),
     ):
-        left += [f"points: {len(places)}{_about(places)}: {why}"] if places else []
+        left += [f"points: {len(places)}{about(places)}: {why}"] if places else []
     return dict(found)
 
 
@@ -204,12 +213,12 @@ def _lines(layer: Layer, on_plate: Callable[..., bool], left: list[str]) -> list
     if pairs:
         apart = f"{pairs[0][0]:.3g} m apart" if len(pairs) == 1 else f"{pairs[0][0]:.3g} to {pairs[-1][0]:.3g} m apart"
         left.append(
-            f"lines: {len(pairs)} pair{'s' * (len(pairs) > 1)} side by side, {apart}{_about([at for _, at in pairs])}: "
+            f"lines: {len(pairs)} pair{'s' * (len(pairs) > 1)} side by side, {apart}{about([at for _, at in pairs])}: "
             "taken for the faces of walls, which became the lines along their middles"
         )
     if beside := _beside_others([*drawn, *middles]):
         left.append(
-            f"lines: {len(beside)}{_about(beside)}: beside another, less than {_WALLS[1]:g} m apart; both are "
+            f"lines: {len(beside)}{about(beside)}: beside another, less than {_WALLS[1]:g} m apart; both are "
             "supports. Keep one where they are the faces of one wall"
         )
     lines: list[tuple[Corner, ...]] = []
@@ -221,7 +230,7 @@ def _lines(layer: Layer, on_plate: Callable[..., bool], left: list[str]) -> list
             lines.append(line)
         else:
             off.append(chords[0])
-    left += [f"lines: {len(off)}{_about(off)}: not on the plate; left"] if off else []
+    left += [f"lines: {len(off)}{about(off)}: not on the plate; left"] if off else []
     return lines
 
 

@@ -1,21 +1,24 @@
-"""What is on each layer of a DXF drawing: closed lines, filled areas, open lines and points, blocks taken apart."""
+"""Read what a DXF drawing has on its layers: closed lines, open ones, filled areas and points."""
 
 from __future__ import annotations
 
 import math
 import os
+from bisect import bisect_right
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Any
 
 from signorini.base.units import METRES
 from signorini.errors import InputError, SignoriniError
-from signorini.formats.drawing import GAP, Corner, Loop
+from signorini.formats.drawing import GAP, Corner, Loop, about
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing as Document
     from ezdxf.entities.dxfentity import DXFEntity
+    from ezdxf.math import Vec2
 
 _HEADER_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm"}
 """Units by the number that the header of a drawing gives, $INSUNITS."""
@@ -25,6 +28,8 @@ _HALVED = 8
 """Times that a spline may be halved for arcs: what bends more sharply has a corner there."""
 _FLAT = 1e-6
 """Rise over chord of an arc that is a line."""
+_CLOSE = 0.1
+"""Part of a gap by which chords may leave a line that is compared with others."""
 _DEEPEST = 16
 """Blocks within blocks; more are blocks within themselves."""
 
@@ -37,31 +42,31 @@ class Layer:
     fills: list[Loop] = field(default_factory=list)
     lines: list[tuple[Corner, ...]] = field(default_factory=list)
     points: list[tuple[float, float]] = field(default_factory=list)
+    slivers: list[Loop] = field(default_factory=list)
     others: Counter[str] = field(default_factory=Counter)
 
     def __str__(self) -> str:
-        """Say how many of each there are."""
-        found = [
-            (len(self.loops), "closed line"),
-            (len(self.fills), "filled area"),
-            (len(self.lines), "open line"),
-            (len(self.points), "point"),
-            *((count, kind) for kind, count in sorted(self.others.items())),
-        ]
-        return ", ".join(
-            f"{count} {kind}{'s' if count > 1 and kind.islower() else ''}" for count, kind in found if count
+        """Count what is there, and say where."""
+        found = (
+            ("closed line", [loop.middle for loop in self.loops]),
+            ("filled area", [fill.middle for fill in self.fills]),
+            ("open line", [line[0][:2] for line in self.lines]),
+            ("point", self.points),
+            ("sliver", [sliver.middle for sliver in self.slivers]),
         )
+        placed = [f"{len(at)} {kind}{'s' if len(at) > 1 else ''}{about(at)}" for kind, at in found if at]
+        return "; ".join([*placed, *(f"{count} {kind}" for kind, count in sorted(self.others.items()))])
 
 
 def layers_in(path: str | os.PathLike[str], unit: str | None) -> dict[str, Layer]:
-    """Read what is on the layers of a drawing, by their names.
+    """Read every layer that has something, by name; what is not shown counts as other things.
 
     Raises
     ------
     InputError
-        If there is no unit.
+        If the file is no drawing, or has no unit.
     SignoriniError
-        If the file cannot be read, or ezdxf, which reads it, is not there.
+        If ezdxf, which reads it, is not there.
     """
     document = _opened(path)
     return _layers(document, _metres(document, unit))
@@ -171,7 +176,7 @@ def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
             entity = _in_arcs(entity, off)
         if kind == "POINT":
             points.append((entity.dxf.location.x * metres, entity.dxf.location.y * metres))
-        elif kind == "CIRCLE":
+        elif kind == "CIRCLE" or (kind == "ARC" and edgesmith.is_closed_entity(entity)):
             center = Corner(entity.dxf.center.x * metres, entity.dxf.center.y * metres)
             loops.append(Loop((center,), entity.dxf.radius * metres))
         elif kind in ("SOLID", "TRACE", "HATCH"):
@@ -192,10 +197,9 @@ def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
             loops.append(_closed(joined))
         elif len(joined) > 1:
             lines.append(joined)
-    thin = [loop for loop in (*loops, *fills) if loop.area < GAP**2]
-    others.update({"sliver": len(thin)} if thin else {})
+    thin = [loop for loop in (*loops, *fills) if loop.is_thin]
     loops, fills = ([loop for loop in part if loop not in thin] for part in (loops, fills))
-    return Layer(loops, fills, lines, points, others)
+    return Layer(loops, fills, lines, points, thin, others)
 
 
 def _closed(corners: tuple[Corner, ...]) -> Loop:
@@ -285,9 +289,34 @@ def _vertices(entity: Any) -> Iterator[tuple[float, float, float]]:
 
 
 def _once(edges: Iterable[Any], gap: float) -> list[Any]:
-    """Leave out what is drawn twice: the same ends, kind and length."""
-    kept: dict[tuple[object, ...], Any] = {}
+    """Leave out what is drawn twice, in either sense."""
+    kept: list[Any] = []
+    near: dict[tuple[int, int], list[list[Vec2]]] = defaultdict(list)
     for edge in edges:
-        ends = sorted((round(end.x / gap), round(end.y / gap)) for end in (edge.start, edge.end))
-        kept.setdefault((*ends, type(edge.payload), round(edge.length / gap)), edge)
-    return list(kept.values())
+        way = _way(edge.payload, gap)
+        x, y = math.floor(way[2].x / gap), math.floor(way[2].y / gap)
+        others = [other for i in (-1, 0, 1) for j in (-1, 0, 1) for other in near[x + i, y + j]]
+        if any(_same(way, other, gap) or _same(way[::-1], other, gap) for other in others):
+            continue
+        near[x, y].append(way)
+        kept.append(edge)
+    return kept
+
+
+def _same(way: list[Vec2], other: list[Vec2], gap: float) -> bool:
+    return all(a.isclose(b, rel_tol=0.0, abs_tol=gap) for a, b in zip(way, other, strict=True))
+
+
+def _way(entity: Any, gap: float) -> list[Vec2]:
+    """Points of a line at quarters of its length; of its ends alone its mirror image has the same."""
+    from ezdxf.math import Vec2
+    from ezdxf.path import make_path
+
+    points = [Vec2(at) for at in make_path(entity).flattening(_CLOSE * gap)]
+    far = [0.0, *accumulate(a.distance(b) for a, b in pairwise(points))]
+    way = [points[0]]
+    for part in (0.25, 0.5, 0.75):
+        i = min(bisect_right(far, part * far[-1]), len(points) - 1)
+        step = far[i] - far[i - 1]
+        way.append(points[i - 1].lerp(points[i], (part * far[-1] - far[i - 1]) / step if step else 0.0))
+    return [*way, points[-1]]
