@@ -81,8 +81,18 @@ pub struct LeftOut<'a> {
 }
 
 impl LeftOut<'_> {
-    fn has(&self, sum: usize, entry: usize) -> bool {
-        self.sums[sum * self.classes + self.class[entry] as usize]
+    /// Moves a sum's peak to what of its entries from `first` on is beyond it and not left out.
+    ///
+    /// Seldom called, and no part of the loop over sums.
+    #[cold]
+    #[inline(never)]
+    fn look(&self, sum: usize, first: usize, entries: &[f64], peak: &mut Peak) {
+        let without = &self.sums[sum * self.classes..][..self.classes];
+        for (at, &s) in (first..).zip(entries) {
+            if (s > peak.largest || s < peak.smallest) && !without[self.class[at] as usize] {
+                *peak = peak.or(Peak { largest: s, largest_at: at, smallest: s, smallest_at: at });
+            }
+        }
     }
 }
 
@@ -203,9 +213,7 @@ impl WithSimd for Tile<'_, '_> {
             }
             let (largest, smallest) = (simd.reduce_max_f64s(most), simd.reduce_min_f64s(least));
             if largest > peak.largest || smallest < peak.smallest {
-                for (at, &s) in (first..).zip(&sum[..width]).filter(|(at, _)| !left_out.has(k, *at)) {
-                    *peak = peak.or(Peak { largest: s, largest_at: at, smallest: s, smallest_at: at });
-                }
+                left_out.look(k, first, &sum[..width], peak);
             }
             if simd.reduce_max_f64s(beyond) > 0.0 {
                 for i in 0..width {
