@@ -209,19 +209,19 @@ def _unknown_key(path: Place, table: type[BaseModel]) -> str:
     key = str(path[-1])
     headers = {name: f"[[{name}]]" if name in LISTS else f"[{name}]" for name, tables in TOP.items() if tables}
     near = _nearest(key, table.model_fields)
+    inner = [name for name, below in tables_of(table).items() if _has(below, key)] if len(path) > 1 else []
     if len(path) > 1 and key in headers:
         hint = f" It is a table of its own: {headers[key]}, or above the first header {key} = {{ ... }}."
     elif len(path) == 1 and near in headers:
         hint = f" Did you mean {headers[near]}?"
     else:
-        hint = _suggest(key, table.model_fields)
+        hint = "" if inner else _suggest(key, table.model_fields)
     if not hint:
-        inner = [name for name, below in tables_of(table).items() if _has(below, key)]
         shapes = [shape for shape, plate in BRANCHES["plate"].items() if key in plate.model_fields]
         owners = [headers[name] for name, tables in TOP.items() if _has(tables, key) and name != path[0]]
         if path[0] == "plate" and shapes:
             hint = f" It goes with shape = {' or '.join(map(describe, shapes))}."
-        elif inner and len(path) > 1:
+        elif inner:
             hint = f" It goes within {' or '.join(inner)}: {inner[0]} = {{ {key} = ... }}."
         elif key in TOP:
             hint = " It belongs above the first table."
