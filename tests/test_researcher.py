@@ -262,6 +262,11 @@ def test_rows_of_ones_own_have_the_answer_that_supports_have(both: tuple) -> Non
     assert found.certificate.passed
 
 
+def test_a_problem_with_rows_of_ones_own_says_what_it_is(both: tuple) -> None:
+    for problem in both:
+        assert repr(problem).startswith(f"{type(problem).__name__}(")
+
+
 @pytest.mark.parametrize("wrong", WRONG)
 def test_wrong_reactions_of_ones_own_rows_are_refused(wrong: str, both: tuple) -> None:
     whole, own = both

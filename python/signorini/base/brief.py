@@ -62,6 +62,9 @@ def _short(value: Any) -> str:
             return f"({', '.join(map(_short, value))})"
         case tuple() | list():
             return f"{len(value)} {type(value[0]).__name__}" if value else "()"
+        case Sized() if hasattr(value, "shape"):
+            # Sparse: its length is not told.
+            return f"{type(value).__name__}{value.shape}"
         case Sized() if not hasattr(value, "__dataclass_fields__"):
             return f"{type(value).__name__} of {len(value)}"
         case _:
