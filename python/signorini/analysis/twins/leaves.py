@@ -195,7 +195,9 @@ def sizes_of(numbers: Mapping[Path, Floats], model: Model, mesh: Mesh) -> dict[s
         elif path[0] != "probes" or path[2] not in (*_OF_MOMENTS, "pressure"):
             found[kind] = np.maximum(found.get(kind, none), part * size)
     moved = found.get("deflection", none)
-    for kind, part in _bent(model, mesh).items():
+    bent = _bent(model, mesh)
+    # Totals may cancel: what the supports hold is no less than what bends the plate.
+    for kind, part in {**bent, "reaction": bent["shear"] * mesh.size}.items():
         found[kind] = np.maximum(found.get(kind, none), part * moved)
     pressed = np.max([found.get(kind, none) for kind in ("pressure", "max_pressure", "max_tension")], axis=0)
     found |= dict.fromkeys(("pressure", "max_tension"), pressed)
