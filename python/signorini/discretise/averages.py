@@ -22,7 +22,7 @@ from signorini.discretise.zones import Zones
 from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
 from signorini.model import Plate, Support
-from signorini.shapes import Circle, Curve, Polyline, Region, Ring
+from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring
 from signorini.shapes.distances import distances
 
 STRIP = 1e-2
@@ -124,12 +124,16 @@ def _candidates(mesh: Mesh, support: Support) -> Floats:
 
 def _corners(shape: Region) -> Floats:
     """Corners of a region (c, 2), of a circle the points farthest along x and y."""
+    if isinstance(shape, Hollow):
+        return _corners(shape.around)
     if isinstance(shape, Circle):
         return np.asarray(shape.center + shape.radius * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]))
     return shape.drawn
 
 
 def _rim(shape: Region) -> Curve:
+    if isinstance(shape, Hollow):
+        return _rim(shape.around)
     if isinstance(shape, Circle):
         return Ring(shape.center, shape.radius)
     points = _corners(shape).tolist()

@@ -20,8 +20,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, length, point, unknown
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, Area, DiscPlate, Load, OutlinedPlate, Plate, Refinement, Support
-from signorini.shapes import Circle, Curve, Polygon, Polyline, Rectangle, Region, Ring, Rounded
-from signorini.shapes.contours import circle
+from signorini.shapes import Circle, Curve, Hollow, Polygon, Polyline, Rectangle, Region, Ring, Rounded
 from signorini.shapes.distances import distances
 from signorini.shapes.overlap import overlap
 
@@ -186,10 +185,15 @@ def _require_on_plate(
             beyond, slack = (1.0 - plate.sector / 360.0) * whole, _SECTOR_SLACK * whole
             if isinstance(plate, AnnulusPlate) and isinstance(shape, Circle) and plate.sector < 360:
                 beyond += 0.5 * math.radians(plate.sector) * min(plate.inner, shape.radius) ** 2
+        case ((DiscPlate() | AnnulusPlate()), Hollow(around=Circle(), holes=(Circle(),))) if (
+            len(shape.radii(plate.center)) == 2
+        ):
+            beyond, slack = (1.0 - plate.sector / 360.0) * whole, _SECTOR_SLACK * whole
     match plate, shape:
-        case OutlinedPlate(), (Rectangle() | Circle() | Polygon() | Rounded()) if missing > 0:
-            corners = circle(shape.center, shape.radius, "").points() if isinstance(shape, Circle) else shape.drawn
-            over = sum(overlap(corners, opening.points()) for opening in plate.contours[1:])
+        case OutlinedPlate(), (Rectangle() | Circle() | Polygon() | Rounded() | Hollow()) if missing > 0:
+            around, *holes = shape.loops
+            openings = [opening.points() for opening in plate.contours[1:]]
+            over = sum(overlap(around, one) - sum(overlap(hole, one) for hole in holes) for one in openings)
             beyond, slack = beyond + over, slack + _SECTOR_SLACK * over
     missing = missing - beyond if missing > beyond + slack else 0.0
     if missing > 0:
@@ -199,10 +203,7 @@ def _require_on_plate(
 
 def _how_far(mesh: Mesh, shape: Region | Curve) -> str:
     """Say which corner of an outline is farthest off the plate, and how far."""
-    if isinstance(shape, Circle):
-        corners = circle(shape.center, shape.radius, "").points()
-    else:
-        corners = shape.drawn if isinstance(shape, Rounded) else shape.outline.segments.reshape(-1, 2)
+    corners = shape.outline.segments.reshape(-1, 2) if isinstance(shape, Polyline | Ring) else shape.loops[0]
     corners = corners[~mesh.locate(corners).inside]
     if not len(corners):
         return ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema
 
@@ -21,7 +21,7 @@ from signorini.model.base import (
 )
 from signorini.model.corners import Corners, contour
 from signorini.model.problems import BRANCHES
-from signorini.shapes import Region
+from signorini.shapes import Region, Whole
 
 _FORMS = ("rectangle", "circle", "polygon")
 
@@ -46,10 +46,11 @@ def box_complaints(box: tuple[float, float, float, float] | None) -> Iterator[Co
         yield ("rectangle",), f"found {list(box)}; [x0, y0, x1, y1] needs x0 < x1 and y0 < y1."
 
 
-class Area(Table):
-    """A part of the plate: exactly one of rectangle, circle, polygon."""
+class Form(Table):
+    """A part of the plane without holes: exactly one of rectangle, circle, polygon."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [form]} for form in _FORMS]})
+    forms: ClassVar[tuple[str, ...]] = _FORMS
 
     rectangle: Box | None = Field(default=None, description="Sides parallel to the axes: [x0, y0, x1, y1].")
     circle: Circle | None = Field(default=None, description="A disc: { center = [x, y], radius = r }.")
@@ -58,19 +59,19 @@ class Area(Table):
     )
 
     def _complaints(self) -> Iterator[Complaint]:
-        forms = self.given(_FORMS)
+        forms = self.given(self.forms)
         if len(forms) != 1:
-            yield (), f"found {' and '.join(forms) or 'none'}; exactly one of {', '.join(_FORMS)} is needed."
+            yield (), f"found {' and '.join(forms) or 'none'}; exactly one of {', '.join(self.forms)} is needed."
         yield from box_complaints(self.rectangle)
         if self.polygon is not None:
             try:
-                assert self.region is not None
+                assert self.whole is not None
             except InputError as error:
                 yield ("polygon",), error.message
 
     @cached_property
-    def region(self) -> Region:
-        """The region of the plane."""
+    def whole(self) -> Whole:
+        """The region of the plane, without holes."""
         if self.rectangle is not None:
             return shapes.Rectangle(*self.rectangle)
         if self.circle is not None:
@@ -89,6 +90,50 @@ class Area(Table):
         return shapes.Rounded(drawn)
 
 
+class Annulus(Table):
+    """What is between two circles about one center."""
+
+    center: Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+    inner: Positive = Field(description="Radius of the inner circle.")
+    outer: Positive = Field(description="Radius of the outer circle.")
+
+    def _complaints(self) -> Iterator[Complaint]:
+        if not self.inner < self.outer:
+            yield ("inner",), f"found {self.inner:g}; it must be less than outer, {self.outer:g}."
+
+
+class Area(Form):
+    """A part of the plate: exactly one of rectangle, circle, polygon, annulus, and the holes in it."""
+
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [form]} for form in (*_FORMS, "annulus")]})
+    forms: ClassVar[tuple[str, ...]] = (*_FORMS, "annulus")
+
+    annulus: Annulus | None = Field(
+        default=None, description="{ center = [x, y], inner = r, outer = R }: what is between two circles."
+    )
+    holes: tuple[Form, ...] = Field(
+        default=(), description="Holes in it, each a table with one of rectangle, circle, polygon."
+    )
+
+    def _complaints(self) -> Iterator[Complaint]:
+        wrong = list(super()._complaints())
+        yield from wrong
+        if self.holes and not wrong:
+            try:
+                assert self.region is not None
+            except InputError as error:
+                yield ("holes",), error.message
+
+    @cached_property
+    def region(self) -> Region:
+        """The region of the plane."""
+        holes = tuple(hole.whole for hole in self.holes)
+        if self.annulus is not None:
+            center, inner, outer = self.annulus.center, self.annulus.inner, self.annulus.outer
+            return shapes.Hollow(shapes.Circle(center, outer), (shapes.Circle(center, inner), *holes))
+        return shapes.Hollow(self.whole, holes) if holes else self.whole
+
+
 def _area_form(value: object) -> str | None:
     if isinstance(value, str) and value == "all":
         return "all"
@@ -100,7 +145,7 @@ AnyArea = Annotated[
     Discriminator(
         _area_form,
         custom_error_type="area",
-        custom_error_message='it must be "all" or a table with one of rectangle, circle, polygon.',
+        custom_error_message='it must be "all" or a table with one of rectangle, circle, polygon, annulus.',
     ),
 ]
 BRANCHES["area"] = {"all": Area, "table": Area}

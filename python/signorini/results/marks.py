@@ -290,10 +290,9 @@ def _outline(area: Area) -> Floats:
 
 
 def _drawn(shape: Region) -> Floats:
-    """Vertices (k, 2) of a region's outline, the first one again at the end."""
-    if isinstance(shape, shapes.Circle):
-        return _round(shape)
-    return np.concatenate([shape.drawn, shape.drawn[:1]])
+    """Vertices (k, 2) of a region's outlines, the first one of each again at its end, and NaN between them."""
+    first, *others = (np.concatenate([loop, loop[:1]]) for loop in shape.loops)
+    return np.concatenate([first, *(part for loop in others for part in (_BREAK, loop))])
 
 
 def _round(circle: Circle | shapes.Circle) -> Floats:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from signorini.shapes import Circle, Floats, Polygon, Rectangle, Region, Rounded
+from signorini.shapes import Circle, Floats, Hollow, Polygon, Rectangle, Region, Rounded
 
 
 def depth(region: Region, points: Floats) -> Floats:
@@ -17,6 +17,11 @@ def depth(region: Region, points: Floats) -> Floats:
     >>> depth(Rectangle(0.0, 0.0, 4.0, 2.0), np.array([[1.0, 0.5], [5.0, 0.5]]))
     array([ 0.5, -1. ])
     """
+    if isinstance(region, Hollow):
+        deep = depth(region.around, points)
+        for hole in region.holes:
+            deep = np.minimum(deep, -depth(hole, points))
+        return deep
     if isinstance(region, Rectangle):
         low, high = points - (region.x0, region.y0), (region.x1, region.y1) - points
         return np.asarray(np.minimum(low, high).min(axis=1))

@@ -55,6 +55,11 @@ class Straight(ABC):
         return np.asarray(self.outline.segments[:, 0])
 
     @property
+    def loops(self) -> tuple[Floats, ...]:
+        """Points (k, 2) along every outline: the one there is."""
+        return (self.drawn,)
+
+    @property
     def corners(self) -> Floats:
         """Corners (c, 2)."""
         return self.drawn

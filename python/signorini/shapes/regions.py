@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from signorini.errors import InputError, point
+from signorini.shapes.contours import circle
 from signorini.shapes.outlines import (
     Box,
     Outline,
@@ -115,6 +116,16 @@ class Circle(Round):
     def area(self) -> float:
         """Area."""
         return math.pi * self.radius**2
+
+    @property
+    def loops(self) -> tuple[Floats, ...]:
+        """Points (k, 2) along every outline: the one there is, one a degree."""
+        return (circle(self.center, self.radius, "").points(),)
+
+    @property
+    def corners(self) -> Floats:
+        """Corners (c, 2): none."""
+        return np.zeros((0, 2))
 
     def contains(self, points: Floats) -> Bools:
         """Whether each of the points (q, 2) is inside or on the outline."""
@@ -260,7 +271,7 @@ class Ring(Round):
         return 2.0 * math.pi * self.radius
 
 
-Region: TypeAlias = Rectangle | Circle | Polygon | Rounded
+Whole: TypeAlias = Rectangle | Circle | Polygon | Rounded
 Curve: TypeAlias = Polyline | Ring
 
 

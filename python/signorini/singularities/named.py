@@ -229,13 +229,13 @@ def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity
             advice = "Give it a stiffness, or take values from beside it." if rigid else "Take values from beside it."
             yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
     if rigid and shape is not None and not shape.contains(found.mesh.points).all():
-        drawn = _around(shape.center, shape.radius) if isinstance(shape, Circle) else shape.drawn
-        closed = _points(np.concatenate([drawn, drawn[:1]]))
         advice = "Give the area a stiffness."
-        yield Singularity(
-            closed, f"Outline of the rigid area of {support.name}", ("pressure",), advice, support.name, True
-        )
-        if not isinstance(shape, Circle):
+        for drawn in shape.loops:
+            closed = _points(np.concatenate([drawn, drawn[:1]]))
+            yield Singularity(
+                closed, f"Outline of the rigid area of {support.name}", ("pressure",), advice, support.name, True
+            )
+        if len(shape.corners):
             corners = [
                 at for at in shape.corners if found.mesh.locate(at[None]).inside[0] and not len(_boundary(found).at(at))
             ]
