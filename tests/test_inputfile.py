@@ -222,7 +222,10 @@ def test_the_mesh_file_is_looked_for_beside_the_input_file(written):
         ("[[support]]\ncircle = {}", "support[1].circle.radius: 'radius' is missing. Radius."),
         ("[[support]]\ncircle = 3", "support[1].circle: found 3; it must be a table."),
         ("[[support]]\narea = 'al'", 'support[1].area: found "al"; it must be "all" or a table with one of rectangle,'),
-        ("[[support]]\narea = {}", "support[1].area: found none; exactly one of rectangle, circle, polygon, annulus is needed."),
+        (
+            "[[support]]\narea = {}",
+            "support[1].area: found none; exactly one of rectangle, circle, polygon, annulus is needed.",
+        ),
         (
             "[[support]]\narea.circle.radus = 1",
             "support[1].area.circle.radus: unknown key 'radus'. Did you mean 'radius'?",

@@ -10,12 +10,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, PathPatch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from signorini.plot.marks import Entry, pieces
-from signorini.plot.plan import inches_per_unit, literal
+from signorini.plot.marks import Entry
+from signorini.plot.plan import enclosed, inches_per_unit, literal, pieces
 
 _COLOURS = ("#b3261e", "#7a3e9d", "#b8860b", "#1b6e53", "#c2185b", "#4d5b9e")
 """Those of load cases, one after the other."""
@@ -95,8 +95,8 @@ def draw_load(mark: LoadMark, axes: Axes, colour: str) -> Entry:
         "hatch": "oo" if mark.upward else "....",
         "linewidth": 1.2,
     }
-    for piece in pieces(positions):
-        axes.fill(*piece.T, zorder=3, **look)
+    if len(positions):
+        axes.add_patch(PathPatch(enclosed(positions), zorder=3, **look))
     return words, (Patch(**look),)
 
 

@@ -13,13 +13,13 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 from matplotlib.patheffects import Normal, TickedStroke, withStroke
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from signorini.plot.plan import INK, inches_per_unit, literal
+from signorini.plot.plan import INK, enclosed, inches_per_unit, literal, pieces
 
 _EDGE = "#d95f02"
 _ZONE = "#3f6f8f"
@@ -200,8 +200,7 @@ def draw_zones(marks: Iterable[ZoneMark], axes: Axes, plate: Path) -> list[Entry
     entries: list[Entry] = []
     look: dict[str, Any] = {"facecolor": to_rgba(_ZONE, 0.22), "edgecolor": _ZONE, "linewidth": 0.9}
     for number, mark in enumerate(marks, 1):
-        for drawn in axes.fill(*mark.outline.T, zorder=1.5, **look):
-            drawn.set_clip_path(plate, axes.transData)
+        axes.add_patch(PathPatch(enclosed(mark.outline), zorder=1.5, **look)).set_clip_path(plate, axes.transData)
         # Its number is at the corner from which it is read, where few marks are.
         x, y = mark.outline[np.lexsort((mark.outline[:, 0], -mark.outline[:, 1]))[0]]
         axes.annotate(
@@ -340,11 +339,6 @@ def draw_legend(axes: Axes, entries: Sequence[Entry], at: tuple[float, float] | 
         frameon=False,
         fontsize=8.5,
     )
-
-
-def pieces(positions: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """Split a polyline at its rows of NaN."""
-    return [piece for piece, _ in _pieces_with(positions, np.ones(len(positions), bool))]
 
 
 def _pieces_with(

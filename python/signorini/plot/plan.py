@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, Self
 
 import numpy as np
@@ -146,3 +147,21 @@ def _joined(chains: NDArray[np.float64]) -> Path:
     codes = np.full(chains.shape[:2], Path.LINETO, Path.code_type)
     codes[:, 0] = Path.MOVETO
     return Path(chains.reshape(-1, 2), codes.ravel())
+
+
+def pieces(outline: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Split a polyline (k, 2) at its rows of NaN."""
+    ends = [-1, *np.flatnonzero(np.isnan(outline[:, 0])).tolist(), len(outline)]
+    return [outline[a + 1 : b] for a, b in pairwise(ends) if b > a + 1]
+
+
+def enclosed(outline: NDArray[np.float64]) -> Path:
+    """What closed polylines (k, 2), rows of NaN between them, enclose: the first one without the others."""
+    parts = []
+    for number, loop in enumerate(pieces(outline)):
+        (x, y), (u, v) = loop[:-1].T, loop[1:].T
+        # What runs the other way is left out.
+        turned = float(np.sum(x * v - y * u)) > 0.0
+        codes = [Path.MOVETO, *[Path.LINETO] * (len(loop) - 2), Path.CLOSEPOLY]
+        parts.append(Path(loop if turned == (number == 0) else loop[::-1], codes))
+    return Path.make_compound_path(*parts)

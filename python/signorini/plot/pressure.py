@@ -14,7 +14,18 @@ from matplotlib.path import Path
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.plot.field import BANDS, Scale, add_colour_bar, label_contours
-from signorini.plot.plan import INK, Plan, draw_outlines, draw_sheet, literal, plan_axes, set_window, triangulation
+from signorini.plot.plan import (
+    INK,
+    Plan,
+    draw_outlines,
+    draw_sheet,
+    enclosed,
+    literal,
+    pieces,
+    plan_axes,
+    set_window,
+    triangulation,
+)
 from signorini.shapes.tessellation import Tessellation
 
 _ON_OUTLINE = 1e-9
@@ -56,9 +67,11 @@ class PressureLayer:
         if self.an_element or self.outline is None:
             return values
         # Which sign of the radius takes in what is on the outline depends on the way that runs.
-        path, slack = Path(self.outline), _ON_OUTLINE * float(np.ptp(nodes))
-        vertices = self.cut.interpolate(nodes)
-        within = path.contains_points(vertices, radius=slack) | path.contains_points(vertices, radius=-slack)
+        slack, vertices = _ON_OUTLINE * float(np.ptp(nodes)), self.cut.interpolate(nodes)
+        (around, *holes), ways = map(Path, pieces(self.outline)), (slack, -slack)
+        within = np.any([around.contains_points(vertices, radius=way) for way in ways], axis=0)
+        for hole in holes:
+            within &= ~np.all([hole.contains_points(vertices, radius=way) for way in ways], axis=0)
         return np.where(within, values, np.nan)
 
     def range(self, nodes: NDArray[np.float64]) -> tuple[float, float]:
@@ -154,4 +167,4 @@ def _draw(
         drawn += axes.texts[before[1] :]
     if layer.outline is not None:
         for part in drawn:
-            part.set_clip_path(Path(layer.outline), axes.transData)
+            part.set_clip_path(enclosed(layer.outline), axes.transData)
