@@ -74,8 +74,8 @@ def test_a_batch_is_its_combinations_one_by_one(data, drawing, dense):
         length = twin.length(result.deflection)
         (probe,) = result.probes
         assert abs(rows["probe[1]:deflection"][row] - probe.deflection) <= 1e-9 * length
-        field = result.fields["mx"]
-        assert abs(rows["max:mx"][row] - field.max()) <= 1e-8 * max(np.abs(field).max(), load)
+        field, largest = result.fields["mx"], result.extremes["mx"].max
+        assert abs(rows["max:mx"][row] - largest) <= 1e-8 * max(np.abs(field).max(), load)
 
 
 def _difference(twin):

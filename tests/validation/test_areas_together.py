@@ -109,7 +109,7 @@ def test_a_run_s_pictures_have_one_scale_and_python_draws_the_same(tmp_path: Pat
     write(results, tmp_path)
     limits = (results["half"].deflection.min(), results["whole"].deflection.max())
     axes = results["half"].plot(limits=limits)
-    save(axes.figure, tmp_path / "mine.png", tight=False)
+    save(axes.figure, tmp_path / "mine.png")
     theirs, mine = (imread(tmp_path / name)[..., :3] for name in ("half.png", "mine.png"))
     assert theirs.shape == mine.shape and (np.abs(theirs - mine).max(axis=2) > 0.3).mean() < 1e-3
 

@@ -190,6 +190,8 @@ def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
     edges = _once(edgesmith.edges_from_entities_2d(open_ones, gap_tol=GAP / metres), GAP / metres)
     lines = []
     chains = edgeminer.find_all_simple_chains(edgeminer.Deposit(edges, gap_tol=GAP / metres)) if edges else ()
+    # They come in the order of a set.
+    chains = sorted(chains, key=lambda chain: min(edge.id for edge in chain))
     for chain in chains:
         whole = edgesmith.polyline2d_from_chain(chain, max_sagitta=off)
         joined = corners((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in whole.vertices)
