@@ -16,7 +16,7 @@ from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
 from signorini.model import AnnulusPlate, DiscPlate, Plate, Support
 from signorini.shapes import Region
-from signorini.shapes.contours import along_side
+from signorini.shapes.contours import along_arc
 from signorini.shapes.outlines import Point
 
 _MOST = 10_000
@@ -111,7 +111,7 @@ def _draw_edges(mesh: Mesh, plate: Plate, names: tuple[str, ...], step: float) -
 
 def _chords_of(a: Point, through: Point, b: Point) -> Floats:
     """Chords (k, 2, 2) of an arc."""
-    along = np.vstack([along_side(a, through, b), b])
+    along = along_arc(a, through, b)
     return np.stack([along[:-1], along[1:]], axis=1)
 
 

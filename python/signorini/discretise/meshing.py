@@ -32,7 +32,7 @@ from signorini.model import (
 )
 from signorini.model.footprint import footprints
 from signorini.shapes import Curve, Floats, Polyline, Region
-from signorini.shapes.contours import along_side, circle
+from signorini.shapes.contours import along_arc, circle
 from signorini.shapes.outlines import Box, Point
 
 _Item = TypeVar("_Item", Support, Load)
@@ -181,7 +181,7 @@ def _refined(plate: OutlinedPlate, part: Refinement) -> Iterator[Floats]:
         for x, y, radius in shape.outline.circles.tolist():
             ring = circle((x, y), radius, "").points()
             chains.append(np.vstack([ring, ring[:1]]))
-        chains += [np.vstack([along_side(*arc), arc[2]]) for arc in shape.outline.arcs.tolist()]
+        chains += [along_arc(*arc) for arc in shape.outline.arcs.tolist()]
     for chain in chains:
         yield np.column_stack([chain[:-1], chain[1:], np.full(len(chain) - 1, part.size)])
     if (inside := region(part.area)) is not None:

@@ -9,7 +9,7 @@ from signorini.discretise.rows import Floats
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, DiscPlate, MeshPlate, Plate, Support
 from signorini.shapes import Curve, Region
-from signorini.shapes.contours import along_side
+from signorini.shapes.contours import along_arc
 from signorini.shapes.hull import hull
 from signorini.shapes.outlines import Point
 
@@ -46,7 +46,7 @@ def _of_shape(plate: Plate, shape: Region | Curve) -> Floats:
     """A region or curve, of which only circles about the center of a sector may leave the plate."""
     drawn = shape.outline
     points = [drawn.segments.reshape(-1, 2)]
-    points += [np.vstack([along_side(*arc), arc[2]]) for arc in drawn.arcs.tolist()]
+    points += [along_arc(*arc) for arc in drawn.arcs.tolist()]
     for x, y, radius in drawn.circles:
         if isinstance(plate, DiscPlate | AnnulusPlate) and (x, y) == tuple(plate.center):
             points.append(_arc(plate.center, radius, plate.sector))

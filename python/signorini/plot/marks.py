@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -19,7 +18,7 @@ from matplotlib.patheffects import Normal, TickedStroke, withStroke
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from signorini.plot.plan import INK, enclosed, inches_per_unit, literal, pieces
+from signorini.plot.plan import INK, enclosed, inches_per_unit, literal, pieces, runs
 
 _EDGE = "#d95f02"
 _ZONE = "#3f6f8f"
@@ -251,7 +250,7 @@ def _draw_line(
         return [Line2D([], [], **look)]
     core: dict[str, Any] = {"color": "white", "linewidth": 0.5 * width, "clip_on": False, "solid_capstyle": "butt"}
     opened = []
-    for piece, shut in _pieces_with(positions, closed):
+    for piece, shut in ((positions[rows], closed[rows]) for rows in runs(positions)):
         if mark.elastic:
             look["linewidth"], core["linewidth"] = 0.55 * width + 0.35, 0.3 * width + 0.2
             piece, shut = _zigzag(piece, shut, per_unit)
@@ -288,7 +287,7 @@ def _spaced(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Places along polylines, about so far apart, and whether it is closed there."""
     places, states = [np.zeros((0, 2))], [np.zeros(0, bool)]
-    for piece, shut in _pieces_with(positions, closed):
+    for piece, shut in ((positions[rows], closed[rows]) for rows in runs(positions)):
         if len(piece) < 2:
             continue
         along = np.append(0.0, np.hypot(*np.diff(piece, axis=0).T).cumsum())
@@ -339,14 +338,6 @@ def draw_legend(axes: Axes, entries: Sequence[Entry], at: tuple[float, float] | 
         frameon=False,
         fontsize=8.5,
     )
-
-
-def _pieces_with(
-    positions: NDArray[np.float64], closed: NDArray[np.bool_]
-) -> list[tuple[NDArray[np.float64], NDArray[np.bool_]]]:
-    """Split a polyline and its states at its rows of NaN."""
-    ends = [-1, *np.flatnonzero(np.isnan(positions[:, 0])).tolist(), len(positions)]
-    return [(positions[a + 1 : b], closed[a + 1 : b]) for a, b in pairwise(ends) if b > a + 1]
 
 
 def _hatched_outside(piece: NDArray[np.float64], middle: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -149,10 +149,15 @@ def _joined(chains: NDArray[np.float64]) -> Path:
     return Path(chains.reshape(-1, 2), codes.ravel())
 
 
+def runs(outline: NDArray[np.float64]) -> list[slice]:
+    """Rows of a polyline (k, 2) between those of NaN."""
+    ends = [-1, *np.flatnonzero(np.isnan(outline[:, 0])).tolist(), len(outline)]
+    return [slice(a + 1, b) for a, b in pairwise(ends) if b > a + 1]
+
+
 def pieces(outline: NDArray[np.float64]) -> list[NDArray[np.float64]]:
     """Split a polyline (k, 2) at its rows of NaN."""
-    ends = [-1, *np.flatnonzero(np.isnan(outline[:, 0])).tolist(), len(outline)]
-    return [outline[a + 1 : b] for a, b in pairwise(ends) if b > a + 1]
+    return [outline[rows] for rows in runs(outline)]
 
 
 def enclosed(outline: NDArray[np.float64]) -> Path:

@@ -127,3 +127,8 @@ def arc_through(a: Point, through: Point, b: Point) -> tuple[Floats, float, floa
     start, end = (math.atan2(*(p - center)[::-1]) for p in (first, last))
     sweep = (end - start) % math.tau if bend > 0.0 else -((start - end) % math.tau)
     return center, float(np.hypot(*(first - center))), start, sweep
+
+
+def along_arc(a: Point, through: Point, b: Point) -> Floats:
+    """Points (k, 2) on an arc, one a degree, both its ends included."""
+    return np.vstack([along_side(a, through, b), b])
