@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
@@ -46,8 +46,16 @@ def box_complaints(box: tuple[float, float, float, float] | None) -> Iterator[Co
         yield ("rectangle",), f"found {list(box)}; [x0, y0, x1, y1] needs x0 < x1 and y0 < y1."
 
 
-class Form(Table):
-    """A part of the plane without holes: exactly one of rectangle, circle, polygon."""
+def _refused(key: str, build: Callable[[], Region]) -> Iterator[Complaint]:
+    """Yield why a region cannot be built, at the key that it is built from."""
+    try:
+        build()
+    except InputError as error:
+        yield (key,), error.message
+
+
+class Outline(Table):
+    """A closed line: exactly one of rectangle, circle, polygon."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [form]} for form in _FORMS]})
     forms: ClassVar[tuple[str, ...]] = _FORMS
@@ -63,11 +71,15 @@ class Form(Table):
         if len(forms) != 1:
             yield (), f"found {' and '.join(forms) or 'none'}; exactly one of {', '.join(self.forms)} is needed."
         yield from box_complaints(self.rectangle)
+
+
+class Form(Outline):
+    """A part of the plane without holes."""
+
+    def _complaints(self) -> Iterator[Complaint]:
+        yield from super()._complaints()
         if self.polygon is not None:
-            try:
-                assert self.whole is not None
-            except InputError as error:
-                yield ("polygon",), error.message
+            yield from _refused("polygon", lambda: self.whole)
 
     @cached_property
     def whole(self) -> Whole:
@@ -119,10 +131,7 @@ class Area(Form):
         wrong = list(super()._complaints())
         yield from wrong
         if self.holes and not wrong:
-            try:
-                assert self.region is not None
-            except InputError as error:
-                yield ("holes",), error.message
+            yield from _refused("holes", lambda: self.region)
 
     @cached_property
     def region(self) -> Region:
