@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from signorini._core import serendipity, triangular
+from signorini._core import map_points, nodal_forces, serendipity, shape_values, triangular
 from signorini.base.brief import Brief
 from signorini.base.remade import Remade
 from signorini.errors import InputError
@@ -28,9 +28,7 @@ from signorini.mesh.isoparametric import (
     folded,
     invert,
     jacobians,
-    positions,
     real_sides,
-    shape_functions,
     side_boxes,
 )
 from signorini.shapes import Curve, Ring
@@ -195,7 +193,7 @@ class Mesh(Remade):
 
     def shape_functions(self, elements: Ints, xi: Floats) -> Floats:
         """Compute the shape functions (q, 8) of elements (q,) at reference points (q, 2)."""
-        return shape_functions(self.triangles[elements], xi)[0]
+        return shape_values(self.elements, elements, xi)
 
     def corners_of_sides(self, elements: Ints, sides: Ints) -> tuple[Floats, Floats]:
         """Give the reference points (q, 2) at which sides (q,) of elements (q,) begin and end."""
@@ -222,7 +220,11 @@ class Mesh(Remade):
 
     def map(self, elements: Ints, xi: Floats) -> Floats:
         """Compute the positions (q, 2) of reference points (q, 2) of elements (q,)."""
-        return positions(self.nodes[elements], xi)
+        return map_points(self.points, self.elements, elements, xi)
+
+    def nodal_forces(self, elements: Ints, xi: Floats, forces: Floats) -> Floats:
+        """Compute forces (n,) at the nodes worth as much as forces (q,) at reference points (q, 2) of elements (q,)."""
+        return nodal_forces(self.node_count, self.elements, elements, xi, forces)
 
     def jacobian(self, elements: Ints, xi: Floats) -> Floats:
         """Differentiate the position by the reference coordinates: (q, 2, 2), position first."""
