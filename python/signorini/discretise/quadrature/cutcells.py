@@ -25,7 +25,7 @@ Ints = npt.NDArray[np.int64]
 
 _THIN = 1e-13
 _ROUNDED = 8.0 * np.finfo(float).eps
-"""Width of a strip, over its coordinates, that is their rounding: ends of sides that meet are no nearer to each other."""
+"""Width of a strip, over its coordinates, that is their rounding: ends of sides that meet may be so far apart."""
 _SLIVER = 1e-12
 _CONVERGED = 1e-13
 _CURVED_POINTS = 8
