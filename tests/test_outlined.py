@@ -72,8 +72,9 @@ def test_every_shape_may_have_holes(plate, names, area):
     assert mesh.element_area.sum() == pytest.approx(area - 0.2, rel=1e-4)
 
 
-def test_an_outline_may_close_by_an_arc():
-    half = [[0, 0], [4, 0], {"through": [2, 2], "to": [0, 0]}]
+@pytest.mark.parametrize("off", [0, 5e-16, -1e-9])
+def test_an_outline_may_close_by_an_arc(off):
+    half = [[0, 0], [4, 0], {"through": [2, 2], "to": [off, 0]}]
     mesh = meshed(model(0.4, plate={"points": half}, support=[{"edge": "edge 2", "fix": "simple"}]))
     assert mesh.element_area.sum() == pytest.approx(2 * np.pi, rel=1e-4)
     assert sorted(mesh.edges) == ["edge 1", "edge 2"]
