@@ -11,7 +11,7 @@ import numpy as np
 
 from signorini.analysis.twins.half_width import FASTEST, FASTEST_OF_POINTS, half_widths, unsettled
 from signorini.analysis.twins.layers import KINDS as TOUCHED
-from signorini.analysis.twins.layers import unseen_layer
+from signorini.analysis.twins.layers import unseen_at_edges, unseen_layer
 from signorini.analysis.twins.leaves import Path, acts_at_points, beside, kind_of, may_grow, sizes_of
 from signorini.analysis.twins.meshes import side
 from signorini.discretise.rows import Bools, Floats
@@ -98,6 +98,11 @@ def compared(
     peaks = np.array([path[-1] == "max_pressure" and names[int(path[1])] in rigid for path in paths], np.bool_)
     growing |= peaks[:, None] & unsettled(values, largest)
     widths = np.where(touched, np.maximum(widths, layer * largest), widths)
+    numbers, finer = dict(zip(paths, values[0], strict=True)), meshes.sizes[0] / meshes.sizes[meshes.own]
+    at_edges = unseen_at_edges(numbers, sizes["moment"], figures["probes"], model, meshes.every[meshes.own], finer)
+    for row, path in enumerate(paths):
+        if path in at_edges:
+            widths[row] = np.maximum(widths[row], np.abs(values[meshes.own, row] - values[0, row]) + at_edges[path])
     return _rounded(np.where(growing, np.nan, widths)), growing
 
 

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from signorini.analysis.twins.layers import thickness_at
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import point
 from signorini.mesh import Mesh
@@ -215,6 +214,18 @@ def _bent(model: Model, mesh: Mesh) -> dict[str, float]:
         "shear": _BENT * rigidity / span**3,
         "force": _BENT * rigidity / span**2,
     }
+
+
+def thickness_at(model: Model, points: Floats) -> Floats:
+    """The plate's thickness (n,) at points, or a zone's; the plate's own need not be one where zones have another."""
+    found = np.full(len(points), np.nan)
+    for zone in (*reversed(model.zone), None):
+        left = np.isnan(found)
+        inside = left if zone is None else left & zone.region.contains(points)
+        formula = model.plate.thickness if zone is None else zone.thickness
+        if formula is not None and inside.any():
+            found[inside] = np.abs(formula(*points[inside].T))
+    return found
 
 
 def named(paths: Sequence[Path], figures: Mapping[str, Any]) -> str:
