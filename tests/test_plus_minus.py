@@ -351,6 +351,23 @@ def test_principal_and_design_moments_change_with_the_moments_they_are_of() -> N
     assert beside([*moments, design], np.array([[0.0], [0.0], [0.0], [2.0]])).ravel().tolist() == [0.0, 0.0, 0.0, 1.0]
 
 
+def test_a_design_moment_of_zero_has_a_half_width_where_the_moments_reach_beyond_it() -> None:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        mesh={"divisions": [4, 4]},
+        support=[{"edge": ["left", "right"], "fix": "clamped"}],
+        load=[{"pressure": 1e3}],
+        probe=[{"at": [[0.82, 2], [0.83, 2]]}],
+    )
+    result = solve(model)["all"]
+    (far, near), (of_far, of_near) = result.probes, result.plus_minus["probes"]
+    assert far.design_moment["bottom"] == near.design_moment["bottom"] == (0, 0)
+    assert -far.moment[0] > of_far["moment"][0] + of_far["moment"][2] > of_far["design_moment"]["bottom"][0] * 1e3
+    reach = near.moment[0] + of_near["moment"][0] + of_near["moment"][2]
+    assert of_near["design_moment"]["bottom"][0] == pytest.approx(reach, rel=0.01)
+
+
 def test_a_mesh_that_is_no_other_gives_way_to_a_third(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = twins_module.discretise
 
