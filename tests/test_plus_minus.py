@@ -1,5 +1,6 @@
 """Half-widths: how far the mesh is from the plate, as other meshes show it."""
 
+import math
 import pickle
 from pathlib import Path
 from typing import Any
@@ -120,6 +121,27 @@ def test_half_widths_of_the_largest_moments_cover_those_of_a_finer_mesh() -> Non
             width = coarse.plus_minus["fields"][name][side]
             change = abs(getattr(coarse.extremes[name], side) - getattr(fine.extremes[name], side))
             assert change <= width < 10 * max(change, 1e-2 * np.abs(fine.moment).max()), (name, side)
+
+
+def test_half_widths_at_free_edges_of_thin_plates_know_the_layer_that_no_mesh_shows() -> None:
+    thin = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [1, 1], "thickness": 0.001},
+        mesh={"divisions": [16, 16]},
+        support=[{"edge": ["bottom", "top"], "fix": "simple"}],
+        load=[{"pressure": 1e3}],
+        probe=[{"at": [[0, 0.25], [0.01, 0.25]]}],
+    )
+    result = solve(thin)["all"]
+    edge, inside = result.probes
+    at_edge, beside_it = result.plus_minus["probes"]
+    # There is no twist at a free edge, and no shear across it; what is gone of the twist is a shear along it.
+    twist = abs(edge.moment[2])
+    assert twist == pytest.approx(10.7, rel=0.01)
+    assert at_edge["moment"][2] == pytest.approx(twist, rel=0.02)
+    assert at_edge["shear"][0] > abs(edge.shear[0])
+    assert at_edge["shear"][1] == pytest.approx(twist * math.sqrt(10) / 0.001, rel=0.1)
+    assert beside_it["moment"][2] < 0.02 * abs(inside.moment[2])
 
 
 def test_a_moment_under_a_point_force_has_no_half_width_and_is_named() -> None:
@@ -327,6 +349,23 @@ def test_principal_and_design_moments_change_with_the_moments_they_are_of() -> N
     changes = np.array([[8.0], [1.0], [0.0], [0.5]])
     assert beside([*moments, design], changes).ravel().tolist() == [4.0, 4.0, 4.0, 4.0]
     assert beside([*moments, design], np.array([[0.0], [0.0], [0.0], [2.0]])).ravel().tolist() == [0.0, 0.0, 0.0, 1.0]
+
+
+def test_a_design_moment_of_zero_has_a_half_width_where_the_moments_reach_beyond_it() -> None:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        mesh={"divisions": [4, 4]},
+        support=[{"edge": ["left", "right"], "fix": "clamped"}],
+        load=[{"pressure": 1e3}],
+        probe=[{"at": [[0.82, 2], [0.83, 2]]}],
+    )
+    result = solve(model)["all"]
+    (far, near), (of_far, of_near) = result.probes, result.plus_minus["probes"]
+    assert far.design_moment["bottom"] == near.design_moment["bottom"] == (0, 0)
+    assert -far.moment[0] > of_far["moment"][0] + of_far["moment"][2] > of_far["design_moment"]["bottom"][0] * 1e3
+    reach = near.moment[0] + of_near["moment"][0] + of_near["moment"][2]
+    assert of_near["design_moment"]["bottom"][0] == pytest.approx(reach, rel=0.01)
 
 
 def test_a_mesh_that_is_no_other_gives_way_to_a_third(monkeypatch: pytest.MonkeyPatch) -> None:

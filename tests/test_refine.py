@@ -3,6 +3,7 @@
 import io
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from signorini.mesh.grading import STEEPEST, graded
 from signorini.output import results_json, write
 
 EDGES = ["left", "right", "bottom", "top"]
+SQUARE = {"shape": "rectangle", "size": [10, 10], "thickness": 0.3}
 NUMBERS = st.floats(0.0, 10.0)
 
 
@@ -131,6 +133,21 @@ def test_a_mesh_is_refined_until_it_is_as_near_as_asked(tmp_path: Path) -> None:
     assert "refined to ± 0.05" in shown(results)
 
 
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"support": [{"edge": ["left", "right"], "fix": "simple"}], "load": [{"curvature": [1e-4, 0, 0]}]},
+        {"support": [{"edge": EDGES, "fix": "clamped"}], "load": [{"curvature": [1e-4, 0, 0]}]},
+    ],
+    ids=["bent without forces", "bent without moving"],
+)
+def test_what_is_zero_by_symmetry_is_not_chased(given: dict[str, object]) -> None:
+    results = solve(asked(0.01, **given))
+    assert len(results.refinement) == 1
+    assert results.refinement[0].worst < 1e-6
+    assert results.accuracy_warning == ""
+
+
 def test_a_disc_is_refined_everywhere() -> None:
     model = Model(
         material={"E": 30e9, "nu": 0.2},
@@ -176,3 +193,17 @@ def test_an_accuracy_needs_half_widths() -> None:
         plate(accuracy=0.1, error=False)
     with pytest.raises(InputError, match=r"mesh\.accuracy"):
         plate(accuracy=2)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"mesh": {"size": 1, "refine": [{"at": [5, 5], "size": 0.002}]}},
+        {"mesh": {"size": 2}, "plate": SQUARE | {"holes": [{"circle": {"center": [3, 3], "radius": 0.02}}]}},
+    ],
+    ids=["of twice the size", "of half the size"],
+)
+def test_where_small_places_make_most_elements_half_widths_come_from_another_mesh(given: dict[str, Any]) -> None:
+    plain = {"support": [{"edge": EDGES, "fix": "simple"}], "load": [{"pressure": 1.0}]}
+    model = Model(**{"material": {"E": 30e9, "nu": 0.2}, "plate": SQUARE} | plain | given)
+    assert solve(model)["all"].plus_minus is not None

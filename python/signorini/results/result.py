@@ -235,8 +235,8 @@ class Result(Remade):
         """Half-widths within which refining the mesh is expected to move every number: of the mesh, not the equations.
 
         The same structure as the keys deflection, fields, supports, probes, sections and strips of results.json
-        (docs/results.md). None in place of a number that has none, and where nothing is known: without equilibrium, or
-        of reactions that were given.
+        (docs/results.md). None in place of a number that has none, and where nothing is known: without equilibrium, of
+        reactions that were given, or where no other mesh could be solved, as ``estimate.warnings`` then says.
 
         Examples
         --------

@@ -11,7 +11,7 @@ from signorini.discretise.places import curve, quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
-from signorini.model import Support
+from signorini.model import Load, Support
 from signorini.singularities.corners import Slopes, moments_grow, shears_grow, slopes_held
 
 _STRAIGHT = np.radians(1.0)
@@ -65,7 +65,7 @@ class Boundary:
         sides = mesh.boundary
         held, always, slope, twist = np.zeros((4, len(sides)), np.bool_)
         for support in found.model.support:
-            on = np.isin(sides[:, 1], _middles(mesh, support))
+            on = np.isin(sides[:, 1], middles(mesh, support))
             if support.stiffness is None:
                 held |= on & support.holds_w
                 always |= on & (not can_let_go(support)) & held
@@ -140,11 +140,11 @@ class Boundary:
         return found
 
 
-def _middles(mesh: Mesh, support: Support) -> Ints:
-    """Nodes in the middles of the sides along a support's edge, line or circle; none where the mesh does not follow."""
-    if support.edge is not None:
-        return np.concatenate([mesh.edges[name] for name in support.edge])[:, 1]
-    along = curve(support)
+def middles(mesh: Mesh, item: Load | Support) -> Ints:
+    """Nodes in the middles of the sides along an edge, a line or a circle; none where the mesh does not follow."""
+    if item.edge is not None:
+        return np.concatenate([mesh.edges[name] for name in item.edge])[:, 1]
+    along = curve(item)
     sides = None if along is None else mesh.edges_along(along)
     return np.zeros(0, np.int64) if sides is None else sides[:, 1]
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from signorini.analysis.twins.half_width import FASTEST, FASTEST_OF_POINTS, half_widths, unsettled
 from signorini.analysis.twins.layers import KINDS as TOUCHED
-from signorini.analysis.twins.layers import unseen_layer
+from signorini.analysis.twins.layers import unseen_at_edges, unseen_layer
 from signorini.analysis.twins.leaves import Path, acts_at_points, beside, kind_of, may_grow, sizes_of
 from signorini.analysis.twins.meshes import side
 from signorini.discretise.rows import Bools, Floats
@@ -95,10 +95,29 @@ def compared(
     # Peaks under the outline of a rigid area have none, but need not grow steadily on elements that hardly know it.
     rigid = {one.source for singular, _ in named for one in singular if one.line and "pressure" in one.numbers}
     names = [support["name"] for support in figures["supports"]]
-    peaks = np.array([path[-1] == "max_pressure" and names[int(path[1])] in rigid for path in paths], np.bool_)
+    peaks = np.array(
+        [path[-1] in ("max_pressure", "max_tension") and names[int(path[1])] in rigid for path in paths], np.bool_
+    )
     growing |= peaks[:, None] & unsettled(values, largest)
     widths = np.where(touched, np.maximum(widths, layer * largest), widths)
+    numbers, finer = dict(zip(paths, values[0], strict=True)), meshes.sizes[0] / meshes.sizes[meshes.own]
+    at_edges = unseen_at_edges(numbers, sizes["moment"], figures["probes"], model, meshes.every[meshes.own], finer)
+    for row, path in enumerate(paths):
+        if path in at_edges:
+            widths[row] = np.maximum(widths[row], np.abs(values[meshes.own, row] - values[0, row]) + at_edges[path])
+    _widen_absent(widths, {path: row for row, path in enumerate(paths)}, values[meshes.own])
     return _rounded(np.where(growing, np.nan, widths)), growing
+
+
+def _widen_absent(widths: Floats, rows: Mapping[Path, int], values: Floats) -> None:
+    """Design moments that are 0 on every mesh: by how far the half-widths of the moments reach beyond what is left."""
+    for path, row in rows.items():
+        if "design_moment" not in path or (*path[:2], "moment", 2) not in rows:
+            continue
+        of, sign = int(path[4]), 1.0 if path[3] == "bottom" else -1.0
+        direct, twist = rows[(*path[:2], "moment", of)], rows[(*path[:2], "moment", 2)]
+        reach = sign * values[direct] + np.abs(values[twist]) + widths[direct] + widths[twist]
+        widths[row] = np.where(values[row] == 0.0, np.fmax(widths[row], reach), widths[row])
 
 
 def rounded(width: float) -> float | None:

@@ -1,17 +1,26 @@
-"""The boundary layer of thin plates, of which meshes coarser than the thickness know nothing, however many agree."""
+"""The boundary layer of thin plates, of which meshes coarser than the thickness know nothing, however many agree.
+
+Along edges that hold no slope the moment mnn and the twist mnt are zero, and where they are free the shear qn. In a
+layer of width δ = h/√(12κ) the twist and the shear come, as 1 - exp(-d/δ), to what a plate without shear strains has;
+the shear along the edge is more by mnt/δ there, and bending moments by up to 2δ |qn| (D. N. Arnold, R. S. Falk,
+*Asymptotic analysis of the boundary layer for the Reissner-Mindlin plate model*, SIAM J. Math. Anal. 27, 1996).
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from signorini.analysis.twins.half_width import FASTEST
-from signorini.discretise.rows import Floats
+from signorini.analysis.twins.leaves import Path, thickness_at
+from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
-from signorini.mesh.mesh import OUTLINE
-from signorini.model import Model
+from signorini.model import Load, Model, Support
+from signorini.shapes.distances import distances
+from signorini.singularities.boundary import middles
 
 KINDS = frozenset(("deflection", "rotation", "moment", "reaction", "pressure", "max_pressure", "max_tension"))
 _SOFTER = 1.3
@@ -20,6 +29,15 @@ a free strip by 1.26 in torsion (0.63 h over its width)."""
 _SEEN = 2.65
 """Thickness over the element's side, times this, is the part of the layer that large elements know; measured on simple
 squares of h/a = 0.01 and 0.001, where `_left` is right to 0.03 for elements of 0.6 to 100 thicknesses."""
+_TWIST_SEEN = 30.0
+"""Of the twist at edges 1 / (1 + 30 (δ/s)²) is left on elements of side s; measured on squares with two free edges to
+0.06, on elements of 0.7 to 50 thicknesses."""
+_FADED = 12.0
+"""Widths of the layer from an edge at which nothing is left of it."""
+_CHORDS = np.linspace(-1.0, 1.0, 9)
+"""Where sides are parted into straight ones: an arc rises little above these beside the layer."""
+_ON_EDGE = 1e-6
+"""Part of the plate's size within which a point is on its edge, and within which an edge runs along an axis."""
 
 
 def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
@@ -45,10 +63,7 @@ def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
     0.0e+00
     0.0e+00
     """
-    none, names = np.zeros((0, 3), np.int64), [OUTLINE] if OUTLINE in mesh.edges else list(mesh.edges)
-    held = [name for one in model.support if {"slope", "twist"} & set(one.fixed) for name in one.edge or ()]
-    outline, still = (np.concatenate([none, *(mesh.edges[name] for name in which)]) for which in (names, held))
-    ends = mesh.points[outline[~np.isin(outline[:, 1], still[:, 1])][:, [0, 2]]]
+    ends = mesh.points[_sides(model, mesh)[:, [0, 2]]]
     free = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
     thickness = float(thickness_at(model, mesh.points).mean())
     left, before = (_left(thickness, size) for size in sizes[:2])
@@ -56,19 +71,102 @@ def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
     return float(_SOFTER * thickness * free / (4.0 * mesh.element_area.sum()) * max(0.0, left - shown))
 
 
+def unseen_at_edges(
+    numbers: Mapping[Path, Floats],
+    most: Floats,
+    probes: Sequence[Mapping[str, Any]],
+    model: Model,
+    mesh: Mesh,
+    finer: float,
+) -> dict[Path, Floats]:
+    """How far moments and shears of k results may be from the plate's in the layer along edges, each (k,).
+
+    At probes by the twist and the shear that they have themselves; of the largest shear by the largest mxy where edges
+    run along the axes, else by the largest moment.
+
+    Parameters
+    ----------
+    numbers : mapping
+        Every number (k,) on the finest mesh.
+    most : (k,) array
+        The largest moment.
+    probes : sequence of mapping
+        As in results.json, with their places.
+    model : Model
+    mesh : Mesh
+        The plate's own.
+    finer : float
+        Sides of elements on the finest mesh over those of this one.
+    """
+    found, sides = dict[Path, Floats](), _sides(model, mesh)
+    if not len(sides):
+        return found
+    begin, end = _chords(mesh, sides)
+    way = end - begin
+    length = np.hypot(*way.T)
+    nx, ny = way[:, 1] / length, -way[:, 0] / length
+    width = thickness_at(model, 0.5 * (begin + end)) / math.sqrt(12.0 * model.plate.shear_factor)
+    parts = len(_CHORDS) - 1
+    size = finer * np.repeat(mesh.element_area[mesh.find_sides(sides)[0]], parts) / (parts * length)
+    unseen = 1.0 / (1.0 + _TWIST_SEEN * (width / size) ** 2)
+    items: tuple[Load | Support, ...] = (*model.support, *model.load)
+    lines = [middles(mesh, item) for item in items]
+    free = np.repeat(~np.isin(sides[:, 1], np.concatenate(lines)), parts)
+
+    peaks = [np.abs(numbers[path]) for path in _ends("mxy") if path in numbers]
+    if peaks and np.abs(nx * ny).max() < _ON_EDGE:  # along the axes
+        most = np.maximum(*peaks)
+    for name, along in (("qx", ny), ("qy", nx)):
+        part = float((np.abs(along) * unseen / width).max())
+        found |= {path: part * most for path in _ends(name) if path in numbers}
+
+    for number, probe in enumerate(probes):
+        of = ("probes", number)
+        away = distances(np.array([probe["at"]]), begin, end)[0]
+        near = away < _FADED * width
+        if not near.any() or (*of, "moment", 0) not in numbers:
+            continue
+        (mx, my, mxy), (qx, qy) = ([numbers[(*of, key, at)] for at in range(n)] for key, n in _OF_PROBE)
+        x, y, delta, left = np.stack([nx, ny, width, unseen * np.exp(-away / width)])[:, near, None]
+        # At an edge itself what a mesh shows of what is zero there is all that it does not know.
+        on = away[near, None] <= _ON_EDGE * mesh.size
+        twist = np.where(on, 1.0, left) * np.abs(x * y * (my - mx) + (x**2 - y**2) * mxy)
+        across = np.where(on & free[near, None], 1.0, left) * np.abs(x * qx + y * qy)
+        bent = np.maximum(2.0 * delta * across, on * np.abs(x**2 * mx + y**2 * my + 2.0 * x * y * mxy))
+        turned, straight = np.abs(2.0 * x * y), np.abs(x**2 - y**2)
+        direct, twisting = (turned * twist + bent).max(axis=0), (straight * twist + turned * bent).max(axis=0)
+        either = (twist + bent).max(axis=0)
+        found |= {(*of, "moment", at): part for at, part in enumerate((direct, direct, twisting))}
+        found |= {(*of, "principal_moment", at): either for at in range(2)}
+        found |= {(*of, "design_moment", face, at): direct + twisting for face in ("bottom", "top") for at in range(2)}
+        found[(*of, "shear", 0)] = (np.abs(x) * across + np.abs(y) * twist / delta).max(axis=0)
+        found[(*of, "shear", 1)] = (np.abs(y) * across + np.abs(x) * twist / delta).max(axis=0)
+    return found
+
+
+_OF_PROBE = (("moment", 3), ("shear", 2))
+
+
+def _ends(field: str) -> tuple[Path, Path]:
+    return ("fields", field, "max"), ("fields", field, "min")
+
+
+def _sides(model: Model, mesh: Mesh) -> Ints:
+    """Sides (k, 3) of the boundary at which the plate may turn along them, and across."""
+    held = [mesh.edges[name] for one in model.support if {"slope", "twist"} & set(one.fixed) for name in one.edge or ()]
+    still = np.concatenate([np.zeros((0, 3), np.int64), *held])
+    return np.asarray(mesh.boundary[~np.isin(mesh.boundary[:, 1], still[:, 1])])
+
+
+def _chords(mesh: Mesh, sides: Ints) -> tuple[Floats, Floats]:
+    """Begin and end (p, 2) of the straight parts of sides, side after side."""
+    a, middle, b = (mesh.points[sides[:, at], None] for at in range(3))
+    t = _CHORDS[:, None]
+    places = middle + t * (0.5 * (b - a) + t * (0.5 * (a + b) - middle))
+    return places[:, :-1].reshape(-1, 2), places[:, 1:].reshape(-1, 2)
+
+
 def _left(thickness: float, size: float) -> float:
     """The part of the layer that elements of a size do not know."""
     seen = _SEEN * thickness / size
     return 1.0 - seen * math.tanh(1.0 / seen)
-
-
-def thickness_at(model: Model, points: Floats) -> Floats:
-    """The plate's thickness (n,) at points, or a zone's; the plate's own need not be one where zones have another."""
-    found = np.full(len(points), np.nan)
-    for zone in (*reversed(model.zone), None):
-        left = np.isnan(found)
-        inside = left if zone is None else left & zone.region.contains(points)
-        formula = model.plate.thickness if zone is None else zone.thickness
-        if formula is not None and inside.any():
-            found[inside] = np.abs(formula(*points[inside].T))
-    return found

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from signorini.analysis.twins.layers import thickness_at
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import point
 from signorini.mesh import Mesh
@@ -158,17 +157,14 @@ def largest_of(result: Result) -> dict[str, float]:
 
     areas = [np.array([s.max_pressure, s.max_tension]) for s in result.supports if s.area is not None]
     pressure = max(map(size, areas), default=0.0)
-    bent, moved = _bent(result.model, result.mesh), size(result.deflection)
-    moment = max(size(result.moment), bent["moment"] * moved)
-    shear = max(size(result.shear), bent["shear"] * moved)
+    own = {name: size(getattr(result, name)) for name in ("deflection", "rotation", "moment", "shear")}
+    own["reaction"] = float(sum(np.abs(support.reactions).sum() for support in result.supports))
+    bent = _bent(result.model, result.mesh, np.array(own["deflection"]), np.array(own["moment"]))
+    found = {name: max(value, bent[name].item()) for name, value in own.items()}
     return {
-        "deflection": moved,
-        "rotation": max(size(result.rotation), bent["rotation"] * moved),
-        "moment": moment,
-        "couple": moment * result.mesh.size,
-        "shear": shear,
-        "force": shear * result.mesh.size,
-        "reaction": float(sum(np.abs(support.reactions).sum() for support in result.supports)),
+        **found,
+        "couple": found["moment"] * result.mesh.size,
+        "force": found["shear"] * result.mesh.size,
         **dict.fromkeys(("pressure", "max_pressure", "max_tension"), pressure),
         "contact_area": float(result.mesh.element_area.sum()),
         "closed": 0.0,
@@ -180,8 +176,8 @@ def sizes_of(numbers: Mapping[Path, Floats], model: Model, mesh: Mesh) -> dict[s
     """The largest of every kind of number, of k results (k,), by which their rounding and growth are judged.
 
     Of all that is told alike of a combination by itself and of a row of a table. A plate that only moves has moments
-    by rounding: a hundredth of what bending to its deflection takes counts too. So does a hundredth of gaps as
-    movement, since deflections are told beside them.
+    by rounding, one that is bent evenly shears, one that may not bend deflections: a hundredth of what goes with the
+    others counts too. So does a hundredth of gaps as movement, since deflections are told beside them.
     """
     points = {path[1] for path in numbers if "points" in path}
     none = np.zeros(max((len(value) for value in numbers.values()), default=0))
@@ -194,27 +190,43 @@ def sizes_of(numbers: Mapping[Path, Floats], model: Model, mesh: Mesh) -> dict[s
                 found[kind] = found.get(kind, none) + size
         elif path[0] != "probes" or path[2] not in (*_OF_MOMENTS, "pressure"):
             found[kind] = np.maximum(found.get(kind, none), part * size)
-    moved = found.get("deflection", none)
-    bent = _bent(model, mesh)
-    # Totals may cancel: what the supports hold is no less than what bends the plate.
-    for kind, part in {**bent, "reaction": bent["shear"] * mesh.size}.items():
-        found[kind] = np.maximum(found.get(kind, none), part * moved)
+    for kind, least in _bent(model, mesh, found.get("deflection", none), found.get("moment", none)).items():
+        found[kind] = np.maximum(found.get(kind, none), least)
     pressed = np.max([found.get(kind, none) for kind in ("pressure", "max_pressure", "max_tension")], axis=0)
     found |= dict.fromkeys(("pressure", "max_tension"), pressed)
     return found | {"contact_area": none + mesh.element_area.sum(), "closed": none, "open": none}
 
 
-def _bent(model: Model, mesh: Mesh) -> dict[str, float]:
-    """A hundredth of what rotations, moments and shears are of a plate that bends to a deflection of one."""
+def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[str, Floats]:
+    """A hundredth of what goes with a plate's deflection, bent as a whole, or with its largest moment if that is more.
+
+    Totals may cancel, and a plate may be bent without shears: what its supports hold is no less than this.
+    """
     span, thickness = mesh.size, thickness_at(model, mesh.points)
     rigidity = model.young * float(thickness.max()) ** 3 / 12
-    return {
-        "rotation": _BENT / span,
-        "moment": _BENT * rigidity / span**2,
-        "couple": _BENT * rigidity / span,
-        "shear": _BENT * rigidity / span**3,
-        "force": _BENT * rigidity / span**2,
+    bent = _BENT * np.maximum(deflection, moment * span**2 / rigidity)
+    of_bending = {
+        "deflection": 1.0,
+        "rotation": 1 / span,
+        "moment": rigidity / span**2,
+        "couple": rigidity / span,
+        "shear": rigidity / span**3,
+        "force": rigidity / span**2,
+        "reaction": rigidity / span**2,
     }
+    return {kind: part * bent for kind, part in of_bending.items()}
+
+
+def thickness_at(model: Model, points: Floats) -> Floats:
+    """The plate's thickness (n,) at points, or a zone's; the plate's own need not be one where zones have another."""
+    found = np.full(len(points), np.nan)
+    for zone in (*reversed(model.zone), None):
+        left = np.isnan(found)
+        inside = left if zone is None else left & zone.region.contains(points)
+        formula = model.plate.thickness if zone is None else zone.thickness
+        if formula is not None and inside.any():
+            found[inside] = np.abs(formula(*points[inside].T))
+    return found
 
 
 def named(paths: Sequence[Path], figures: Mapping[str, Any]) -> str:

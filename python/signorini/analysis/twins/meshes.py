@@ -73,6 +73,9 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
         yield _twin(model, mesh, 2.0), _twin(model, mesh, 4.0)
     if not coarse and 4 * count <= _CHEAP:
         yield (_twin(model, mesh, 0.5),)
+    if 4 * count <= _CHEAP and (divisions is None or model.mesh.refine):
+        # Where refined places and small outlines say how large most elements are.
+        yield (_divided(model, mesh, 0.5),)
 
 
 _WORDS = {0.25: "a quarter of its size", 0.5: "half its size", 2.0: "twice its size", 4.0: "four times its size"}

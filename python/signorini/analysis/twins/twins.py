@@ -35,6 +35,10 @@ _OTHER = 0.5
 """Base 2 logarithm of the ratio of elements from which on meshes are compared; at twice the size it is 2."""
 
 
+class _SameMeshError(SignoriniError):
+    """What the outline or refined places say of the size of elements leaves hardly another mesh."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Twins(Remade):
     """The same model on other meshes, each factored once.
@@ -84,7 +88,7 @@ class Twins(Remade):
                     found.append(self._on(twin, solved))
                 except (SignoriniError, MemoryError) as error:
                     whys.append(f"on a mesh of {twin.words}: {error or 'not enough memory.'}")
-                    if not found:
+                    if not (found or isinstance(error, _SameMeshError)):
                         break
                 if len(found) == _OTHERS:
                     break
@@ -97,7 +101,7 @@ class Twins(Remade):
         """Refuse a mesh that is none of another size."""
         count, own = len(mesh.elements), len(self.mesh.elements)
         if not abs(math.log2(count / own)) > _OTHER:
-            raise SignoriniError(f"it has {count} elements, hardly other ones than the {own} of this mesh.")
+            raise _SameMeshError(f"it has {count} elements, hardly other ones than the {own} of this mesh.")
 
     def _on(self, twin: Twin, solved: Callable[[ContactProblem, Watcher], _T]) -> _T:
         def watch(now: Progress) -> None:
