@@ -73,6 +73,9 @@ def model(rng: Random) -> Tables:
         cut(rng, tables)
     if rng.random() < 0.2:
         _refine(rng, tables, size)
+    for support in tables["support"]:
+        if support.get("edge") == ["hole 1"] and "rectangle" in tables["plate"]["holes"][0]:
+            support["edge"] = rng.choice([["hole 1"], ["hole 1 left"], ["hole 1 top", "hole 1 right"]])
     return tables
 
 

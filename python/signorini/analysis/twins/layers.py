@@ -48,6 +48,8 @@ def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
     none, names = np.zeros((0, 3), np.int64), [OUTLINE] if OUTLINE in mesh.edges else list(mesh.edges)
     held = [name for one in model.support if {"slope", "twist"} & set(one.fixed) for name in one.edge or ()]
     outline, still = (np.concatenate([none, *(mesh.edges[name] for name in which)]) for which in (names, held))
+    # Sides of a hole are those of the hole too.
+    outline = outline[np.unique(outline[:, 1], return_index=True)[1]]
     ends = mesh.points[outline[~np.isin(outline[:, 1], still[:, 1])][:, [0, 2]]]
     free = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
     thickness = float(thickness_at(model, mesh.points).mean())
