@@ -17,8 +17,8 @@ parts. The order takes 0.015 s, the analysis 0.035. On two threads the parts of 
 
 At 400×400 (319.3M entries, 272 GFlop) one thread touches 754,000 pages, of which L itself is 624,000. In a virtual
 machine one costs 2 µs if its host still has it, up to 8 if it must find it: 1.8 to 7.6 s of the processor for one and
-the same factor within an hour, a sixth to two fifths of it. Of 10.5 s in this library 6.7 are matrix products, 0.6 the
-triangular solves beneath the pivots, 0.4 summing the matrix, 0.2 each adding what children leave and the analysis;
+the same factor within an hour, a sixth to two fifths of it. Of some 10 s in this library 6.7 are matrix products, 0.6
+the triangular solves beneath the pivots, 0.4 summing the matrix, 0.2 each adding what children leave and the analysis;
 storing L takes 0.5 more, and is bound by memory.
 
 Element matrices: 0.01 s where elements are alike but for rounding of their places, as here; 0.11 s on one thread
@@ -38,7 +38,6 @@ Pages are not to be had for less: the system fills them ahead at 1.5 to 1.9 µs 
 ones cost a virtual machine 7 to 9 µs per 4 kB when its host must find them first. Stacks and panels kept by each
 thread at the largest size that any part needs, and what parts leave in buffers kept as long as the estimate has room,
 touch 735,000 pages at 400×400 instead of 754,000, and at 160×160 95,000 instead of 84,000: the allocator does as well.
-So does `memcpy` beside eight rows at a time in registers, where L is stored.
 
 One right-hand side reads L twice at 18-20 GB/s on two threads; a sum over as many numbers runs at 30.
 
