@@ -1,12 +1,13 @@
 """Random small plates: each ends certified, or without an equilibrium that a linear program of its own confirms.
 
-Three of four models are those of tests/fuzz/random_models.py. The judge here shares no code with the program's own
+Most models are those of tests/fuzz/random_models.py. The judge here shares no code with the program's own
 check: it assembles the balance of every combination from the places of the supports and the resultants of the loads,
 held nodes and springs among the supports, and asks scipy.optimize.linprog for reactions. Verdicts that supports
 contradict each other are confirmed by a second program over the plate's deflections.
 
 Every fourth is one of tests/fuzz/extreme_models.py, which bring judges of their own: closed forms, statics, finer
-meshes. Of those a refusal is an answer; none may be wrong.
+meshes; every eighth one of tests/fuzz/twofold_models.py, which say a plate in two ways. Of those a refusal is an
+answer; none may be wrong.
 
     python benchmarks/random_plates.py [--count 100000] [--first 0] [--seconds 600] [--processes 2]
     python benchmarks/random_plates.py --show SEED
@@ -29,6 +30,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
 import campaign
 import extreme_models
 import random_models
+import twofold_models
 
 from signorini import InputError, NoEquilibriumError, NotCertifiedError, solve, validate
 from signorini.discretise import discretise
@@ -38,7 +40,7 @@ _NEAR = 1e-7
 _LOST = 1e-6
 """Part of loads and reactions that reported reactions may miss: a certificate allows 1e-4 of what rounding moves."""
 _EXTREME = 4
-"""One of so many plates is an extreme one."""
+"""One of so many plates is an extreme one, and half as many are said in two ways."""
 
 
 def balance(found, nodal):
@@ -111,12 +113,19 @@ def deflection_exists(found):
 
 def judged(seed):
     """Outcome of one model, and what is wrong with it."""
-    return judged_extreme(seed) if seed % _EXTREME == _EXTREME - 1 else judged_ordinary(seed)
+    model = with_judge(seed)
+    return judged_ordinary(seed) if model is None else judged_by_its_own(model)
 
 
-def judged_extreme(seed):
+def with_judge(seed):
+    """The model of a seed if it brings its judge."""
+    if seed % _EXTREME == _EXTREME - 1:
+        return extreme_models.extreme(Random(seed))
+    return twofold_models.twofold(Random(seed)) if seed % (2 * _EXTREME) == 1 else None
+
+
+def judged_by_its_own(model):
     """The same of a model that brings its judge."""
-    model = extreme_models.extreme(Random(seed))
     try:
         result = extreme_models.solved(model.tables)
         wrong = model.judge(result)
@@ -215,9 +224,8 @@ def _certified_as_advised(tables, refusal):
 
 def model_of(seed):
     """The tables of the model that a seed draws."""
-    if seed % _EXTREME == _EXTREME - 1:
-        return extreme_models.extreme(Random(seed)).tables
-    return random_models.model(Random(seed))
+    model = with_judge(seed)
+    return random_models.model(Random(seed)) if model is None else model.tables
 
 
 def show(seed):

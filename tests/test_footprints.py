@@ -243,6 +243,13 @@ def test_points_off_the_plate_and_footprints_beyond_it_are_told_together():
     assert [part.place for part in told.value.parts] == ["support[2].at[1]", "support[2].at[3]"]
 
 
+@pytest.mark.parametrize("given", [{"radius": 1e-13}, {"patch": [0.5, 1e-13]}])
+def test_footprints_too_small_to_be_told_from_points_are_refused(given):
+    for table in ({"load": [{"force": 1, "at": [2.1, 2], **given}]}, {"support": [HARD, {"at": [2.1, 2], **given}]}):
+        with pytest.raises(InputError, match=r"less than a billionth of the plate's size.* Leave .* out for a point"):
+            discretise(rectangular(**{"support": [HARD], "load": [{"pressure": 1}]} | table))
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [

@@ -325,6 +325,31 @@ def test_locating_a_mapped_point_gives_it_back(name, data):
     assert found.xi[within] == pytest.approx(xi[within], abs=1e-9)
 
 
+def test_forces_at_nodes_do_the_work_of_those_at_points():
+    points = np.array([[0, 0], [4, 0], [4, 3], [0, 2], [2, 0], [4, 1], [2, 3], [0, 1], [6, 1], [5, 0], [5, 2]], float)
+    mesh = Mesh(points, np.array([[0, 1, 2, 3, 4, 5, 6, 7], [1, 8, 2, 2, 9, 10, 2, 5]]), {})
+    random = np.random.default_rng(1)
+    elements, xi, force = np.array([0, 1, 0, 1]), random.uniform(0.0, 0.5, (4, 2)), random.normal(size=4)
+    w, values = random.normal(size=11), mesh.shape_functions(elements, xi)
+    assert mesh.nodal_forces(elements, xi, force) @ w == pytest.approx(
+        force @ (values * w[mesh.elements[elements]]).sum(1)
+    )
+    assert mesh.map(elements, xi) == pytest.approx(np.einsum("qn,qnd->qd", values, mesh.nodes[elements]))
+
+
+@pytest.mark.parametrize(
+    ("elements", "xi", "message"),
+    [
+        ([1], [[0.0, 0.0]], "a point is in element 1 of 1"),
+        ([-1], [[0.0, 0.0]], "a point is in element -1 of 1"),
+        ([0], [[0.0, 0.0], [0.5, 0.0]], r"reference points \(q, 2\), one for each element given"),
+    ],
+)
+def test_points_of_elements_that_there_are_not_are_refused(elements, xi, message):
+    with pytest.raises(ValueError, match=message):
+        Mesh(SQUARE, ELEMENT, {}).map(np.array(elements), np.array(xi))
+
+
 @pytest.mark.parametrize("name", MESHES)
 def test_at_a_node_the_shape_functions_are_exactly_zero_and_one(name):
     mesh = MESHES[name]

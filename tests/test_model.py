@@ -78,13 +78,20 @@ def test_numpy_numbers_and_arrays_and_table_objects_are_accepted():
         material={"E": np.float32(2), "nu": np.float64(0.3)},
         plate=DiscPlate(radius=np.int64(5), thickness="0.1 + x*x"),
         mesh=MeshOptions(divisions=np.array([2, 8])),
-        support=[Support(at=points), Support(edge="rim", fix="clamped")],
+        support=[Support(at=points), Support(edge=np.array(["rim"]), fix=np.array(["w", "slope"]))],
         load=[Load(force=1, at=points[0])],
         combination=[Combination(factors={"load": 2})],
+        output={"fields": np.array(["combination 1"])},
     )
+    assert model.support[1].edge == ("rim",) and model.support[1].fix == ("w", "slope")
     assert model.support[0].at == ((1.0, 2.0), (3.0, 4.0))
     assert model.load[0].at == ((1.0, 2.0),)
     assert model.plate.thickness.is_constant is False
+
+
+def test_an_array_where_tables_are_is_told_with_its_place():
+    with pytest.raises(InputError, match=r"load\[1\]"):
+        validate(slab() | {"load": np.array([[1, 2]])})
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,5 @@
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use crate::arrays::{invalid, matrix};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use signorini_core::element::shape;
@@ -34,4 +35,88 @@ fn evaluated<'py>(
         gradients.extend(at.gradient.iter().flatten());
     }
     Ok((PyArray1::from_vec(py, values).reshape([count, 8])?, PyArray1::from_vec(py, gradients).reshape([count, 8, 2])?))
+}
+
+/// Shape functions (q, 8) at reference points (q, 2) of elements `of` (q,) among a mesh's (ne, 8).
+#[pyfunction]
+pub fn shape_values<'py>(
+    py: Python<'py>,
+    elements: PyReadonlyArray2<'py, i64>,
+    of: PyReadonlyArray1<'py, i64>,
+    xi: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let mut found = Vec::with_capacity(8 * of.len());
+    each_point(&elements, &of, &xi, usize::MAX, |_, values| found.extend_from_slice(&values))?;
+    matrix(py, found, 8)
+}
+
+/// Positions (q, 2) of reference points (q, 2) of elements `of` (q,), with nodes at `points` (n, 2).
+#[pyfunction]
+pub fn map_points<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'py, f64>,
+    elements: PyReadonlyArray2<'py, i64>,
+    of: PyReadonlyArray1<'py, i64>,
+    xi: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let mut found = Vec::with_capacity(2 * of.len());
+    let points = points.as_array();
+    each_point(&elements, &of, &xi, points.nrows(), |nodes, values| {
+        let along = |axis: usize| nodes.iter().zip(values).map(|(&node, value)| value * points[[node, axis]]).sum();
+        found.extend::<[f64; 2]>([along(0), along(1)]);
+    })?;
+    matrix(py, found, 2)
+}
+
+/// Forces (n,) at the nodes that are worth forces (q,) at reference points (q, 2) of elements `of` (q,).
+#[pyfunction]
+pub fn nodal_forces<'py>(
+    py: Python<'py>,
+    node_count: usize,
+    elements: PyReadonlyArray2<'py, i64>,
+    of: PyReadonlyArray1<'py, i64>,
+    xi: PyReadonlyArray2<'py, f64>,
+    forces: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    if forces.len() != of.len() {
+        return Err(invalid(format!("{} forces at {} points", forces.len(), of.len())));
+    }
+    let mut nodal = vec![0.0; node_count];
+    let mut forces = forces.as_array().into_iter();
+    each_point(&elements, &of, &xi, node_count, |nodes, values| {
+        let force = forces.next().unwrap_or(&0.0);
+        nodes.iter().zip(values).for_each(|(&node, value)| nodal[node] += force * value);
+    })?;
+    Ok(PyArray1::from_vec(py, nodal))
+}
+
+/// Calls `take` with the nodes and the shape functions of each point in turn.
+fn each_point(
+    elements: &PyReadonlyArray2<'_, i64>,
+    of: &PyReadonlyArray1<'_, i64>,
+    xi: &PyReadonlyArray2<'_, f64>,
+    node_count: usize,
+    mut take: impl FnMut([usize; 8], [f64; 8]),
+) -> PyResult<()> {
+    if elements.shape()[1] != 8 || xi.shape() != [of.len(), 2] {
+        return Err(invalid(
+            "elements must have shape (ne, 8), and reference points (q, 2), one for each element given",
+        ));
+    }
+    let (elements, of, xi) = (elements.as_array(), of.as_array(), xi.as_array());
+    for (&element, at) in of.iter().zip(xi.rows()) {
+        let Some(e) = usize::try_from(element).ok().filter(|&e| e < elements.nrows()) else {
+            return Err(invalid(format!("a point is in element {element} of {}", elements.nrows())));
+        };
+        let mut nodes = [0; 8];
+        for (own, &node) in nodes.iter_mut().zip(elements.row(e)) {
+            *own = usize::try_from(node).unwrap_or(usize::MAX);
+            if *own >= node_count {
+                return Err(invalid(format!("element {e} has node {node} of {node_count}")));
+            }
+        }
+        let functions = if nodes[2] == nodes[3] { shape::triangular } else { shape::serendipity };
+        take(nodes, functions(at[0], at[1]).value);
+    }
+    Ok(())
 }

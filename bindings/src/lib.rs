@@ -20,6 +20,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(interpolation::serendipity, module)?)?;
     module.add_function(wrap_pyfunction!(interpolation::triangular, module)?)?;
+    module.add_function(wrap_pyfunction!(interpolation::shape_values, module)?)?;
+    module.add_function(wrap_pyfunction!(interpolation::map_points, module)?)?;
+    module.add_function(wrap_pyfunction!(interpolation::nodal_forces, module)?)?;
     module.add_function(wrap_pyfunction!(lcp::lemke, module)?)?;
     module.add_function(wrap_pyfunction!(mesher::mesh_outline, module)?)?;
     module.add_class::<lcp::LcpSolution>()?;

@@ -25,12 +25,15 @@ __all__ = [
     "envelop",
     "lemke",
     "load_responses",
+    "map_points",
     "mesh_outline",
+    "nodal_forces",
     "point_responses",
     "response_stresses",
     "rest_response",
     "section_points",
     "serendipity",
+    "shape_values",
     "solution_stresses",
     "solve_together",
     "superpose",
@@ -41,6 +44,9 @@ __version__: str
 
 def serendipity(xi: _Floats) -> tuple[_Floats, _Floats]: ...
 def triangular(xi: _Floats) -> tuple[_Floats, _Floats]: ...
+def shape_values(elements: _Ints, of: _Ints, xi: _Floats) -> _Floats: ...
+def map_points(points: _Floats, elements: _Ints, of: _Ints, xi: _Floats) -> _Floats: ...
+def nodal_forces(node_count: int, elements: _Ints, of: _Ints, xi: _Floats, forces: _Floats) -> _Floats: ...
 def section_points(kind: str, triangle: bool = False) -> _Floats: ...
 def lemke(
     matrix: _Floats,

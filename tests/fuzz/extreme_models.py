@@ -81,7 +81,7 @@ def ribbon(rng: Random) -> Extreme:
     }
     bending = 5 * pressure * length**4 / (384 * young * thickness**3 / 12)
     expected = bending + pressure * length**2 / 8 / (5 / 12 * young * thickness)
-    return Extreme("ribbon", tables, lambda result: _deflections(result, [expected], _STRIP), may_be_refused=True)
+    return Extreme("ribbon", tables, lambda result: deflections(result, [expected], _STRIP), may_be_refused=True)
 
 
 def stepped_strip(rng: Random) -> Extreme:
@@ -114,7 +114,7 @@ def stepped_strip(rng: Random) -> Extreme:
     expected = _beam(length, (step, thin, thick), (stop if loaded else 0.0, pressure), young, at)
     cut = any(abs(x / length * divisions - round(x / length * divisions)) > 1e-9 for x in (step, stop))
     part = _CUT if cut else _STRIP
-    return Extreme("stepped strip", tables, lambda result: _deflections(result, expected, part))
+    return Extreme("stepped strip", tables, lambda result: deflections(result, expected, part))
 
 
 def _beam(length: float, thickness: Any, load: Any, young: float, at: list[float]) -> list[float]:
@@ -162,7 +162,7 @@ def stepped_panel(rng: Random) -> Extreme:
     def judge(result: Result | None) -> list[str]:
         fine = solved({**tables, "mesh": {"divisions": [3 * n for n in tables["mesh"]["divisions"]]}})
         assert fine is not None, "a plate held all around has an equilibrium"
-        return _deflections(result, [probe.deflection for probe in fine.probes], _PANEL)
+        return deflections(result, [probe.deflection for probe in fine.probes], _PANEL)
 
     return Extreme("stepped panel", tables, judge)
 
@@ -202,7 +202,7 @@ def near_the_edge(rng: Random) -> Extreme:
     def judge(result: Result | None) -> list[str]:
         if (result is not None) != held:
             return [f"a force {distance:.3g} inside the outline is {'held' if result else 'said to tip the plate'}"]
-        return [] if result is None else _close("reaction of the bed", result.reactions["bed"], 1e5, _SAME * 1e5)
+        return [] if result is None else close("reaction of the bed", result.reactions["bed"], 1e5, _SAME * 1e5)
 
     return Extreme("near the edge", tables, judge)
 
@@ -233,7 +233,7 @@ def on_the_edge(rng: Random) -> Extreme:
         other = solved(in_units(unit))
         if result is None or other is None:
             return ["said to have no equilibrium"]
-        return _deflections(result, (other.deflection / unit).tolist(), _LIMIT, at=result.deflection.tolist())
+        return deflections(result, (other.deflection / unit).tolist(), _LIMIT, at=result.deflection.tolist())
 
     return Extreme("on the edge", in_units(1.0), judge)
 
@@ -299,7 +299,7 @@ def redundant(rng: Random) -> Extreme:
             return []
         load = 100 * pressure + force
         size = load + sum(float(np.abs(support.reactions).sum()) for support in result.supports)
-        return _close("sum of reactions", sum(result.reactions.values()), load, _SAME * size)
+        return close("sum of reactions", sum(result.reactions.values()), load, _SAME * size)
 
     return Extreme("redundant", tables, judge, may_be_refused=True)
 
@@ -352,16 +352,16 @@ def stiffness(rng: Random) -> Extreme:
 
     def judge(result: Result | None) -> list[str]:
         load = 120 * pressure
-        wrong = [] if result is None else _close("reaction", result.reactions["bed"], load, _SAME * load)
+        wrong = [] if result is None else close("reaction", result.reactions["bed"], load, _SAME * load)
         if ratio > _RIGID:
             rigid = solved({**tables, "support": [support]})
             assert rigid is not None, "the force is amid the supports"
-            return wrong + _deflections(result, [probe.deflection for probe in rigid.probes], _LIMIT, load / own / 100)
+            return wrong + deflections(result, [probe.deflection for probe in rigid.probes], _LIMIT, load / own / 100)
         if ratio < _SOFT and result is not None:
             mean = 0.25 * sum(p.deflection for p in result.probe([(0, 0), (size, 0), (size, size), (0, size)]))
             sunk = load / (4.0 * ratio * own)
             # The load is not quite in the middle: the mean of the corners is the middle's of a rigid plate.
-            return wrong + _close("deflection", mean, sunk, _LIMIT * sunk)
+            return wrong + close("deflection", mean, sunk, _LIMIT * sunk)
         return wrong if result is not None else ["no equilibrium for a force amid the supports"]
 
     return Extreme("stiffness", tables, judge)
@@ -373,13 +373,13 @@ def _order(result: Result | None, tables: Tables, rng: Random, load: float) -> l
     other = solved({**tables, "support": shuffled, "solver": {"method": rng.choice(["auto", "lemke", "active_set"])}})
     if result is None or other is None:
         return [] if result is other else ["an equilibrium in one order of the supports, none in another"]
-    wrong = _deflections(result, other.deflection.tolist(), _SAME, at=result.deflection.tolist())
+    wrong = deflections(result, other.deflection.tolist(), _SAME, at=result.deflection.tolist())
     for name, reaction in result.reactions.items():
-        wrong += _close(f"reaction of {name}", reaction, other.reactions[name], _SAME * load)
+        wrong += close(f"reaction of {name}", reaction, other.reactions[name], _SAME * load)
     return wrong
 
 
-def _deflections(
+def deflections(
     result: Result | None, expected: list[float], part: float, least: float = 0.0, at: list[float] | None = None
 ) -> list[str]:
     """Compare deflections at the probes, or those given, with expected ones, by a part of the largest."""
@@ -394,5 +394,5 @@ def _deflections(
     return [f"deflection {found[worst]:.6g} where {expected[worst]:.6g} is right"]
 
 
-def _close(what: str, found: float, expected: float, within: float) -> list[str]:
+def close(what: str, found: float, expected: float, within: float) -> list[str]:
     return [] if abs(found - expected) <= within else [f"{what} {found:.6g} where {expected:.6g} is right"]

@@ -47,28 +47,17 @@ def plate(seed: int, least: int = 8, most: int = 16) -> Model:
     tables = random_models.model(rng)
     if "divisions" in tables["mesh"]:
         scale = others.choice([3, 4, 5])
-        tables["mesh"] = {"divisions": [min(max(least, scale * n), most) for n in tables["mesh"]["divisions"]]}
+        tables["mesh"]["divisions"] = [min(max(least, scale * n), most) for n in tables["mesh"]["divisions"]]
     else:
-        tables["mesh"] = {"size": random_models.extent(tables["plate"]) / others.randint(least, most)}
+        tables["mesh"]["size"] = random_models.extent(tables["plate"]) / others.randint(least, most)
     drawn = (random_models.point(others, tables["plate"]) for _ in range(100))
     on = (at for at in drawn if random_models.on_plate(tables["plate"], at))
     tables["probe"] = [{"at": list(islice(on, 3))}]
     tables["output"] = {"combinations": "each"}
-    # Drawn last, so that a seed's other choices are what they were without them.
-    if others.random() < 0.3:
-        _zones(others, tables)
+    # Drawn last, so that a seed's other choices are what they were without it.
     if others.random() < 0.2:
         _overlap(others, tables)
     return validate(tables)
-
-
-def _zones(rng: Random, tables: random_models.Tables) -> None:
-    """Give parts of the plate a thickness or a stiffness of their own, one perhaps over another."""
-    plate = tables["plate"]
-    thickness = float(str(plate["thickness"]).split("*")[0].strip("()"))
-    own = [{"thickness": part * thickness} for part in (0.5, 2.0, 3.0)] + [{"modifiers": {"bending": 0.3}}]
-    areas = [random_models.area(rng, plate, random_models.extent(plate)) for _ in range(rng.choice([1, 1, 2]))]
-    tables["zone"] = [{"area": area} | rng.choice(own) for area in areas]
 
 
 def _overlap(rng: Random, tables: random_models.Tables) -> None:

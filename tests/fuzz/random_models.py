@@ -63,7 +63,148 @@ def model(rng: Random) -> Tables:
         _reshape(rng, tables)
     if rng.random() < 0.5:
         _spread(rng, tables, size)
+    if rng.random() < 0.3:
+        _other_areas(rng, tables, size)
+    if rng.random() < 0.1:
+        _sectioned(rng, tables)
+    if rng.random() < 0.3:
+        _zones(rng, tables, size)
+    if rng.random() < 0.3:
+        cut(rng, tables)
+    if rng.random() < 0.2:
+        _refine(rng, tables, size)
+    for support in tables["support"]:
+        if support.get("edge") == ["hole 1"] and "rectangle" in tables["plate"]["holes"][0]:
+            support["edge"] = rng.choice([["hole 1"], ["hole 1 left"], ["hole 1 top", "hole 1 right"]])
     return tables
+
+
+def _other_areas(rng: Random, tables: Tables, size: float) -> None:
+    """Let areas have holes, arcs and two circles, and turn patches."""
+    for item in (*tables["support"], *tables["load"]):
+        if isinstance(item.get("area"), dict):
+            item["area"] = any_area(rng, tables["plate"], size)
+        if "patch" in item:
+            item["angle"] = rng.choice([30.0, -45.0, 90.0, rng.uniform(-180.0, 180.0)])
+
+
+def any_area(rng: Random, plate: Tables, size: float) -> Tables:
+    """Draw an area of any kind."""
+    if rng.random() < 0.1:
+        return area(rng, plate, size)
+    (x, y), most = middle(rng, plate)
+    # Much smaller ones, and holes in them, would take most of the elements.
+    r = most * rng.choice([0.9, 0.7, 0.5])
+    circle = {"center": [x, y], "radius": r}
+    a, b = 0.7 * r, 0.7 * r * rng.choice([1.0, 0.6])
+    ring = {"center": [x, y], "inner": r * rng.choice([0.4, 0.6, 0.8]), "outer": r}
+    bit = {"circle": {"center": [x, y + 0.5 * (r + ring["inner"])], "radius": 0.08 * r}}
+    box, hole = {"rectangle": [x - a, y - b, x + a, y + b]}, {"circle": {"center": [x, y], "radius": 0.5 * b}}
+    arched = [[x - a, y - b], [x + a, y - b], {"through": [x, y + b], "to": [x - a, y - b]}]
+    inner = {"rectangle": [x - 0.4 * b, y - 0.3 * b, x + 0.5 * b, y + 0.3 * b]}
+    beside = {"polygon": [[x - 0.1 * b, y + 0.4 * b], [x + 0.2 * b, y + 0.4 * b], [x, y + 0.6 * b]]}
+    return rng.choice(
+        [
+            {"annulus": ring},
+            {"annulus": ring, "holes": [bit]},
+            {**box, "holes": [hole]},
+            {**box, "holes": [inner, beside]},
+            {"circle": circle, "holes": [inner]},
+            {"polygon": arched},
+            {"polygon": arched, "holes": [{"circle": {"center": [x, y - 0.3 * b], "radius": 0.2 * b}}]},
+        ]
+    )
+
+
+def _sectioned(rng: Random, tables: Tables) -> None:
+    """Say the plate by the stiffness of its section: ribbed, hollow, sandwiched."""
+    plate, material = tables["plate"], tables["material"]
+    plate["thickness"] = thickness_of(plate)
+    plate["stiffness"] = _stiffness(rng, material, plate["thickness"])
+    if rng.random() < 0.5:
+        tables["material"] = {key: value for key, value in material.items() if key == "unit_weight"}
+
+
+def thickness_of(plate: Tables) -> float:
+    """The thickness, of a formula the number that it begins with."""
+    return float(str(plate["thickness"]).partition("*")[0].strip("()"))
+
+
+def _stiffness(rng: Random, material: Tables, thickness: float) -> Tables:
+    rigid = material["E"] * thickness**3 / 12
+    shear = material["E"] * thickness / 2.4
+    of = {"Dx": rigid, "Dy": rigid * rng.choice([1.0, 0.2, 0.01]), "D1": 0.0}
+    of |= {"Dxy": rigid * rng.choice([0.4, 0.05]), "Sx": shear, "Sy": shear * rng.choice([1.0, 0.1])}
+    if rng.random() < 0.3:
+        of["D1"] = 0.2 * of["Dy"]
+    if rng.random() < 0.5:
+        of["angle"] = rng.choice([90.0, 30.0, -17.0])
+    return of
+
+
+def _zones(rng: Random, tables: Tables, size: float) -> None:
+    """Make parts of the plate otherwise, one perhaps over another."""
+    plate, material = tables["plate"], tables["material"]
+    thickness, zones = thickness_of(plate), []
+    for _ in range(rng.choice([1, 1, 2, 3])):
+        own: Tables = {"area": any_area(rng, plate, size)}
+        match rng.choice(["thickness", "thickness", "modifiers", "material", "stiffness"]):
+            case "modifiers":
+                own["modifiers"] = rng.choice([{"bending": 0.3}, {"bending": 0.5, "twist": 0.1, "shear": 2.0}])
+            case "material" if "E" in material:
+                own["material"] = {**material, "E": material["E"] * rng.choice([0.3, 7.0])}
+            case "stiffness" if "E" in material:
+                own |= {"thickness": thickness, "stiffness": _stiffness(rng, material, thickness)}
+            case _ if "E" in material:
+                own["thickness"] = thickness * rng.choice([0.5, 2.0, 3.0])
+            case _:
+                own["modifiers"] = {"twist": 0.1}
+        zones.append(own)
+    tables["zone"] = zones
+
+
+def cut(rng: Random, tables: Tables) -> None:
+    """Ask for what goes through lines, from edge to edge or between two points or around one, and over strips."""
+    plate = tables["plate"]
+    (x, y), room = middle(rng, plate)
+    turn = rng.choice([0.0, math.pi / 2, rng.uniform(0.0, math.pi)])
+    along, across = [math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]
+    at = [x + i * 0.3 * room * u for i, u in ((-1, along[0]), (1, along[0]))]
+    ends = [[u, y + i * 0.3 * room * along[1]] for u, i in zip(at, (-1, 1), strict=True)]
+    around = [[x + room * (i * along[k] + j * across[k]) / 3 for k in (0, 1)] for i, j in ((-1, -1), (1, -1), (1, 1))]
+    lines = [ends, [*around, around[0]]]
+    if plate["shape"] == "rectangle" and not plate.get("holes"):
+        (left, low), (a, b) = plate.get("origin", [0.0, 0.0]), plate["size"]
+        lines.append([[x, low], [left + a * rng.choice([0.5, rng.random()]), low + b]])
+    if rng.random() < 0.3:
+        lines.append(_points(rng, plate, 3))
+    chosen = rng.sample(lines, rng.randint(1, len(lines)))
+    ended = [line for line in chosen if len(line) > 1 and on_plate(plate, line[0]) and on_plate(plate, line[-1])]
+    if ended or rng.random() < 0.1:
+        tables["section"] = [{"line": line} for line in ended or chosen]
+    if rng.random() < 0.6:
+        tables["strip"] = [{"line": ends, "width": room * rng.choice([0.1, 0.5, 0.9]), "stations": rng.choice([2, 5])}]
+
+
+def _refine(rng: Random, tables: Tables, size: float) -> None:
+    """Ask for smaller elements at a place."""
+    plate, mesh = tables["plate"], tables["mesh"]
+    where = rng.choice(
+        [
+            {"at": point(rng, plate)},
+            {"edge": rng.sample(_edges(plate), 1)},
+            {"line": _points(rng, plate, 2)},
+            {"circle": _circle(rng, plate, size)},
+            {"area": any_area(rng, plate, size)},
+        ]
+    )
+    if len(where.get("line", [0, 1])) < 2:
+        return
+    if plate["shape"] != "rectangle" or plate.get("holes"):
+        # Its mesh has triangles then, which q8r has not.
+        plate.pop("element", None)
+        mesh = {"size": mesh.get("size", 0.3 * size)}
+    tables["mesh"] = {**mesh, "refine": [where | {"size": size * rng.choice([0.1, 0.05])}]}
 
 
 def _step(rng: Random, tables: Tables) -> None:

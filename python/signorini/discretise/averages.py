@@ -92,8 +92,13 @@ def missing_corners(mesh: Mesh, plate: Plate, support: Support, covered: Bools, 
     corners = np.zeros((0, 2)) if shape is None else _corners(shape)
     corners = corners[_off_hull(outline(mesh, plate, support), corners) <= _ON_OUTLINE * mesh.size]
     near = SAME_PLACE * mesh.size
-    there, _ = BoxTree.build(np.hstack([reached - near, reached + near])).pairs(corners)
-    corners = np.delete(corners, there, axis=0)
+    along = np.sort(corners[:, 0])
+    beside = np.searchsorted(along, reached[:, 0] - near) < np.searchsorted(along, reached[:, 0] + near, "right")
+    if beside.any():
+        there, _ = BoxTree.build(np.hstack([reached[beside] - near, reached[beside] + near])).pairs(corners)
+        corners = np.delete(corners, there, axis=0)
+    if not len(corners):
+        return OutlinePoints(corners, np.zeros((0, 4), np.int64))
     return _around(mesh, corners, float(np.sqrt(mesh.element_area[covered].min())), covered)
 
 

@@ -18,6 +18,8 @@ from signorini.model.footprint import footprints
 from signorini.shapes import Circle, Polygon, Rectangle
 
 _GAUSS = 3
+_LEAST = 1e-9
+"""Size of a footprint, over the plate's, below which its coordinates have not the digits to tell it from a point."""
 _ON_LINE = 1e-9
 """Part of the plate's size within which a point is on an edge, and of one by which a direction is another."""
 
@@ -45,11 +47,19 @@ class Footprints:
         Raises
         ------
         InputError
-            If a point, or part of a footprint, is not on the plate.
+            If a point, or part of a footprint, is not on the plate, or there is next to nothing of it.
         """
         shapes = footprints(item)
         if not shapes or item.at is None:
             return []
+        across = 2.0 * item.radius if item.radius is not None else min(item.patch or ())
+        if across < _LEAST * self._mesh.size:
+            key = "patch" if item.radius is None else "radius"
+            raise InputError(
+                f"The footprint is {across:g} across, less than a billionth of the plate's size. Leave {key} out for a "
+                "point, or give a larger one.",
+                place=(*place, key),
+            )
         found: list[Quadrature] = []
         problems: list[InputError] = []
         try:

@@ -194,9 +194,7 @@ class Onto:
             self.through += self._sections.of_couples(points.elements, points.positions, couple * rows)
 
     def _add(self, elements: Ints, xi: Floats, force: Floats) -> None:
-        values = self.mesh.shape_functions(elements, xi)
-        nodes = self.mesh.elements[elements].ravel()
-        self._nodal[::3] += np.bincount(nodes, (force[:, None] * values).ravel(), self.mesh.node_count)
+        self._nodal[::3] += self.mesh.nodal_forces(elements, xi, force)
 
 
 def _weigh(zones: Zones, onto: Onto) -> None:

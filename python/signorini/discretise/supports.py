@@ -238,10 +238,9 @@ def _on_area(
     free_corners = np.asarray(~held[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
     points = in_area(mesh, shape, support.area, place, _GAUSS, to_outline, _steps(support), _OFF)
-    no_tangents, within = (
-        np.zeros_like(points.positions),
-        mesh.map(points.elements, mesh.inward(points.elements, points.xi, INSIDE)),
-    )
+    no_tangents, within = np.broadcast_to(0.0, points.positions.shape), points.positions
+    if _steps(support):
+        within = mesh.map(points.elements, mesh.inward(points.elements, points.xi, INSIDE))
     sampled = Sampled(points.elements, points.xi, points.weights, points.positions, no_tangents, within)
     through = _Acting.of(_rows(plate, sampled, 0), sampled)
     covered = np.bincount(sampled.elements, minlength=len(mesh.elements)) > 0
@@ -274,7 +273,7 @@ def _springs_or_contacts(of_elements: PlateStiffness, placed: Placed, acting: _A
             return Springs(acting.rows, stiffness, settlement, positions, weights, who, numbers)
         compliance = np.where(stiffness < STIFFEST_SPRING * shear, 1.0 / stiffness, 0.0)
     pushes_up, holds_down = (1.0, settlement), (-1.0, -settlement)
-    shared = np.full((count, 4), -1, np.int64) if acting.shared is None else acting.shared
+    shared = np.broadcast_to(-1, (count, 4)) if acting.shared is None else acting.shared
     equation = two_way and not gap.any()
     sides = {"down": [pushes_up], "up": [holds_down]}.get(
         support.resists or "both", [pushes_up] if equation else [pushes_up, holds_down]
@@ -325,6 +324,8 @@ def _means(through: _Acting) -> _Acting:
 
 def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: OutlinePoints) -> _Acting:
     """Give points on the outline a part of what the support has in the elements that share them."""
+    if not len(found.positions):
+        return acting
     where = found.shared[:, 0]
     xi = mesh.invert(where, found.positions)
     coefficients, _ = plate.interpolation_rows(where, xi, 0)

@@ -5,6 +5,8 @@ A triangle has the eight nodes [a, b, c, c, ab, bc, c, ca] and reference points 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import reduce
 from typing import Final
 
 import numpy as np
@@ -22,6 +24,8 @@ SIDES: Final = ((0, 4, 1), (1, 5, 2), (2, 6, 3), (3, 7, 0))
 CORNERS: Final = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 TRIANGLE_CORNERS: Final = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
 CENTROID: Final = np.array([1.0, 1.0]) / 3.0
+_AT_A_TIME = 1024
+"""Elements whose Jacobians stay in the cache while they are worked on."""
 _SAMPLES = np.stack(np.meshgrid(*2 * [np.linspace(-1.0, 1.0, 5)], indexing="ij"), axis=-1).reshape(-1, 2)
 
 
@@ -75,25 +79,6 @@ def _collapsed(nodes: Floats) -> Bools:
     return np.asarray((nodes[:, 2] == nodes[:, 3]).all(axis=1))
 
 
-def positions(nodes: Floats, xi: Floats) -> Floats:
-    """Positions (q, 2) of reference points.
-
-    Parameters
-    ----------
-    nodes : (q, 8, 2) float array
-        Nodes of the element each point is in.
-    xi : (q, 2) float array
-        Reference points.
-
-    Examples
-    --------
-    >>> square = np.array([[0, 0], [4, 0], [4, 2], [0, 2], [2, 0], [4, 1], [2, 2], [0, 1]], float)
-    >>> positions(square[None], np.array([[0.5, 0.0]]))
-    array([[3., 1.]])
-    """
-    return np.asarray(np.einsum("qn,qnd->qd", shape_functions(_collapsed(nodes), xi)[0], nodes))
-
-
 def jacobians(nodes: Floats, xi: Floats) -> Floats:
     """Differentiate the position (first index of 2, 2) by the reference coordinates (second index) at points (q, 2).
 
@@ -110,8 +95,12 @@ def jacobians(nodes: Floats, xi: Floats) -> Floats:
 def determinants(nodes: Floats, xi: Floats, triangles: bool = False) -> Floats:
     """Jacobian determinants (ne, r) of elements (ne, 8, 2), all triangles or none, at the same points (r, 2)."""
     gradients = (triangular if triangles else serendipity)(xi)[1].transpose(0, 2, 1).reshape(-1, 8)
-    j = (gradients @ nodes).reshape(len(nodes), len(xi), 2, 2)
-    return np.asarray(j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0])
+    found = np.empty((len(nodes), len(xi)))
+    for first in range(0, len(nodes), _AT_A_TIME):
+        some = slice(first, first + _AT_A_TIME)
+        j = (gradients @ nodes[some]).reshape(-1, len(xi), 2, 2)
+        found[some] = j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0]
+    return found
 
 
 def invert(nodes: Floats, points: Floats) -> tuple[Floats, Bools]:
@@ -157,9 +146,20 @@ def invert(nodes: Floats, points: Floats) -> tuple[Floats, Bools]:
 
 def side_boxes(sides: Floats) -> Floats:
     """Bound quadratic sides (k, 3, 2) given by corner, midside, corner: (k, 4) xmin, ymin, xmax, ymax."""
-    control = sides.copy()
-    control[:, 1] = 2.0 * sides[:, 1] - 0.5 * (sides[:, 0] + sides[:, 2])
-    return np.hstack([control.min(axis=1), control.max(axis=1)])
+    begin, middle, end = np.moveaxis(sides, 1, 0)
+    return np.hstack(bounds((begin, 2.0 * middle - 0.5 * (begin + end), end)))
+
+
+def bounds(points: Iterable[Floats]) -> tuple[Floats, Floats]:
+    """Least and largest coordinates (k, 2) of some points (k, 2) each; NumPy is slow along so short an axis.
+
+    Examples
+    --------
+    >>> bounds([np.array([[0.0, 3.0]]), np.array([[1.0, 2.0]])])
+    (array([[0., 2.]]), array([[1., 3.]]))
+    """
+    some = list(points)
+    return reduce(np.minimum, some), reduce(np.maximum, some)
 
 
 def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from signorini._core import serendipity, triangular
+from signorini._core import map_points, nodal_forces, serendipity, shape_values, triangular
 from signorini.base.brief import Brief
 from signorini.base.remade import Remade
 from signorini.errors import InputError
@@ -24,13 +24,12 @@ from signorini.mesh.isoparametric import (
     SIDES,
     TRIANGLE_CORNERS,
     are_triangles,
+    bounds,
     determinants,
     folded,
     invert,
     jacobians,
-    positions,
     real_sides,
-    shape_functions,
     side_boxes,
 )
 from signorini.shapes import Curve, Ring
@@ -195,7 +194,7 @@ class Mesh(Remade):
 
     def shape_functions(self, elements: Ints, xi: Floats) -> Floats:
         """Compute the shape functions (q, 8) of elements (q,) at reference points (q, 2)."""
-        return shape_functions(self.triangles[elements], xi)[0]
+        return shape_values(self.elements, elements, xi)
 
     def corners_of_sides(self, elements: Ints, sides: Ints) -> tuple[Floats, Floats]:
         """Give the reference points (q, 2) at which sides (q,) of elements (q,) begin and end."""
@@ -222,7 +221,11 @@ class Mesh(Remade):
 
     def map(self, elements: Ints, xi: Floats) -> Floats:
         """Compute the positions (q, 2) of reference points (q, 2) of elements (q,)."""
-        return positions(self.nodes[elements], xi)
+        return map_points(self.points, self.elements, elements, xi)
+
+    def nodal_forces(self, elements: Ints, xi: Floats, forces: Floats) -> Floats:
+        """Compute forces (n,) at the nodes worth as much as forces (q,) at reference points (q, 2) of elements (q,)."""
+        return nodal_forces(self.node_count, self.elements, elements, xi, forces)
 
     def jacobian(self, elements: Ints, xi: Floats) -> Floats:
         """Differentiate the position by the reference coordinates: (q, 2, 2), position first."""
@@ -340,7 +343,8 @@ class Mesh(Remade):
     @cached_property
     def _rounding(self) -> Floats:
         """Tolerance (ne,) in reference coordinates for points on a side."""
-        extent = np.ptp(self.nodes, axis=1).min(axis=1)
+        lower, upper = bounds(np.moveaxis(self.nodes, 1, 0))
+        extent = (upper - lower).min(axis=1)
         return np.asarray(_ON_EDGE + 32.0 * np.finfo(float).eps * np.abs(self.points).max() / extent)
 
     @cached_property
@@ -380,7 +384,8 @@ class Mesh(Remade):
     def boxes(self) -> Floats:
         """Boxes (ne, 4) xmin, ymin, xmax, ymax that contain the elements, curved sides included."""
         boxes = side_boxes(self.points[self.sides].reshape(-1, 3, 2)).reshape(-1, 4, 4)
-        return np.hstack([boxes[..., :2].min(axis=1), boxes[..., 2:].max(axis=1)])
+        corners = np.moveaxis(boxes.reshape(-1, 8, 2), 1, 0)
+        return np.hstack(bounds(corners))
 
     @cached_property
     def _tree(self) -> BoxTree:

@@ -219,6 +219,7 @@ def _nodes(value: object) -> object:
 
 def _edges(value: object) -> object:
     """Read one name as a list of one."""
+    value = as_list(value)
     if isinstance(value, str):
         return [value]
     if not isinstance(value, list | tuple) or not value:

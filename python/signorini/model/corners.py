@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, TypeAlias
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
@@ -12,6 +13,8 @@ from signorini.model.words import as_list, describe
 from signorini.shapes.contours import Contour
 
 MOST_CORNERS = 2000
+_SAME = 1e-9
+"""Part of an outline's size within which its last arc ends at its first corner."""
 
 
 class Arc(Table):
@@ -56,6 +59,8 @@ Corners: TypeAlias = Annotated[tuple[Corner, ...], BeforeValidator(_corners), Fi
 def contour(corners: tuple[tuple[float, float] | Arc, ...], name: str, numbered: bool) -> Contour:
     """Draw the outline with such corners; of a last arc that ends at the first corner the corner counts once.
 
+    It ends there if it is nearer to it than a billionth of the outline's size: coordinates of arcs are rounded.
+
     Examples
     --------
     >>> half = contour(((0, 0), (2, 0), Arc(through=(1, 1), to=(0, 0))), "edge", numbered=True)
@@ -64,7 +69,8 @@ def contour(corners: tuple[tuple[float, float] | Arc, ...], name: str, numbered:
     """
     points = [corner.to if isinstance(corner, Arc) else corner for corner in corners]
     through = [corner.through if isinstance(corner, Arc) else None for corner in corners]
-    if points[-1] == points[0]:
+    size = max(max(axis) - min(axis) for axis in zip(*points, strict=True))
+    if through[-1] is not None and math.dist(points[-1], points[0]) <= _SAME * size:
         points.pop()
     else:
         through.append(None)

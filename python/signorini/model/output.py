@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from signorini.model.base import Complaint, Table, Text
-from signorini.model.words import describe
+from signorini.model.words import as_list, describe
 
 FEW = 12
 """Combinations up to which each is written by itself."""
@@ -26,6 +26,7 @@ def _chosen(value: object) -> object:
                 f"found {describe(value)}; it must be {', '.join(_WORDS)}, or a list of names of combinations."
             )
         return value
+    value = as_list(value)
     if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
         raise ValueError(f"found {describe(value)}; it must be {', '.join(_WORDS)}, or a list of names in quotes.")
     return tuple(value)

@@ -86,7 +86,7 @@ def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> l
     found = []
     for details, path, table, field in resolved:
         kind = details["type"]
-        echo = (kind == "missing" and path in misspelt) or (kind == "too_short" and details["input"])
+        echo = (kind == "missing" and path in misspelt) or (kind == "too_short" and as_list(details["input"]))
         if kind in ("union_tag_invalid", "union_tag_not_found"):
             path = (*path, "shape")
             field = next(iter(BRANCHES["plate"].values())).model_fields["shape"]

@@ -24,7 +24,7 @@ from signorini.model.base import (
 )
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.model.footprint import Angle, Patch, Radius, footprint_complaints
-from signorini.model.words import describe
+from signorini.model.words import as_list, describe
 
 Place = Literal["at", "edge", "line", "circle", "area"]
 Component = Literal["w", "slope", "twist"]
@@ -40,6 +40,7 @@ _KINDS: dict[str, tuple[Component, ...]] = {
 
 
 def _fix(value: object) -> object:
+    value = as_list(value)
     allowed = f"it must be one of {', '.join(_KINDS)}, or a list of {', '.join(_COMPONENTS)}."
     if isinstance(value, str) and value in _KINDS:
         return value

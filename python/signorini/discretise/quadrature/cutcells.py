@@ -24,6 +24,8 @@ Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 
 _THIN = 1e-13
+_ROUNDED = 8.0 * np.finfo(float).eps
+"""Width of a strip, over its coordinates, that is their rounding: ends of sides that meet may be so far apart."""
 _SLIVER = 1e-12
 _CONVERGED = 1e-13
 _CURVED_POINTS = 8
@@ -132,8 +134,9 @@ def _strips(owner: Ints, x: Floats, boxes: Floats) -> tuple[Ints, Floats]:
     x = np.clip(x, boxes[owner, 0], boxes[owner, 2])
     order = np.lexsort((x, owner))
     owner, x = owner[order], x[order]
-    width = boxes[owner[:-1], 2] - boxes[owner[:-1], 0]
-    wide = (owner[1:] == owner[:-1]) & (np.diff(x) > _THIN * width)
+    low, high = boxes[owner[:-1]][:, [0, 2]].T
+    least = np.maximum(_THIN * (high - low), _ROUNDED * np.maximum(-low, high))
+    wide = (owner[1:] == owner[:-1]) & (np.diff(x) > least)
     return owner[:-1][wide], np.column_stack([x[:-1], x[1:]])[wide]
 
 
