@@ -1,9 +1,10 @@
 """Does anything grow for ever without a name? Random plates with points, on four meshes each of half the size.
 
 Of every plate the numbers of results.json, and the largest moments and shears at nodes away from all places that are
-named for them, by two elements of the first mesh or `within`. What grows on all three steps, by the rule of
-signorini.analysis.twins.half_width, has to be named: on fewer, what a boundary layer does grows too while elements are
-larger than the plate is thick.
+named for them, by two elements of the first mesh or `within`; shears of plates thinner than the last mesh's elements
+also away from edges by two of these, where they grow until elements know the boundary layer
+(signorini.analysis.twins.layers). What grows on all three steps, by the rule of signorini.analysis.twins.half_width,
+has to be named: on fewer, what a boundary layer does grows too while elements are larger than the plate is thick.
 
     python benchmarks/singular_numbers.py [--count 100] [--first 700000] [--along 8 12] [--seconds 3600]
     python benchmarks/singular_numbers.py --check        a few, to see that the script works
@@ -25,9 +26,18 @@ import half_width_coverage
 
 from signorini import SignoriniError, solve
 from signorini.analysis.twins.half_width import FASTEST, half_widths
-from signorini.analysis.twins.leaves import acts_at_points, away, kind_of, leaves, may_grow, sizes_of
+from signorini.analysis.twins.leaves import (
+    acts_at_points,
+    away,
+    kind_of,
+    leaves,
+    may_grow,
+    sizes_of,
+    thickness_at,
+)
 from signorini.analysis.twins.meshes import side
 from signorini.results.figures import figures
+from signorini.shapes.distances import distances
 
 _TOO_LONG = 30
 
@@ -80,6 +90,9 @@ def _peak(result, kind, reach):
     """The largest of a field at nodes away from what is named for it, and where."""
     points = result.stress_nodes.points
     far = np.ones(len(points), np.bool_)
+    if kind == "shear" and thickness_at(result.model, result.mesh.points).mean() < side(result.mesh):
+        ends = result.mesh.points[result.mesh.boundary[:, [0, 2]]]
+        far = distances(points, ends[:, 0], ends[:, 1]).min(axis=1) > 2.0 * side(result.mesh)
     for one in result.singular:
         if kind in one.numbers:
             far &= away(points, one) > max(reach, one.within)

@@ -221,6 +221,15 @@ def test_round_edges_have_no_corners(shape):
         assert singularities(discretise(model)) == ()
 
 
+@pytest.mark.parametrize("area", ["all", BOX])
+def test_what_acts_at_a_point_on_a_rigid_area_has_no_largest_pressure(area):
+    floor = {"name": "floor", "area": area, "resists": "down"}
+    _, found = named(support=[floor], load=[{"force": 1e4, "at": [[2, 2], [0.5, 0.5]]}])
+    of_pressure = [one for one in found if one.numbers == ("pressure",) and not one.line]
+    on = ((2, 2), (0.5, 0.5)) if area == "all" else ((2, 2),)
+    assert [(one.where, one.source) for one in of_pressure] == [(on, "floor")]
+
+
 def test_only_what_acts_is_named():
     load = [{"case": "G", "pressure": 1e3}, {"case": "Q", "force": 1e4, "at": [2, 2]}]
     combination = [{"factors": {"G": 1}}, {"factors": {"G": 1, "Q": 0}}, {"factors": {"G": 1, "Q": 1.5}}]

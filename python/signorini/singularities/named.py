@@ -166,6 +166,7 @@ def _of_loads(found: Discretisation, case: str) -> Iterator[Singularity]:
                 kind = "Couple" if couple else "Force"
                 numbers = ("deflection", *(("rotation",) if couple else ()), "moment", "shear")
                 yield Singularity(load.at, f"{kind} at a point of {place}", numbers, _FOOTPRINT, case)
+                yield from _on_rigid_areas(found, load.at, f"{kind} at a point of {place}")
         elif load.at is not None:
             yield from _unresolved(found, load.at, _width(load), place, case)
         elif load.line_load is not None and (ends := _ends_of_load(found, load)):
@@ -182,6 +183,7 @@ def _of_loads(found: Discretisation, case: str) -> Iterator[Singularity]:
                 places = _points(wheels[on])
                 numbers = ("deflection", "moment", "shear")
                 yield Singularity(places, f"Wheels of {moving.case}", numbers, "Give them a patch.", case)
+                yield from _on_rigid_areas(found, places, f"Wheels of {moving.case}")
 
 
 def _of_supports(found: Discretisation) -> Iterator[Singularity]:
@@ -194,6 +196,7 @@ def _of_supports(found: Discretisation) -> Iterator[Singularity]:
                 numbers += () if determinate else ("reaction",)
                 advice = "Clamp an edge or a line." if slopes else _FOOTPRINT
                 yield Singularity(support.at, f"{support.name} at a point", numbers, advice, support.name)
+                yield from _on_rigid_areas(found, support.at, f"{support.name} at a point")
             else:
                 yield from _unresolved(found, support.at, _width(support), support.name, support.name)
             continue
@@ -203,6 +206,24 @@ def _of_supports(found: Discretisation) -> Iterator[Singularity]:
             what = f"Step of the settlement or gap of {support.name}"
             numbers = ("moment", "shear", "pressure", "reaction")
             yield Singularity((), what, numbers, "Give it a ramp, or the support a stiffness.", support.name)
+
+
+def _on_rigid_areas(found: Discretisation, at: tuple[tuple[float, float], ...], what: str) -> Iterator[Singularity]:
+    """What acts at points on rigid areas, which take it within a thickness."""
+    for support in found.model.support:
+        if support.area is None or not _rigid(support):
+            continue
+        shape, points = region(support.area), np.array(at).reshape(-1, 2)
+        on = np.ones(len(points), np.bool_) if shape is None else shape.contains(points)
+        if on.any():
+            where = tuple(place for place, inside in zip(at, on.tolist(), strict=True) if inside)
+            yield Singularity(
+                where,
+                f"{what} on the rigid area of {support.name}",
+                ("pressure",),
+                "Give the area a stiffness.",
+                support.name,
+            )
 
 
 def _unresolved(
