@@ -109,6 +109,15 @@ def test_a_border_a_little_beside_lines_of_the_mesh_cuts_no_element():
     assert not beside.zones.parted.any() and beside.thickness.layered is None
 
 
+def test_a_zone_that_is_other_in_shear_alone_may_cut_elements():
+    """What is as stiff in bending on both sides of the cut has a direction all the same."""
+    found = []
+    for shear in (1.0, 0.1, 0.01):
+        zone = {"area": {"circle": {"center": [4, 3], "radius": 1.7}}, "modifiers": {"shear": shear}}
+        found.append(solved(zone, plate={"thickness": 0.8}, mesh={"divisions": [9, 7]}).deflection.max())
+    assert found[0] < found[1] < 1.05 * found[0] < found[2] < 1.2 * found[0]
+
+
 @pytest.mark.parametrize("inside", [{"radius": 0.7}, {"radius": 0.4}, {"radius": 0.4, "center": [4.3, 3]}])
 def test_a_ring_and_what_is_in_it_are_circles_one_over_another(inside):
     """The inner zone fills the ring, is apart from it, or touches it."""

@@ -26,7 +26,7 @@ from signorini.shapes.contours import Contour, along_side
 _ROUNDING = 1e-6
 """Part of the largest deflection, or force, by which the two may differ."""
 _CURVED = 1e-4
-"""The same of parts of a line that end inside elements with curved sides."""
+"""The same of parts of lines and areas that end inside elements with curved sides."""
 _CUT = 1e-3
 """The same where borders, jumps and springs cut coarse elements, which rules of their own integrate."""
 
@@ -152,7 +152,7 @@ def hollow(rng: Random, tables: Tables) -> Extreme:
         "hollow",
         said(parts),
         lambda result: _compared(
-            result, said(parts), said([whole]), result and result.mesh, _CUT if bedded else _ROUNDING
+            result, said(parts), said([whole]), result and result.mesh, _CUT if bedded else _CURVED
         ),
         may_be_refused=True,
     )

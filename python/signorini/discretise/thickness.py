@@ -160,7 +160,9 @@ def _jumps(zones: Zones, mesh: Mesh, cut: Cut) -> _Fronts:
     )
     real = (np.abs(one - other) > _SAME * np.maximum(one, other)) | (first != second)
     bending = np.array([rigidity.in_waves for rigidity in zones.rigidities])
-    step = np.abs(bending[first] * one**3 - bending[second] * other**3)
+    sides = bending[first] * one**3, bending[second] * other**3
+    # What jumps in shear or twist alone runs somewhere too.
+    step = np.maximum(np.abs(sides[0] - sides[1]), _SAME * np.maximum(*sides))
     return _Fronts(elements[real], normals[real], (step * length)[real])
 
 
