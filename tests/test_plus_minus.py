@@ -539,6 +539,47 @@ def test_rows_of_a_table_without_half_widths_say_why(monkeypatch: pytest.MonkeyP
     ]
 
 
+def failing_on(*sides: int) -> Any:
+    """Discretises, but not twins with elements of some sizes."""
+
+    def failing(model: Model, mesh: Any = None) -> Any:
+        if any(model.divisions == (at, at) for at in sides):
+            raise InputError("It failed.")
+        return discretise(model, mesh)
+
+    return failing
+
+
+@pytest.mark.parametrize("kind", ["each", "table"])
+def test_a_mesh_that_cannot_be_solved_is_told_and_half_widths_are_wider(
+    monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    """On the finer mesh, so that coarser ones are taken, then on one of these too: one alone shows no order."""
+
+    def solved(*failing: int) -> tuple[list[str], Any]:
+        with monkeypatch.context() as patch:
+            patch.setattr(twins_module, "discretise", failing_on(*failing))
+            model = slab(mesh={"divisions": [8, 8]}, output={"combinations": kind})
+            written = results_json(solve(model))
+        one = written["table"] if kind == "table" else written["combinations"][0]
+        widths = written["envelope"] if kind == "table" else one
+        return one["warnings"], widths["plus_minus"]["fields"]["mx"]["max"]
+
+    def told(warnings: list[str]) -> list[str]:
+        return [sentence for sentence in warnings if "±" in sentence]
+
+    every, _ = solved()
+    without_finer, _ = solved(16)
+    alone, widened = solved(16, 2)
+    assert told(every) == []
+    assert told(without_finer) == [
+        "Half-widths (±) come from other meshes than the first that were tried; on a mesh of half its size: It failed."
+    ]
+    assert told(alone)[0].startswith("Half-widths (±) are widened, they come from one other mesh alone; on a mesh of ")
+    fine, coarse = (solve(slab(mesh={"divisions": [n, n], "error": False}))["all"].extremes["mx"].max for n in (8, 4))
+    assert widened > 6 * abs(fine - coarse) > 0
+
+
 def test_every_event_of_a_path_and_its_end_have_half_widths() -> None:
     def propped(along: int) -> Model:
         return rectangular(

@@ -142,3 +142,26 @@ def test_what_areas_give_on_both_sides_is_all_that_they_give(area, stiffness):
     for there, back in zip(result.sections[:2], result.sections[2:], strict=True):
         assert there.shear == pytest.approx(-back.shear, abs=1e-10 * 1.46e5)
         assert there.moment == pytest.approx(back.moment, abs=1e-10 * 1.46e5 * 8)
+
+
+@pytest.mark.parametrize("seed", [4, 13, 20])
+@pytest.mark.parametrize("footprint", [{"radius": 0.2}, {"patch": [0.5, 0.3], "angle": 30}], ids=["round", "turned"])
+def test_footprints_that_a_line_crosses_stand_on_both_sides_of_it(footprint, seed):
+    """Of supports and loads, over more elements than one; strips across them too."""
+    random = np.random.default_rng(seed)
+    column, printed = random.uniform([1.0, 1.0], [7.0, 5.0], (2, 2))
+    (a, b), (c, d) = (((0.0, y + t), (8.0, y - t)) for y, t in ((column[1], 0.0), (printed[1], 0.3)))
+    lines = [[a, b], [b, a], [c, d], [d, c]]
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [8, 6], "thickness": 0.25},
+        mesh={"size": 0.5, "error": False},
+        support=[{"edge": ["left", "right"], "fix": "simple"}, {"at": [[0.5, 0.5], column.tolist()]} | footprint],
+        load=[{"pressure": 2e3}, {"force": 5e4, "at": printed.tolist()} | footprint],
+        section=[{"line": line} for line in lines],
+        strip=[{"line": [[column[0], 0.5], [column[0], 5.5]], "width": 1.0, "stations": 3}],
+    )
+    result = solved(model)
+    for there, back in (result.sections[:2], result.sections[2:]):
+        assert there.shear == pytest.approx(-back.shear, abs=1e-10 * 1.46e5)
+        assert there.moment == pytest.approx(back.moment, abs=1e-10 * 1.46e5 * 8)

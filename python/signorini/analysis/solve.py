@@ -202,7 +202,7 @@ class Results(States[str], Mapping[str, Result]):
 
     @property
     def no_others(self) -> str:
-        """Why there are no other meshes, where they are asked for; empty where there are."""
+        """Why there are no other meshes, or not all, where they are asked for; else empty."""
         return self._other_tables.why if self.model.estimated else ""
 
     @cached_property

@@ -185,7 +185,7 @@ class OtherTables:
     @cached_property
     def meshes(self) -> Meshes:
         """The mesh that half-widths are for, and the others."""
-        return Meshes.of(self.problem.mesh, [other.mesh for _, other in self.others])
+        return Meshes.of(self.problem.mesh, [other.mesh for _, other in self.others], bool(self.why))
 
     @cached_property
     def widths(self) -> Mapping[str, Floats]:

@@ -72,7 +72,7 @@ def envelope_json(results: Results, group: str = "") -> dict[str, Any] | None:
         return None
     told = [one for one, tree in trees.items() if tree is not None and one is not mesh]
     if told:
-        meshes = Meshes.of(mesh, told)
+        meshes = Meshes.of(mesh, told, bool(results.no_others))
         every = [_without_rows(tree) for one in meshes.every if (tree := trees[one]) is not None]
         named = [(singularities(results.discretisation), np.ones(1, np.bool_))]
         widths, _ = compared(every, meshes, results.model, own, named)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from signorini.analysis.twins.half_width import FASTEST, FASTEST_OF_POINTS, half_widths, unsettled
+from signorini.analysis.twins.half_width import FASTEST, FASTEST_OF_POINTS, SLOWEST, half_widths, unsettled
 from signorini.analysis.twins.layers import KINDS as TOUCHED
 from signorini.analysis.twins.layers import unseen_at_edges, unseen_layer
 from signorini.analysis.twins.leaves import Path, acts_at_points, beside, kind_of, may_grow, sizes_of
@@ -19,22 +19,24 @@ from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.singularities.named import Singularity
 
+_FEWEST = 2
 _MOVED = 1e-8
 """Part of its field by which a number changes that is not the same on every mesh."""
 
 
 @dataclass(frozen=True)
 class Meshes:
-    """Meshes of one plate, the finest first; ``own`` is the one that half-widths are for."""
+    """Meshes of one plate, the finest first; ``own`` is the one that half-widths are for. One may have failed."""
 
     every: tuple[Mesh, ...]
     own: int
+    failed: bool = False
 
     @classmethod
-    def of(cls, own: Mesh, others: Sequence[Mesh]) -> Meshes:
+    def of(cls, own: Mesh, others: Sequence[Mesh], failed: bool = False) -> Meshes:
         """Order meshes."""
         every = sorted([own, *others], key=lambda mesh: -len(mesh.elements))
-        return cls(tuple(every), every.index(own))
+        return cls(tuple(every), every.index(own), failed)
 
     @property
     def sizes(self) -> list[float]:
@@ -50,6 +52,13 @@ class Meshes:
     def reach(self) -> float:
         """How far what acts at a point makes fields as steep as at it: two elements of the coarsest mesh."""
         return 2.0 * self.sizes[-1]
+
+    def fastest(self, at_points: Bools | bool) -> Floats:
+        """Order of convergence that changes are trusted to show at most, of results that are made at points or not."""
+        if self.failed and len(self.every) == _FEWEST:
+            # Two meshes show no order, and the one that failed is missed.
+            return np.full(np.shape(at_points), SLOWEST)
+        return np.where(at_points, FASTEST_OF_POINTS, FASTEST)
 
 
 def compared(
@@ -86,7 +95,7 @@ def compared(
     for singular, where in named:
         at_points |= where & any(one.limited for one in singular)
         limited &= ~(may_grow(paths, figures, singular, meshes.reach)[:, None] & where)
-    fastest = np.where(at_points, FASTEST_OF_POINTS, FASTEST)
+    fastest = meshes.fastest(at_points)
     changes = beside(paths, np.abs(values[0] - values[1]))
     layer = unseen_layer(model, meshes.every[meshes.own], meshes.sizes)
     touched = np.array([kind_of(path) in TOUCHED for path in paths], np.bool_)[:, None] & (changes > _MOVED * largest)

@@ -13,7 +13,7 @@ FASTEST, FASTEST_OF_POINTS = 0.9, 0.5
 acts at a point lets a Mindlin plate give way by the logarithm of the mesh's size there, which is slower than any power.
 """
 
-_SLOWEST = 0.2
+SLOWEST = 0.2
 """Order that is assumed at least where changes do not shrink: what is left is then seven times the last change."""
 
 _OF_BEFORE, _OF_BEFORE_WHERE_COARSE = 0.25, 0.5
@@ -86,7 +86,7 @@ def half_widths(
     """
     change = np.abs(values[0] - values[1])
     last = np.where((values == 0).all(axis=0), 0.0, np.fmax(change, beside))
-    fastest = np.where(fringe, FASTEST_OF_POINTS, fastest)
+    fastest = np.where(fringe, np.minimum(fastest, FASTEST_OF_POINTS), fastest)
     order, growing = np.broadcast_to(fastest, change.shape), np.zeros(change.shape, np.bool_)
     if len(values) > 2:
         before = values[1] - values[2]
@@ -94,7 +94,7 @@ def half_widths(
         with np.errstate(divide="ignore", invalid="ignore"):
             shown = np.log(np.abs(before) / change) / np.log(sizes[2] / sizes[1])
         told = ~np.isnan(before)
-        order = np.where(told & (change > 0), np.clip(np.where(np.isnan(shown), order, shown), _SLOWEST, order), order)
+        order = np.where(told & (change > 0), np.clip(np.where(np.isnan(shown), order, shown), SLOWEST, order), order)
         part = np.where(fringe, 1.0, _OF_BEFORE if own == 0 else _OF_BEFORE_WHERE_COARSE)
         last = np.where(told, np.fmax(last, part * np.abs(before)), last)
         size = np.abs(values)

@@ -10,9 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from signorini.analysis.twins.compared import Meshes, rounded
-from signorini.analysis.twins.half_width import FASTEST, FASTEST_OF_POINTS, half_widths
+from signorini.analysis.twins.half_width import half_widths
 from signorini.analysis.twins.leaves import acts_at_points
-from signorini.analysis.twins.twins import Twins, compare
+from signorini.analysis.twins.twins import Twins, compare, without
 from signorini.base.progress import Watcher
 from signorini.base.remade import Remade
 from signorini.contact.problem import ContactProblem
@@ -47,7 +47,7 @@ class PathTwins(Remade):
         others, warning = self.paths
         if not others:
             return PathEstimate(None, (None,) * len(path.support_events), (), (warning,))
-        meshes = Meshes.of(path.mesh, [other.mesh for other in others])
+        meshes = Meshes.of(path.mesh, [other.mesh for other in others], bool(warning))
         every = [next(one for one in (path, *others) if one.mesh is mesh) for mesh in meshes.every]
         own = list(_occurrences(path))
         t = [[_matching(event, count, one, meshes.reach) for event, count in own] for one in every]
@@ -55,14 +55,15 @@ class PathTwins(Remade):
             [[*row, path_.end if path_.ending == path.ending else np.nan] for row, path_ in zip(t, every, strict=True)]
         )
         none = np.zeros(values.shape[1])
-        fastest = FASTEST_OF_POINTS if acts_at_points(path.model) else FASTEST
+        fastest = meshes.fastest(acts_at_points(path.model))
         size = np.abs(values[meshes.own])
         widths = half_widths(values, meshes.sizes, meshes.own, fastest, none, size, none == 0)[0]
         *of_events, end = (rounded(width) for width in widths.tolist())
         # Where equilibrium ends the outlines of the supports say, and where the user asked to.
         # If nothing opens or closes any more it is any t beyond.
         ends = {"no_equilibrium": 0.0, "until": 0.0, "no_more_events": None}
-        return PathEstimate(ends.get(path.ending, end), tuple(of_events), meshes.elements, ())
+        warnings = (warning,) if warning else ()
+        return PathEstimate(ends.get(path.ending, end), tuple(of_events), meshes.elements, warnings)
 
     def estimate_at(self, t: float, result: Result) -> Estimate:
         """Compare a result at some t."""
@@ -72,9 +73,9 @@ class PathTwins(Remade):
             try:
                 found.append(other.at(t))
             except SignoriniError as error:
-                warning = f"No half-width (±) says how far the mesh is from the plate; on another mesh: {error}"
+                warning = without(len(found), f"on another mesh: {error}")
                 break
-        return compare(result, found) if found else Estimate(None, (), (warning,))
+        return compare(result, found, warning) if found else Estimate(None, (), (warning,))
 
 
 def _occurrences(path: LoadPath) -> Iterator[tuple[PathEvent, int]]:

@@ -76,11 +76,12 @@ class Twins(Remade):
             return found
 
         found, warning = self.others(solved)
-        return compare(result, found) if found else Estimate(None, (), (warning,))
+        return compare(result, found, warning) if found else Estimate(None, (), (warning,))
 
     def others(self, solved: Callable[[ContactProblem, Watcher], _T], several: bool = False) -> tuple[list[_T], str]:
-        """Solve something on one or two other meshes, and say why where there is none; of several loads on coarser."""
+        """Solve something on one or two other meshes, and say why where one fails; of several loads on coarser."""
         whys: list[str] = []
+        failed: list[str] = []
         for pair in twins_of(self.model, self.mesh, several):
             found: list[_T] = []
             for twin in pair:
@@ -88,14 +89,15 @@ class Twins(Remade):
                     found.append(self._on(twin, solved))
                 except (SignoriniError, MemoryError) as error:
                     whys.append(f"on a mesh of {twin.words}: {error or 'not enough memory.'}")
-                    if not (found or isinstance(error, _SameMeshError)):
-                        break
+                    if not isinstance(error, _SameMeshError):
+                        failed.append(whys[-1])
+                        if not found:
+                            break
                 if len(found) == _OTHERS:
                     break
             if found:
-                return found, ""
-        why = " ".join(whys) or "a finer mesh would take too long."
-        return [], f"No half-width (±) says how far the mesh is from the plate; {why}"
+                return found, without(len(found), " ".join(dict.fromkeys(failed))) if failed else ""
+        return [], without(0, " ".join(dict.fromkeys(whys)) or "a finer mesh would take too long.")
 
     def _require_another(self, mesh: Mesh) -> None:
         """Refuse a mesh that is none of another size."""
@@ -116,9 +118,19 @@ class Twins(Remade):
         return solved(self._problems[twin.words], watch)
 
 
-def compare(result: Result, others: list[Result]) -> Estimate:
-    """Compare a result with those on one or two other meshes."""
-    meshes = Meshes.of(result.mesh, [one.mesh for one in others])
+def without(count: int, why: str) -> str:
+    """Say that half-widths come from less than the meshes that were to be compared, and why."""
+    what = (
+        "No half-width (±) says how far the mesh is from the plate",
+        "Half-widths (±) are widened, they come from one other mesh alone",
+        "Half-widths (±) come from other meshes than the first that were tried",
+    )
+    return f"{what[count]}; {why}"
+
+
+def compare(result: Result, others: list[Result], warning: str = "") -> Estimate:
+    """Compare a result with those on one or two other meshes; a warning says why there are not more."""
+    meshes = Meshes.of(result.mesh, [one.mesh for one in others], bool(warning))
     every = [next(one for one in (result, *others) if one.mesh is mesh) for mesh in meshes.every]
     trees = [figures(one) for one in every]
     found = [{path: np.array([value]) for path, value in leaves(tree).items()} for tree in trees]
@@ -129,7 +141,7 @@ def compare(result: Result, others: list[Result]) -> Estimate:
     numbers = {path: rounded(width) for path, (width,) in zip(paths, widths.tolist(), strict=True)}
     numbers |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
     numbers |= places_of_extremes(result, numbers)
-    warnings = []
+    warnings = [warning] if warning else []
     # Of extremes that are still beside a singularity these are named, with what to do.
     told = [path for path in growing if path[0] != "fields"]
     if told:

@@ -117,11 +117,15 @@ def of_supports(
 
 def _on_outline(mesh: Mesh, acting: Acting, rows: Ints) -> Bools:
     """Which of some rows (q,) stand for points on the outline of an area that acts on means of elements."""
+    # Others, footprints among them, need not be in their first element.
+    found = acting.averaged[rows]
+    rows = rows[found]
     elements = acting.rows.elements[rows]
     x, y = mesh.invert(elements, acting.positions[rows]).T
     in_triangles = np.minimum(np.minimum(x, y), 1.0 - x - y)
     inside = np.where(mesh.triangles[elements], in_triangles, 1.0 - np.maximum(np.abs(x), np.abs(y)))
-    return np.asarray(acting.averaged[rows] & (inside < _AT_SIDE))
+    found[found] = inside < _AT_SIDE
+    return found
 
 
 def _shares(cut: Cut, mesh: Mesh, support: Support, acting: Acting, own: Ints) -> Iterator[tuple[Ints, Floats]]:
