@@ -166,9 +166,11 @@ def test_a_later_zone_of_thickness_or_material_is_solid_again():
     # Materials have the numbers 0 to 4, the plate's and zones' stiffnesses those from 5 on.
     assert made.section[element].tolist() == [6, 6, 0, 0, 4]
     assert made.thickness[element].tolist() == [1, 1, 0, 3, 3]
-    first = found.zones.rigidities[made.rigidity[element[1]]].bending * 0.3**3
+    thickness = found.zones.equivalent[made.rigidity[element[:2]]]
+    assert thickness == approx([np.sqrt(10 * 2.5e6 / 1e8)] * 2, rel=1e-14)
+    first = found.zones.rigidities[made.rigidity[element[1]]].bending * thickness[1] ** 3
     assert first == approx(np.array([[8e6, 1e6, 0], [1e6, 6e6, 0], [0, 0, 2e6]]), rel=1e-14)
-    halved = found.zones.rigidities[made.rigidity[element[0]]].bending * 0.3**3
+    halved = found.zones.rigidities[made.rigidity[element[0]]].bending * thickness[0] ** 3
     assert halved[0] == approx(0.5 * first[0], rel=1e-14)
 
 

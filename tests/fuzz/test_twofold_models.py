@@ -4,9 +4,10 @@ from collections import Counter
 from random import Random
 
 import extreme_models
+import random_models
 import twofold_models
 
-from signorini import InputError
+from signorini import InputError, SignoriniError, solve, validate
 
 
 def test_plates_said_in_two_ways_have_one_answer() -> None:
@@ -22,3 +23,31 @@ def test_plates_said_in_two_ways_have_one_answer() -> None:
             wrong[seed] = found
     assert wrong == {}
     assert all(judged[kind] >= 1 for kind in ("both sides", "hollow", "solid", "turned"))
+
+
+def test_the_thickness_beside_a_stiffness_is_for_the_weight_alone() -> None:
+    """Of moments what is at a peak, and half-widths, are measured by the section."""
+    compared = 0
+    for seed in range(40):
+        rng = Random(seed)
+        tables = random_models.model(rng)
+        loads = [load for load in tables["load"] if "self_weight" not in load]
+        if "stiffness" not in tables["plate"] or "zone" in tables or not loads:
+            continue
+        tables = {key: value for key, value in tables.items() if key not in ("combination", "moving", "solver")}
+        tables["load"] = [{key: value for key, value in load.items() if key != "case"} for load in loads]
+        tables["output"] = {"combinations": "each"}
+        told = []
+        for factor in (1.0, 0.1):
+            plate = tables["plate"] | {"thickness": factor * tables["plate"]["thickness"]}
+            try:
+                (result,) = solve(validate(tables | {"plate": plate})).values()
+            except SignoriniError:
+                continue
+            if result.status == "solved":
+                told.append((result.deflection.tolist(), result.extremes, result.plus_minus))
+        assert told[1:] == told[:-1]
+        compared += len(told) == 2
+        if compared == 3:
+            break
+    assert compared == 3

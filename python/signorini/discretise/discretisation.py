@@ -202,7 +202,7 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     supports = placed(model, mesh, problems)
     held = hold(mesh, supports, problems)
     # A thickness that is wrong keeps no other problem from being found.
-    thickness, zones = Thickness(np.full((1, 1), mesh.size)), Zones.of(model, mesh, problems)
+    thickness, zones = Thickness(*np.full((2, 1, 1), mesh.size)), Zones.of(model, mesh, problems)
     stress_nodes = StressNodes.of_mesh(mesh)
     with problems.collected():
         thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones)

@@ -206,7 +206,7 @@ def _weigh(zones: Zones, onto: Onto) -> None:
 
     def weight(elements: Ints, positions: Floats) -> Floats:
         made = zones.at(elements, positions)
-        return np.asarray(zones.unit_weights[made.material] * zones.thickness(made.thickness, positions))
+        return np.asarray(zones.unit_weights[made.material] * zones.nominal(made.thickness, positions))
 
     onto.spread(_over_plate(zones, onto.mesh, order, levels), Spread(None, order, parted, weight))
 

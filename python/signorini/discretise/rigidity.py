@@ -98,6 +98,12 @@ class Rigidity:
         return float((b[0, 0] + 2 * (b[0, 1] + 2 * b[2, 2]) + b[1, 1]) / 4)
 
     @property
+    def in_twist(self) -> float:
+        """Mean rigidity in twist of all directions."""
+        b = self.bending
+        return float((b[0, 0] + b[1, 1] - 2 * b[0, 1] + 4 * b[2, 2]) / 8)
+
+    @property
     def in_shear(self) -> float:
         """Mean rigidity in shear of all directions."""
         return float(self.shear.trace() / 2)

@@ -155,7 +155,7 @@ def _jumps(mesh: Mesh, zones: Zones, pairs: Ints) -> Bools:
 def _made(mesh: Mesh, zones: Zones, elements: Ints, xi: Floats) -> tuple[Floats, Ints]:
     points = mesh.map(elements, xi)
     made = zones.at(elements, points)
-    return zones.thickness(made.thickness, points), made.rigidity
+    return zones.thickness(made, points), made.rigidity
 
 
 def _parted(mesh: Mesh, joined: Ints, nodes: Ints) -> StressNodes:

@@ -38,10 +38,13 @@ _SAME = 1e-9
 class Thickness:
     """Thickness (e, p) at every element's section points, or one number (1, 1) where it is constant.
 
-    ``layered`` are the elements (k,) inside which it jumps, and their rigidities (k, p, 9) as `_core.Plate` takes them.
+    Of sections given by their stiffness it is that of a solid plate as stiff, and ``nominal``, (e, p) or (e, 1), what
+    is given beside it. ``layered`` are the elements (k,) inside which it jumps, and their rigidities (k, p, 9) as
+    `_core.Plate` takes them.
     """
 
     at_points: Floats
+    nominal: Floats
     layered: tuple[Ints, Floats] | None = None
 
     def max(self) -> float:
@@ -70,28 +73,31 @@ def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
     cut_by_zones = zones.parted.any(axis=0)
     if not cut_by_zones.any() and all(formula.is_constant for formula in formulas):
         by_formula = np.array([formula.value for formula in formulas])
-        value = by_formula[zones.of_elements.thickness]
-        _require_plate(zones, mesh, value, zones.of_elements.thickness, mesh.points[mesh.elements[:, 0]])
+        made = zones.of_elements
+        nominal = by_formula[made.thickness]
+        _require_plate(zones, mesh, nominal, made.thickness, mesh.points[mesh.elements[:, 0]])
+        value = zones.acting(made.rigidity, nominal)
         if (value == value[0]).all():
-            return Thickness(value[:1, None])
+            return Thickness(value[:1, None], nominal[:, None])
     xi = np.where(mesh.triangles[:, None, None], _core.section_points(kind, True), _core.section_points(kind))
     points = np.empty_like(xi)
     for shapes, some in ((_core.serendipity, ~mesh.triangles), (_core.triangular, mesh.triangles)):
         if some.any():
             points[some] = shapes(xi[some][0])[0] @ mesh.nodes[some]
     every = np.arange(len(mesh.elements))
-    at_points, _ = _evaluated(zones, mesh, np.repeat(every, points.shape[1]), points.reshape(-1, 2))
-    at_points = at_points.reshape(points.shape[:2])
+    found = _evaluated(zones, mesh, np.repeat(every, points.shape[1]), points.reshape(-1, 2))
+    at_points, nominal = (one.reshape(points.shape[:2]) for one in found[::2])
     levels, across = _crossing(zones, mesh)
     elements = np.flatnonzero(across.any(axis=0) | cut_by_zones)
     if not len(elements):
-        return Thickness(at_points)
+        return Thickness(at_points, nominal)
     levels = [level for level, by_element in zip(levels, across, strict=True) if by_element.any()]
     cut = cut_by(mesh, elements, levels, _ORDER, quarter=True)
-    inside = _evaluated(zones, mesh, cut.elements, cut.positions)
+    inside = _evaluated(zones, mesh, cut.elements, cut.positions)[:2]
     fronts = _jumps(zones, mesh, cut)
     jumping = np.unique(fronts.elements)
-    return Thickness(at_points, (jumping, _sections(zones.rigidities, mesh, xi[jumping], jumping, cut, inside, fronts)))
+    sections = _sections(zones.rigidities, mesh, xi[jumping], jumping, cut, inside, fronts)
+    return Thickness(at_points, nominal, (jumping, sections))
 
 
 def _crossing(zones: Zones, mesh: Mesh) -> tuple[list[Callable[[Floats], Floats]], Bools]:
@@ -114,12 +120,12 @@ def _crossed_among(mesh: Mesh, some: Bools, levels: Sequence[Callable[[Floats], 
     return found
 
 
-def _evaluated(zones: Zones, mesh: Mesh, elements: Ints, points: Floats) -> tuple[Floats, Ints]:
-    """Thickness (q,) at points (q, 2) of elements (q,), and whose rigidity they have."""
+def _evaluated(zones: Zones, mesh: Mesh, elements: Ints, points: Floats) -> tuple[Floats, Ints, Floats]:
+    """Thickness (q,) at points (q, 2) of elements (q,), whose rigidity they have, and the nominal thickness."""
     made = zones.at(elements, points)
-    thickness = zones.thickness(made.thickness, points)
-    _require_plate(zones, mesh, thickness, made.thickness, points)
-    return thickness, made.rigidity
+    nominal = zones.nominal(made.thickness, points)
+    _require_plate(zones, mesh, nominal, made.thickness, points)
+    return zones.acting(made.rigidity, nominal), made.rigidity, nominal
 
 
 def _require_plate(zones: Zones, mesh: Mesh, thickness: Floats, who: Ints, points: Floats) -> None:
@@ -155,7 +161,7 @@ def _jumps(zones: Zones, mesh: Mesh, cut: Cut) -> _Fronts:
     ahead = fronts[:, 1] - fronts[:, 0]
     beside = _BESIDE * np.column_stack([ahead[:, 1], -ahead[:, 0]]) / np.hypot(*ahead.T)[:, None]
     (one, first), (other, second) = (
-        _evaluated(zones, mesh, elements, mesh.map(elements, np.clip(fronts.mean(axis=1) + side * beside, -1.0, 1.0)))
+        _evaluated(zones, mesh, elements, mesh.map(elements, np.clip(fronts.mean(axis=1) + side * beside, -1, 1)))[:2]
         for side in (-1.0, 1.0)
     )
     real = (np.abs(one - other) > _SAME * np.maximum(one, other)) | (first != second)

@@ -58,6 +58,8 @@ class Zones:
         The plate's, and what others there may be.
     young : (r,) array
         The largest Young's modulus of each.
+    equivalent : (r,) array
+        Thickness of a solid plate that is as stiff as a section given by its stiffness; NaN of solid ones.
     number : (2z + 2, z + 1) int array
         Which rigidities a section, see `Made`, has with the modifiers of a zone or the plate.
     """
@@ -67,7 +69,14 @@ class Zones:
     parted: Bools
     rigidities: tuple[Rigidity, ...]
     young: Floats
+    equivalent: Floats
     number: Ints
+
+    @classmethod
+    def anywhere(cls, model: Model) -> Self:
+        """Take zones on no mesh, for `made_at`."""
+        nowhere = np.zeros((len(model.zone), 0), np.bool_)
+        return cls(model, nowhere, nowhere, *_rigidities(model))
 
     @classmethod
     def of(cls, model: Model, mesh: Mesh, problems: Problems) -> Self:
@@ -129,8 +138,22 @@ class Zones:
             inside[index, beside] = zone.region.contains(points[beside])
         return self._made(inside)
 
-    def thickness(self, who: Ints, points: Floats) -> Floats:
-        """Evaluate the thickness (q,) at points (q, 2), by the formulas with numbers (q,)."""
+    def made_at(self, points: Floats) -> Made:
+        """Say what points (q, 2) are made of, whatever the mesh."""
+        inside = [zone.region.contains(points) for zone in self.model.zone]
+        return self._made(np.array(inside, np.bool_).reshape(-1, len(points)))
+
+    def thickness(self, made: Made, points: Floats) -> Floats:
+        """Evaluate the thickness (q,) by which the plate is stiff at points (q, 2)."""
+        return self.acting(made.rigidity, self.nominal(made.thickness, points))
+
+    def acting(self, rigidity: Ints, nominal: Floats) -> Floats:
+        """Thickness (q,) by which the plate is stiff, where it has a nominal one and rigidities with numbers (q,)."""
+        equivalent = self.equivalent[rigidity]
+        return np.where(np.isnan(equivalent), nominal, equivalent)
+
+    def nominal(self, who: Ints, points: Floats) -> Floats:
+        """Evaluate the thickness (q,) that is given at points (q, 2), by the formulas with numbers (q,)."""
         found = np.empty(len(points))
         for number in np.unique(who):
             mine = who == number
@@ -207,24 +230,24 @@ def _sections(model: Model) -> dict[int, Material | Stiffness]:
     return found
 
 
-def _rigidities(model: Model) -> tuple[tuple[Rigidity, ...], Floats, Ints]:
-    """Rigidities with Young's moduli, those alike once, and which a section has with modifiers."""
+def _rigidities(model: Model) -> tuple[tuple[Rigidity, ...], Floats, Floats, Ints]:
+    """Rigidities with Young's moduli and equivalent thicknesses, and which a section has with modifiers."""
     parts = (model.plate, *model.zone)
     modifiers = {i: part.modifiers for i, part in enumerate(parts) if part.modifiers is not None}
     known: dict[bytes, int] = {}
-    made: list[tuple[Rigidity, float]] = []
+    made: list[tuple[Rigidity, float, float]] = []
     number = np.zeros((2 * len(parts), len(parts)), np.int64)
     for (i, own), (j, factors) in product(_sections(model).items(), modifiers.items()):
         if isinstance(own, Material):
             rigidity, young = Rigidity.made_of(own, model.plate.shear_factor, factors), own.young
+            thickness = np.nan
         else:
-            formula = parts[i - len(parts)].thickness
-            assert formula is not None  # it goes with a stiffness
-            rigidity, young = Rigidity.given(own, formula.value, factors), own.young(formula.value)
-        key = np.append(rigidity.for_core, young).tobytes()
+            thickness, young = own.equivalent
+            rigidity = Rigidity.given(own, thickness, factors)
+        key = np.append(rigidity.for_core, (young, thickness)).tobytes()
         if key not in known:
             known[key] = len(made)
-            made.append((rigidity, young))
+            made.append((rigidity, young, thickness))
         number[i, j] = known[key]
-    rigidities, youngs = zip(*made, strict=True)
-    return rigidities, np.array(youngs), number
+    rigidities, youngs, equivalent = zip(*made, strict=True)
+    return rigidities, np.array(youngs), np.array(equivalent), number

@@ -173,9 +173,21 @@ class Stiffness(Table):
         """Poisson's ratio, the geometric mean of those of both axes."""
         return self.D1 / math.sqrt(self.Dx * self.Dy)
 
-    def young(self, thickness: float) -> float:
-        """Young's modulus with which a solid plate of a thickness would be about as stiff."""
-        return 12.0 * max(self.Dx, self.Dy) / thickness**3
+    @property
+    def equivalent(self) -> tuple[float, float]:
+        """Thickness and Young's modulus of a solid plate that is about as stiff.
+
+        Twist and shear, means of all directions, tell the thickness: those of a solid plate are G h³/12 and 5/6 G h.
+
+        Examples
+        --------
+        >>> solid = Stiffness(Dx=32.0, Dy=32.0, D1=0.0, Dxy=16.0, Sx=40.0, Sy=40.0)  # E = 48, nu = 0, h = 2
+        >>> solid.equivalent
+        (2.0, 48.0)
+        """
+        twist, shear = (self.Dx + self.Dy - 2.0 * self.D1 + 4.0 * self.Dxy) / 8.0, (self.Sx + self.Sy) / 2.0
+        thickness = math.sqrt(10.0 * twist / shear)
+        return thickness, 12.0 * max(self.Dx, self.Dy) / thickness**3
 
     def _complaints(self) -> Iterator[Complaint]:
         most = math.sqrt(self.Dx * self.Dy)

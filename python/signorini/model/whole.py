@@ -130,8 +130,8 @@ class Model(Table):
         """Young's modulus, the largest there is; of sections whose stiffness is given that of solid ones as stiff."""
         found = [material.young for material in self.materials if material.is_elastic]
         for part in (self.plate, *self.zone):
-            if part.stiffness is not None and part.thickness is not None:
-                found.append(part.stiffness.young(part.thickness.value))
+            if part.stiffness is not None:
+                found.append(part.stiffness.equivalent[1])
         return max(found)
 
     @property

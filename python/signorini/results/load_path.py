@@ -144,7 +144,7 @@ class LoadPath(States[float]):
     def warnings(self) -> tuple[str, ...]:
         """What of the model, and of the deflections on the way, is seldom meant."""
         found = self.discretisation
-        thinnest = found.thickness.min()
+        thinnest = found.thickness.nominal.min()
         for stop in self.stops:
             for far in too_far(found, self.at(stop.t).deflection) if abs(stop.utmost) > thinnest else ():
                 return (*model_warnings(found), f"At t = {stop.t:.6g}: {far}")
@@ -277,7 +277,7 @@ class LoadPath(States[float]):
     @property
     def _drawn(self) -> float | None:
         """The t at which deflections leave what is drawn, if that is after the first event."""
-        far = _DRAWN * self.discretisation.thickness.max()
+        far = _DRAWN * self.discretisation.thickness.nominal.max()
         for begin, end in pairwise(self.stops):
             before, after = abs(begin.utmost), abs(end.utmost)
             if after > far >= before:

@@ -87,7 +87,7 @@ def no_resultant(found: Discretisation, load: CaseLoad) -> Iterator[str]:
 def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
     """Whether some deflection (n,) is beyond the thickness, where the theory of small deflections ends."""
     elements = found.mesh.elements
-    thickness = np.broadcast_to(found.thickness.at_points.min(axis=1), len(elements))
+    thickness = np.broadcast_to(found.thickness.nominal.min(axis=1), len(elements))
     at = int((np.abs(deflection[elements]).max(axis=1) / thickness).argmax())
     node = elements[at, int(np.abs(deflection[elements[at]]).argmax())]
     if abs(deflection[node]) > thickness[at]:

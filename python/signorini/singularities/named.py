@@ -298,7 +298,7 @@ def _of_zones(found: Discretisation) -> Iterator[Singularity]:
         inside = (elements >= 0).all(axis=1)
         points = around[inside].reshape(-1, 2)
         made = found.zones.at(elements[inside].ravel(), points)
-        thickness = found.zones.thickness(made.thickness, points).reshape(-1, len(_EIGHT))
+        thickness = found.zones.thickness(made, points).reshape(-1, len(_EIGHT))
         jumps = (np.ptp(thickness, axis=1) > _ALIKE * thickness.max(axis=1)) | (
             np.ptp(made.rigidity.reshape(-1, len(_EIGHT)), axis=1) > 0
         )

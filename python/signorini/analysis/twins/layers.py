@@ -1,9 +1,10 @@
 """The boundary layer of thin plates, of which meshes coarser than the thickness know nothing, however many agree.
 
 Along edges that hold no slope the moment mnn and the twist mnt are zero, and where they are free the shear qn. In a
-layer of width δ = h/√(12κ) the twist and the shear come, as 1 - exp(-d/δ), to what a plate without shear strains has;
-the shear along the edge is more by mnt/δ there, and bending moments by up to 2δ |qn| (D. N. Arnold, R. S. Falk,
-*Asymptotic analysis of the boundary layer for the Reissner-Mindlin plate model*, SIAM J. Math. Anal. 27, 1996).
+layer of width δ = √(T/S), with T the rigidity in twist and S that in shear along the edge, h/√(12κ) of a solid plate,
+the twist and the shear come, as 1 - exp(-d/δ), to what a plate without shear strains has; the shear along the edge is
+more by mnt/δ there, and bending moments by up to 2δ |qn| (D. N. Arnold, R. S. Falk, *Asymptotic analysis of the
+boundary layer for the Reissner-Mindlin plate model*, SIAM J. Math. Anal. 27, 1996).
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from signorini.analysis.twins.half_width import FASTEST
-from signorini.analysis.twins.leaves import Path, thickness_at
+from signorini.analysis.twins.leaves import Path, sections_at
 from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support
@@ -34,6 +35,8 @@ _TWIST_SEEN = 30.0
 0.06, on elements of 0.7 to 50 thicknesses."""
 _FADED = 12.0
 """Widths of the layer from an edge at which nothing is left of it."""
+_PER_WIDTH = math.sqrt(10.0)
+"""Thickness over the layer's width of the plates on which this is measured, solid ones with κ = 5/6."""
 _CHORDS = np.linspace(-1.0, 1.0, 9)
 """Where sides are parted into straight ones: an arc rises little above these beside the layer."""
 _ON_EDGE = 1e-6
@@ -65,7 +68,9 @@ def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
     """
     ends = mesh.points[_sides(model, mesh)[:, [0, 2]]]
     free = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
-    thickness = float(thickness_at(model, mesh.points).mean())
+    solid, rigidities, which = sections_at(model, mesh.points)
+    widths = np.array([math.sqrt(one.in_twist / one.in_shear) for one in rigidities])
+    thickness = _PER_WIDTH * float((solid * widths[which]).mean())
     left, before = (_left(thickness, size) for size in sizes[:2])
     shown = (before - left) / ((sizes[1] / sizes[0]) ** FASTEST - 1.0)
     return float(_SOFTER * thickness * free / (4.0 * mesh.element_area.sum()) * max(0.0, left - shown))
@@ -105,7 +110,11 @@ def unseen_at_edges(
     way = end - begin
     length = np.hypot(*way.T)
     nx, ny = way[:, 1] / length, -way[:, 0] / length
-    width = thickness_at(model, 0.5 * (begin + end)) / math.sqrt(12.0 * model.plate.shear_factor)
+    thickness, rigidities, which = sections_at(model, 0.5 * (begin + end))
+    twist = np.stack([-nx * ny, nx * ny, nx**2 - ny**2])
+    turned = np.einsum("ik,kij,jk->k", twist, np.stack([one.bending for one in rigidities])[which], twist)
+    shear = np.einsum("ik,kij,jk->k", (-ny, nx), np.stack([one.shear for one in rigidities])[which], (-ny, nx))
+    width = thickness * np.sqrt(turned / shear)
     parts = len(_CHORDS) - 1
     size = finer * np.repeat(mesh.element_area[mesh.find_sides(sides)[0]], parts) / (parts * length)
     unseen = 1.0 / (1.0 + _TWIST_SEEN * (width / size) ** 2)

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rigidity import Rigidity
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.zones import Zones
 from signorini.errors import point
 from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support
@@ -203,7 +205,7 @@ def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[
 
     Totals may cancel, and a plate may be bent without shears: what its supports hold is no less than this.
     """
-    span, thickness = mesh.size, thickness_at(model, mesh.points)
+    span, (thickness, *_) = mesh.size, sections_at(model, mesh.points)
     rigidity = model.young * float(thickness.max()) ** 3 / 12
     bent = _BENT * np.maximum(deflection, moment * span**2 / rigidity)
     of_bending = {
@@ -218,16 +220,14 @@ def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[
     return {kind: part * bent for kind, part in of_bending.items()}
 
 
-def thickness_at(model: Model, points: Floats) -> Floats:
-    """The plate's thickness (n,) at points, or a zone's; the plate's own need not be one where zones have another."""
-    found = np.full(len(points), np.nan)
-    for zone in (*reversed(model.zone), None):
-        left = np.isnan(found)
-        inside = left if zone is None else left & zone.region.contains(points)
-        formula = model.plate.thickness if zone is None else zone.thickness
-        if formula is not None and inside.any():
-            found[inside] = np.abs(formula(*points[inside].T))
-    return found
+def sections_at(model: Model, points: Floats) -> tuple[Floats, Sequence[Rigidity], Ints]:
+    """The thickness (n,) by which the plate is stiff at points; all rigidities, and whose number (n,) each has."""
+    zones, nominal = Zones.anywhere(model), np.empty(len(points))
+    made = zones.made_at(points)
+    for number in np.unique(made.thickness):
+        mine = made.thickness == number
+        nominal[mine] = np.abs(zones.formulas[number](*points[mine].T))
+    return zones.acting(made.rigidity, nominal), zones.rigidities, made.rigidity
 
 
 def named(paths: Sequence[Path], figures: Mapping[str, Any]) -> str:
