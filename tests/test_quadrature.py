@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from halving import halved
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from signorini.discretise.borders import arcs_of
@@ -397,6 +397,7 @@ def test_an_element_is_parted_by_the_levels_that_cross_it_alone():
     st.tuples(*4 * [coordinate]),
     st.sampled_from([None, Circle((0.3, -0.2), 0.8), Rectangle(-1, -0.5, 0.9, 1)]),
 )
+@example("curved distorted disc", (0.0, 0.25, 2.6781309754448466e-10, 0.0), None)
 @settings(max_examples=60, deadline=None)
 def test_left_and_right_of_a_line_are_the_whole(name, ends, region):
     """Of the plate, and of a region whose outline the line crosses within elements."""
