@@ -445,6 +445,16 @@ def on_walls(rng: Random, divisions: list[int]) -> Model:
     )
 
 
+def test_the_end_is_known_without_following_the_path_and_of_cases_that_grow_together(slab: Path) -> None:
+    tables = tomllib.loads(slab.read_text())
+    tables["load"].append({"case": "R", "force": 5, "at": [3.9, 2.0]})
+    tables["combination"].append({"name": "both", "factors": {"Q": 1, "R": 1}})
+    model = signorini.validate(tables)
+    alone, whole = (signorini.path(model, "G", "both", until=until) for until in (1e-6, None))
+    assert (alone.end, len(alone.stops), whole.ending) == (1e-6, 2, "no_equilibrium")
+    assert alone.limit == pytest.approx(whole.end, rel=1e-6)
+
+
 def test_half_widths_of_lines_and_areas_cover_a_finer_mesh_or_are_none() -> None:
     """None of what another mesh does not do, or does more often, to and fro: also where the two that it has agree."""
     covered, widths = [], []
