@@ -52,7 +52,7 @@ def test_sides_drawn_apart_are_joined_in_any_order_and_sense_with_their_arcs(tmp
     space.add_arc((10000, 5000), 2000, 0, 90, dxfattribs=on("SLAB"))
     space.add_line((0, 7000.4), (0, 0), on("SLAB"))
     space.add_line((0, 0), (12000, 0), on("SLAB"))
-    drawing = read_dxf(saved(made, tmp_path), {"outline": "slab"})
+    drawing = read_dxf(saved(made, tmp_path), {"outline": ["slab"]})
     assert drawing.outline.area == pytest.approx(12 * 7 - (4 - math.pi), rel=1e-4)
     points = plate(tmp_path / "floor.dxf")["points"]
     (arc,) = (point for point in points if isinstance(point, dict))
@@ -105,7 +105,7 @@ def test_arcs_and_splines_that_mirror_each_other_are_two(tmp_path: Path) -> None
     drawing = read_dxf(saved(made, tmp_path), {})
     assert drawing.outline.area == pytest.approx(25 * math.pi)
     assert [hole.area for hole in drawing.holes] == pytest.approx([math.pi, 8 * (math.pi / 6 - math.sqrt(3) / 4)])
-    assert not drawing.lines and "closed line" in drawing.left[-1]
+    assert not drawing.lines and "lines: 1 closed" in drawing.left[-1]
 
 
 def test_what_is_drawn_twice_counts_once_in_any_sense(tmp_path: Path) -> None:
@@ -137,7 +137,7 @@ def test_footprints_of_points_are_read_from_blocks_turned_scaled_and_repeated(tm
     space.add_blockref("column", (4000, 1000), rows)
     space.add_circle((1000, 1000), 250, on("columns"))
     space.add_point((5000, 5000), dxfattribs=on("columns"))
-    points = read_dxf(saved(made, tmp_path), {"points": "columns"}).points
+    points = read_dxf(saved(made, tmp_path), {"points": ["columns"]}).points
     assert {size: [tuple(round(x, 6) for x in at) for at in places] for size, places in points.items()} == {
         (): [(5, 5)],
         (0.25,): [(1, 1)],
@@ -260,7 +260,8 @@ def test_a_long_rectangle_on_the_layer_of_lines_is_a_wall(tmp_path: Path) -> Non
         [(1, 1.1), (5, 1.1)],
         [(5.95, 1.05), (8.95, 4.05)],
     ]
-    assert drawing.left == ("lines: 2 closed rectangles became the lines along their middles",)
+    walls = "lines: walls drawn as closed lines, 2, at [1, 1.1], [5.95, 1.05]: the lines along their middles"
+    assert (drawing.took[-1], drawing.left) == (walls, ())
 
 
 def test_columns_turned_keep_their_footprint(tmp_path: Path) -> None:
@@ -290,13 +291,13 @@ def test_two_lines_as_far_apart_as_the_faces_of_a_wall_are_one(tmp_path: Path) -
     for a, b in (((1000, 1000), (6000, 1000)), ((5800, 1200), (1200, 1200)), ((8000, 1000), (8000, 5000))):
         space.add_line(a, b, on("LINES"))
     space.add_lwpolyline([(1000, 4000), (4000, 4000), (4000, 6000)], dxfattribs=on("LINES"))
-    space.add_lwpolyline([(1000, 4240), (3760, 4240), (3760, 6000)], dxfattribs=on("LINES"))
+    space.add_lwpolyline([(1000, 4240), (3760, 4240), (3760, 6000), (3700, 6100)], dxfattribs=on("LINES"))
     drawing = read_dxf(saved(made, tmp_path), {})
     ends = [[tuple(round(x, 6) for x in end[:2]) for end in line] for line in drawing.lines]
     assert sorted(ends[0]) == [(1.1, 1.1), (5.9, 1.1)] and len(ends) == 4
-    faces, beside = drawing.left
+    faces, beside = drawing.took[-2:]
     assert faces.startswith("lines: 1 pair side by side, 0.2 m apart, at [")
-    assert faces.endswith("]: taken for the faces of walls, which became the lines along their middles")
+    assert faces.endswith("]: faces of walls, the lines along their middles")
     assert beside == (
         "lines: 1, at [1, 4.24]: beside another, less than 0.6 m apart; both are supports. Keep one where they are the "
         "faces of one wall"
@@ -318,19 +319,21 @@ def test_what_is_left_is_listed_by_layer_and_kind(tmp_path: Path) -> None:
     space.add_text("C30/37", dxfattribs=on("notes"))
     space.add_line((0, 0), (1, 1), on("notes"))
     space.add_line((0, 0), (1, 1), on("old"))
-    left = read_dxf(saved(made, tmp_path), {"outline": "slab"}).left
+    left = read_dxf(saved(made, tmp_path), {"outline": ["slab"]}).left
     assert left == ("layer notes: 1 open line, at [0, 0]; 1 TEXT", "layer old: 1 hidden LINE")
 
 
 @pytest.mark.parametrize(
     ("layers", "message"),
     [
-        ({"outline": "walls"}, r"no line of layer walls is closed. The longest has 2 sides and ends at \[0, 0\] and"),
-        ({"outline": "none"}, "nothing on a layer 'none'. Its layers are: axes, slab, walls"),
-        ({"outline": "axes"}, "layer axes has no closed line for the outline"),
+        ({"outline": ["walls"]}, r"no line of layer walls is closed. The longest has 2 sides and ends at \[0, 0\] and"),
+        ({"outline": ["none"]}, "nothing on a layer 'none'. Its layers are: axes, slab, walls"),
+        ({"outline": ["axes"]}, "layer axes has no closed line for the outline"),
     ],
 )
-def test_layers_without_an_outline_say_what_is_there(layers: dict[str, str], message: str, tmp_path: Path) -> None:
+def test_layers_without_an_outline_say_what_is_there(
+    layers: dict[str, list[str]], message: str, tmp_path: Path
+) -> None:
     made = document()
     space = made.modelspace()
     space.add_lwpolyline(RECTANGLE, close=True, dxfattribs=on("slab"))
@@ -398,7 +401,7 @@ def test_a_floor_of_twenty_columns_two_shafts_and_a_drop_panel_goes_from_its_dra
     for x in (11000, 19000):
         space.add_lwpolyline(box(x, 9000, 2400, 3000), close=True, dxfattribs=on("SHAFTS"))
     space.add_lwpolyline(box(15000, 12000, 2600, 2600), close=True, dxfattribs=on("PANELS"))
-    layers = {"outline": "slab", "holes": "shafts", "zones": "panels", "points": "columns"}
+    layers = {"outline": ["slab"], "holes": ["shafts"], "zones": ["panels"], "points": ["columns"]}
     drawing = read_dxf(saved(made, tmp_path), layers)
     assert len(drawing.holes) == 2 and len(drawing.zones) == 1 and not drawing.left
     text = drawing_as_toml(drawing, "floor").replace("\npatch", '\nresists = "down"\npatch')
@@ -526,3 +529,156 @@ def test_what_is_written_of_random_drawings_is_accepted_or_told(seed: int, tmp_p
         return
     if not any(left.startswith("outline: ") for left in drawing.left):
         accepted(drawing, tmp_path)
+
+
+def walled(made: Document, *lines: tuple[list[tuple[float, float]], bool]) -> None:
+    space = made.modelspace()
+    space.add_lwpolyline(RECTANGLE, close=True)
+    for corners, closed in lines:
+        space.add_lwpolyline(corners, close=closed, dxfattribs=on("LINES"))
+
+
+def middles(drawing: Drawing) -> list[list[tuple[float, float]]]:
+    return [[(round(x, 6), round(y, 6)) for x, y, _ in line] for line in drawing.lines]
+
+
+def test_collinear_lines_that_overlap_are_one(tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    for a, b in (((0, 0), (5, 0)), ((4, 0), (7, 0)), ((8, 0), (6, 0)), ((8, 0), (8, 6)), ((8, 6), (0, 6))):
+        space.add_line(a, b, on("SLAB"))
+    space.add_line((0, 6), (0, 0), on("SLAB"))
+    space.add_line((2, 6), (3, 6), on("SLAB"))
+    space.add_circle((4, 3), 0.5, on("SLAB"))
+    drawing = read_dxf(saved(made, tmp_path), {"outline": ["SLAB"]})
+    assert (drawing.outline.area, len(drawing.holes), drawing.left) == (48, 1, ())
+
+
+def test_a_notch_that_shares_a_part_of_the_outline_keeps_it(tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    for corners in ([(0, 0), (8, 0), (8, 6), (0, 6)], [(2, 0), (4, 0), (4, 1), (2, 1)]):
+        for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+            space.add_line(a, b, on("SLAB"))
+    assert read_dxf(saved(made, tmp_path), {}).outline.area == 48
+
+
+@pytest.mark.parametrize(
+    ("end", "told"), [((0, 5), r"they end, at \[0, 5\], \[0, 6\]"), ((8, 3), r"they end, at \[0, 6\], \[8, 3\]")]
+)
+@pytest.mark.parametrize("layers", [{}, {"outline": ["SLAB"]}])
+def test_an_outline_that_does_not_close_is_no_hole(
+    end: tuple[float, float], told: str, layers: dict[str, list[str]], tmp_path: Path
+) -> None:
+    made = document(6)
+    made.modelspace().add_lwpolyline([(0, 6), (8, 6), (8, 0), (0, 0), end], dxfattribs=on("SLAB"))
+    made.modelspace().add_circle((4, 3), 0.5, on("SLAB"))
+    with pytest.raises(InputError, match=rf"0.785398 m², but open lines of layer SLAB .*{told}") as refused:
+        read_dxf(saved(made, tmp_path), layers)
+    assert refused.value.place == "outline"
+
+
+def test_lines_of_the_outline_that_branch_are_refused_where_they_do(tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    for a, b in (((0, 0), (8, 0)), ((8, 0), (8, 6)), ((8, 6), (0, 6)), ((0, 6), (0, 0))):
+        space.add_line(a, b)
+    space.add_arc((4, 6), 4, 0, 180)
+    space.add_circle((4, 3), 0.5)
+    with pytest.raises(InputError, match=r"more than two meet, at \[0, 6\], \[8, 6\]"):
+        read_dxf(saved(made, tmp_path), {})
+
+
+def test_open_lines_beyond_the_outline_are_told(tmp_path: Path) -> None:
+    made = document(6)
+    made.modelspace().add_lwpolyline([(0, 0), (8, 0), (8, 6), (0, 6)], close=True)
+    made.modelspace().add_line((4, -1), (4, 7))
+    (told, _) = read_dxf(saved(made, tmp_path), {}).left
+    assert told.startswith("outline: 1 open line of layer 0, at [4, -1]: beyond it.")
+
+
+def test_a_frame_that_is_taken_is_told_with_the_slab_s_layer(tmp_path: Path) -> None:
+    made = document()
+    space = made.modelspace()
+    space.add_lwpolyline(RECTANGLE, close=True, dxfattribs=on("SLAB"))
+    space.add_lwpolyline([(-9000, -9000), (20000, -9000), (20000, 16000), (-9000, 16000)], close=True)
+    path = saved(made, tmp_path)
+    assert "name the slab's layer with --outline: layer SLAB has one of 84 m²" in read_dxf(path, {}).took[0]
+    assert read_dxf(path, {"outline": ["SLAB"]}).took[0].endswith("84 m², layer SLAB")
+
+
+def test_roles_take_several_layers(tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    space.add_lwpolyline([(0, 0), (8, 0), (8, 6), (0, 6)], close=True, dxfattribs=on("SLAB"))
+    for i, layer in enumerate("AB"):
+        x = 1 + 4 * i
+        space.add_lwpolyline([(x, 1), (x + 1, 1), (x + 1, 2), (x, 2)], close=True, dxfattribs=on(f"Z{layer}"))
+        space.add_circle((x, 4), 0.3, on(f"H{layer}"))
+        space.add_point((x, 0.5), on(f"P{layer}"))
+        space.add_line((x, 5), (x + 1, 5), on(f"L{layer}"))
+    roles = [
+        part
+        for role in ("zones", "holes", "points", "lines")
+        for part in (f"--{role}", f"{role[0].upper()}A", f"--{role}", f"{role[0]}b")
+    ]
+    run = CliRunner().invoke(app, ["import-dxf", str(saved(made, tmp_path)), "--outline", "SLAB", *roles])
+    assert run.exit_code == 0, run.output
+    written = tomllib.loads((tmp_path / "floor.toml").read_text(encoding="utf-8"))
+    assert len(written["zone"]) == len(written["plate"]["holes"]) == 2
+    assert sorted(len(one.get("at", ["line"])) for one in written["support"]) == [1, 1, 2]
+    assert "Left" not in run.output and "Add loads." in run.output
+
+
+def test_a_wall_drawn_all_around_is_the_line_along_its_middle(tmp_path: Path) -> None:
+    made = document()
+    outer, inner = [(2000, 1000), (2000, 4000), (6000, 4000), (6000, 2000)], [(2200, 1000), (2200, 3800)]
+    walled(made, ([*outer, (5800, 2000), (5800, 3800), *reversed(inner)], True))
+    drawing = read_dxf(saved(made, tmp_path), {})
+    assert not drawing.left
+    ((*found,),) = middles(drawing)
+    assert found in ([(2.1, 1), (2.1, 3.9), (5.9, 3.9), (5.9, 2)], [(5.9, 2), (5.9, 3.9), (2.1, 3.9), (2.1, 1)])
+
+
+def test_open_faces_with_corners_are_one_wall(tmp_path: Path) -> None:
+    made = document()
+    walled(
+        made,
+        ([(2000, 1000), (2000, 4000), (6000, 4000), (6000, 1000)], False),
+        ([(5800, 1000), (5800, 3800), (2200, 3800), (2200, 1000)], False),
+    )
+    drawing = read_dxf(saved(made, tmp_path), {})
+    assert not drawing.left
+    assert middles(drawing) == [[(2.1, 1), (2.1, 3.9), (5.9, 3.9), (5.9, 1)]]
+
+
+def test_the_faces_of_a_shaft_are_one_closed_wall(tmp_path: Path) -> None:
+    made = document()
+    walled(
+        made,
+        ([(2000, 1000), (5000, 1000), (5000, 4000), (2000, 4000)], True),
+        ([(4800, 3800), (4800, 1200), (2200, 1200), (2200, 3800)], True),
+    )
+    drawing = read_dxf(saved(made, tmp_path), {})
+    assert not drawing.left
+    assert middles(drawing) == [[(2.1, 1.1), (4.9, 1.1), (4.9, 3.9), (2.1, 3.9), (2.1, 1.1)]]
+
+
+def test_a_closed_line_that_is_no_wall_says_what_to_draw(tmp_path: Path) -> None:
+    made = document()
+    tee = [(1, 3), (5, 3), (5, 3.2), (3.1, 3.2), (3.1, 5), (2.9, 5), (2.9, 3.2), (1, 3.2)]
+    walled(made, ([(1000 * x, 1000 * y) for x, y in tee], True))
+    (told,) = read_dxf(saved(made, tmp_path), {}).left
+    assert told.startswith("lines: 1 closed, at [3, 4]: no wall of one thickness. Draw its middle, or a rectangle")
+
+
+def test_circles_of_arcs_are_circles(tmp_path: Path) -> None:
+    made = document(6)
+    space = made.modelspace()
+    space.add_lwpolyline([(0, 0), (8, 0), (8, 6), (0, 6)], close=True)
+    space.add_lwpolyline([(6, 4, 1), (6.4, 4, 1)], format="xyb", close=True, dxfattribs=on("POINTS"))
+    space.add_lwpolyline([(2, 2, -1), (2.4, 2, -1)], format="xyb", close=True, dxfattribs=on("POINTS"))
+    space.add_arc((5, 5), 0.2, 30, 180, dxfattribs=on("POINTS"))
+    space.add_arc((5, 5), 0.2, 180, 30, dxfattribs=on("POINTS"))
+    (places,) = [read_dxf(saved(made, tmp_path), {}).points[0.2,]]
+    assert sorted((round(x, 6), round(y, 6)) for x, y in places) == [(2.2, 2), (5, 5), (6.2, 4)]

@@ -213,23 +213,24 @@ def import_dxf(
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="The input file. [default: FILE.toml]")
     ] = None,
     outline: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(metavar="LAYER", help="Layer of the outline. [default: that of this name, or the largest one's]"),
     ] = None,
     holes: Annotated[
-        str | None, typer.Option(metavar="LAYER", help="Of holes. [default: that of this name, or the outline's]")
+        list[str] | None,
+        typer.Option(metavar="LAYER", help="Of holes. [default: that of this name, or the outline's]"),
     ] = None,
     zones: Annotated[
-        str | None, typer.Option(metavar="LAYER", help="Of parts made otherwise. [default: that of this name]")
+        list[str] | None, typer.Option(metavar="LAYER", help="Of parts made otherwise. [default: that of this name]")
     ] = None,
     points: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
             metavar="LAYER", help="Of supports at points, with their footprints. [default: that of this name]"
         ),
     ] = None,
     lines: Annotated[
-        str | None, typer.Option(metavar="LAYER", help="Of supports along lines. [default: that of this name]")
+        list[str] | None, typer.Option(metavar="LAYER", help="Of supports along lines. [default: that of this name]")
     ] = None,
     unit: Annotated[
         str | None, typer.Option(metavar="UNIT", help=f"Of the drawing: {', '.join(METRES)}. [default: its header's]")
@@ -237,7 +238,7 @@ def import_dxf(
 ) -> None:
     """Make an input file from a drawing: outline, holes, zones, and points and lines that it may stand on.
 
-    Say what was taken from the drawing and what was left.
+    Say what was taken from the drawing and what was left. Options of layers may be repeated: --zones A --zones B.
     """
     with _messages():
         from signorini.base.files import replacing
@@ -248,7 +249,7 @@ def import_dxf(
         if target.exists():
             raise InputError(f"{target} exists already; give another name with -o, or remove it.", place="output")
         named = {"outline": outline, "holes": holes, "zones": zones, "points": points, "lines": lines}
-        found = read_dxf(file, {role: layer for role, layer in named.items() if layer is not None}, unit)
+        found = read_dxf(file, {role: layers for role, layers in named.items() if layers}, unit)
         try:
             with replacing(target) as aside:
                 aside.write_text(drawing_as_toml(found, file.stem), encoding="utf-8")
@@ -258,7 +259,9 @@ def import_dxf(
         for sort, things in (("Taken", found.took), ("Left", found.left)):
             for thing in things:
                 say(out, visible(f"{sort}: {thing}"))
-        say(out, visible(f"Written to {target}; material and thickness are assumed, supports and loads to be added."))
+        stands = bool(found.points or found.lines)
+        assumed, missing = (", and that supports act both ways", "") if stands else ("", "supports and ")
+        say(out, visible(f"Written to {target}. Assumed: material and thickness{assumed}. Add {missing}loads."))
 
 
 @app.command(

@@ -110,8 +110,8 @@ class Loop:
         return (*((first, second) if turns % 2 == 0 else (second, first)), degrees - 90.0 * turns)
 
     @property
-    def middle_line(self) -> tuple[tuple[float, float], tuple[float, float]] | None:
-        """Ends [m] of the line along the middle, if it is a rectangle, askew too, three times as long as wide at least.
+    def middle_line(self) -> tuple[tuple[float, float], ...] | None:
+        """Corners [m] of the line along the middle of a wall: of one thickness, and three times as long at least.
 
         Examples
         --------
@@ -119,15 +119,17 @@ class Loop:
         >>> Loop((Corner(0, 0), Corner(4, 0), Corner(4, 0.2), Corner(0, 0.2))).middle_line
         ((0.0, 0.1), (4.0, 0.1))
         """
-        if not self.is_rectangle:
+        if self.radius or any(corner.bulge for corner in self.corners):
             return None
-        a, b, c, d = self.corners
-        first, second = math.dist(a[:2], b[:2]), math.dist(b[:2], c[:2])
-        if max(first, second) < _WALL * min(first, second):
-            return None
-        ends = ((a, d), (b, c)) if first > second else ((a, b), (d, c))
-        (p, q), (r, s) = ends
-        return ((p.x + q.x) / 2, (p.y + q.y) / 2), ((r.x + s.x) / 2, (r.y + s.y) / 2)
+        corners = [b for a, b, c in _triples(self.corners) if off_line(b, a, c) > GAP]
+        half, odd = divmod(len(corners), 2)
+        for i in range(0 if odd else half):
+            turned = corners[i:] + corners[:i]
+            middle = between(turned[:half], turned[: half - 1 : -1])
+            width = math.dist(turned[0][:2], turned[-1][:2])
+            if middle and _WALL * width <= sum(itertools.starmap(math.dist, itertools.pairwise(middle))):
+                return middle
+        return None
 
     @property
     def is_rectangle(self) -> bool:
@@ -209,6 +211,39 @@ def about(places: Sequence[tuple[float, float]]) -> str:
     """Say where things are, of many where the first are."""
     more = ", …" if len(places) > _MOST_PLACES else ""
     return f", at {', '.join(map(place, places[:_MOST_PLACES]))}{more}"
+
+
+def off_line(at: Corner, a: Corner, b: Corner) -> float:
+    """Distance [m] of a place from the line through two others."""
+    x, y, length = b.x - a.x, b.y - a.y, math.dist(a[:2], b[:2])
+    return abs(x * (at.y - a.y) - y * (at.x - a.x)) / length if length else math.dist(at[:2], a[:2])
+
+
+def between(one: Sequence[Corner], other: Sequence[Corner]) -> tuple[tuple[float, float], ...] | None:
+    """Corners [m] of the line along the middle of two straight-sided ones, if they are as far apart all along.
+
+    Examples
+    --------
+    >>> outer, inner = (Corner(0, 2), Corner(0, 0), Corner(3, 0)), (Corner(0.2, 2), Corner(0.2, 0.2), Corner(3, 0.2))
+    >>> between(outer, inner)
+    ((0.1, 2.0), (0.1, 0.1), (3.0, 0.1))
+    """
+    aparts = []
+    for (a, b), (c, d) in zip(itertools.pairwise(one), itertools.pairwise(other), strict=True):
+        along = (b.x - a.x) * (d.x - c.x) + (b.y - a.y) * (d.y - c.y)
+        first, last = off_line(c, a, b), off_line(d, a, b)
+        beside = min(off_line(a, c, d), off_line(b, c, d))
+        if along <= 0 or max(first, last, beside) - min(first, last, beside) > 2 * GAP:
+            return None
+        aparts.append(first)
+    if max(aparts) - min(aparts) > 2 * GAP or min(aparts) <= GAP:
+        return None
+    return tuple(((p.x + q.x) / 2, (p.y + q.y) / 2) for p, q in zip(one, other, strict=True))
+
+
+def _triples(corners: Sequence[Corner]) -> Iterator[tuple[Corner, Corner, Corner]]:
+    """Every corner between its neighbours."""
+    return zip((*corners[-1:], *corners[:-1]), corners, (*corners[1:], *corners[:1]), strict=True)
 
 
 def flattened(line: Sequence[Corner], turn: float) -> list[tuple[float, float]]:

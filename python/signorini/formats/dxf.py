@@ -11,7 +11,7 @@ from itertools import combinations, pairwise
 from typing import TypeVar
 
 from signorini.errors import InputError
-from signorini.formats.drawing import GAP, Corner, Drawing, Loop, about, flattened, place
+from signorini.formats.drawing import GAP, Corner, Drawing, Loop, about, between, flattened, place
 from signorini.formats.drawing_checked import checked
 from signorini.formats.dxf_entities import Layer, layers_in
 
@@ -19,6 +19,8 @@ _T = TypeVar("_T")
 
 ROLES = ("outline", "holes", "zones", "points", "lines")
 """What a layer may hold; the layer of this name does where no other is named."""
+_FRAME = 0.1
+"""Part of the outline's area from which on a closed line of another layer may be the slab, and the outline a frame."""
 _ROUND = 12
 """Corners from which on a filled area may be a circle."""
 _TURN = math.radians(4)
@@ -35,7 +37,7 @@ _ASKEW = 0.01
 """Slope to each other of parallel lines: half a degree, that of a careless drawing."""
 
 
-def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str | None = None) -> Drawing:
+def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], unit: str | None = None) -> Drawing:
     """Read a drawing.
 
     Arcs and circles stay what they are; splines and ellipses become arcs that leave them by at most 1/20000 of the
@@ -45,7 +47,7 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str 
     ----------
     path : path
     layers : dict
-        Layer of each role, any of `ROLES`, in upper or lower case. Without a layer the outline is the largest closed
+        Layers of each role, any of `ROLES`, in upper or lower case. Without a layer the outline is the largest closed
         line of the drawing, and the holes are the closed lines within it on the outline's layer.
     unit : str, optional
         Of the drawing, any of `signorini.base.units.METRES`; by default what its header says.
@@ -53,44 +55,50 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, str], unit: str 
     Raises
     ------
     InputError
-        If there is no such layer, no closed line for the outline, or no unit.
+        If there is no such layer, no closed line for the outline or open ones that reach over more, or no unit.
     SignoriniError
         If the file cannot be read, or ezdxf, which reads it, is not there.
     """
     found = layers_in(path, unit)
-    names = {role: _named(role, layers.get(role), found) for role in ROLES}
-    outline, layer = _outline(names["outline"], found)
+    names = {role: _named(role, layers.get(role, ()), found) for role in ROLES}
+    roles = {role: [found[name] for name in named] for role, named in names.items()}
+    others = {name for role, named in names.items() if role != "outline" for name in named}
+    among = {name: one for name, one in found.items() if name in (names["outline"] or found.keys() - others)}
+    outline, layer = _outline(among, "the drawing" if not names["outline"] else _layers(names["outline"]))
+    frame = "" if names["outline"] else _maybe_frame(outline, layer, among)
+    left = list(_beyond(outline, among[layer], layer))
     found[layer].loops.remove(outline)
-    left: list[str] = []
-    own = found[names["holes"] or layer].loops
-    holes, off = _parted(own, outline.holds)
-    own[:] = [] if names["holes"] else off
-    left += _told(off if names["holes"] else [], "holes", "not inside the outline; an opening at an edge is part of it")
-    zones: list[Loop] = []
-    if names["zones"]:
-        zones, off = _parted(_all_of(found[names["zones"]].loops), lambda zone: outline.covers(zone.points))
-        left += _told(off, "zones", "not within the outline")
+    own = [one.loops for one in roles["holes"] or [found[layer]]]
+    holes, off = _parted(_all_of(own), outline.holds)
+    if names["holes"]:
+        left += _told(off, "holes", "not inside the outline; an opening at an edge is part of it")
+    else:
+        found[layer].loops += off
+    zones, off = _parted(_all_of(one.loops for one in roles["zones"]), lambda zone: outline.covers(zone.points))
+    left += _told(off, "zones", "not within the outline")
 
     def on_plate(*points: tuple[float, float]) -> bool:
         return outline.covers(points) and not any(
             hole.has(*at) and not hole.near(*at) for hole in holes for at in points
         )
 
-    points = _points(found[names["points"]], on_plate, left) if names["points"] else {}
-    lines = _lines(found[names["lines"]], on_plate, left) if names["lines"] else []
+    middles: list[str] = []
+    points = _points(roles["points"], on_plate, left)
+    lines = _lines(roles["lines"], on_plate, middles, left)
     left += [f"layer {name}: {rest}" for name, rest in sorted(found.items()) if str(rest)]
-    if inside := sum(map(outline.holds, found[layer].loops)):
+    if names["holes"] and (inside := sum(map(outline.holds, found[layer].loops))):
         left.append(
             f"{inside} of the closed lines of layer {layer} are inside the outline: if they are holes, put them on "
-            f"layer {names['holes']}"
+            f"{_layers(names['holes'])}"
         )
     drawing = checked(Drawing(outline, tuple(holes), tuple(zones), points, tuple(lines), (), tuple(left)))
     took = [
-        f"outline: {_sides(drawing.outline)}, {drawing.outline.area:.6g} m², layer {layer}",
+        f"outline: {_sides(drawing.outline)}, {drawing.outline.area:.6g} m², layer {layer}{frame}",
         *(f"hole {i}: {_sides(hole)} about {place(hole.middle)}" for i, hole in enumerate(drawing.holes, 1)),
         *(f"zone {i}: {_sides(zone)} about {place(zone.middle)}" for i, zone in enumerate(drawing.zones, 1)),
         *(f"points: {len(at)}{_footprint(footprint)}" for footprint, at in drawing.points.items()),
         *([f"lines: {len(drawing.lines)}"] if drawing.lines else []),
+        *middles,
     ]
     return replace(drawing, took=tuple(took))
 
@@ -110,36 +118,101 @@ def _told(loops: Iterable[Loop], what: str, why: str) -> Iterator[str]:
         yield f"{what}: {len(middles)}{about(middles)}: {why}"
 
 
-def _all_of(things: list[_T]) -> list[_T]:
-    """Take everything out of a list."""
-    taken = things.copy()
-    things.clear()
+def _all_of(lists: Iterable[list[_T]]) -> list[_T]:
+    """Take everything out of lists."""
+    taken = []
+    for things in lists:
+        taken += things
+        things.clear()
     return taken
 
 
-def _named(role: str, wanted: str | None, found: Mapping[str, Layer]) -> str | None:
-    """The drawing's own spelling of a layer."""
+def _named(role: str, wanted: Sequence[str], found: Mapping[str, Layer]) -> list[str]:
+    """The drawing's own spelling of layers, each once."""
     by_name = {name.lower(): name for name in found}
-    if wanted is not None and wanted.lower() not in by_name:
-        there = ", ".join(sorted(found)) or "none"
-        raise InputError(f"the drawing has nothing on a layer {wanted!r}. Its layers are: {there}.", place=role)
-    return by_name.get((role if wanted is None else wanted).lower())
+    for name in wanted:
+        if name.lower() not in by_name:
+            there = ", ".join(sorted(found)) or "none"
+            raise InputError(f"the drawing has nothing on a layer {name!r}. Its layers are: {there}.", place=role)
+    asked = dict.fromkeys(name.lower() for name in wanted or (role,))
+    return [by_name[name] for name in asked if name in by_name]
 
 
-def _outline(layer: str | None, found: Mapping[str, Layer]) -> tuple[Loop, str]:
-    candidates = [(loop, name) for name, one in found.items() if layer in (None, name) for loop in one.loops]
-    if candidates:
-        return max(candidates, key=lambda pair: _size(pair[0]))
-    where = "the drawing" if layer is None else f"layer {layer}"
-    ends = [line for name, one in found.items() if layer in (None, name) for line in one.lines]
-    if not ends:
+def _layers(names: Sequence[str]) -> str:
+    return f"layer{'s' * (len(names) > 1)} {', '.join(names)}"
+
+
+def _outline(among: Mapping[str, Layer], where: str) -> tuple[Loop, str]:
+    """The largest closed line and its layer; open lines that reach over more are an outline that does not close."""
+    ends = [line for one in among.values() for line in one.lines]
+    candidates = [(loop, name) for name, one in among.items() for loop in one.loops]
+    if not candidates and not ends:
         raise InputError(f"{where} has no closed line for the outline. Name another layer.", place="outline")
-    longest = max(ends, key=len)
-    first, last = longest[0], longest[-1]
-    raise InputError(
-        f"no line of {where} is closed. The longest has {len(longest) - 1} sides and ends at {place(first[:2])} and "
-        f"{place(last[:2])} m. Join these ends in the drawing.",
-        place="outline",
+    if not candidates:
+        longest = max(ends, key=len)
+        first, last = longest[0], longest[-1]
+        raise InputError(
+            f"no line of {where} is closed. The longest has {len(longest) - 1} sides and ends at {place(first[:2])} "
+            f"and {place(last[:2])} m. Join these ends in the drawing.",
+            place="outline",
+        )
+    largest, layer = max(candidates, key=lambda pair: _size(pair[0]))
+    for name, one in among.items():
+        for group in _connected(one.lines):
+            box = Loop(tuple(Corner(*at) for line in group for at in flattened(line, _TURN))).box
+            width, height = box[2] - box[0], box[3] - box[1]
+            if width * height > _size(largest) + GAP * (width + height):
+                raise InputError(
+                    f"the largest closed line of {where} has {largest.area:.6g} m², but open lines of layer {name} "
+                    f"reach over {width:.6g} m × {height:.6g} m: they do not close{_loose(group)}. Join them in the "
+                    "drawing; if they are not the outline, name its layer or put them on another.",
+                    place="outline",
+                )
+    return largest, layer
+
+
+def _connected(lines: Sequence[tuple[Corner, ...]]) -> list[list[tuple[Corner, ...]]]:
+    """Groups of open lines that meet at their ends."""
+    groups: list[list[tuple[Corner, ...]]] = []
+    for line in lines:
+        ends = line[0], line[-1]
+        meeting = [one for one in groups if any(p.is_at(q) for of in one for p in (of[0], of[-1]) for q in ends)]
+        groups = [one for one in groups if one not in meeting]
+        groups.append([line, *(of for one in meeting for of in one)])
+    return groups
+
+
+def _loose(group: Sequence[tuple[Corner, ...]]) -> str:
+    """Say where open lines end alone, or if they do nowhere, where more than two meet."""
+    ends = sorted(end for line in group for end in (line[0], line[-1]))
+    meet = {end[:2]: sum(end.is_at(other) for other in ends) for end in ends}
+    alone = [at for at, count in meet.items() if count == 1]
+    if alone:
+        return f"; they end{about(alone)}"
+    many = [at for at, count in meet.items() if count > 2]
+    once = [at for i, at in enumerate(many) if not any(math.dist(at, other) < 2 * GAP for other in many[:i])]
+    return f"; more than two meet{about(once)}"
+
+
+def _beyond(outline: Loop, layer: Layer, name: str) -> Iterator[str]:
+    """Say where open lines of the outline's layer reach beyond it."""
+    places = [line[0][:2] for line in layer.lines if not outline.covers(flattened(line, _TURN))]
+    if places:
+        yield (
+            f"outline: {len(places)} open line{'s' * (len(places) > 1)} of layer {name}{about(places)}: beyond it. "
+            "If the slab reaches there, join them to its outline"
+        )
+
+
+def _maybe_frame(outline: Loop, layer: str, among: Mapping[str, Layer]) -> str:
+    """Name the largest closed line of another layer that may be the slab."""
+    rest = [(loop, name) for name, one in among.items() if name != layer for loop in one.loops]
+    other, name = max(rest, key=lambda pair: _size(pair[0]), default=(None, ""))
+    if other is None or _size(other) < _FRAME * _size(outline):
+        return ""
+    return (
+        f", the largest closed line of the drawing. If it is a frame, name the slab's layer with --outline: layer "
+        f"{name} has one of {other.area:.6g} m²"
     )
 
 
@@ -150,7 +223,7 @@ def _size(loop: Loop) -> float:
 
 
 def _points(
-    layer: Layer, on_plate: Callable[..., bool], left: list[str]
+    layers: Sequence[Layer], on_plate: Callable[..., bool], left: list[str]
 ) -> dict[tuple[float, ...], list[tuple[float, float]]]:
     """Places by their footprints; what is left, of them or of their shape, is told.
 
@@ -158,14 +231,15 @@ def _points(
     """
     shapes: list[tuple[Loop | None, tuple[float, float]]] = []
     twice: list[tuple[float, float]] = []
-    for loop in _all_of(layer.loops) + [_as_circle(fill) for fill in _all_of(layer.fills)]:
+    fills = _all_of(one.fills for one in layers)
+    for loop in _all_of(one.loops for one in layers) + [_as_circle(fill) for fill in fills]:
         if not any(math.dist(at, loop.middle) < GAP for _, at in shapes):
             shapes.append((loop, loop.middle))
-    for one in _all_of(layer.points):
-        if any(math.dist(at, one) < GAP for _, at in shapes):
-            twice.append(one)
+    for point in _all_of(one.points for one in layers):
+        if any(math.dist(at, point) < GAP for _, at in shapes):
+            twice.append(point)
         else:
-            shapes.append((None, one))
+            shapes.append((None, point))
     found: dict[tuple[float, ...], list[tuple[float, float]]] = defaultdict(list)
     off: list[tuple[float, float]] = []
     over, loose = off.copy(), off.copy()
@@ -202,28 +276,40 @@ def _as_circle(loop: Loop) -> Loop:
     return Loop((Corner(x, y),), max(radii))
 
 
-def _lines(layer: Layer, on_plate: Callable[..., bool], left: list[str]) -> list[tuple[Corner, ...]]:
-    """Open lines, and of long rectangles the lines along their middles; what leaves the plate is told."""
-    walls = [(loop, loop.middle_line) for loop in layer.loops]
-    layer.loops[:] = [loop for loop, middle in walls if middle is None]
-    middles = [tuple(Corner(*at) for at in middle) for _, middle in walls if middle is not None]
-    if middles:
-        left.append(f"lines: {len(middles)} closed rectangles became the lines along their middles")
-    drawn, pairs = _walls(_all_of(layer.lines))
+def _lines(
+    layers: Sequence[Layer], on_plate: Callable[..., bool], middles: list[str], left: list[str]
+) -> list[tuple[Corner, ...]]:
+    """Open lines, and of walls drawn with their faces the lines along their middles; what leaves the plate is told."""
+    closed = _all_of(one.loops for one in layers)
+    whole = [(loop, loop.middle_line) for loop in closed]
+    along = [tuple(Corner(*at) for at in middle) for _, middle in whole if middle is not None]
+    rings, rest = _rings([loop for loop, middle in whole if middle is None])
+    if along or rings:
+        middles.append(
+            f"lines: walls drawn as closed lines, {len(along) + len(rings)}"
+            f"{about([line[0][:2] for line in (*along, *rings)])}: the lines along their middles"
+        )
+    if rest:
+        left.append(
+            f"lines: {len(rest)} closed{about([loop.middle for loop in rest])}: no wall of one thickness. Draw its "
+            "middle, or a rectangle of each straight part"
+        )
+    drawn, pairs = _walls(_all_of(one.lines for one in layers))
     if pairs:
         apart = f"{pairs[0][0]:.3g} m apart" if len(pairs) == 1 else f"{pairs[0][0]:.3g} to {pairs[-1][0]:.3g} m apart"
-        left.append(
+        middles.append(
             f"lines: {len(pairs)} pair{'s' * (len(pairs) > 1)} side by side, {apart}{about([at for _, at in pairs])}: "
-            "taken for the faces of walls, which became the lines along their middles"
+            "faces of walls, the lines along their middles"
         )
-    if beside := _beside_others([*drawn, *middles]):
-        left.append(
+    drawn += [*along, *rings]
+    if beside := _beside_others(drawn):
+        middles.append(
             f"lines: {len(beside)}{about(beside)}: beside another, less than {_WALLS[1]:g} m apart; both are "
             "supports. Keep one where they are the faces of one wall"
         )
     lines: list[tuple[Corner, ...]] = []
     off: list[tuple[float, float]] = []
-    for line in (*drawn, *middles):
+    for line in drawn:
         chords = flattened(line, _TURN)
         between = [at for a, b in pairwise(chords) for at in _spaced(a, b)]
         if on_plate(*chords, *between):
@@ -234,28 +320,67 @@ def _lines(layer: Layer, on_plate: Callable[..., bool], left: list[str]) -> list
     return lines
 
 
+def _rings(loops: Sequence[Loop]) -> tuple[list[tuple[Corner, ...]], list[Loop]]:
+    """Closed lines along the middles of walls all around, of both faces; and the loops that are none."""
+    found: list[tuple[Corner, ...]] = []
+    rest: list[Loop] = []
+    for loop in sorted(loops, key=lambda one: one.area):
+        for inner in rest:
+            if len(inner.corners) == len(loop.corners) > 2 and loop.holds(inner) and (ring := _ring(loop, inner)):
+                rest.remove(inner)
+                found.append(ring)
+                break
+        else:
+            rest.append(loop)
+    return found, rest
+
+
+def _ring(outer: Loop, inner: Loop) -> tuple[Corner, ...] | None:
+    around = (*outer.corners, outer.corners[0])
+    if any(corner.bulge for corner in (*around, *inner.corners)):
+        return None
+    for corners in (inner.corners, inner.corners[::-1]):
+        for i in range(len(corners)):
+            ring = (*corners[i:], *corners[: i + 1])
+            if _faces(around, ring, _SHARED) and (middle := between(around, ring)):
+                return tuple(Corner(*at) for at in middle)
+    return None
+
+
 def _walls(
     lines: Sequence[tuple[Corner, ...]],
 ) -> tuple[list[tuple[Corner, ...]], list[tuple[float, tuple[float, float]]]]:
-    """Lines, of straight ones that are two faces of a wall the middle; distances of those, and where they begin."""
-    sides = {i: (line[0], line[1]) for i, line in enumerate(lines) if len(line) == 2 and not line[0].bulge}
+    """Lines, of those that are two faces of a wall the middle; distances of those, and where they begin."""
+    straight = {i: line for i, line in enumerate(lines) if not any(corner.bulge for corner in line[:-1])}
     pairs = sorted(
         (apart, i, j)
-        for (i, one), (j, other) in combinations(sides.items(), 2)
-        if (apart := _apart(one, other, _MATCHED)) is not None
+        for (i, one), (j, other) in combinations(straight.items(), 2)
+        if len(one) == len(other)
+        and (apart := _faces(one, _alongside(one, other), _MATCHED if len(one) == 2 else _SHARED))
     )
     middle: dict[int, tuple[Corner, ...]] = {}
     found: list[tuple[float, tuple[float, float]]] = []
     for apart, i, j in pairs:
-        (a, b), (c, d) = sides[i], sides[j]
-        if i in middle or j in middle or math.dist(a[:2], b[:2]) < _LONG * apart:
+        one, other = straight[i], _alongside(straight[i], straight[j])
+        if i in middle or j in middle or sum(math.dist(a[:2], b[:2]) for a, b in pairwise(one)) < _LONG * apart:
             continue
-        if math.dist(a[:2], c[:2]) > math.dist(a[:2], d[:2]):
-            c, d = d, c
-        ends = [Corner((p.x + q.x) / 2, (p.y + q.y) / 2) for p, q in ((a, c), (b, d))]
-        middle |= {i: tuple(ends), j: ()}
+        ends = tuple(Corner((p.x + q.x) / 2, (p.y + q.y) / 2) for p, q in zip(one, other, strict=True))
+        if len(one) > 2 and between(one, other) is None:
+            continue
+        middle |= {i: ends, j: ()}
         found.append((apart, (ends[0].x, ends[0].y)))
     return [one for i, line in enumerate(lines) if (one := middle.get(i, line))], found
+
+
+def _alongside(one: tuple[Corner, ...], other: tuple[Corner, ...]) -> tuple[Corner, ...]:
+    """Another line in the sense of one."""
+    return other[::-1] if math.dist(one[0][:2], other[0][:2]) > math.dist(one[0][:2], other[-1][:2]) else other
+
+
+def _faces(one: Sequence[Corner], other: Sequence[Corner], share: float) -> float | None:
+    """Distance [m] of two lines of which every side is beside that of the other."""
+    aparts = [_apart(a, b, share) for a, b in zip(pairwise(one), pairwise(other), strict=True)]
+    return aparts[0] if all(aparts) else None
 
 
 def _beside_others(lines: Sequence[tuple[Corner, ...]]) -> list[tuple[float, float]]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from signorini.base.units import METRES
 from signorini.errors import InputError, SignoriniError
 from signorini.formats.drawing import GAP, Corner, Loop, about
+from signorini.formats.dxf_overlaps import whole_lines
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing as Document
@@ -188,6 +189,7 @@ def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
         else:
             open_ones.append(entity)
     edges = _once(edgesmith.edges_from_entities_2d(open_ones, gap_tol=GAP / metres), GAP / metres)
+    edges = whole_lines(edges, GAP / metres)
     lines = []
     chains = edgeminer.find_all_simple_chains(edgeminer.Deposit(edges, gap_tol=GAP / metres)) if edges else ()
     # They come in the order of a set.
@@ -205,9 +207,22 @@ def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
 
 
 def _closed(corners: tuple[Corner, ...]) -> Loop:
-    """Leave out the last corner if it is the first again."""
+    """Leave out the last corner if it is the first again; arcs of one circle are that."""
     again = len(corners) > 1 and corners[0].is_at(corners[-1])
-    return Loop(corners[:-1] if again else corners)
+    loop = Loop(corners[:-1] if again else corners)
+    bulges = [corner.bulge for corner in loop.corners]
+    if len(bulges) < 2 or not (all(bulge > 0 for bulge in bulges) or all(bulge < 0 for bulge in bulges)):
+        return loop
+    circles = []
+    for a, b in loop:
+        # From the middle of the chord to the centre, in half chords to the left.
+        rise = (1.0 - a.bulge**2) / (2.0 * a.bulge)
+        centre = (a.x + b.x - rise * (b.y - a.y)) / 2, (a.y + b.y + rise * (b.x - a.x)) / 2
+        circles.append((*centre, math.dist(centre, a[:2])))
+    turned = sum(4 * math.atan(abs(bulge)) for bulge in bulges)
+    if abs(turned - math.tau) > 0.1 or any(math.dist(one, circles[0]) > GAP for one in circles):
+        return loop
+    return Loop((Corner(*circles[0][:2]),), circles[0][2])
 
 
 def _rings(entity: Any, off: float) -> Iterator[Any]:
