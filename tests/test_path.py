@@ -5,6 +5,7 @@ import json
 import tomllib
 from dataclasses import replace
 from pathlib import Path
+from random import Random
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from signorini import Model
 from signorini.analysis.path_check import confirmed
 from signorini.cli import app
 from signorini.output import path_json
+from signorini.results.path_events import crossings
 
 SLAB = """
 title = "Slab on pads"
@@ -421,3 +423,52 @@ def test_a_plate_that_cannot_deflect_has_no_events_of_rounding() -> None:
     found = signorini.path(model, "G", "Q")
     assert found.ending == "no_more_events" and found.certificate.passed
     assert len(found.events) < 10
+
+
+def on_walls(rng: Random, divisions: list[int]) -> Model:
+    """A plate on a wall, and on another or on soil, that a force lifts at a corner."""
+    x, y = rng.uniform(0.6, 1.4), rng.uniform(2.4, 3.4)
+    soil = {"area": {"rectangle": [2.4, 0.4, 3.6, 3.6]}, "stiffness": rng.choice([2e4, 2e5])}
+    wall = {"line": [[3, rng.uniform(0.3, 0.9)], [3, 3.5]]}
+    return rectangular(
+        material={"E": 30e6, "nu": 0.2},
+        thickness=0.2,
+        divisions=divisions,
+        support=[
+            {"name": "wall", "line": [[x, 0.5], [x, y]], "resists": "down"},
+            {"name": "bed", "resists": "down", **rng.choice([wall, soil])},
+        ],
+        load=[
+            {"case": "G", "pressure": 5},
+            {"case": "Q", "force": 40, "at": [rng.uniform(2, 3.5), rng.uniform(2, 3.5)], "patch": [0.3, 0.3]},
+        ],
+    )
+
+
+def test_the_end_is_known_without_following_the_path_and_of_cases_that_grow_together(slab: Path) -> None:
+    tables = tomllib.loads(slab.read_text())
+    tables["load"].append({"case": "R", "force": 5, "at": [3.9, 2.0]})
+    tables["combination"].append({"name": "both", "factors": {"Q": 1, "R": 1}})
+    model = signorini.validate(tables)
+    alone, whole = (signorini.path(model, "G", "both", until=until) for until in (1e-6, None))
+    assert (alone.end, len(alone.stops), whole.ending) == (1e-6, 2, "no_equilibrium")
+    assert alone.limit == pytest.approx(whole.end, rel=1e-6)
+
+
+def test_half_widths_of_lines_and_areas_cover_a_finer_mesh_or_are_none() -> None:
+    """None of what another mesh does not do, or does more often, to and fro: also where the two that it has agree."""
+    covered, widths = [], []
+    for seed in (2, 3, 10):
+        coarse, fine = (signorini.path(on_walls(Random(seed), [n, n]), "G", "Q", until=2.5) for n in (10, 20))
+        widths += coarse.estimate.events
+        others, _ = coarse.estimator.paths
+        names = [support.name for support in coarse.model.support]
+        for event, width in zip(coarse.support_events, coarse.estimate.events, strict=True):
+            index = names.index(event.support)
+            ways = {tuple(opens for _, opens in crossings(one.stops, index, event)) for one in (coarse, others[0])}
+            if width is not None:
+                assert width <= event.t and len(ways) == 1
+                same = [t for t, opens in crossings(fine.stops, index, event) if opens == event.opening]
+                covered.append(min((abs(t - event.t) for t in same), default=np.inf) <= width)
+    assert len(covered) >= 4 and np.mean(covered) >= 0.95
+    assert None in widths and min(width for width in widths if width is not None) > 1e-3

@@ -66,12 +66,15 @@ def path_events(supports: Sequence[Support], stops: Sequence[PathStop]) -> tuple
     return tuple(sorted(found, key=lambda event: event.row))
 
 
-def crossings(stops: Sequence[PathStop], index: int, like: PathEvent) -> list[float]:
-    """Every t at which a line or area does what an event says, be it in a larger step."""
+def crossings(stops: Sequence[PathStop], index: int, like: PathEvent) -> list[tuple[float, bool]]:
+    """Every t at which a line or area does what an event says or the opposite, be it in a larger step; and if it opens.
+
+    Part by part, in the order of the path.
+    """
     level = {"begins to open": 1 - _WHOLE, "closed": 1 - _WHOLE, "open": _WHOLE, "begins to close": _WHOLE}
     beyond = [stop.parts[index] >= level.get(like.change, like.closed) for stop in stops]
     steps = zip(beyond[:-1], beyond[1:], stops[1:], strict=True)
-    return [stop.t for before, now, stop in steps if before != now and before == like.opening]
+    return [(stop.t, before) for before, now, stop in steps if before != now]
 
 
 def in_words(events: Sequence[PathEvent]) -> str:
