@@ -305,7 +305,7 @@ def test_of_an_area_its_parts_are_events_and_not_its_points(bedded) -> None:
     assert len(table) == len(events)
     t = [float(line.split()[0]) for line in table]
     assert t == sorted(t) and t == pytest.approx([event["t"] for event in events], rel=1e-5)
-    assert "soil is closed to 50%" in table[2]
+    assert "soil opens on, 50% closed" in table[2]
     told = [row["event"] for row in rows if row["event"]]
     assert len(told) == len(found["support_events"]) + 2
 

@@ -82,7 +82,8 @@ def in_words(events: Sequence[PathEvent]) -> str:
         places = [event.at for event in those if event.at is not None]
         where = f" at {' '.join(map(point, places[:_MOST_POINTS]))}" if places else ""
         more = f" and {len(places) - _MOST_POINTS} more" if len(places) > _MOST_POINTS else ""
-        verb = {"open": "is all open", "closed": "is all closed", "part closed": f"is closed to {those[0].closed:.0%}"}
+        part = f"{'opens' if those[0].opening else 'closes'} on, {those[0].closed:.0%} closed"
+        verb = {"open": "is all open", "closed": "is all closed", "part closed": part}
         said.append(f"{name} {verb.get(change, change)}{where}{more}")
     return "; ".join(said)
 
