@@ -16,6 +16,7 @@ from signorini import Model
 from signorini.analysis.path_check import confirmed
 from signorini.cli import app
 from signorini.output import path_json
+from signorini.results.path_events import PathEvent, in_words
 
 SLAB = """
 title = "Slab on pads"
@@ -421,3 +422,10 @@ def test_a_plate_that_cannot_deflect_has_no_events_of_rounding() -> None:
     found = signorini.path(model, "G", "Q")
     assert found.ending == "no_more_events" and found.certificate.passed
     assert len(found.events) < 10
+
+
+def test_points_that_resist_up_pull() -> None:
+    bolts = PathEvent(1, 0.5, "bolts", (1.0, 2.0), "closes", 0.5, False)
+    assert in_words([bolts], {"bolts"}) == "bolts begins to pull at [1, 2]"
+    assert in_words([bolts]) == "bolts closes at [1, 2]"
+    assert in_words([replace(bolts, change="opens")], {"bolts"}) == "bolts lets go at [1, 2]"

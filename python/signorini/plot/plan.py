@@ -117,7 +117,7 @@ def draw_outlines(axes: Axes, plan: Plan, inner: float) -> None:
         axes.add_collection(PathCollection([between], zorder=1.8, label="_elements", **look), autolim=False)
     look = {"facecolors": "none", "edgecolors": INK, "linewidths": 1.2, "capstyle": "round"}
     axes.add_collection(PathCollection([outline], zorder=1.9, label="_outline", **look), autolim=False)
-    if len(borders.vertices):
+    if np.size(borders.vertices):
         look = {"facecolors": "none", "edgecolors": INK, "linewidths": 0.7, "linestyles": "dashed"}
         axes.add_collection(PathCollection([borders], zorder=1.9, label="_borders", **look), autolim=False)
 
