@@ -78,10 +78,12 @@ def unnamed(seed, along):
 
 def _peak(result, kind, reach):
     """The largest of a field at nodes away from what is named for it, and where."""
-    named = [one for one in result.singular if kind in one.numbers]
-    points = result.mesh.points
-    far = np.array([min((away(at, one) - max(reach, one.within) for one in named), default=1.0) > 0 for at in points])
-    size = np.where(far, np.abs(getattr(result, kind)).max(axis=1), 0.0)
+    points = result.stress_nodes.points
+    far = np.ones(len(points), np.bool_)
+    for one in result.singular:
+        if kind in one.numbers:
+            far &= away(points, one) > max(reach, one.within)
+    size = np.where(far, np.abs(result.stress_nodes.spread(getattr(result, kind))).max(axis=1), 0.0)
     return float(size.max()), points[size.argmax()].round(6).tolist()
 
 

@@ -33,7 +33,10 @@ def meshed(found):
 def test_edges_run_from_corner_to_corner_and_holes_have_their_own():
     holes = [{"circle": {"center": [2, 2], "radius": 0.5}}, {"polygon": [[5, 1], [7, 1], [6, 3]]}]
     mesh = meshed(model(plate={"holes": holes}))
-    assert sorted(mesh.edges) == [*(f"edge {i}" for i in range(1, 7)), "hole 1", "hole 2"]
+    assert list(mesh.edges) == [
+        *(f"edge {i}" for i in range(1, 7)),
+        *("hole 1", "hole 2", "hole 2 edge 1", "hole 2 edge 2", "hole 2 edge 3"),
+    ]
     for number, (a, b) in enumerate(zip(L, L[1:] + L[:1], strict=True), 1):
         nodes = mesh.points[mesh.edges[f"edge {number}"]].reshape(-1, 2)
         assert (nodes.min(axis=0) == np.min([a, b], axis=0)).all()
@@ -68,8 +71,25 @@ def test_every_shape_may_have_holes(plate, names, area):
             load=[{"pressure": 1.0}],
         )
     )
-    assert set(mesh.edges) == names | {"hole 1"}
+    assert set(mesh.edges) == names | {"hole 1", *(f"hole 1 {side}" for side in ("left", "right", "bottom", "top"))}
     assert mesh.element_area.sum() == pytest.approx(area - 0.2, rel=1e-4)
+
+
+def test_sides_of_holes_are_those_of_the_hole():
+    shaft = {"rectangle": [1, 1, 3, 2.5]}
+    walls = [{"edge": ["edge 1", "edge 6"], "fix": "simple"}, {"edge": "hole 1 left", "resists": "down"}]
+    arch = {"polygon": [[4.5, 1], [6.5, 1], {"through": [5.5, 2], "to": [4.5, 1]}]}
+    found = check(model(plate={"holes": [shaft, arch]}, support=walls)).discretisation
+    mesh = found.mesh
+    left = mesh.points[mesh.edges["hole 1 left"]].reshape(-1, 2)
+    assert (left.min(axis=0) == [1, 1]).all() and (left.max(axis=0) == [1, 2.5]).all()
+    for hole, sides in (("hole 1", ["left", "right", "bottom", "top"]), ("hole 2", ["edge 1", "edge 2"])):
+        parts = np.concatenate([mesh.edges[f"{hole} {side}"] for side in sides])
+        assert sorted(parts.tolist()) == sorted(mesh.edges[hole].tolist())
+    assert found.contacts.positions[:, 0] == pytest.approx(1)
+    around = [*walls, {"edge": ["hole 2", "hole 2 edge 1"], "resists": "both"}]
+    with pytest.raises(InputError, match=r'support\[3\].edge\[2\].*"hole 2 edge 1" is part of "hole 2"'):
+        model(plate={"holes": [shaft, arch]}, support=around)
 
 
 @pytest.mark.parametrize("off", [0, 5e-16, -1e-9])

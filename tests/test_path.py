@@ -371,7 +371,7 @@ def test_a_path_says_where_more_answers_than_one_are_right() -> None:
 ROUND_BED = """
 material = { E = 30e9, nu = 0.2 }
 plate = { shape = "rectangle", size = [10, 10], thickness = 0.3 }
-mesh = { divisions = [4, 4] }
+mesh = { divisions = [4, 4], error = false }
 support = [{ area = { circle = { center = [5, 5], radius = 4.3 } }, resists = "down", stiffness = 3e7 }]
 load = [{ case = "G", force = 1e5, at = [5, 5] }, { case = "Q", force = 1e5, at = [9.3847, 6.0123] }]
 """

@@ -195,6 +195,14 @@ def test_the_largest_pressure_of_a_rigid_area_smaller_than_an_element_has_no_hal
     assert "of pad max pressure" in found.estimate.warnings[0]
 
 
+def test_the_largest_tension_of_a_rigid_area_that_holds_down_has_no_half_width_either() -> None:
+    pad = {"name": "pad", "area": {"rectangle": [1.3, 1.3, 2.4, 2.1]}, "resists": "both"}
+    support = [{"edge": EDGES, "fix": "simple"}, pad]
+    found = solve(rectangular(divisions=[5, 5], support=support, load=[{"pressure": 1e3}]))["all"]
+    assert found.plus_minus is not None
+    assert found.plus_minus["supports"][1]["max_tension"] is None
+
+
 def test_no_number_of_a_plate_without_singularities_is_said_to_have_no_limit() -> None:
     for divisions in ((2, 2), (3, 3), (5, 4), (20, 20)):
         model = rectangular(

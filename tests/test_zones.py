@@ -109,6 +109,25 @@ def test_a_border_a_little_beside_lines_of_the_mesh_cuts_no_element():
     assert not beside.zones.parted.any() and beside.thickness.layered is None
 
 
+@pytest.mark.parametrize("inside", [{"radius": 0.7}, {"radius": 0.4}, {"radius": 0.4, "center": [4.3, 3]}])
+def test_a_ring_and_what_is_in_it_are_circles_one_over_another(inside):
+    """The inner zone fills the ring, is apart from it, or touches it."""
+
+    def circle(**round_):
+        return {"circle": {"center": [4, 3]} | round_}
+
+    ring = {"annulus": {"center": [4, 3], "inner": 0.7, "outer": 1.4}}
+    coarse = {"mesh": {"size": 0.5, "error": False}}
+    core = {"area": circle(**inside), "thickness": 0.5}
+    one = solved({"area": ring, "thickness": 0.4}, core, **coarse)
+    plain = {"area": circle(radius=0.7), "thickness": 0.2}
+    other = solved({"area": circle(radius=1.4), "thickness": 0.4}, plain, core, **coarse)
+    assert one.certificate.passed and len(one.deflection) == len(other.deflection)
+    assert one.deflection == approx(other.deflection, rel=1e-9, abs=1e-9 * one.deflection.max())
+    fine = solved({"area": ring, "thickness": 0.4}, core, mesh={"size": 0.2, "error": False})
+    assert one.deflection.max() == approx(fine.deflection.max(), rel=5e-3)
+
+
 def test_where_zones_overlap_later_ones_win_key_by_key():
     wide, narrow = {"rectangle": [2, 1, 6, 5]}, MIDDLE
     zones = [

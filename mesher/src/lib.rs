@@ -33,7 +33,7 @@ use quality::Corners;
 use seeding::{Chord, Seeds, Style, seed};
 use sizes::Sizes;
 use smoothing::{Freedom, smooth};
-use triangles::Triangles;
+use triangles::{NONE, Triangles};
 use tunnels::Chords;
 
 /// How a plate is to be meshed.
@@ -116,7 +116,8 @@ pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
         .collect();
     for attempt in 1.. {
         let sizes = Sizes::new(&outline, size, &refinements);
-        if sizes.count(&outline, MOST) > MOST {
+        let count = sizes.count(&outline, MOST);
+        if count > MOST {
             let message = format!(
                 "Elements of size {}, and smaller ones where they are asked for or needed, would be more than {MOST:e}. \
                  Give larger sizes.",
@@ -133,8 +134,8 @@ pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
             frame: &frame,
             sharp: SHARP.min(0.9 * outline.sharpest()),
         };
-        let bad = match task.made(Style::Square) {
-            Ok(first) => return Ok(task.best(first, slant).finish()),
+        let bad = match task.best(slant.filter(|_| count <= MANY as f64)) {
+            Ok(best) => return Ok(best.finish()),
             Err(bad) => bad,
         };
         if attempt == ATTEMPTS {
@@ -157,8 +158,8 @@ struct Frame {
     back: [f64; 2],
 }
 
-/// A mesh with this share of the area in quadrilaterals and this smallest angle is not made in other styles, nor one of
-/// so many elements, where the lattice within counts for more than what is along the outline.
+/// A mesh with this share of the area in quadrilaterals and this smallest angle is good enough. Of so many elements, where
+/// the lattice within counts for more than what is along the outline, none is made in other styles.
 const ENOUGH: f64 = 0.99;
 const SHARP: f64 = 40.0;
 const MANY: usize = 20_000;
@@ -179,6 +180,13 @@ fn better(one: Quadratic, other: Quadratic) -> Quadratic {
     if rank(&other) > rank(&one) { other } else { one }
 }
 
+/// Nodes and elements before they are shaped.
+struct Draft {
+    seeds: Seeds,
+    pieces: Vec<Piece>,
+    elements: Vec<Corners>,
+}
+
 struct Task<'a> {
     given: &'a Outline,
     outline: &'a Outline,
@@ -191,22 +199,47 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// The best of a mesh and those in other styles.
-    fn best(&self, first: Quadratic, slant: Option<f64>) -> Quadratic {
-        let (share, angle) = first.measures();
-        if (share >= ENOUGH && angle >= self.sharp && slant.is_none()) || first.len() > MANY {
-            return first;
-        }
-        let others = [Some(Style::Lined), Some(Style::Loose), slant.map(Style::Skew)].into_iter().flatten();
-        others.filter_map(|style| self.made(style).ok()).fold(first, better)
-    }
-
-    /// The mesh in a style.
+    /// The first mesh that is good enough, or else the best, of those in several styles.
     ///
     /// # Errors
     ///
     /// The places where elements must be smaller.
-    fn made(&self, style: Style) -> Result<Quadratic, Vec<Point>> {
+    fn best(&self, slant: Option<f64>) -> Result<Quadratic, Vec<Point>> {
+        // A lattice at the slant fits such a plate without triangles, or is one style among others.
+        let mut slanted = slant.and_then(|angle| self.drafted(Style::Skew(angle)).ok());
+        let whole = slanted.take_if(|draft| draft.elements.iter().all(|corners| corners[3] != NONE));
+        let mut fitting = whole.and_then(|draft| self.made(draft).ok());
+        if let Some(mesh) = fitting.take_if(|mesh| self.is_good(mesh)) {
+            return Ok(mesh);
+        }
+        let mut best = self.made(self.drafted(Style::Square)?)?;
+        if let Some(mesh) = fitting {
+            best = better(best, mesh);
+        }
+        let mut others =
+            [Style::Lined, Style::Loose].into_iter().filter_map(|style| self.drafted(style).ok()).chain(slanted);
+        while !self.is_good(&best) && best.len() <= MANY {
+            let Some(draft) = others.next() else {
+                break;
+            };
+            if let Ok(other) = self.made(draft) {
+                best = better(best, other);
+            }
+        }
+        Ok(best)
+    }
+
+    fn is_good(&self, mesh: &Quadratic) -> bool {
+        let (share, angle) = mesh.measures();
+        share >= ENOUGH && angle >= self.sharp
+    }
+
+    /// Triangles paired in a style.
+    ///
+    /// # Errors
+    ///
+    /// The places where elements must be smaller.
+    fn drafted(&self, style: Style) -> Result<Draft, Vec<Point>> {
         let Task { outline, sizes, .. } = *self;
         let mut planar = Planar::new(outline, sizes);
         self.lines.iter().for_each(|line| planar.follow_curve(line));
@@ -214,7 +247,17 @@ impl Task<'_> {
         let (vertices, pieces) = planar.finish();
         let (mut seeds, grid) = seed(outline, sizes, vertices, &pieces, style);
         let triangles = Triangles::new(&mut seeds, sizes, style, |chord: &Chord| pieces[chord.piece].side.is_some())?;
-        let paired = pairing::pair(&triangles, &seeds.points, |a, b| grid.is_along(a, b));
+        let elements = pairing::pair(&triangles, &seeds.points, |a, b| grid.is_along(a, b));
+        Ok(Draft { seeds, pieces, elements })
+    }
+
+    /// A draft with what triangles it can do without led together, or with all of them, and its nodes moved.
+    ///
+    /// # Errors
+    ///
+    /// The places where elements must be smaller.
+    fn made(&self, draft: Draft) -> Result<Quadratic, Vec<Point>> {
+        let Draft { mut seeds, pieces, elements: paired } = draft;
         let chords = Chords::new(&seeds.chords, &pieces);
         let before = seeds.points.clone();
         let many = paired.len() > MANY;
@@ -222,7 +265,7 @@ impl Task<'_> {
         for led in if paired.len() < FEW { &[false][..] } else { &[true, false] } {
             let mut elements = paired.clone();
             if *led {
-                tunnels::join(&mut elements, &before, &chords, sizes, if many { CAUTIOUS } else { BOLD });
+                tunnels::join(&mut elements, &before, &chords, self.sizes, if many { CAUTIOUS } else { BOLD });
             }
             seeds.points.copy_from_slice(&before);
             found = match (found, self.shaped(&mut seeds, &pieces, &elements)) {

@@ -22,10 +22,11 @@ const POOR: f64 = 0.82;
 
 pub fn smooth(points: &mut [Point], elements: &[Corners], freedom: &mut [Freedom]) {
     let around = Around::new(points.len(), elements);
+    let mut shapes: Vec<f64> = elements.iter().map(|corners| quality(corners, |n| points[n])).collect();
     let mut active: Vec<usize> = (0..points.len()).filter(|&n| !matches!(freedom[n], Freedom::None)).collect();
     for _ in 0..SWEEPS {
         active.retain(|&node| {
-            let mut now = around.shape(node, points[node], points, elements);
+            let now = around.known(node, &shapes);
             if now.worst > GOOD {
                 return false;
             }
@@ -35,7 +36,8 @@ pub fn smooth(points: &mut [Point], elements: &[Corners], freedom: &mut [Freedom
                     let at = add(scale(points[node], 1.0 - part), scale(middle, part));
                     let then = around.shape(node, at, points, elements);
                     if then.score() > now.score() + 1e-6 {
-                        (points[node], now) = (at, then);
+                        points[node] = at;
+                        around.update(node, points, elements, &mut shapes);
                         break;
                     }
                 }
@@ -48,16 +50,16 @@ pub fn smooth(points: &mut [Point], elements: &[Corners], freedom: &mut [Freedom
         active.clear();
         active.extend((0..points.len()).filter(|&n| !matches!(freedom[n], Freedom::None)));
         for &node in &active {
-            let now = around.shape(node, points[node], points, elements);
-            if now.worst < POOR {
-                search(node, step, now, &around, points, elements, freedom);
+            let now = around.known(node, &shapes);
+            if now.worst < POOR && search(node, step, now, &around, points, elements, freedom) {
+                around.update(node, points, elements, &mut shapes);
             }
         }
         step *= 0.82;
     }
 }
 
-/// Tries places around a node, a share of its shortest side away.
+/// Tries places around a node, a share of its shortest side away; whether it is moved.
 fn search(
     node: usize,
     step: f64,
@@ -66,7 +68,7 @@ fn search(
     points: &mut [Point],
     elements: &[Corners],
     freedom: &mut [Freedom],
-) {
+) -> bool {
     // Eight directions, the first ones along the axes.
     const D: f64 = std::f64::consts::FRAC_1_SQRT_2;
     const DIRECTIONS: [Point; 8] =
@@ -97,6 +99,7 @@ fn search(
             }
         }
     }
+    points[node] != from
 }
 
 #[derive(Clone, Copy)]
@@ -150,6 +153,21 @@ impl Around {
             sum += shape;
         }
         Shape { worst, mean: sum / self.of(node).len().max(1) as f64 }
+    }
+
+    /// The shape of the elements around a node, whose own are known.
+    fn known(&self, node: usize, shapes: &[f64]) -> Shape {
+        let (mut worst, mut sum) = (f64::INFINITY, 0.0);
+        for &e in self.of(node) {
+            worst = worst.min(shapes[e]);
+            sum += shapes[e];
+        }
+        Shape { worst, mean: sum / self.of(node).len().max(1) as f64 }
+    }
+
+    /// Shapes of the elements around a node that has moved.
+    fn update(&self, node: usize, points: &[Point], elements: &[Corners], shapes: &mut [f64]) {
+        self.of(node).iter().for_each(|&e| shapes[e] = quality(&elements[e], |n| points[n]));
     }
 
     /// The middle of the nodes that sides lead to.

@@ -6,8 +6,9 @@ use crate::quality::{Corners, count, quality};
 use crate::seeding::Chord;
 use crate::sizes::Sizes;
 use crate::triangles::NONE;
+use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 use std::cmp::{Ordering, Reverse};
-use std::collections::{BinaryHeap, HashMap, HashSet};
+use std::collections::BinaryHeap;
 
 /// Least quality of triangles on the way (10°), before nodes are moved.
 const LEAST_TRIANGLE: f64 = 0.2;
@@ -28,13 +29,13 @@ pub fn join(elements: &mut Vec<Corners>, points: &[Point], chords: &Chords, size
     if open.len() < 2 {
         return;
     }
-    let mut beside = HashMap::with_capacity(4 * elements.len());
+    let mut beside = HashMap::with_capacity_and_hasher(4 * elements.len(), Default::default());
     for (e, corners) in elements.iter().enumerate() {
         sides(corners).for_each(|side| {
             beside.insert(side, e);
         });
     }
-    let mut gone = HashSet::new();
+    let mut gone = HashSet::default();
     open.retain(|&start| {
         if gone.contains(&start) {
             return false;
@@ -133,7 +134,7 @@ impl Search<'_> {
         let [a, b, c, _] = self.elements[start];
         let mut stops = vec![Stop { triangle: [a, b, c], before: NONE, steps: 0, into: start, behind: [NONE; 4] }];
         let mut queue = BinaryHeap::from([Reverse(Next(0.0, 0))]);
-        let mut seen = HashSet::new();
+        let mut seen = HashSet::default();
         let mut best: Option<(f64, usize, usize, Corners)> = None;
         while let Some(Reverse(Next(cost, at))) = queue.pop() {
             if best.as_ref().is_some_and(|found| found.0 <= cost) || stops.len() > LOOKS {
@@ -203,6 +204,9 @@ impl Search<'_> {
     fn shape(&self, corners: &Corners) -> f64 {
         let n = count(corners);
         let mut least = quality(corners, |node| self.points[node]);
+        if least < self.least.min(LEAST_TRIANGLE) {
+            return least;
+        }
         for i in 0..n {
             let [before, at, after] = [n - 1, 0, 1].map(|k| corners[(i + k) % n]);
             let leaving = |to: usize| self.chords.0.get(&[at, to]).copied().flatten();

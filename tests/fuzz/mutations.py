@@ -137,12 +137,18 @@ def _keep_small(tables: Tables) -> None:
     for i, count in enumerate(divisions if isinstance(divisions, list) else ()):
         if isinstance(count, int) and count > _LARGEST_DIVISION:
             divisions[i] = max(count, 10**8)
-    if isinstance(mesh.get("size"), int | float) and isinstance(tables.get("plate"), dict):
+    if isinstance(tables.get("plate"), dict):
         plate = tables["plate"]
         sizes = [s for s in (plate.get("size"), [plate.get("radius")], [plate.get("outer")]) if isinstance(s, list)]
         longest = max([abs(s) for pair in sizes for s in pair if isinstance(s, int | float)], default=0.0)
-        if not 0 < longest / 12 < mesh["size"]:
-            mesh["size"] = min(mesh["size"], longest * 1e-9)
+        refine = mesh.get("refine")
+        of_places = [one for one in refine if isinstance(one, dict)] if isinstance(refine, list) else []
+        for asked, parts in ((mesh, 12), *((one, 50) for one in of_places)):
+            if isinstance(asked.get("size"), int | float) and not 0 < longest / parts < asked["size"]:
+                asked["size"] = min(asked["size"], longest * 1e-9)
+    if "refine" in mesh or tables.get("zone"):
+        # Half-widths take meshes many times as fine.
+        mesh["error"] = False
 
 
 def _cut(rng: Random, content: bytes) -> bytes:

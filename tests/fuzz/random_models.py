@@ -73,6 +73,9 @@ def model(rng: Random) -> Tables:
         cut(rng, tables)
     if rng.random() < 0.2:
         _refine(rng, tables, size)
+    for support in tables["support"]:
+        if support.get("edge") == ["hole 1"] and "rectangle" in tables["plate"]["holes"][0]:
+            support["edge"] = rng.choice([["hole 1"], ["hole 1 left"], ["hole 1 top", "hole 1 right"]])
     return tables
 
 
@@ -90,11 +93,12 @@ def any_area(rng: Random, plate: Tables, size: float) -> Tables:
     if rng.random() < 0.1:
         return area(rng, plate, size)
     (x, y), most = middle(rng, plate)
-    r = most * rng.choice([0.9, 0.5, 0.1])
+    # Much smaller ones, and holes in them, would take most of the elements.
+    r = most * rng.choice([0.9, 0.7, 0.5])
     circle = {"center": [x, y], "radius": r}
     a, b = 0.7 * r, 0.7 * r * rng.choice([1.0, 0.6])
-    ring = {"center": [x, y], "inner": r * rng.choice([0.2, 0.5, 0.8]), "outer": r}
-    bit = {"circle": {"center": [x, y + 0.5 * (r + ring["inner"])], "radius": 0.05 * r}}
+    ring = {"center": [x, y], "inner": r * rng.choice([0.4, 0.6, 0.8]), "outer": r}
+    bit = {"circle": {"center": [x, y + 0.5 * (r + ring["inner"])], "radius": 0.08 * r}}
     box, hole = {"rectangle": [x - a, y - b, x + a, y + b]}, {"circle": {"center": [x, y], "radius": 0.5 * b}}
     arched = [[x - a, y - b], [x + a, y - b], {"through": [x, y + b], "to": [x - a, y - b]}]
     inner = {"rectangle": [x - 0.4 * b, y - 0.3 * b, x + 0.5 * b, y + 0.3 * b]}
@@ -200,7 +204,7 @@ def _refine(rng: Random, tables: Tables, size: float) -> None:
         # Its mesh has triangles then, which q8r has not.
         plate.pop("element", None)
         mesh = {"size": mesh.get("size", 0.3 * size)}
-    tables["mesh"] = {**mesh, "refine": [where | {"size": size * rng.choice([0.1, 0.05, 0.02])}]}
+    tables["mesh"] = {**mesh, "refine": [where | {"size": size * rng.choice([0.1, 0.05])}]}
 
 
 def _step(rng: Random, tables: Tables) -> None:

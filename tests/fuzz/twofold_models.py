@@ -308,7 +308,8 @@ class Motion:
             names.setdefault(name, []).append(f"edge {number}")
         for number, hole in enumerate(holes, 1):
             # That of an annulus has a name of its own.
-            names |= {name: [f"hole {number}"] for name in hole.names}
+            names |= {name: [f"hole {number}"] for name in hole.edges}
+            names |= {side: [f"hole {number} edge {i}"] for i, side in enumerate(hole.names, 1) if hole.whole}
         kept = ("thickness", "element", "modifiers", "stiffness")
         plate = self.of_item({key: value for key, value in tables["plate"].items() if key in kept}, names)
         plate |= {"shape": "polygon", "points": self.contour(outline)}
@@ -321,7 +322,10 @@ class Motion:
     def of_mesh(self, mesh: Mesh, contours: tuple[Contour, ...]) -> Mesh:
         """Move a mesh, whose edges are named by the polygon's sides."""
         outline, *holes = contours
-        edges = {f"hole {number}": mesh.edges[hole.names[0]] for number, hole in enumerate(holes, 1)}
+        edges = {f"hole {number}": mesh.edges[next(iter(hole.edges))] for number, hole in enumerate(holes, 1)}
+        for number, hole in enumerate(holes, 1):
+            sides = enumerate(hole.names, 1) if hole.whole else ()
+            edges |= {f"hole {number} edge {i}": mesh.edges[side] for i, side in sides}
         ends = (*outline.corners[1:], outline.corners[0])
         sides = [
             np.vstack([along_side(a, m, b), b]) for a, m, b in zip(outline.corners, outline.through, ends, strict=True)

@@ -77,6 +77,7 @@ def test_pressures_of_a_table_are_those_of_its_combinations(divisions: int, law:
         divisions,
         [{"area": {"rectangle": [0, 0, 3.3, 4]}, "resists": "down", **law}, {"at": [[4, 0], [4, 4]]}],
         load=loads,
+        mesh={"divisions": [divisions, divisions], "error": False},
         combination=[{"name": f"c{i}", "factors": {"g": g, "q": q}} for i, (g, q) in enumerate(factors)],
         output={"combinations": "table", "fields": "all"},
     )

@@ -173,7 +173,7 @@ def _place_of(plate: OutlinedPlate, error: OutlineError) -> Place:
 def _refined(plate: OutlinedPlate, part: Refinement) -> Iterator[Floats]:
     """Straight pieces (k, 5) with the size that is asked for at a place."""
     chains = [np.array([at, at]) for at in part.at or ()]
-    chains += [contour.points(name) for name in part.edge or () for contour in plate.contours if name in contour.names]
+    chains += [contour.points(name) for name in part.edge or () for contour in plate.contours if name in contour.edges]
     for shape in (curve(part), region(part.area)):
         if shape is None:
             continue

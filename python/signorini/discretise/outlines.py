@@ -64,7 +64,7 @@ def _edge(mesh: Mesh, plate: Plate, name: str | None) -> Floats:
         return mesh.points[np.unique(mesh.boundary if name is None else mesh.edges[name])]
     if name is None:
         return plate.outline.points()
-    return np.concatenate([contour.points(name) for contour in plate.contours if name in contour.names])
+    return np.concatenate([contour.points(name) for contour in plate.contours if name in contour.edges])
 
 
 def _arc(center: Point, radius: float, sector: float) -> Floats:

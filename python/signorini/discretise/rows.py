@@ -114,12 +114,12 @@ class Rows:
 def _matrix(owners: Ints, coefficients: Floats, elements: Ints, size: int) -> csr_array:
     # Rows of a deflection have no more than a third of the columns.
     columns = np.flatnonzero(coefficients.any(axis=0))
-    dofs: npt.NDArray[Any] = 3 * elements[:, columns // 3] + columns % 3
+    dofs: npt.NDArray[Any] = 3 * elements.take(columns // 3, axis=1) + columns % 3
     starts: npt.NDArray[Any] = len(columns) * np.arange(len(owners) + 1)
     if max(size, starts[-1]) <= np.iinfo(np.int32).max:
         # They take half of the memory.
         dofs, starts = dofs.astype(np.int32), starts.astype(np.int32)
-    values = np.ascontiguousarray(coefficients[:, columns])
-    matrix = csr_array((values.ravel(), dofs[owners].ravel(), starts), shape=(len(owners), size))
+    values = coefficients.take(columns, axis=1)
+    matrix = csr_array((values.ravel(), dofs.take(owners, axis=0).ravel(), starts), shape=(len(owners), size))
     matrix.eliminate_zeros()
     return matrix

@@ -13,6 +13,7 @@ from signorini.mesh.isoparametric import (
     SIDES,
     TRIANGLE_CORNERS,
     are_triangles,
+    bounds,
     determinants,
     folded,
     real_sides,
@@ -72,7 +73,8 @@ def check_jacobians(points: Floats, elements: Ints) -> None:
     det = np.empty((len(elements), len(_STATIONS)))
     for kind, stations in ((False, _STATIONS), (True, _TRIANGLE_STATIONS)):
         det[triangles == kind] = determinants(nodes[triangles == kind], stations, kind)
-    extent = np.ptp(nodes, axis=1)
+    lower, upper = bounds(np.moveaxis(nodes, 1, 0))
+    extent = upper - lower
     bad = ~(det > 1e-10 * (extent[:, 0] * extent[:, 1])[:, None])
     if bad.any():
         index = int(np.argmax(bad.any(axis=1)))

@@ -5,6 +5,8 @@ A triangle has the eight nodes [a, b, c, c, ab, bc, c, ca] and reference points 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import reduce
 from typing import Final
 
 import numpy as np
@@ -144,9 +146,20 @@ def invert(nodes: Floats, points: Floats) -> tuple[Floats, Bools]:
 
 def side_boxes(sides: Floats) -> Floats:
     """Bound quadratic sides (k, 3, 2) given by corner, midside, corner: (k, 4) xmin, ymin, xmax, ymax."""
-    control = sides.copy()
-    control[:, 1] = 2.0 * sides[:, 1] - 0.5 * (sides[:, 0] + sides[:, 2])
-    return np.hstack([control.min(axis=1), control.max(axis=1)])
+    begin, middle, end = np.moveaxis(sides, 1, 0)
+    return np.hstack(bounds((begin, 2.0 * middle - 0.5 * (begin + end), end)))
+
+
+def bounds(points: Iterable[Floats]) -> tuple[Floats, Floats]:
+    """Least and largest coordinates (k, 2) of some points (k, 2) each; NumPy is slow along so short an axis.
+
+    Examples
+    --------
+    >>> bounds([np.array([[0.0, 3.0]]), np.array([[1.0, 2.0]])])
+    (array([[0., 2.]]), array([[1., 3.]]))
+    """
+    some = list(points)
+    return reduce(np.minimum, some), reduce(np.maximum, some)
 
 
 def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools]:

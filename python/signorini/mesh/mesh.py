@@ -24,6 +24,7 @@ from signorini.mesh.isoparametric import (
     SIDES,
     TRIANGLE_CORNERS,
     are_triangles,
+    bounds,
     determinants,
     folded,
     invert,
@@ -342,7 +343,8 @@ class Mesh(Remade):
     @cached_property
     def _rounding(self) -> Floats:
         """Tolerance (ne,) in reference coordinates for points on a side."""
-        extent = np.ptp(self.nodes, axis=1).min(axis=1)
+        lower, upper = bounds(np.moveaxis(self.nodes, 1, 0))
+        extent = (upper - lower).min(axis=1)
         return np.asarray(_ON_EDGE + 32.0 * np.finfo(float).eps * np.abs(self.points).max() / extent)
 
     @cached_property
@@ -382,7 +384,8 @@ class Mesh(Remade):
     def boxes(self) -> Floats:
         """Boxes (ne, 4) xmin, ymin, xmax, ymax that contain the elements, curved sides included."""
         boxes = side_boxes(self.points[self.sides].reshape(-1, 3, 2)).reshape(-1, 4, 4)
-        return np.hstack([boxes[..., :2].min(axis=1), boxes[..., 2:].max(axis=1)])
+        corners = np.moveaxis(boxes.reshape(-1, 8, 2), 1, 0)
+        return np.hstack(bounds(corners))
 
     @cached_property
     def _tree(self) -> BoxTree:

@@ -74,7 +74,7 @@ def outlined(
         (
             np.array(contour.corners, dtype=np.float64),
             np.array([none if m is None else m for m in contour.through], dtype=np.float64),
-            list(contour.names),
+            [contour.whole or name for name in contour.names],
         )
         for contour in contours
     ]
@@ -84,6 +84,9 @@ def outlined(
         nodes, elements, sides, of = mesh_outline(loops, size, *rows)
     except ValueError as error:
         raise OutlineError(*error.args) from None
-    names = np.array([contours[ring].names[side] for ring, side in of.tolist()])
-    edges = {str(name): sides[names == name] for name in dict.fromkeys(names.tolist())}
+    edges = {
+        name: sides[(of[:, 0] == ring) & np.isin(of[:, 1], own)]
+        for ring, contour in enumerate(contours)
+        for name, own in contour.edges.items()
+    }
     return Mesh(nodes, elements, edges)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, TypeAlias
 
 from pydantic import Field
@@ -15,14 +16,15 @@ class Hole(Outline):
     """A hole: exactly one of rectangle, circle, polygon."""
 
     def contour(self, name: str) -> Contour:
-        """Draw its outline, every side of one name."""
+        """Draw its outline, of that name, its sides as they are called where they are the plate's."""
         if self.rectangle is not None:
             x0, y0, x1, y1 = self.rectangle
-            return straight(((x0, y0), (x1, y0), (x1, y1), (x0, y1)), (name,) * 4)
+            sides = [f"{name} {side}" for side in ("bottom", "right", "top", "left")]
+            return replace(straight(((x0, y0), (x1, y0), (x1, y1), (x0, y1)), sides), whole=name)
         if self.circle is not None:
             return circle(self.circle.center, self.circle.radius, name)
         assert self.polygon is not None  # it has exactly one of the three
-        return contour(self.polygon, name, numbered=False)
+        return replace(contour(self.polygon, f"{name} edge", numbered=True), whole=name)
 
 
 Holes: TypeAlias = Annotated[tuple[Hole, ...], Field(max_length=MOST_CORNERS)]

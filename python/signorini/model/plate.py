@@ -232,7 +232,7 @@ class OutlinedPlate(_Plate):
     @property
     def edge_names(self) -> tuple[str, ...]:
         """Names of the edges, those of holes last."""
-        return tuple(dict.fromkeys(name for contour in self.contours for name in contour.names))
+        return tuple(dict.fromkeys(name for contour in self.contours for name in contour.edges))
 
     def element_size(self, mesh: MeshOptions) -> float:
         """Size of elements that the mesh options ask for, where they are not counted."""

@@ -309,6 +309,11 @@ class Model(Table):
             for position, edge in enumerate(listed):
                 if edge not in names:
                     yield (*place, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
+                elif whole := next((other for other in listed if edge.startswith(f"{other} ")), None):
+                    yield (
+                        (*place, "edge", position),
+                        f'"{edge}" is part of "{whole}", which is listed too. Leave it out.',
+                    )
 
     def _node_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):

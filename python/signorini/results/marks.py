@@ -234,11 +234,16 @@ def case_totals(found: Discretisation) -> dict[str, str]:
 
 
 def edge_marks(mesh: Mesh) -> list[EdgeMark]:
-    """Name edges before the middle, where values of loads stand, unless they are too many."""
+    """Name edges before the middle, where values of loads stand, of holes their sides, unless they are too many."""
     from signorini.plot import EdgeMark
 
+    wholes = {name.rpartition(" edge ")[0] or name.rpartition(" ")[0] for name in mesh.edges} & set(mesh.edges)
+    names = [name for name in mesh.edges if name not in wholes]
+    if len(names) > _MOST_EDGES:
+        names = [name for name in mesh.edges if not any(name.startswith(f"{whole} ") for whole in wholes)]
     marks = []
-    for name, triples in mesh.edges.items() if len(mesh.edges) <= _MOST_EDGES else ():
+    for name in names if len(names) <= _MOST_EDGES else ():
+        triples = mesh.edges[name]
         begin, half, end = mesh.points[triples[2 * len(triples) // 5]].tolist()
         marks.append(EdgeMark(name, (half[0], half[1]), (end[0] - begin[0], end[1] - begin[1])))
     return marks

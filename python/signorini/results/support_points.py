@@ -63,7 +63,8 @@ class SupportPoints:
         contacts, parts = found.points, found.parts[index]
         nodes, springs, rows = parts.nodes, parts.springs, parts.rows
         share = 1.0 / np.bincount(found.held.holders[:, 0], minlength=found.mesh.node_count)[nodes]
-        first = rows[0]
+        # All there are need not be copied.
+        first = slice(None) if len(rows[0]) == len(contacts) else rows[0]
         elements, places, weight = contacts.rows.elements[first], contacts.positions[first], contacts.weights[first]
         shared, shares = contacts.shared[first], None
         if (shared >= 0).any():

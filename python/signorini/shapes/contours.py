@@ -31,6 +31,8 @@ class Contour:
         For the side from each corner, a point that it is an arc through; None: it is straight.
     names : tuple of str
         Names of the sides; several may share one.
+    whole : str
+        Name of all sides together; empty if there is none.
 
     Examples
     --------
@@ -42,13 +44,23 @@ class Contour:
     corners: tuple[Point, ...]
     through: tuple[Point | None, ...]
     names: tuple[str, ...]
+    whole: str = ""
+
+    @property
+    def edges(self) -> dict[str, list[int]]:
+        """The sides of every name."""
+        found: dict[str, list[int]] = {self.whole: list(range(len(self.names)))} if self.whole else {}
+        for side, name in enumerate(self.names):
+            found.setdefault(name, []).append(side)
+        return found
 
     def points(self, name: str | None = None) -> Floats:
         """Points (k, 2) along the sides of one name, or all: their corners, and of arcs one a degree."""
         ends = (*self.corners[1:], self.corners[0])
-        sides = list(zip(self.corners, self.through, ends, self.names, strict=True))
-        found = [along_side(a, m, b) for a, m, b, own in sides if name in (None, own)]
-        return np.concatenate(found if name is None else [*found, [b for _, _, b, own in sides if own == name]])
+        sides = list(zip(self.corners, self.through, ends, strict=True))
+        chosen = sides if name is None else [sides[side] for side in self.edges[name]]
+        found = [along_side(a, m, b) for a, m, b in chosen]
+        return np.concatenate(found if name is None else [*found, [b for _, _, b in chosen]])
 
     @property
     def bounds(self) -> Box:

@@ -122,8 +122,9 @@ def may_grow(paths: Sequence[Path], figures: Mapping[str, Any], singular: Sequen
     supports = [support["name"] for support in figures["supports"]]
     kinds = ["pressure" if {"max_pressure", "max_tension"} & set(path) else kind_of(path) for path in paths]
     found = np.zeros(len(paths), np.bool_)
+    probes = np.array([probe["at"] for probe in figures["probes"]]).reshape(-1, 2)
     for one in singular:
-        near = [away(probe["at"], one) <= max(reach, one.within) for probe in figures["probes"]]
+        near = (away(probes, one) <= max(reach, one.within)).tolist()
         whole = "deflection" in one.numbers and one.source in supports
         for place, (path, kind) in enumerate(zip(paths, kinds, strict=True)):
             through = path[0] in ("sections", "strips") and "reaction" in one.numbers
@@ -142,11 +143,11 @@ def may_grow(paths: Sequence[Path], figures: Mapping[str, Any], singular: Sequen
     return found
 
 
-def away(at: Sequence[float], singularity: Singularity) -> float:
-    """Distance of a point from a singularity."""
+def away(points: Floats, singularity: Singularity) -> Floats:
+    """Distances (q,) of points (q, 2) from a singularity."""
     where = np.array(singularity.where).reshape(-1, 2)
     begin, end = (where[:-1], where[1:]) if singularity.line else (where, where)
-    return float(distances(np.array([at]), begin, end).min(initial=math.inf))
+    return np.asarray(distances(points, begin, end).min(axis=1, initial=math.inf))
 
 
 def largest_of(result: Result) -> dict[str, float]:
