@@ -88,7 +88,7 @@ def slab() -> SimpleNamespace:
         (lambda s: signorini.load(3), "path: found 3; it must be the path of an input file"),
         (lambda s: signorini.load(None), "path: found None; it must be the path of an input file"),
         (lambda s: signorini.validate(None), "found nothing; it must be a table"),
-        (lambda s: Model(foo=3), "material: 'material' is missing"),
+        (lambda s: Model(foo=3), "plate: 'plate' is missing"),
         (lambda s: Model({}), "Model: found {}; a table takes its keys by name, Model(key=value, ...)"),
         (lambda s: Support({"at": [1, 1]}), "Support: found {'at': [1, 1]}; a table takes its keys by name"),
         (lambda s: solve(s.model, progress=3), "progress: found 3; it must be a function that takes a Progress"),

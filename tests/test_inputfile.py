@@ -478,9 +478,9 @@ def test_several_problems_are_one_error_in_the_order_of_the_file(written):
         (b"a = " + b"[" * 100_000, "slab.toml: lists or tables are nested too deeply."),
         (b"a." * 100_000 + b"a = 1", "slab.toml:1: a key has more than 16 parts joined by dots."),
         (b"# comment\n" * 500_000, "the file is larger than 4 MB"),
-        (b"", "slab.toml: 3 problems:"),
+        (b"", "slab.toml: 2 problems:"),
         (b"lkj sdf\n" * 100_000, "slab.toml:1: this is not TOML"),
-        (b"".join(b"k%d = 1\n" % i for i in range(20_000)), "20003 problems:"),
+        (b"".join(b"k%d = 1\n" % i for i in range(20_000)), "20002 problems:"),
         (b"\x00\x01\x02", "slab.toml:1: this is not TOML"),
     ],
 )

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from models import tables
 from pydantic import ValidationError
 
 from signorini.errors import InputError
@@ -244,3 +245,13 @@ def test_mutated_models_are_models_or_input_errors(data):
     except InputError as error:
         assert "does not fit here" not in str(error)
         assert not any(word in str(error) for word in ("pydantic", "Value error", "type=", "Input should"))
+
+
+def test_a_plate_by_its_stiffness_needs_no_material() -> None:
+    stiffness = {"Dx": 4e6, "Dy": 4e6, "D1": 0.0, "Dxy": 1e6, "Sx": 1e9, "Sy": 1e9}
+    without = tables(load=[{"case": "Q", "pressure": 1}])
+    del without["material"]
+    with pytest.raises(InputError, match="'E' is missing"):
+        Model(**without)
+    without["plate"] |= {"stiffness": stiffness}
+    assert Model(**without).material.unit_weight is None

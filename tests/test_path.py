@@ -17,7 +17,7 @@ from signorini import Model
 from signorini.analysis.path_check import confirmed
 from signorini.cli import app
 from signorini.output import path_json
-from signorini.results.path_events import crossings
+from signorini.results.path_events import PathEvent, crossings, in_words
 
 SLAB = """
 title = "Slab on pads"
@@ -307,7 +307,7 @@ def test_of_an_area_its_parts_are_events_and_not_its_points(bedded) -> None:
     assert len(table) == len(events)
     t = [float(line.split()[0]) for line in table]
     assert t == sorted(t) and t == pytest.approx([event["t"] for event in events], rel=1e-5)
-    assert "soil is closed to 50%" in table[2]
+    assert "soil opens on, 50% closed" in table[2]
     told = [row["event"] for row in rows if row["event"]]
     assert len(told) == len(found["support_events"]) + 2
 
@@ -472,3 +472,10 @@ def test_half_widths_of_lines_and_areas_cover_a_finer_mesh_or_are_none() -> None
                 covered.append(min((abs(t - event.t) for t in same), default=np.inf) <= width)
     assert len(covered) >= 4 and np.mean(covered) >= 0.95
     assert None in widths and min(width for width in widths if width is not None) > 1e-3
+
+
+def test_points_that_resist_up_pull() -> None:
+    bolts = PathEvent(1, 0.5, "bolts", (1.0, 2.0), "closes", 0.5, False)
+    assert in_words([bolts], {"bolts"}) == "bolts begins to pull at [1, 2]"
+    assert in_words([bolts]) == "bolts closes at [1, 2]"
+    assert in_words([replace(bolts, change="opens")], {"bolts"}) == "bolts lets go at [1, 2]"

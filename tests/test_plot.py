@@ -529,8 +529,48 @@ def test_the_check_picture_names_edges_values_of_loads_their_sums_and_places_wit
     assert written.count("60 kN") == 2 and {"5 kN/m²", "[0, 4.5] kN m"} < set(written)
     legend = [entry.get_text().replace("\n", " ") for entry in axes.get_legend().get_texts()]
     assert {"G: pressure, 5 kN/m²", "G: force, upward, 60 kN", "G: 80 kN up in all"} < set(legend)
-    assert not any("T:" in words and "in all" in words for words in legend)
+    assert "T: couple [0, 4.5] kN m in all" in legend
     (named,) = (words for words in legend if words.startswith("no limit"))
     assert "Force at a point of load[2]" in named and "Couple at a point of load[3]" in named
     rings = [line for line in axes.lines if line.get_markersize() == 13.0]
     assert sum(len(line.get_xdata()) for line in rings) >= 3
+
+
+def test_values_of_loads_are_those_where_they_act() -> None:
+    model = rectangular(
+        load=[
+            {"case": "A", "line_load": "10 * x", "line": [[1, 1], [3, 1]]},
+            {"case": "B", "line_load": "10 * x", "edge": "bottom"},
+            {"case": "C", "pressure": "10 * x", "area": {"rectangle": [1, 1, 2, 2]}},
+            {"case": "D", "pressure": "x + 2"},
+        ]
+    )
+    assert [mark.value for mark in load_marks(discretise(model))] == ["10 to 30", "0 to 40", "10 to 20", "2 to 6"]
+
+
+def test_a_case_of_couples_alone_has_its_couple_in_all() -> None:
+    wind = {"case": "W", "line_load": "x - 2", "edge": "bottom"}
+    model = rectangular(
+        units={"length": "m", "force": "kN"}, load=[wind, {"case": "T", "moment": [0, 3], "at": [1, 1]}]
+    )
+    totals = case_totals(discretise(model))
+    assert totals == {"W": "couple [5.333, 0] kN m", "T": "couple [0, 3] kN m"}
+
+
+def test_borders_of_zones_are_no_outline_in_results() -> None:
+    plate = {"shape": "polygon", "points": [[0, 0], [4, 0], [4, 4], [0, 4]], "thickness": 0.2}
+    zone = {"area": {"circle": {"center": [2, 2], "radius": 1}}, "thickness": 0.4}
+    model = rectangular(plate=plate, mesh={"size": 0.5}, zone=[zone], load=[{"case": "G", "pressure": 5}])
+    found = discretise(model).stress_nodes
+    _, outline, borders = Plan.of(found.points, found.elements).edges
+    assert outline.vertices.min() == 0 and outline.vertices.max() == 4
+    assert len(outline.vertices) > 8 and not ((outline.vertices > 0.5) & (outline.vertices < 3.5)).all(axis=1).any()
+    assert (borders.vertices.min(), borders.vertices.max()) == pytest.approx((1, 3))
+
+
+def test_loads_that_read_alike_have_one_row_in_the_legend() -> None:
+    model = rectangular(load=[{"case": "G", "force": 5, "at": [1, y]} for y in (1, 2, 3)])
+    found = discretise(model)
+    figure = check_picture(Plan.of(found.mesh.points, found.mesh.elements), loads=load_marks(found))
+    legend = [entry.get_text() for entry in figure.axes[0].get_legend().get_texts()]
+    assert legend.count("G: force, 5") == 1

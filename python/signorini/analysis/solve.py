@@ -19,6 +19,7 @@ from signorini.analysis.twins import Twins
 from signorini.analysis.twins.columns import ENDING, Rows
 from signorini.analysis.twins.leaves import Path
 from signorini.base.arguments import known, watching
+from signorini.base.brief import short
 from signorini.base.on_demand import OnDemand
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import ContactProblem, contact_problem
@@ -68,6 +69,8 @@ class Results(States[str], Mapping[str, Result]):
     >>> results = solve(model)
     >>> len(results), round(results["c7"].reactions["feet"]), results.table["reaction:feet"][:3].round().tolist()
     (20, 112000, [16000.0, 32000.0, 48000.0])
+    >>> results
+    Results({'c1', 'c2', 'c3', 'c4', ... 20 in all})
     >>> results.key(int(results.envelope.supports[0].reaction.largest_by[0]))
     'c20'
     """
@@ -95,6 +98,10 @@ class Results(States[str], Mapping[str, Result]):
         except InputError as error:
             raise UnknownNameError(error.message, error.place) from None
         return self.full[name] if name in self.full else self._others[name]
+
+    def __repr__(self) -> str:
+        """Name the first combinations; none is solved for it."""
+        return f"Results({short(self._numbers)})"
 
     @cached_property
     def _numbers(self) -> dict[str, int]:

@@ -42,11 +42,12 @@ class Brief:
     def __repr__(self) -> str:
         """Name every public field."""
         names = [field.name for field in fields(self)]  # type: ignore[arg-type]  # its heirs are dataclasses
-        shown = ", ".join(f"{name}={_short(getattr(self, name))}" for name in names if name[0] != "_")
+        shown = ", ".join(f"{name}={short(getattr(self, name))}" for name in names if name[0] != "_")
         return f"{type(self).__name__}({shown})"
 
 
-def _short(value: Any) -> str:
+def short(value: Any) -> str:
+    """Write a value in few words: of arrays the shape, of mappings the first names."""
     match value:
         case np.ndarray():
             return f"array{value.shape}" if value.size > _FEW else f"array({value.tolist()})"
@@ -59,7 +60,7 @@ def _short(value: Any) -> str:
             more = f", ... {len(value)} in all" if len(value) > _FEW else ""
             return f"{{{', '.join(named)}{more}}}"
         case tuple() | list() if len(value) <= _FEW and all(isinstance(one, int | float | str) for one in value):
-            return f"({', '.join(map(_short, value))})"
+            return f"({', '.join(map(short, value))})"
         case tuple() | list():
             return f"{len(value)} {type(value[0]).__name__}" if value else "()"
         case Sized() if hasattr(value, "shape"):

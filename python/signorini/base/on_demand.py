@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import TypeVar
 
+from signorini.base.brief import short
+
 _V = TypeVar("_V")
 
 
@@ -16,6 +18,8 @@ class OnDemand(Mapping[str, _V]):
     >>> squares = OnDemand(["2", "3"], lambda name: int(name) ** 2)
     >>> squares["3"], list(squares), dict(squares)
     (9, ['2', '3'], {'2': 4, '3': 9})
+    >>> squares
+    OnDemand({'2', '3'})
     """
 
     def __init__(self, names: Collection[str], compute: Callable[[str], _V], most: int | None = None) -> None:
@@ -35,6 +39,10 @@ class OnDemand(Mapping[str, _V]):
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names."""
         return iter(self._names)
+
+    def __repr__(self) -> str:
+        """Name the first; their values are not computed."""
+        return f"OnDemand({short(dict.fromkeys(self._names))})"
 
     def __len__(self) -> int:
         """Count the names."""

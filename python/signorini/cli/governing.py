@@ -65,7 +65,7 @@ def print_governing(console: Console, results: Results, group: str = "") -> None
     """Print the largest and the smallest reaction of each bearing, with those of all others in that combination."""
     model, reactions = results.model, governing_reactions(results, group)
     if len(reactions) > 2 * _MOST_BEARINGS:
-        bearings = f"{len(reactions) // 2} bearings"
+        bearings = f"{f'{group}, ' if group else ''}{len(reactions) // 2} bearings"
         say(console, f"{bearings}: governing_reactions in results.json has the largest and smallest reaction of each")
         console.print()
     if not 0 < len(reactions) <= 2 * _MOST_BEARINGS:

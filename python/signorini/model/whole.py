@@ -82,7 +82,9 @@ class Model(Table):
 
     title: Text = Field(default="", description="Title of the calculation.")
     units: Units = Field(default=Units(), description="Labels of the units, for the output.")
-    material: Material = Field(description="The plate's material.")
+    material: Material = Field(
+        default=Material(), description="The plate's material; needed unless stiffness says what the plate is."
+    )
     plate: AnyPlate = Field(description="The plate's outline, thickness and element.")
     zone: tuple[Zone, ...] = Field(default=(), description="Parts of the plate that are made otherwise.")
     mesh: MeshOptions = Field(default=MeshOptions(), description="How finely the plate is meshed.")

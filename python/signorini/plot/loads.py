@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
@@ -63,8 +64,8 @@ class LoadMark:
         return f"{self.case}: {self.name}{', ' if self.value else ''}{self.value}"
 
 
-def draw_load(mark: LoadMark, axes: Axes, colour: str) -> Entry:
-    """Draw one load and return its entry in the legend."""
+def draw_load(mark: LoadMark, axes: Axes, colour: str, plate: Path) -> Entry:
+    """Draw one load, areas on the plate only, and return its entry in the legend."""
     positions = np.asarray(mark.positions, dtype=float)
     words = mark.label
     _write_value(mark, positions, axes, colour)
@@ -96,16 +97,19 @@ def draw_load(mark: LoadMark, axes: Axes, colour: str) -> Entry:
         "linewidth": 1.2,
     }
     if len(positions):
-        axes.add_patch(PathPatch(enclosed(positions), zorder=3, **look))
+        axes.add_patch(PathPatch(enclosed(positions), zorder=3, **look)).set_clip_path(plate, axes.transData)
     return words, (Patch(**look),)
 
 
-def draw_loads(marks: Iterable[LoadMark], axes: Axes, totals: Mapping[str, str]) -> list[Entry]:
-    """Draw loads, those of one case in one colour, and return their entries in the legend, sums of cases last."""
+def draw_loads(marks: Iterable[LoadMark], axes: Axes, totals: Mapping[str, str], plate: Path) -> list[Entry]:
+    """Draw loads, those of one case in one colour, and return their entries in the legend, sums of cases last.
+
+    Loads of which the legend would say the same have one entry.
+    """
     marks = list(marks)
     cases = list(dict.fromkeys(mark.case for mark in marks))
     colours = {case: _COLOURS[place % len(_COLOURS)] for place, case in enumerate(cases)}
-    entries = [draw_load(mark, axes, colours[mark.case]) for mark in marks]
+    entries = list(dict(draw_load(mark, axes, colours[mark.case], plate) for mark in marks).items())
     look: dict[str, Any] = {"marker": "s", "markersize": 4.0, "linestyle": "none"}
     sums = [(f"{case}: {totals[case]} in all", colours[case]) for case in cases if case in totals]
     return entries + [(words, (Line2D([], [], color=colour, **look),)) for words, colour in sums]

@@ -200,11 +200,10 @@ def draw_zones(marks: Iterable[ZoneMark], axes: Axes, plate: Path) -> list[Entry
     look: dict[str, Any] = {"facecolor": to_rgba(_ZONE, 0.22), "edgecolor": _ZONE, "linewidth": 0.9}
     for number, mark in enumerate(marks, 1):
         axes.add_patch(PathPatch(enclosed(mark.outline), zorder=1.5, **look)).set_clip_path(plate, axes.transData)
-        # Its number is at the corner from which it is read, where few marks are.
-        x, y = mark.outline[np.lexsort((mark.outline[:, 0], -mark.outline[:, 1]))[0]]
-        axes.annotate(
-            str(number), (x, y), (3, -3), textcoords="offset points", va="top", fontsize=8, color=_ZONE, zorder=3.5
-        )
+        # Its number is at the lower left: the values of loads are at the upper left.
+        x, y = mark.outline[np.lexsort((mark.outline[:, 0], mark.outline[:, 1]))[0]]
+        words = axes.annotate(str(number), (x, y), (3, 3), textcoords="offset points", va="bottom", fontsize=8)
+        words.set(color=_ZONE, zorder=6.4, path_effects=[withStroke(linewidth=2.2, foreground="white")])
         entries.append((f"zone {number}: {mark.words}", (Patch(**look),)))
     return entries
 

@@ -193,7 +193,7 @@ def check_picture(
     sheet = draw_sheet(axes, plan)
     draw_outlines(axes, plan, inner=0.3)
     entries = draw_zones(zones, axes, sheet) + draw_supports(supports, axes)
-    entries += draw_loads(loads, axes, totals or {}) + draw_singular(singular, axes)
+    entries += draw_loads(loads, axes, totals or {}, sheet) + draw_singular(singular, axes)
     draw_edges(edges, axes)
     if numbers:
         _number_nodes(axes, plan)

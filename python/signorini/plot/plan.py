@@ -24,6 +24,8 @@ INK = "#1c2733"
 _SHEET = "#eef2f5"
 _FINE = 4000
 """Elements from which on two flat triangles of each are as good as more: they are some dots wide."""
+_SAME = 1e-7
+"""Part of the plate's size within which points of sides that coincide are one: far above rounding."""
 _MARGIN = 0.04
 """Room around the plate, in parts of its larger side."""
 
@@ -65,10 +67,16 @@ class Plan:
         return low - margin, high + margin
 
     @cached_property
-    def edges(self) -> tuple[Path, Path]:
-        """Edges between elements, and the outline of the plate."""
+    def edges(self) -> tuple[Path, Path, Path]:
+        """Edges between elements, the outline of the plate, and borders inside it, at which nodes are twice."""
         vertices = np.column_stack([self.triangles.x, self.triangles.y])[self.cut.edges]
-        return tuple(_joined(vertices[chosen]) for chosen in (~self.cut.outer, self.cut.outer))  # type: ignore[return-value]
+        # One side of a border is the other's, the other way round.
+        steps = np.round(vertices / (_SAME * np.ptp(vertices))).astype(np.int64)
+        ends = np.sort(steps[..., 0] + 1j * steps[..., 1], axis=1)
+        _, which, uses = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+        border = self.cut.outer & (uses[which.ravel()] > 1)
+        sorts = ~self.cut.outer, self.cut.outer & ~border, border
+        return tuple(_joined(vertices[chosen]) for chosen in sorts)  # type: ignore[return-value]
 
 
 def triangulation(cut: Tessellation, nodes: NDArray[np.float64]) -> Triangulation:
@@ -101,14 +109,17 @@ def draw_sheet(axes: Axes, plan: Plan) -> Path:
 
 
 def draw_outlines(axes: Axes, plan: Plan, inner: float) -> None:
-    """Draw the elements' edges, fainter the more there are, and the plate's outline."""
-    between, outline = plan.edges
+    """Draw the elements' edges, fainter the more there are, the plate's outline, and dashed the borders of zones."""
+    between, outline, borders = plan.edges
     fade = inner * min(1.0, (900 / len(plan.cells)) ** 0.5)
     if fade > _FAINTEST:
         look: dict[str, Any] = {"facecolors": "none", "edgecolors": INK, "linewidths": 0.5, "alpha": fade}
         axes.add_collection(PathCollection([between], zorder=1.8, label="_elements", **look), autolim=False)
     look = {"facecolors": "none", "edgecolors": INK, "linewidths": 1.2, "capstyle": "round"}
     axes.add_collection(PathCollection([outline], zorder=1.9, label="_outline", **look), autolim=False)
+    if np.size(borders.vertices):
+        look = {"facecolors": "none", "edgecolors": INK, "linewidths": 0.7, "linestyles": "dashed"}
+        axes.add_collection(PathCollection([borders], zorder=1.9, label="_borders", **look), autolim=False)
 
 
 def set_window(axes: Axes, plan: Plan) -> None:

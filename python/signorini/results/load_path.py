@@ -218,7 +218,8 @@ class LoadPath(States[float]):
     def words(self, index: int) -> str:
         """Say what the supports do at a stop, by its number from 0; nothing where less than a quarter of one does."""
         index = arguments.index(index, len(self.stops), "stop", "index")
-        event = in_words([self.support_events[number] for number in self._numbers.get(index, ())])
+        pulling = {support.name for support in self.model.support if support.resists == "up"}
+        event = in_words([self.support_events[number] for number in self._numbers.get(index, ())], pulling)
         event = event or {0: "begin", len(self.stops) - 1: "end"}.get(index, "")
         jumps = index < len(self.segments) and self.segments[index].jumps
         moves = "the plate moves on its own until another support holds it"

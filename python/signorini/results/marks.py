@@ -157,11 +157,10 @@ def load_marks(found: Discretisation) -> list[LoadMark]:
     from signorini.plot import LoadMark
 
     marks = []
-    middles = found.mesh.points[found.mesh.elements[:, :4]].mean(axis=1)
     for load in found.model.load:
         value = next((given for given in (load.pressure, load.force, load.line_load) if given is not None), 0.0)
         varies = not isinstance(value, float) and not value.is_constant
-        sizes = np.asarray(value if isinstance(value, float) else value(*middles.T))
+        sizes = np.asarray(value if isinstance(value, float) else value(*_under(found.mesh, load).T))
         upward = bool(sizes.max() <= 0.0 and sizes.min() < 0.0)
         name = load.kind.replace("_", " ") + (" by its formula" if varies else "") + (", upward" if upward else "")
         style: Literal["points", "line", "area"] = "area"
@@ -186,6 +185,21 @@ def load_marks(found: Discretisation) -> list[LoadMark]:
     return marks
 
 
+def _under(mesh: Mesh, load: Load) -> Floats:
+    """Places (k, 2) on the plate at which a load acts, its ends among them; of points those."""
+    if load.at is not None:
+        return np.array(load.at)
+    if load.kind == "line_load":
+        places = _divided(path(mesh, load))
+    elif isinstance(load.area, Area):
+        nodes = mesh.points[load.area.region.contains(mesh.points)]
+        places = np.concatenate([nodes, _divided(_outline(load.area))])
+    else:
+        return mesh.points
+    places = places[np.isfinite(places[:, 0])]
+    return places[mesh.locate(places).inside]
+
+
 def _value(load: Load, sizes: Floats, units: Units) -> str:
     """Write how much a load is, with its unit; without a sign, which its mark has."""
     unit = units.force_by_length({"pressure": -2, "line_load": -1, "force": 0}.get(load.kind, 1))
@@ -202,13 +216,20 @@ def _value(load: Load, sizes: Floats, units: Units) -> str:
 
 
 def case_totals(found: Discretisation) -> dict[str, str]:
-    """Sums of the forces of load cases that stay where they are, in words."""
+    """Sums of the forces of load cases that stay where they are, or of their couples if that is all, in words."""
     unit, sums = found.model.units.force, {}
+    couples = found.model.units.force_by_length(1)
     for case in dict.fromkeys(load.case for load in found.model.load):
         forces = found.cases[case].weighing[::3]
         total = float(forces.sum())
         if abs(total) > _NO_FORCE * float(np.abs(forces).sum()):
             sums[case] = f"{plain(abs(total), 4)} {unit}".rstrip() + (" up" if total < 0 else " down")
+            continue
+        weighing, turns = found.cases[case].weighing, found.rigid_motions[:, 1:]
+        couple = weighing @ turns
+        couple = np.where(np.abs(couple) > _NO_FORCE * (np.abs(weighing) @ np.abs(turns)), couple, 0.0)
+        if couple.any():
+            sums[case] = f"couple [{', '.join(plain(float(part), 4) for part in couple)}] {couples}".rstrip()
     return sums
 
 

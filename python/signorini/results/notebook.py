@@ -50,7 +50,7 @@ def path_table(supports: Sequence[str], stops: Sequence[tuple[float, str, float,
     head = f"<tr><th {_NUMBER}>t</th><th {_WORDS}>event</th>"
     head += "".join(f"<th {_NUMBER}>{title}</th>" for title in titles) + "</tr>"
     rows = "".join(
-        f"<tr><td {_NUMBER}>{t:.9g}</td><td {_WORDS}>{html.escape(event)}</td>"
+        f"<tr><td {_NUMBER}>{t:.6g}</td><td {_WORDS}>{html.escape(event)}</td>"
         + "".join(f"<td {_NUMBER}>{value:.6g}</td>" for value in (largest, *reactions))
         + "</tr>"
         for t, event, largest, reactions in stops

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -77,15 +77,18 @@ def crossings(stops: Sequence[PathStop], index: int, like: PathEvent) -> list[tu
     return [(stop.t, before) for before, now, stop in steps if before != now]
 
 
-def in_words(events: Sequence[PathEvent]) -> str:
-    """Say what happens at one stop."""
+def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
+    """Say what happens at one stop; points of ``pulling`` supports, which resist up, begin to pull as they close."""
     said = []
     for name, change in dict.fromkeys((event.support, event.change) for event in events):
         those = [event for event in events if (event.support, event.change) == (name, change)]
         places = [event.at for event in those if event.at is not None]
         where = f" at {' '.join(map(point, places[:_MOST_POINTS]))}" if places else ""
         more = f" and {len(places) - _MOST_POINTS} more" if len(places) > _MOST_POINTS else ""
-        verb = {"open": "is all open", "closed": "is all closed", "part closed": f"is closed to {those[0].closed:.0%}"}
+        part = f"{'opens' if those[0].opening else 'closes'} on, {those[0].closed:.0%} closed"
+        verb = {"open": "is all open", "closed": "is all closed", "part closed": part}
+        if name in pulling:
+            verb |= {"opens": "lets go", "closes": "begins to pull"}
         said.append(f"{name} {verb.get(change, change)}{where}{more}")
     return "; ".join(said)
 

@@ -73,8 +73,9 @@ class Singularity:
 _FOOTPRINT = "Give it a footprint, patch or radius."
 _MESH_ALONG = (
     "They are those of a laminate of both sides there. Take values from beside these elements, or a border along lines "
-    'of the mesh; that of shape = "polygon" follows circles of zones too.'
+    "of the mesh"
 )
+_OF_POLYGON = '; that of shape = "polygon" follows circles of zones too'
 _AROUND = 1e-5
 """Part of the plate's size at which it is looked around a corner of a zone."""
 _ALIKE = 1e-3
@@ -320,7 +321,8 @@ def _of_cut_elements(found: Discretisation) -> Iterator[Singularity]:
             elements = mesh.elements[cut[mine]]
             count = f"{len(elements)} element{'s' if len(elements) > 1 else ''}"
             where = _points(mesh.points[np.unique(elements)])
-            yield Singularity(where, f"{what} within {count}", ("moment", "shear"), _MESH_ALONG, "plate")
+            advice = f"{_MESH_ALONG}{'' if found.model.plate.shape == 'polygon' else _OF_POLYGON}."
+            yield Singularity(where, f"{what} within {count}", ("moment", "shear"), advice, "plate")
 
 
 def _determinate(found: Discretisation) -> bool:
