@@ -196,3 +196,39 @@ def test_the_check_picture_names_them(tmp_path):
         Plan.of(found.discretisation.mesh.points, found.discretisation.mesh.elements), cuts=marks
     ).axes[0]
     assert {"A", "section 2", "middle"} <= {text.get_text() for text in axes.texts}
+
+
+def section(*line, **more):
+    return rectangular(**ASKED | {"section": [{"line": line}], "strip": []} | more)
+
+
+@pytest.mark.parametrize("by", [2e-16, -1e-9, 4e-6])
+def test_a_section_that_closes_but_for_rounding_is_closed(by):
+    around = [[2.5, 0.5], [3.5, 0.5], [3.5, 1.5], [2.5, 1.5]]
+    first, last = (
+        solve(section(*around, end, mesh={"divisions": [5, 5], "error": False}))["all"].sections[0]
+        for end in ([2.5, 0.5], [2.5 + by, 0.5 - by])
+    )
+    assert (last.moment, last.twist, last.shear) == (first.moment, first.twist, first.shear)
+
+
+@pytest.mark.parametrize(
+    ("line", "pieces"),
+    [
+        ([[3, 1.5], [1, 2], [1.6, 3], [1.3, 1.2]], "from [3, 1.5] to [1, 2] and from [1.6, 3] to [1.3, 1.2]"),
+        ([[2, 0], [2, 4], [2, 0]], "from [2, 0] to [2, 4] and from [2, 4] to [2, 0]"),
+        ([[2, 0], [2, 3], [2, 1], [3, 1]], "from [2, 0] to [2, 3] and from [2, 3] to [2, 1]"),
+        ([[0, 2], [3, 2], [3, 3], [2, 3], [2, 2]], "from [0, 2] to [3, 2] and from [2, 3] to [2, 2]"),
+    ],
+    ids=["crosses", "there and back", "goes back", "ends in itself"],
+)
+def test_a_section_that_meets_itself_is_refused(line, pieces):
+    message = f"the line goes back, or crosses or touches itself: its pieces {pieces} meet."
+    with pytest.raises(InputError, match=re.escape(message)) as refused:
+        section(*line)
+    assert refused.value.place == "section[1].line"
+
+
+def test_a_strip_that_goes_back_is_refused():
+    with pytest.raises(InputError, match=re.escape("the line goes back on itself at [2, 3]. Split it")):
+        rectangular(**ASKED | {"strip": [{"line": [[2, 1], [2, 3], [2, 2]], "width": 0.5}]})

@@ -178,6 +178,15 @@ def cut(rng: Random, tables: Tables) -> None:
         lines.append([[x, low], [left + a * rng.choice([0.5, rng.random()]), low + b]])
     if rng.random() < 0.3:
         lines.append(_points(rng, plate, 3))
+    if rng.random() < 0.2:
+        lines.append(_points(rng, plate, 4))
+    if rng.random() < 0.3:
+        lines[1][-1] = [u + rng.choice([1e-16, 1e-10, 1e-7]) * room for u in around[0]]
+    for item in (*tables["support"], *tables["load"]):
+        if isinstance(item.get("at"), list) and isinstance(item["at"][0], list) and rng.random() < 0.3:
+            # Through a footprint, say.
+            u, v = item["at"][0]
+            lines.append([[u - i * 0.3 * room * along[0], v - i * 0.3 * room * along[1]] for i in (1, -1)])
     chosen = rng.sample(lines, rng.randint(1, len(lines)))
     ended = [line for line in chosen if len(line) > 1 and on_plate(plate, line[0]) and on_plate(plate, line[-1])]
     if ended or rng.random() < 0.1:

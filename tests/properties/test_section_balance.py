@@ -165,3 +165,51 @@ def test_footprints_that_a_line_crosses_stand_on_both_sides_of_it(footprint, see
     for there, back in (result.sections[:2], result.sections[2:]):
         assert there.shear == pytest.approx(-back.shear, abs=1e-10 * 1.46e5)
         assert there.moment == pytest.approx(back.moment, abs=1e-10 * 1.46e5 * 8)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_line_load_is_divided_where_a_line_crosses_it(seed):
+    """Inside elements, at any angle; where it varies too."""
+    random = np.random.default_rng(seed)
+    (x0, y0), (x1, y1) = random.uniform([0.5, 1.0], [1.5, 5.0]), random.uniform([6.5, 1.0], [7.5, 5.0])
+    a, b = (float(random.uniform(3.0, 5.0)), 0.0), (float(random.uniform(3.0, 5.0)), 6.0)
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [8, 6], "thickness": 0.25},
+        mesh={"size": 1.0, "error": False},
+        support=[{"edge": "left", "fix": "clamped"}],
+        load=[{"line_load": "1e3 * (1 + x)", "line": [[x0, y0], [x1, y1]]}],
+        section=[{"line": [a, b]}, {"line": [b, a]}],
+    )
+    mesh = discretise(model.model_copy(update={"section": ()})).mesh
+    there, back = solved(model, mesh).sections
+    node, weight = np.polynomial.legendre.leggauss(3)
+    right = np.array([b[1], a[0] - b[0]]) / math.hypot(b[1], a[0] - b[0])
+    off = [right @ (np.array(at) - a) for at in ((x0, y0), (x1, y1))]
+    begin = -off[0] / (off[1] - off[0])
+    t = begin + (1 - begin) * (node + 1) / 2
+    force = math.dist((x0, y0), (x1, y1)) * (1 - begin) / 2 * weight * 1e3 * (1 + x0 + t * (x1 - x0))
+    assert -back.shear == pytest.approx(there.shear, rel=1e-10)
+    assert there.shear == pytest.approx(force.sum(), rel=1e-10)
+    assert there.moment == pytest.approx(-force @ (off[0] + t * (off[1] - off[0])), rel=1e-10)
+
+
+@pytest.mark.parametrize("angle", [15, 18, 24, 30])
+def test_a_line_may_end_in_a_node_of_a_round_edge(angle):
+    """Whose coordinates are rounded; of sines and cosines too."""
+    x, y = 6 * math.cos(math.radians(angle)), 6 * math.sin(math.radians(angle))
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "disc", "radius": 6, "sector": 90, "thickness": 0.2},
+        mesh={"size": 0.4, "error": False},
+        support=[{"at": [[1, 1], [4, 1], [1, 4.2]], "patch": [0.2, 0.2]}],
+        load=[{"force": 100.0, "at": [2, 2], "patch": [0.2, 0.2]}],
+        section=[{"line": [[0, round(y, digits)], [round(x, digits), round(y, digits)]]} for digits in (16, 9)],
+    )
+    result = solved(model)
+    first, _, last = result.supports[0].reactions
+    for section in result.sections:
+        forces = [(100.0, (2, 2)), (-first, (1, 1)), (-result.supports[0].reactions[1], (4, 1)), (-last, (1, 4.2))]
+        moment, shear = by_statics([], forces, [], (0, y), (x, y))
+        assert section.shear == pytest.approx(shear, abs=1e-7)
+        assert section.moment == pytest.approx(moment, abs=1e-6)

@@ -15,7 +15,7 @@ from signorini.discretise.quadrature import Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
 from signorini.discretise.sections import Sections
-from signorini.discretise.sections.acting import Spread
+from signorini.discretise.sections.acting import Push, Spread
 from signorini.discretise.zones import Zones
 from signorini.errors import Place, Problems
 from signorini.mesh import Mesh
@@ -133,10 +133,15 @@ def _load(zones: Zones, onto: Onto, plate: _core.Plate, footprints: Footprints, 
         case "line_load":
             assert load.line_load is not None
             order = _GAUSS if load.line_load.is_constant else _GAUSS_VARYING
-            sides = mesh_edges(mesh, load, place)
-            points = along_curve(mesh, model.plate, load, place, sides, order, levels=load.line_load.levels)
-            force = load.line_load(*points.positions.T, place=(*place, "line_load"))
-            onto.push(points, points.weights * force)
+            formula, sides = load.line_load, mesh_edges(mesh, load, place)
+
+            def along(levels: Levels) -> Push:
+                levels = (*formula.levels, *levels)
+                points = along_curve(mesh, model.plate, load, place, sides, order, levels=levels)
+                force = points.weights * formula(*points.positions.T, place=(*place, "line_load"))
+                return Push(points.elements, points.xi, points.positions, force)
+
+            onto.draw(along)
         case "force":
             assert load.force is not None and load.at is not None
             spread = footprints.of(load, place)
@@ -177,6 +182,12 @@ class Onto:
         """Add forces (q,) at points."""
         self._add(points.elements, points.xi, force)
         self.through += self._sections.of_points(points.elements, points.xi, points.positions, force)
+
+    def draw(self, along: Callable[[Levels], Push]) -> None:
+        """Add forces along a line, whose points are divided where levels change sign."""
+        whole = along(())
+        self._add(whole.elements, whole.xi, whole.force)
+        self.through += self._sections.of_line(whole, along)
 
     def spread(self, over: Quadrature, spread: Spread) -> None:
         """Add a pressure, integrated at points."""

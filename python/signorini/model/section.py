@@ -3,23 +3,52 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from itertools import pairwise
+from typing import Annotated
 
 import numpy as np
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
-from signorini.model.base import Polyline, Positive, Stations, Table, Text
+from signorini.errors import point
+from signorini.model.base import Complaint, Point, Polyline, Positive, Stations, Table, Text
 from signorini.shapes import Floats
+from signorini.shapes.regions import meeting
 
 _STATIONS = 21
 """Twenty steps meet supports, middles and quarters of one to five equal spans."""
+_CLOSED = 1e-5
+"""Part of a line's extent within which its ends are one: coordinates are written with so many digits or more."""
+
+
+def _closing(line: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Let a line that ends in its first point but for rounding end there."""
+    extent = float(np.ptp(np.array(line), axis=0).max())
+    near = len(line) > 2 and math.dist(line[0], line[-1]) <= _CLOSED * extent
+    return (*line[:-1], line[0]) if near else line
+
+
+def _pieces(line: tuple[Point, ...]) -> Floats:
+    return np.array(list(pairwise(line)))
 
 
 class Section(Table):
     """A line through the plate: the force and the moments that one part of the plate gives the other along it."""
 
     name: Text = Field(default="", description='Name, each once; default "section 1", "section 2", ...')
-    line: Polyline = Field(description="The line [[x, y], [x, y], ...]; it begins and ends on the plate.")
+    line: Annotated[Polyline, AfterValidator(_closing)] = Field(
+        description="The line [[x, y], [x, y], ...]; it begins and ends on the plate."
+    )
+
+    def _complaints(self) -> Iterator[Complaint]:
+        met = meeting(_pieces(self.line), self.line[0] == self.line[-1])
+        if met is not None:
+            one, other = (f"from {point(self.line[at])} to {point(self.line[at + 1])}" for at in met)
+            yield (
+                ("line",),
+                f"the line goes back, or crosses or touches itself: its pieces {one} and {other} meet. A section has "
+                "one part of the plate on its left and one on its right; split it into several sections.",
+            )
 
 
 class Strip(Table):
@@ -31,6 +60,12 @@ class Strip(Table):
     stations: Stations = Field(
         default=_STATIONS, description="How many stations, evenly from one end of the line to the other; default 21."
     )
+
+    def _complaints(self) -> Iterator[Complaint]:
+        for a, b, c in zip(self.line, self.line[1:], self.line[2:], strict=False):
+            met = meeting(_pieces((a, b, c)), False)
+            if met is not None:
+                yield ("line",), f"the line goes back on itself at {point(b)}. Split it into two strips."
 
     @property
     def places(self) -> tuple[Floats, Floats]:

@@ -282,32 +282,53 @@ def _cross(a: Floats, b: Floats) -> Floats:
 def _require_simple(segments: Floats) -> None:
     """Refuse sides that meet anywhere but at the corner they share, and sides that fold back."""
     count = len(segments)
-    a, b = segments[:, 0], segments[:, 1]
-    along = b - a
-    tiny = 1e-12 * float(np.ptp(a, axis=0).max()) ** 2
-    coincide = (along == 0.0).all(axis=1)
+    coincide = (segments[:, 0] == segments[:, 1]).all(axis=1)
     if coincide.any():
         corner = int(np.argmax(coincide)) + 1
         raise InputError(f"Corners {corner} and {corner % count + 1} of the polygon coincide; leave one out.")
+    met = meeting(segments, True)
+    if met is None:
+        return
+    one, other = met
+    if other == (one + 1) % count:
+        raise InputError(f"The polygon folds back on itself at corner {other + 1}: it encloses nothing there.")
+    raise InputError(
+        f"The polygon crosses or touches itself: the sides from corners {one + 1} and {other + 1} meet. Give the "
+        "corners in order around the outline, or split it into several polygons."
+    )
+
+
+def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
+    """Find two of the segments (k, 2, 2) of a line that meet but where one ends in the other, or None.
+
+    The second follows the first where it folds back on it. After the last one of a closed line comes the first.
+
+    Examples
+    --------
+    >>> meeting(np.array([[[0.0, 0.0], [2.0, 0.0]], [[2.0, 0.0], [1.0, 1.0]], [[1.0, 1.0], [1.0, -1.0]]]), False)
+    (0, 2)
+    """
+    count = len(segments)
+    a, b = segments[:, 0], segments[:, 1]
+    along = b - a
+    tiny = 1e-12 * float(np.ptp(segments.reshape(-1, 2), axis=0).max()) ** 2
     onward = np.roll(along, -1, axis=0)
     folds = (np.abs(_cross(along, onward)) <= tiny) & ((along * onward).sum(axis=1) < 0.0)
+    folds[-1] &= closed
     if folds.any():
-        corner = (int(np.argmax(folds)) + 1) % count + 1
-        raise InputError(f"The polygon folds back on itself at corner {corner}: it encloses nothing there.")
+        piece = int(np.argmax(folds))
+        return piece, (piece + 1) % count
     low, high = np.minimum(a, b), np.maximum(a, b)
     numbers = np.arange(count)
     for first in np.array_split(np.arange(count), 1 + count**2 // _PAIRS):
         near = ((low[first, None] <= high) & (high[first, None] >= low)).all(axis=2)
         # Every pair once, without those that share a corner.
-        near &= (numbers > first[:, None] + 1) & ((first[:, None] > 0) | (numbers < count - 1))
+        near &= (numbers > first[:, None] + 1) & ((first[:, None] > 0) | (numbers < count - 1) | (not closed))
         i, j = np.nonzero(near)
         i = first[i]
         ends = np.stack([_cross(along[i], a[j] - a[i]), _cross(along[i], b[j] - a[i])])
         mine = np.stack([_cross(along[j], a[i] - a[j]), _cross(along[j], b[i] - a[j])])
         apart = (ends > tiny).all(0) | (ends < -tiny).all(0) | (mine > tiny).all(0) | (mine < -tiny).all(0)
         if not apart.all():
-            one, other = i[np.argmin(apart)] + 1, j[np.argmin(apart)] + 1
-            raise InputError(
-                f"The polygon crosses or touches itself: the sides from corners {one} and {other} meet. Give the "
-                "corners in order around the outline, or split it into several polygons."
-            )
+            return int(i[np.argmin(apart)]), int(j[np.argmin(apart)])
+    return None

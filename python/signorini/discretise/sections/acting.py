@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,6 +39,15 @@ class Spread:
         return cls(shape, _ORDER, (), lambda _, at: np.full(len(at), pressure))
 
 
+class Push(NamedTuple):
+    """Forces (q,), down, at reference points (q, 2) of elements (q,), their positions (q, 2)."""
+
+    elements: Ints
+    xi: Floats
+    positions: Floats
+    force: Floats
+
+
 @dataclass(frozen=True, eq=False)
 class Acting:
     """What supports act through: rows (m,), positions, directions, whose and which of its points they are.
@@ -58,6 +68,20 @@ def of_points(cut: Cut, mesh: Mesh, elements: Ints, xi: Floats, positions: Float
     place, some = placed(cut.elements, elements)
     rows = _deflections(mesh, elements[some], xi[some], force[some])
     return np.asarray(cut.work(place, rows, cut.lefts(positions[some])).sum(axis=0))
+
+
+def of_line(cut: Cut, mesh: Mesh, whole: Push, divided: Push) -> Floats:
+    """What forces along a line add (3,), and those of the same line divided where it crosses the cut's."""
+    place, some = placed(cut.elements, whole.elements)
+    if not len(place):
+        return np.zeros(3)
+    nodal = _deflections(mesh, whole.elements[some], whole.xi[some], whole.force[some])
+    left = np.where(cut.divided()[place], 0.0, cut.lefts(whole.positions[some]))
+    found = cut.work(place, nodal, left).sum(axis=0)
+    place, some = placed(cut.elements, divided.elements)
+    force = cut.lefts(divided.positions[some]) * divided.force[some]
+    rows = _deflections(mesh, divided.elements[some], divided.xi[some], force)
+    return np.asarray(found - np.einsum("qcd,qd->c", cut.motion[place], rows))
 
 
 def of_couples(cut: Cut, elements: Ints, positions: Floats, rows: Floats) -> Floats:

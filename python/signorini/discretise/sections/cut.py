@@ -99,6 +99,11 @@ class Cut:
         """What part (q,) of something at positions (q, 2) acts on the left."""
         return np.asarray(0.5 - 0.5 * self.line.near(positions).side)
 
+    def level(self, positions: Floats) -> Floats:
+        """Give numbers (q,) for positions (q, 2) that change their sign where the line is, and nowhere near it."""
+        near = self.line.near(positions)
+        return np.where(near.side == 0, near.off[np.arange(len(positions)), near.piece], near.side)
+
 
 def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[Point]) -> Cut:
     """Cut a plate of a kind of elements along a line through points.
@@ -184,8 +189,8 @@ def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
     """
     line, beyond = followed.line, np.where(followed.inside, followed.reach, 0.0)
     x0, y0, x1, y1 = line.extended(followed.reach).bounds
-    boxes = mesh.boxes
-    (near,) = np.nonzero((boxes[:, 0] <= x1) & (boxes[:, 2] >= x0) & (boxes[:, 1] <= y1) & (boxes[:, 3] >= y0))
+    low, high = mesh.boxes[:, :2] - line.touching, mesh.boxes[:, 2:] + line.touching
+    (near,) = np.nonzero((low <= [x1, y1]).all(axis=1) & (high >= [x0, y0]).all(axis=1))
     met, divided = np.zeros(len(near), np.bool_), np.zeros(len(near), np.bool_)
     nodes = mesh.points[mesh.elements[near][:, _AROUND]]
     pieces = []

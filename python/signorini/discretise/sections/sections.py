@@ -14,12 +14,15 @@ from signorini import _core
 from signorini.base.brief import Brief
 from signorini.discretise.frames import Held
 from signorini.discretise.quadrature import curve_quadrature
+from signorini.discretise.quadrature.stepped import Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.sections.acting import (
     Acting,
+    Push,
     Spread,
     footprints_of,
     of_couples,
+    of_line,
     of_points,
     of_spread,
     of_supports,
@@ -81,6 +84,13 @@ class Sections(Brief):
     def of_points(self, elements: Ints, xi: Floats, positions: Floats, force: Floats) -> Floats:
         """Give the part (3s,) of forces (q,), down, at points (q, 2) of elements (q,)."""
         return self._sum(elements, lambda one: of_points(one, self.mesh, elements, xi, positions, force))
+
+    def of_line(self, whole: Push, divided: Callable[[Levels], Push]) -> Floats:
+        """Give the part (3s,) of forces along a line, that are given once more, divided where levels change sign."""
+        if not self._met[whole.elements].any():
+            return np.zeros(3 * len(self.cuts))
+        crossed = divided([one.level for one in self.cuts])
+        return np.concatenate([of_line(one, self.mesh, whole, crossed) for one in self.cuts])
 
     def of_couples(self, elements: Ints, positions: Floats, rows: Floats) -> Floats:
         """Give the part (3s,) of couples with rows (q, 24) at points (q, 2) of elements (q,)."""
