@@ -85,14 +85,18 @@ class Zones:
         inside, parted = np.zeros((2, len(model.zone), count), np.bool_)
         middles = mesh.map(np.arange(count), mesh.triangles[:, None] * CENTROID)
         found = cls(model, inside, parted, *_rigidities(model))
-        sliver = np.where(found._in_strips(mesh), _ROUNDING, _SLIVER)
+        points = []
         for index, zone in enumerate(model.zone):
             with problems.collected():
-                points = in_area(mesh, model.plate, zone.area, ("zone", index), 3)
-                part = np.bincount(points.elements, points.weights, count)
-                least = sliver * np.minimum(area, zone.region.area)
-                parted[index] = (part > least) & (part < area - least)
-                inside[index] = np.where(parted[index], zone.region.contains(middles), part > least)
+                points.append(in_area(mesh, model.plate, zone.area, ("zone", index), 3))
+        if len(points) < len(model.zone):
+            return found
+        sliver = np.where(found._in_strips(mesh), _ROUNDING, _SLIVER)
+        for index, (zone, quadrature) in enumerate(zip(model.zone, points, strict=True)):
+            part = np.bincount(quadrature.elements, quadrature.weights, count)
+            least = sliver * np.minimum(area, zone.region.area)
+            parted[index] = (part > least) & (part < area - least)
+            inside[index] = np.where(parted[index], zone.region.contains(middles), part > least)
         return found
 
     @property
