@@ -156,7 +156,7 @@ def schema() -> dict[str, Any]:
     Examples
     --------
     >>> sorted(schema()["required"])
-    ['load', 'material', 'plate']
+    ['load', 'plate']
     """
     body: dict[str, Any] = _for_toml(Model.model_json_schema(schema_generator=_SchemaGenerator))
     return {
