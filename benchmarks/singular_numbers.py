@@ -32,8 +32,8 @@ from signorini.analysis.twins.leaves import (
     kind_of,
     leaves,
     may_grow,
+    sections_at,
     sizes_of,
-    thickness_at,
 )
 from signorini.analysis.twins.meshes import side
 from signorini.results.figures import figures
@@ -90,7 +90,7 @@ def _peak(result, kind, reach):
     """The largest of a field at nodes away from what is named for it, and where."""
     points = result.stress_nodes.points
     far = np.ones(len(points), np.bool_)
-    if kind == "shear" and thickness_at(result.model, result.mesh.points).mean() < side(result.mesh):
+    if kind == "shear" and sections_at(result.model, result.mesh.points)[0].mean() < side(result.mesh):
         ends = result.mesh.points[result.mesh.boundary[:, [0, 2]]]
         far = distances(points, ends[:, 0], ends[:, 1]).min(axis=1) > 2.0 * side(result.mesh)
     for one in result.singular:

@@ -196,7 +196,7 @@ def test_a_line_load_is_divided_where_a_line_crosses_it(seed):
 
 @pytest.mark.parametrize("angle", [15, 18, 24, 30])
 def test_a_line_may_end_in_a_node_of_a_round_edge(angle):
-    """Whose coordinates are rounded; of sines and cosines too."""
+    """Whose coordinates are rounded; of sines and cosines too, and those of an end that is short of it."""
     x, y = 6 * math.cos(math.radians(angle)), 6 * math.sin(math.radians(angle))
     model = Model(
         material={"E": 30e9, "nu": 0.2},
@@ -204,7 +204,10 @@ def test_a_line_may_end_in_a_node_of_a_round_edge(angle):
         mesh={"size": 0.4, "error": False},
         support=[{"at": [[1, 1], [4, 1], [1, 4.2]], "patch": [0.2, 0.2]}],
         load=[{"force": 100.0, "at": [2, 2], "patch": [0.2, 0.2]}],
-        section=[{"line": [[0, round(y, digits)], [round(x, digits), round(y, digits)]]} for digits in (16, 9)],
+        section=[
+            *({"line": [[0, round(y, digits)], [round(x, digits), round(y, digits)]]} for digits in (16, 9)),
+            *({"line": [[0, y], [x - short, y]]} for short in (2e-8, 1e-6)),
+        ],
     )
     result = solved(model)
     first, _, last = result.supports[0].reactions

@@ -167,6 +167,8 @@ class _Followed:
             )
             self.inside = where.inside & ~past
         self.reach = _BEYOND * float(np.hypot(*(mesh.boxes[:, 2:] - mesh.boxes[:, :2]).T).max())
+        # What ends short of an edge by less than that may miss nodes on it.
+        self.beyond = np.where(self.inside, self.reach, 0.0 if line.closed else _BESIDE * mesh.size)
 
     def near(self, points: Floats) -> Near:
         """Find where points (q, 2) are from the line."""
@@ -187,7 +189,7 @@ def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
 
     And what of it is in each; of elements with curved sides as if these were straight between nodes.
     """
-    line, beyond = followed.line, np.where(followed.inside, followed.reach, 0.0)
+    line, beyond = followed.line, followed.beyond
     x0, y0, x1, y1 = line.extended(followed.reach).bounds
     low, high = mesh.boxes[:, :2] - line.touching, mesh.boxes[:, 2:] + line.touching
     (near,) = np.nonzero((low <= [x1, y1]).all(axis=1) & (high >= [x0, y0]).all(axis=1))
