@@ -12,6 +12,7 @@ import sys
 
 import getfem as gf
 import numpy as np
+from getfem_plate import plate
 
 SIDE, THICKNESS, YOUNG, POISSON = 2.0, 0.1, 1e7, 0.3
 CUT = {"L": (1.0, 1.0, 2.0, 2.0), "hole": (0.75, 0.75, 1.25, 1.25)}
@@ -34,17 +35,7 @@ def solve(case, elements):
     free = [case == "hole" and inside(mesh.pts_from_cvid(c)[0], (0.5, 0.5, 1.5, 1.5)).all() for c in faces[0]]
     mesh.set_region(1, faces[:, ~np.array(free)])
 
-    plane, slopes = gf.MeshFem(mesh, 1), gf.MeshFem(mesh, 2)
-    for space in (plane, slopes):
-        space.set_fem(gf.Fem("FEM_QK(2,1)"))
-    rule = gf.MeshIm(mesh, gf.Integ("IM_GAUSS_PARALLELEPIPED(2,4)"))
-    model = gf.Model("real")
-    model.add_fem_variable("w", plane)
-    model.add_fem_variable("theta", slopes)
-    for name, value in (("E", YOUNG), ("nu", POISSON), ("thickness", THICKNESS), ("kappa", 5 / 6)):
-        model.add_initialized_data(name, [value])
-    # The last argument is GetFEM's MITC4.
-    model.add_Mindlin_Reissner_plate_brick(rule, rule, "w", "theta", "E", "nu", "thickness", "kappa", 2)
+    model, plane, rule = plate(mesh, YOUNG, POISSON, THICKNESS)
     model.add_linear_term(rule, "-Test_w")
     model.add_Dirichlet_condition_with_simplification("w", 1)
     if case == "hole":

@@ -12,6 +12,7 @@ import time
 
 import getfem as gf
 import numpy as np
+from getfem_plate import plate
 
 SIDE, THICKNESS, YOUNG, POISSON, SOIL = 10.0, 0.3, 30e9, 0.2, 30e6
 UNIFORM, PATCH, PATCH_ENDS = 2e3, 500e3, (0.5, 1.5)
@@ -24,21 +25,9 @@ def peak_mb():
 def solve(elements):
     stations = np.linspace(0.0, SIDE, elements + 1)
     mesh = gf.Mesh("cartesian", stations, stations)
-    plane, slopes = gf.MeshFem(mesh, 1), gf.MeshFem(mesh, 2)
-    for space in (plane, slopes):
-        space.set_fem(gf.Fem("FEM_QK(2,1)"))
-    rule = gf.MeshIm(mesh, gf.Integ("IM_GAUSS_PARALLELEPIPED(2,4)"))
-
-    model = gf.Model("real")
-    model.add_fem_variable("w", plane)
-    model.add_fem_variable("theta", slopes)
-    for name, value in (
-        *(("E", YOUNG), ("nu", POISSON), ("thickness", THICKNESS), ("kappa", 5 / 6), ("soil", SOIL)),
-        *(("uniform", UNIFORM), ("patch", PATCH)),
-    ):
+    model, plane, rule = plate(mesh, YOUNG, POISSON, THICKNESS)
+    for name, value in (("soil", SOIL), ("uniform", UNIFORM), ("patch", PATCH)):
         model.add_initialized_data(name, [value])
-    # The last argument is GetFEM's MITC4.
-    model.add_Mindlin_Reissner_plate_brick(rule, rule, "w", "theta", "E", "nu", "thickness", "kappa", 2)
     model.add_nonlinear_term(rule, "soil * pos_part(w) * Test_w")
     model.add_linear_term(rule, "-uniform * Test_w")
     # The mesh follows the patch.
