@@ -1,10 +1,12 @@
 """Does anything grow for ever without a name? Random plates with points, on four meshes each of half the size.
 
-Of every plate the numbers of results.json, and the largest moments and shears at nodes away from all places that are
-named for them, by two elements of the first mesh or `within`; shears of plates thinner than the last mesh's elements
-also away from edges by two of these, where they grow until elements know the boundary layer
-(signorini.analysis.twins.layers). What grows on all three steps, by the rule of signorini.analysis.twins.half_width,
-has to be named: on fewer, what a boundary layer does grows too while elements are larger than the plate is thick.
+Of every plate the numbers of results.json, and the largest moments and shears away from all places that are named for
+them on the first mesh, by two of its elements or `within`, at the nodes of the last. What grows on all three steps, by
+the rule of signorini.analysis.twins.half_width, has to be named. Two things grow so and have a limit, and are left out:
+
+- plates thinner than elements of the last mesh but one: their boundary layers, of edges, steps of the thickness and
+  ends of supports, grow on every mesh that does not see them (signorini.analysis.twins.layers);
+- pressures beside supports at points, which hold the less of the plate the finer the mesh, by its logarithm.
 
     python benchmarks/singular_numbers.py [--count 100] [--first 700000] [--along 8 12] [--seconds 3600]
     python benchmarks/singular_numbers.py --check        a few, to see that the script works
@@ -37,7 +39,6 @@ from signorini.analysis.twins.leaves import (
 )
 from signorini.analysis.twins.meshes import side
 from signorini.results.figures import figures
-from signorini.shapes.distances import distances
 
 _TOO_LONG = 30
 
@@ -66,19 +67,27 @@ def unnamed(seed, along):
     if any(result.status != "solved" for result in results):
         return None
     sizes = [side(result.mesh) for result in results]
+    if sections_at(model, results[0].mesh.points)[0].min() < sizes[1]:
+        return None
     reach, own = 2.0 * sizes[-1], results[-1]
     trees = [figures(result) for result in results]
     found = [leaves(tree) for tree in trees]
     largest = sizes_of({path: np.array([value]) for path, value in found[-1].items()}, own.model, own.mesh)
-    grows = may_grow(list(found[-1]), trees[-1], own.singular, reach).tolist()
-    limited = [path for path, may in zip(found[-1], grows, strict=True) if not may]
+    grows = may_grow(list(found[-1]), trees[-1], own.singular, reach)
+    if {one.source for one in own.singular if "deflection" in one.numbers} & {one.name for one in own.supports}:
+        grows |= [kind_of(path) in ("max_pressure", "max_tension") for path in found[-1]]
+    limited = [path for path, may in zip(found[-1], grows.tolist(), strict=True) if not may]
     rows = [
         (".".join(map(str, path)), largest[kind_of(path)].item(), [of.get(path, np.nan) for of in found])
         for path in limited
     ]
     for kind in ("moment", "shear"):
-        peaks = [_peak(result, kind, reach) for result in results]
-        rows.append((f"largest {kind} at {peaks[0][1]}", largest[kind].item(), [peak for peak, _ in peaks]))
+        points = _away_from_named(results, kind, reach)
+        if len(points) == 0:
+            continue
+        sizes_there = [np.abs([getattr(at, kind) for at in result.probe(points)]).max(axis=1) for result in results]
+        where = points[sizes_there[0].argmax()].round(6).tolist()
+        rows.append((f"largest {kind} at {where}", largest[kind].item(), [peak.max() for peak in sizes_there]))
     values, none = np.array([row[2] for row in rows]).T, np.zeros(len(rows))
     size = np.array([row[1] for row in rows])
     steps = ((values[k : k + 3], sizes[k : k + 3]) for k in (0, 1))
@@ -86,18 +95,14 @@ def unnamed(seed, along):
     return [f"{row[0]}: {row[2][::-1]}" for row, grows in zip(rows, growing, strict=True) if grows]
 
 
-def _peak(result, kind, reach):
-    """The largest of a field at nodes away from what is named for it, and where."""
-    points = result.stress_nodes.points
-    far = np.ones(len(points), np.bool_)
-    if kind == "shear" and sections_at(result.model, result.mesh.points)[0].mean() < side(result.mesh):
-        ends = result.mesh.points[result.mesh.boundary[:, [0, 2]]]
-        far = distances(points, ends[:, 0], ends[:, 1]).min(axis=1) > 2.0 * side(result.mesh)
-    for one in result.singular:
+def _away_from_named(results, kind, reach):
+    """Nodes of the last mesh, on all meshes, away from what is named on the first."""
+    points = results[0].mesh.points
+    far = np.all([result.mesh.locate(points).inside for result in results], axis=0)
+    for one in results[-1].singular:
         if kind in one.numbers:
             far &= away(points, one) > max(reach, one.within)
-    size = np.where(far, np.abs(result.stress_nodes.spread(getattr(result, kind))).max(axis=1), 0.0)
-    return float(size.max()), points[size.argmax()].round(6).tolist()
+    return points[far]
 
 
 def main():

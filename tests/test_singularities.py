@@ -49,9 +49,6 @@ NOTHING = {
         "support": [{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down", "radius": 0.3}],
         "load": [{"line_load": 1, "edge": "right"}],
     },
-    "a hard line to free edges": {
-        "support": [{"edge": ["left", "right"], "fix": "hard"}, {"line": [[2, 0], [2, 4]], "fix": "hard"}]
-    },
     "a load that is none": {"support": [HARD], "load": [{"force": 0, "at": [2, 2]}, PRESSURE]},
 }
 NAMED = {
@@ -131,6 +128,11 @@ NAMED = {
         [[2, 0], [2, 4]],
         "shear pressure",
     ),
+    "a hard line to free edges": (
+        {"support": [{"edge": ["left", "right"], "fix": "hard"}, {"line": [[2, 0], [2, 4]], "fix": "hard"}]},
+        [[2, 0], [2, 4]],
+        "moment",
+    ),
     "the end of a load on an edge": (
         {"support": [{"edge": "left", "fix": "hard"}], "load": [{"line_load": 1, "line": [[4, 0], [4, 2]]}]},
         [[4, 2]],
@@ -161,6 +163,30 @@ def test_singular_numbers_are_named_with_their_place(plate):
         np.testing.assert_allclose(
             sorted(at for one in those for at in one.where), sorted(map(tuple, where)), atol=1e-9
         )
+
+
+RING = {"circle": {"center": [1, 0], "radius": 2}}
+STRAIGHT = {"edge": ["start", "end"], "fix": "hard"}
+ON_HALF_DISCS = {
+    "a soft ring": ({"support": [{**RING, "fix": "simple"}]}, "shear pressure"),
+    "a ring that lets go": ({"support": [{**RING, "resists": "down"}]}, "shear pressure"),
+    "a ring that holds the slope across": ({"support": [{**RING, "fix": ["w", "slope"]}]}, "moment shear pressure"),
+    "a clamped ring": ({"support": [{**RING, "fix": "clamped"}]}, "moment"),
+    "a round line load": ({"support": [STRAIGHT], "load": [{**RING, "line_load": 1}]}, "shear"),
+}
+
+
+@pytest.mark.parametrize("plate", ON_HALF_DISCS)
+def test_rings_end_at_the_straight_sides_of_a_half_disc(plate):
+    tables, numbers = ON_HALF_DISCS[plate]
+    model = Model(
+        material={"E": 30e9, "nu": 0.3},
+        plate={"shape": "disc", "radius": 3, "center": [1, 0], "sector": 180, "thickness": 0.3},
+        mesh={"divisions": [6, 6]},
+        **{"load": [PRESSURE]} | tables,
+    )
+    (where,) = [one.where for one in singularities(discretise(model)) if one.numbers == tuple(numbers.split())]
+    np.testing.assert_allclose(sorted(where), [[-1, 0], [3, 0]], atol=1e-9)
 
 
 def test_corners_have_the_exponents_of_the_literature():
@@ -350,12 +376,17 @@ def test_extremes_name_the_singular_place_that_they_leave_out():
     assert written["fields"]["mx"]["max_beside"] == mx.max_beside
 
 
-@pytest.mark.parametrize(("plate", "number"), [("ends of a line load", "shear"), ("a force", "moment")])
+@pytest.mark.parametrize(
+    ("plate", "number"),
+    [("ends of a line load", "shear"), ("a force", "moment"), ("a hard line to free edges", "moment")],
+)
 def test_what_is_named_grows_with_every_finer_mesh(plate, number):
     tables, where, _ = NAMED[plate]
     peaks = []
     for n in (8, 16, 32):
-        result = solve(rectangular(**{"divisions": [n, n], "thickness": 0.5, "support": [HARD]} | tables))["all"]
+        result = solve(
+            rectangular(**{"divisions": [n, n], "thickness": 0.5, "support": [HARD], "load": [PRESSURE]} | tables)
+        )["all"]
         near = np.hypot(*(result.mesh.points - where[0]).T) < 0.3
         peaks.append(np.abs(getattr(result, number)[near]).max())
     first, second = np.diff(peaks)

@@ -76,8 +76,10 @@ def _overlap(rng: Random, tables: random_models.Tables) -> None:
 def _weight(tables: random_models.Tables) -> float:
     """A force that bends the plate by a thousandth of its size."""
     size = random_models.extent(tables["plate"])
+    given = tables["plate"].get("stiffness")
     thickness = float(str(tables["plate"]["thickness"]).split("*")[0].strip("()"))
-    return float(1e-3 * tables["material"]["E"] * thickness**3 / 12 / size)
+    rigidity = given["Dx"] if given else tables["material"]["E"] * thickness**3 / 12
+    return float(1e-3 * rigidity / size)
 
 
 def judged(seed: int, least: int = 8, most: int = 16) -> list[Judged]:

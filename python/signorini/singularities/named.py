@@ -14,9 +14,9 @@ from signorini.discretise.places import curve, region
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import point
 from signorini.mesh import Mesh
-from signorini.model import Load, Support
+from signorini.model import AnnulusPlate, DiscPlate, Load, Support
 from signorini.model.footprint import KEYS as FOOTPRINT
-from signorini.shapes import Circle, Polyline, Ring
+from signorini.shapes import Circle, Curve, Polyline
 from signorini.singularities.boundary import Boundary
 from signorini.singularities.corners import moments_grow, slopes_held
 
@@ -246,7 +246,7 @@ def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity
     """Ends and corners of lines, and outlines of rigid areas."""
     rigid = _rigid(support)
     along, shape = curve(support), region(support.area)
-    if isinstance(along, Polyline):
+    if along is not None:
         for numbers, ends in _ends_of_line(found, along, support).items():
             advice = "Give it a stiffness, or take values from beside it." if rigid else "Take values from beside it."
             yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
@@ -339,13 +339,11 @@ def _ends_of_load(found: Discretisation, load: Load) -> tuple[tuple[float, float
     along = curve(load)
     if along is None:
         return _ends_on_edges(found, load)
-    if isinstance(along, Ring):
-        return ()
-    points = np.array(along.points)
+    points, directions_of = _points_along(found, along)
     value = np.abs(load.line_load(*points.T))
     acts = value > _ENDS * value.max(initial=0.0)
     chosen = []
-    for at, directions, act in zip(points, _directions(points), acts, strict=True):
+    for at, directions, act in zip(points, directions_of, acts, strict=True):
         ends = _bends(*directions) if len(directions) == 2 else _load_ends(edge, at, directions[0])
         if act and ends:
             chosen.append(at)
@@ -392,15 +390,15 @@ def _ends_on_edges(found: Discretisation, load: Load) -> tuple[tuple[float, floa
 
 
 def _ends_of_line(
-    found: Discretisation, along: Polyline, support: Support
+    found: Discretisation, along: Curve, support: Support
 ) -> dict[tuple[str, ...], tuple[tuple[float, float], ...]]:
     """Ends and corners of a line that supports the plate, by the numbers that have no limit there."""
-    edge, points = _boundary(found), np.array(along.points)
+    edge = _boundary(found)
     own = slopes_held("slope" in support.fixed, "twist" in support.fixed)
     rigid, acts = _rigid(support), support.holds_w
     of_deflection = ("shear", "pressure") if rigid else ("shear",) if acts else ()
     places: dict[tuple[str, ...], list[Floats]] = {}
-    for at, directions in zip(points, _directions(points), strict=True):
+    for at, directions in zip(*_points_along(found, along), strict=True):
         rays = edge.rays(at) if len(directions) == 1 else []
         within = [float(np.arccos(np.clip(ray @ directions[0], -1.0, 1.0))) for _, ray in rays]
         if any(min(angle, np.pi - angle) <= _STRAIGHT for angle in within) or not (
@@ -413,13 +411,32 @@ def _ends_of_line(
             held = np.array([edge.held[side] for side, _ in rays])
             askew = any(abs(angle - 0.5 * np.pi) > _STRAIGHT for angle in within)
             sides = zip(within, rays, strict=True)
-            bends = any(moments_grow(a, own, edge.slopes(side), float(edge.poisson[side])) for a, (side, _) in sides)
+            # At a right angle slopes part into those even about the line and those odd; where one is held, the other is
+            # zero by symmetry, so that one of both parts is clamped.
+            bends = any(
+                moments_grow(a, "clamped", edge.slopes(side), float(edge.poisson[side])) for a, (side, _) in sides
+            )
             # A rigid line and an edge are a corner; an elastic one acts as a line load does.
             grows = not held.all() and (askew or "twist" not in support.fixed) if rigid else held.any() or askew
             numbers = (("moment",) if own != "free" and bends else ()) + (of_deflection if grows else ())
         if numbers:
             places.setdefault(numbers, []).append(at)
     return {numbers: _points(np.array(those)) for numbers, those in places.items()}
+
+
+def _points_along(found: Discretisation, along: Curve) -> tuple[Floats, list[list[Floats]]]:
+    """Points (n, 2) of a line, and its directions (2,) from each: one at an end; of a circle those on the plate."""
+    if isinstance(along, Polyline):
+        points = np.array(along.points)
+        return points, _directions(points)
+    plate = found.model.plate
+    cut = isinstance(plate, DiscPlate | AnnulusPlate) and plate.sector < 360 and along.center == plate.center
+    points = _around(along.center, along.radius, plate.sector if cut else 360.0)
+    tangents = np.column_stack([along.center[1] - points[:, 1], points[:, 0] - along.center[0]]) / along.radius
+    directions = [[-tangent, tangent] for tangent in tangents]
+    if cut:
+        directions[0], directions[-1] = [tangents[0]], [-tangents[-1]]
+    return points, directions
 
 
 def _directions(points: Floats) -> list[list[Floats]]:
@@ -436,8 +453,8 @@ def _bends(back: Floats, on: Floats) -> bool:
     return bool(-back @ on < np.cos(_STRAIGHT))
 
 
-def _around(center: tuple[float, float], radius: float) -> Floats:
-    turn = 2 * np.pi * np.arange(_TURN) / _TURN
+def _around(center: tuple[float, float], radius: float, degrees: float = 360.0) -> Floats:
+    turn = np.radians(np.linspace(0.0, degrees, _TURN + 1))
     return np.asarray(center + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
 
 
