@@ -1,12 +1,14 @@
 """Does anything grow for ever without a name? Random plates with points, on four meshes each of half the size.
 
-Of every plate the numbers of results.json, and the largest moments and shears away from all places that are named for
-them on the first mesh, by two of its elements or `within`, at the nodes of the last. What grows on all three steps, by
-the rule of signorini.analysis.twins.half_width, has to be named. Two things grow so and have a limit, and are left out:
+Of every plate the numbers of results.json, and where moments and shears are largest on the last mesh, away from all
+places that are named for them on the first, by two of its elements or `within`. What grows on all three steps, by the
+rule of signorini.analysis.twins.half_width, has to be named. Two things grow so and have a limit:
 
-- plates thinner than elements of the last mesh but one: their boundary layers, of edges, steps of the thickness and
-  ends of supports, grow on every mesh that does not see them (signorini.analysis.twins.layers);
-- pressures beside supports at points, which hold the less of the plate the finer the mesh, by its logarithm.
+- the boundary layers of edges, steps of the thickness and ends of supports, on every mesh that does not see them
+  (signorini.analysis.twins.layers): plates whose layer is that of a solid one thinner than elements of the last mesh
+  but one are left out;
+- all numbers of a plate on points, which hold the less of it the finer the mesh, by its logarithm: then the largest
+  moments and shears are judged alone. These are taken over the field's mean around them, which grows so too.
 
     python benchmarks/singular_numbers.py [--count 100] [--first 700000] [--along 8 12] [--seconds 3600]
     python benchmarks/singular_numbers.py --check        a few, to see that the script works
@@ -67,16 +69,16 @@ def unnamed(seed, along):
     if any(result.status != "solved" for result in results):
         return None
     sizes = [side(result.mesh) for result in results]
-    if sections_at(model, results[0].mesh.points)[0].min() < sizes[1]:
+    if _thinnest(results[0]) < sizes[1]:
         return None
     reach, own = 2.0 * sizes[-1], results[-1]
     trees = [figures(result) for result in results]
     found = [leaves(tree) for tree in trees]
     largest = sizes_of({path: np.array([value]) for path, value in found[-1].items()}, own.model, own.mesh)
-    grows = may_grow(list(found[-1]), trees[-1], own.singular, reach)
-    if {one.source for one in own.singular if "deflection" in one.numbers} & {one.name for one in own.supports}:
-        grows |= [kind_of(path) in ("max_pressure", "max_tension") for path in found[-1]]
-    limited = [path for path, may in zip(found[-1], grows.tolist(), strict=True) if not may]
+    grows = may_grow(list(found[-1]), trees[-1], own.singular, reach).tolist()
+    limited = [path for path, may in zip(found[-1], grows, strict=True) if not may]
+    if any("reaction" in one.numbers for one in own.singular):
+        limited = []
     rows = [
         (".".join(map(str, path)), largest[kind_of(path)].item(), [of.get(path, np.nan) for of in found])
         for path in limited
@@ -85,14 +87,23 @@ def unnamed(seed, along):
         points = _away_from_named(results, kind, reach)
         if len(points) == 0:
             continue
-        sizes_there = [np.abs([getattr(at, kind) for at in result.probe(points)]).max(axis=1) for result in results]
-        where = points[sizes_there[0].argmax()].round(6).tolist()
-        rows.append((f"largest {kind} at {where}", largest[kind].item(), [peak.max() for peak in sizes_there]))
+        there = np.array([np.abs([getattr(at, kind) for at in result.probe(points)]).max(axis=1) for result in results])
+        at = points[there[0].argmax()]
+        around = np.sqrt((there[:, np.hypot(*(points - at).T) <= reach] ** 2).mean(axis=1))
+        peaks = there.max(axis=1) * around[-1] / np.maximum(around, np.finfo(float).tiny)
+        rows.append((f"largest {kind} at {at.round(6).tolist()}", largest[kind].item(), peaks.tolist()))
     values, none = np.array([row[2] for row in rows]).T, np.zeros(len(rows))
     size = np.array([row[1] for row in rows])
     steps = ((values[k : k + 3], sizes[k : k + 3]) for k in (0, 1))
     growing = np.all([half_widths(*step, 2, FASTEST, none, size, none > 0)[1] for step in steps], axis=0)
     return [f"{row[0]}: {row[2][::-1]}" for row, grows in zip(rows, growing, strict=True) if grows]
+
+
+def _thinnest(result):
+    """The least thickness of a solid plate with as wide a layer."""
+    solid, rigidities, which = sections_at(result.model, result.mesh.points)
+    widths = np.array([math.sqrt(10.0 * one.in_twist / np.linalg.eigvalsh(one.shear).max()) for one in rigidities])
+    return (solid * widths[which]).min()
 
 
 def _away_from_named(results, kind, reach):

@@ -98,6 +98,16 @@ NAMED = {
         "moment shear pressure",
     ),
     "a rigid disc": ({"support": [HARD, {"area": DISC, "resists": "down"}]}, None, "pressure"),
+    "edges on a floor": (
+        {"support": [{"area": "all", "resists": "down"}], "load": [{"force": 1, "at": [2, 2], "patch": [1, 1]}]},
+        None,
+        "pressure",
+    ),
+    "corners on a floor": (
+        {"support": [{"area": "all", "resists": "down"}], "load": [{"force": 1, "at": [2, 2], "patch": [1, 1]}]},
+        [[0, 0], [4, 0], [4, 4], [0, 4]],
+        "shear",
+    ),
     "corners of a rigid area": (
         {"support": [HARD, {"area": BOX, "resists": "down"}]},
         [[1, 1], [3, 1], [3, 3], [1, 3]],
@@ -295,6 +305,21 @@ def test_a_footprint_far_smaller_than_an_element_is_named_as_unresolved(footprin
     assert away_from(found.mesh, [load], "moment").all()
     places = [[2.3, 2.2], [1, 1], [3, 1]]
     assert named(**small, mesh={"refine": [{"at": places, "size": 0.05}]})[1] == ()
+
+
+@pytest.mark.parametrize(
+    "item",
+    [
+        {"support": [HARD, {"circle": {"center": [2, 2], "radius": 0.1}, "stiffness": 1e6}]},
+        {"support": [HARD], "load": [{"line_load": 1, "circle": {"center": [2, 2], "radius": 0.1}}]},
+        {"support": [HARD], "load": [{"line_load": 1, "line": [[1.9, 2], [2.1, 2]]}]},
+    ],
+)
+def test_circles_and_lines_far_smaller_than_an_element_are_named_as_unresolved(item):
+    _, found = named(**item)
+    (one,) = [one for one in found if one.limited]
+    assert one.where == ((2.0, 2.0),)
+    assert "0.2 wide, acts as a point on this mesh" in str(one)
 
 
 def test_wheels_with_small_prints_are_named_as_unresolved():

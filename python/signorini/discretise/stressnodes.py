@@ -1,4 +1,4 @@
-"""Nodes of moments and shears: where what the plate is made of jumps, one for each side."""
+"""Nodes of moments and shears: where they jump, one for each side."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ import numpy as np
 
 from signorini.base.components import components
 from signorini.base.remade import Remade
+from signorini.discretise.places import curve
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
 from signorini.mesh import Location, Mesh
 from signorini.mesh.isoparametric import real_sides
+from signorini.model import Load, Support
 
 _BESIDE = 1e-3
 """How far beside a side of an element its thickness is looked up, and at twice that, of the way to its middle."""
@@ -109,6 +111,9 @@ class StressNodes(Remade):
 def stress_nodes_of(mesh: Mesh, zones: Zones) -> StressNodes:
     """Part nodes on jumps: elements around a node that meet in sides without a jump have it in common.
 
+    Moments and shears jump where what the plate is made of does, shears along lines of supports and of loads, moments
+    where such a support holds a slope.
+
     Examples
     --------
     >>> from signorini.errors import Problems
@@ -126,14 +131,19 @@ def stress_nodes_of(mesh: Mesh, zones: Zones) -> StressNodes:
     (13, [[2.0, 0.0], [2.0, 1.0], [2.0, 2.0]])
     """
     own = StressNodes.of_mesh(mesh)
-    if not zones.model.zone and not any(level.jumps for level in zones.formulas[0].levels):
+    model = zones.model
+    items: tuple[Support | Load, ...] = (*model.support, *model.load)
+    curves = [along for item in items if (along := curve(item)) is not None]
+    followed = [sides[:, 1] for along in curves if (sides := mesh.edges_along(along)) is not None]
+    on_lines = np.concatenate([np.zeros(0, np.int64), *followed])
+    if not model.zone and not any(level.jumps for level in zones.formulas[0].levels) and not len(on_lines):
         return own
     sides = np.flatnonzero(real_sides(mesh.elements).ravel())
     triples = mesh.sides.reshape(-1, 3)
     order = sides[np.argsort(triples[sides, 1], kind="stable")]
     second = np.flatnonzero(triples[order[1:], 1] == triples[order[:-1], 1])
     pairs = np.column_stack([order[second], order[second + 1]])
-    jumps = _jumps(mesh, zones, pairs)
+    jumps = _jumps(mesh, zones, pairs) | np.isin(triples[pairs[:, 0], 1], on_lines)
     if not jumps.any():
         return own
     return _parted(mesh, pairs[~jumps], np.unique(triples[pairs[jumps, 0]]))

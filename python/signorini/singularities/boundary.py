@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -101,6 +102,20 @@ class Boundary:
                 x, y = self.mesh.points[self.sides[side, 2]].tolist()
                 found.append(((x, y), float(np.degrees(angle)), tuple(numbers)))
         return found
+
+    def loops(self) -> Iterator[Floats]:
+        """Closed lines of edges by their corners (m, 2), the first again at the end; where they are round by nodes."""
+        begin, middle, end = (self.mesh.points[self.sides[:, i]] for i in range(3))
+        straight = np.hypot(*(0.5 * (begin + end) - middle).T) <= _ON_EDGE * self.mesh.size
+        turns = (self.angles != np.pi) | ~straight | ~straight[self.following]
+        left = set(range(len(self.sides)))
+        while left:
+            side, loop = min(left), []
+            while side in left:
+                left.remove(side)
+                loop += [end[side]] if turns[side] else []
+                side = int(self.following[side])
+            yield np.array([*loop, loop[0]])
 
     def _shears_grow(self, angle: float, side: int, other: int, held: bool, other_held: bool) -> bool:
         return shears_grow(angle, held, other_held, bool(self.twist[side] if held else self.twist[other]))

@@ -16,9 +16,9 @@ from signorini.errors import point
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, DiscPlate, Load, Support
 from signorini.model.footprint import KEYS as FOOTPRINT
-from signorini.shapes import Circle, Curve, Polyline
+from signorini.shapes import Circle, Curve, Polyline, Ring
 from signorini.singularities.boundary import Boundary
-from signorini.singularities.corners import moments_grow, slopes_held
+from signorini.singularities.corners import moments_grow, shears_grow, slopes_held
 
 _STRAIGHT = np.radians(1.0)
 _ENDS = 1e-9
@@ -169,17 +169,20 @@ def _of_loads(found: Discretisation, case: str) -> Iterator[Singularity]:
                 yield Singularity(load.at, f"{kind} at a point of {place}", numbers, _FOOTPRINT, case)
                 yield from _on_rigid_areas(found, load.at, f"{kind} at a point of {place}")
         elif load.at is not None:
-            yield from _unresolved(found, load.at, _width(load), place, case)
-        elif load.line_load is not None and (ends := _ends_of_load(found, load)):
-            what = f"End or corner of the line load of {place}"
-            yield Singularity(ends, what, ("shear",), "Take shears from beside it.", case)
+            yield from _unresolved(found, load.at, _width(load), f"footprint of {place}", case)
+        elif load.line_load is not None:
+            if (along := curve(load)) is not None:
+                yield from _unresolved_line(found, along, place, case)
+            if ends := _ends_of_load(found, load):
+                what = f"End or corner of the line load of {place}"
+                yield Singularity(ends, what, ("shear",), "Take shears from beside it.", case)
     for moving in found.model.moving:
         travelled = moving.positions.get(case)
         if travelled is not None:
             wheels = np.array([at for at, _, _ in moving.wheels(travelled)])
             on = found.mesh.locate(wheels).inside
             if moving.patch is not None:
-                yield from _unresolved(found, wheels, max(moving.patch), f"wheels of {moving.case}", case)
+                yield from _unresolved(found, wheels, max(moving.patch), f"footprint of wheels of {moving.case}", case)
             elif on.any():
                 places = _points(wheels[on])
                 numbers = ("deflection", "moment", "shear")
@@ -199,7 +202,7 @@ def _of_supports(found: Discretisation) -> Iterator[Singularity]:
                 yield Singularity(support.at, f"{support.name} at a point", numbers, advice, support.name)
                 yield from _on_rigid_areas(found, support.at, f"{support.name} at a point")
             else:
-                yield from _unresolved(found, support.at, _width(support), support.name, support.name)
+                yield from _unresolved(found, support.at, _width(support), f"footprint of {support.name}", support.name)
             continue
         yield from _of_outline(found, support)
         steps = any(level.jumps for one in (support.settlement, support.gap) for level in one.levels)
@@ -230,16 +233,24 @@ def _on_rigid_areas(found: Discretisation, at: tuple[tuple[float, float], ...], 
 def _unresolved(
     found: Discretisation, at: Sequence[tuple[float, float]] | Floats, size: float, name: str, source: str
 ) -> Iterator[Singularity]:
-    """Footprints about points that are much smaller than the elements that they are in."""
+    """Footprints, circles and lines that are much smaller than the elements that they are in."""
     places = np.array(at).reshape(-1, 2)
     here = found.mesh.locate(places)
     coarse = here.inside & (size < _RESOLVED * np.sqrt(found.mesh.element_area[here.elements]))
     if coarse.any():
         what, advice = (
-            f"The footprint of {name}, {size:.3g} wide,",
+            f"The {name}, {size:.3g} wide,",
             f"Take elements of {0.5 * size:.2g} there (mesh.refine).",
         )
         yield Singularity(_points(places[coarse]), what, ("moment", "shear"), advice, source, limited=True)
+
+
+def _unresolved_line(found: Discretisation, along: Curve, name: str, source: str) -> Iterator[Singularity]:
+    if isinstance(along, Ring):
+        yield from _unresolved(found, [along.center], 2.0 * along.radius, f"circle of {name}", source)
+    else:
+        low, high = np.min(along.points, axis=0), np.max(along.points, axis=0)
+        yield from _unresolved(found, 0.5 * (low + high), float((high - low).max()), f"line of {name}", source)
 
 
 def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity]:
@@ -247,11 +258,16 @@ def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity
     rigid = _rigid(support)
     along, shape = curve(support), region(support.area)
     if along is not None:
+        yield from _unresolved_line(found, along, support.name, support.name)
         for numbers, ends in _ends_of_line(found, along, support).items():
             advice = "Give it a stiffness, or take values from beside it." if rigid else "Take values from beside it."
             yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
-    if rigid and shape is not None and not shape.contains(found.mesh.points).all():
-        advice = "Give the area a stiffness."
+    if not rigid or support.area is None:
+        return
+    advice = "Give the area a stiffness."
+    if shape is None or shape.contains(found.mesh.points).all():
+        yield from _of_edges_on(found, support, advice)
+    else:
         for drawn in shape.loops:
             closed = _points(np.concatenate([drawn, drawn[:1]]))
             yield Singularity(
@@ -264,6 +280,25 @@ def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity
             if corners:
                 what = f"Corner of the rigid area of {support.name}"
                 yield Singularity(_points(np.array(corners)), what, ("shear",), advice, support.name)
+
+
+def _of_edges_on(found: Discretisation, support: Support, advice: str) -> Iterator[Singularity]:
+    """Edges that a bent plate stands on where it is all on a rigid area; one that is only pressed lies flat."""
+    model, edge = found.model, _boundary(found)
+    flat = len(model.support) == 1 and (support.gap is None or support.gap.is_constant)
+    if flat and all(load.kind in ("pressure", "self_weight") for load in model.load):
+        return
+    for loop in edge.loops():
+        what = f"Edge of the plate on the rigid area of {support.name}"
+        yield Singularity(_points(loop), what, ("pressure",), advice, support.name, True)
+    corners = [
+        found.mesh.points[edge.sides[side, 2]]
+        for side in np.flatnonzero(edge.angles != np.pi).tolist()
+        if shears_grow(float(edge.angles[side]), True, False, along=False)
+    ]
+    if corners:
+        what = f"Corner of the plate on the rigid area of {support.name}"
+        yield Singularity(_points(np.array(corners)), what, ("shear",), advice, support.name)
 
 
 def _rigid(support: Support) -> bool:
@@ -430,11 +465,13 @@ def _points_along(found: Discretisation, along: Curve) -> tuple[Floats, list[lis
         points = np.array(along.points)
         return points, _directions(points)
     plate = found.model.plate
-    cut = isinstance(plate, DiscPlate | AnnulusPlate) and plate.sector < 360 and along.center == plate.center
-    points = _around(along.center, along.radius, plate.sector if cut else 360.0)
+    sector = 360.0
+    if isinstance(plate, DiscPlate | AnnulusPlate) and along.center == plate.center:
+        sector = plate.sector
+    points = _around(along.center, along.radius, sector)
     tangents = np.column_stack([along.center[1] - points[:, 1], points[:, 0] - along.center[0]]) / along.radius
     directions = [[-tangent, tangent] for tangent in tangents]
-    if cut:
+    if sector < 360:
         directions[0], directions[-1] = [tangents[0]], [-tangents[-1]]
     return points, directions
 
