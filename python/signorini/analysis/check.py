@@ -30,7 +30,8 @@ from signorini.results.marks import (
     zone_marks,
 )
 from signorini.results.warnings import idle_cases, model_warnings, no_resultant
-from signorini.singularities.named import Singularity, singularities
+from signorini.singularities.named import singularities
+from signorini.singularities.singularity import Singularity
 
 _NO_FORCE = 1e-12
 _FORMATS = (".png", ".svg", ".pdf")

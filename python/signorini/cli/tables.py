@@ -23,7 +23,8 @@ from signorini.results.panels import quantity
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 from signorini.results.support_words import MEANINGS, SYMBOLS, describe, kinds
-from signorini.singularities.named import Singularity, singularities
+from signorini.singularities.named import singularities
+from signorini.singularities.singularity import Singularity
 
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _SEVERAL = 8

@@ -17,7 +17,7 @@ from signorini.output.governing import governing_json
 from signorini.output.names import files
 from signorini.results.figures import figures, point_figures, total
 from signorini.results.result import Result
-from signorini.singularities.named import Singularity
+from signorini.singularities.singularity import Singularity
 
 SCHEMA = 2
 _COLUMNS = (

@@ -19,7 +19,8 @@ from signorini.results.result import FIELDS, Result
 from signorini.results.section_result import columns_of, numbers_of
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_contact
-from signorini.singularities.named import at_peaks, singularities_of
+from signorini.singularities.named import singularities_of
+from signorini.singularities.singularity import at_peaks
 
 _MOST_BEARINGS = 100
 """Points of one support beyond which its reaction is looked at as a whole."""

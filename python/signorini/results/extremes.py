@@ -11,7 +11,7 @@ import numpy as np
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.results.peak import peak
-from signorini.singularities.named import Singularity, away_from
+from signorini.singularities.singularity import Singularity, away_from
 
 NUMBERS = {"mx": "moment", "my": "moment", "mxy": "moment", "qx": "shear", "qy": "shear"}
 """What singularities call the fields that have peaks at them. Deflections grow too slowly for one."""

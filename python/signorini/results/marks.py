@@ -21,7 +21,7 @@ from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.support_words import describe
 from signorini.shapes import Region
 from signorini.shapes.tessellation import tessellate
-from signorini.singularities.named import Singularity
+from signorini.singularities.singularity import Singularity
 
 if TYPE_CHECKING:
     from signorini.plot import CutMark, EdgeMark, LoadMark, PressureLayer, SingularMark, SupportMark, ZoneMark

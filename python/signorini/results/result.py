@@ -33,7 +33,8 @@ from signorini.results.probe_result import ProbeResult, probe_results, total_pre
 from signorini.results.section_result import SectionResult, StripResult, section_results
 from signorini.results.support_result import SupportResult, support_result
 from signorini.results.warnings import model_warnings, result_warnings
-from signorini.singularities.named import Singularity, singularities
+from signorini.singularities.named import singularities
+from signorini.singularities.singularity import Singularity
 
 if TYPE_CHECKING:
     from signorini.plot import Axes

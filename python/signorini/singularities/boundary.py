@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -164,6 +165,21 @@ def middles(mesh: Mesh, item: Load | Support) -> Ints:
     return np.zeros(0, np.int64) if sides is None else sides[:, 1]
 
 
+def boundary_of(found: Discretisation) -> Boundary:
+    """The boundary of the plate, found once."""
+    if found not in _BOUNDARIES:
+        _BOUNDARIES[found] = Boundary.of(found)
+    return _BOUNDARIES[found]
+
+
+def is_rigid(support: Support) -> bool:
+    """Whether a support holds the deflection without giving way."""
+    return support.stiffness is None and support.holds_w
+
+
 def _turn(a: Floats, b: Floats) -> Floats:
     """Angles (k,) from directions (k, 2) to others, to the left."""
     return np.asarray(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))
+
+
+_BOUNDARIES: WeakKeyDictionary[Discretisation, Boundary] = WeakKeyDictionary()

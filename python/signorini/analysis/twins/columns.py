@@ -16,7 +16,8 @@ from signorini.model import Combination
 from signorini.results.columns import Column, Layout
 from signorini.results.result import FIELDS
 from signorini.results.section_result import paths_of
-from signorini.singularities.named import Singularity, singularities_of
+from signorini.singularities.named import singularities_of
+from signorini.singularities.singularity import Singularity
 
 ENDING = ":plus_minus"
 _TOGETHER = 4096

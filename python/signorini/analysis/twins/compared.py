@@ -17,7 +17,7 @@ from signorini.analysis.twins.meshes import side
 from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.model import Model
-from signorini.singularities.named import Singularity
+from signorini.singularities.singularity import Singularity
 
 _FEWEST = 2
 _MOVED = 1e-8

@@ -17,7 +17,7 @@ from signorini.model import Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.results.result import Result
 from signorini.shapes.distances import distances
-from signorini.singularities.named import Singularity
+from signorini.singularities.singularity import Singularity
 
 Path = tuple[str | int, ...]
 

@@ -1,0 +1,91 @@
+"""A singularity: what has no limit as the mesh is refined, where; and which nodes are part of its peak."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini.discretise.rows import Bools, Floats
+from signorini.mesh import Mesh
+
+
+@dataclass(frozen=True)
+class Singularity:
+    """Numbers that have no limit as the mesh is refined.
+
+    Parameters
+    ----------
+    where : tuple of (x, y)
+        Points; or, if ``line``, the vertices of a line all along which it is so.
+    what : str
+        What it is, in words.
+    numbers : tuple of str
+        What has no limit there: "deflection", "rotation", "moment", "shear", "pressure" (per area, or along a line per
+        length) or "reaction" (of a support at points).
+    advice : str
+        What to do about it.
+    source : str
+        The support's name, the load case, or "plate".
+    line : bool
+    limited : bool
+        Whether it has a limit, of which elements of this size know nothing: a footprint smaller than they are.
+    within : float
+        How far from there numbers are taken for its peak: the plate's thickness; 0 of nodes of cut elements.
+    """
+
+    where: tuple[tuple[float, float], ...]
+    what: str
+    numbers: tuple[str, ...]
+    advice: str
+    source: str
+    line: bool = False
+    limited: bool = False
+    within: float = 0.0
+
+    def __str__(self) -> str:
+        """Say it in a sentence."""
+        if self.limited:
+            return (
+                f"{self.what} acts as a point on this mesh: {_listed(self.numbers)} at it are too small. {self.advice}"
+            )
+        have = "have" if len(self.numbers) > 1 else "has"
+        return f"{self.what}: {_listed(self.numbers)} {have} no limit as the mesh is refined. {self.advice}"
+
+
+def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
+    """Which nodes (n,) are no part of a peak of "moment", "shear" or another number without a limit.
+
+    They are farther than ``within`` from where it has none, however fine the mesh. Nodes of larger elements there stay,
+    although their values are partly of what is there: to leave them out would leave out more of the plate the coarser
+    its mesh is. Where no node is left, all are.
+    """
+    away = ~at_peaks(mesh, named, number)
+    return away if away.any() else np.ones_like(away)
+
+
+def at_peaks(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
+    """Which nodes (n,) are part of the peak of a number without a limit."""
+    found = np.zeros(mesh.node_count, np.bool_)
+    peaks = [one for one in named if number in one.numbers and not (one.line or one.limited)]
+    if not peaks:
+        return found
+    order = np.argsort(mesh.points[:, 0])
+    x, y = mesh.points[order].T
+    for one in peaks:
+        for at in one.where:
+            # Only nodes of a strip about it may be so near.
+            low, high = at[0] - 1.01 * one.within, at[0] + 1.01 * one.within
+            near = slice(np.searchsorted(x, low), np.searchsorted(x, high, side="right"))
+            found[order[near]] |= np.hypot(x[near] - at[0], y[near] - at[1]) <= one.within
+    return found
+
+
+def _listed(words: tuple[str, ...]) -> str:
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else list(words))
+
+
+def as_places(points: Floats) -> tuple[tuple[float, float], ...]:
+    """Points (k, 2) as a singularity has them."""
+    return tuple((float(x), float(y)) for x, y in points)
