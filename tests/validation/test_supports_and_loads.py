@@ -311,3 +311,34 @@ def test_a_rigid_line_within_elements_shares_its_force_and_does_not_lock_the_pla
     assert np.abs(forces).sum() < 3.0 * forces.sum()
     coarse, fine = (found[size].probe([7, 5])[0].deflection for size in (0.5, 0.25))
     assert coarse == pytest.approx(fine, rel=0.05)
+
+
+@pytest.mark.parametrize("wall", [{"fix": "hard"}, {"fix": "simple"}, {"resists": "down"}])
+def test_shears_jump_at_a_wall_between_two_spans(wall):
+    # Timoshenko's beam, clamped at the wall by symmetry: R (L³/3D + L/S) = q (L⁴/8D + L²/2S) at its far end.
+    span, load, thickness, young = 4.0, 1e3, 0.4, 30e9
+    bending, shear = young * thickness**3 / 12, 5 / 6 * young / 2 * thickness
+    far = load * (span**4 / (8 * bending) + span**2 / (2 * shear)) / (span**3 / (3 * bending) + span / shear)
+    result = solve(
+        [{"edge": ["left", "right"], "fix": "hard"}, {"line": [[span, 0], [span, 2]], **wall}],
+        [{"pressure": load}],
+        plate={"shape": "rectangle", "size": [2 * span, 2], "thickness": thickness},
+        material={"E": young, "nu": 0},
+        divisions=(16, 4),
+        probe=[{"at": [[span, 1]]}],
+    )
+    assert result.extremes["qx"].max == pytest.approx(load * span - far, rel=1e-4)
+    assert result.extremes["qx"].min == pytest.approx(far - load * span, rel=1e-4)
+    assert abs(result.probes[0].shear[0]) == pytest.approx(load * span - far, rel=1e-4)
+    assert result.plus_minus["fields"]["qx"]["max"] < 1e-3 * load * span
+
+
+def test_shears_jump_along_a_line_load():
+    result = solve(
+        [{"edge": ["left", "right"], "fix": "hard"}],
+        [{"line_load": 1e3, "line": [[2, 0], [2, 2]]}],
+        plate={"shape": "rectangle", "size": [8, 2], "thickness": 0.2},
+        material={"E": 30e9, "nu": 0},
+        divisions=(16, 4),
+    )
+    assert (result.extremes["qx"].max, result.extremes["qx"].min) == pytest.approx((750, -250), rel=1e-9)
