@@ -388,6 +388,24 @@ def test_peaks_of_rows_leave_out_what_acts_in_them_alone(solver):
     assert results_json(results)["envelope"]["fields"]["mx"]["max"] == max(rows_of_mx)
 
 
+@pytest.mark.parametrize("at", [[1.6, 1.2], [2.4, 1.2], [1.6, 1.6], [0.4 * 3, 1.2]])
+def test_rounding_does_not_tell_which_nodes_a_peak_has(at):
+    # A thickness of half an element: nodes lie exactly that far away, in metres and in millimetres.
+    found = []
+    for length, force in ((1.0, 1.0), (1000.0, 1.0)):
+        model = rectangular(
+            size=[4.8 * length, 4.8 * length],
+            thickness=0.2 * length,
+            divisions=[12, 12],
+            material={"E": 30e9 / length**2, "nu": 0.2},
+            support=[{**HARD, "fix": "simple"}],
+            load=[{"force": force, "at": [x * length for x in at]}],
+        )
+        extremes = solve(model)["all"].extremes
+        found.append([extremes[name].max * (length if name[0] == "q" else 1.0) for name in ("mx", "my", "qx")])
+    assert found[0] == pytest.approx(found[1], rel=1e-6)
+
+
 def test_extremes_name_the_singular_place_that_they_leave_out():
     load = [{"pressure": 5e3}, {"force": 1e4, "at": [1, 1]}]
     result = solve(rectangular(divisions=[32, 32], support=[HARD], load=load))["all"]

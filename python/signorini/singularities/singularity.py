@@ -10,6 +10,9 @@ import numpy as np
 from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 
+_AS_FAR = 1e-9
+"""Part of the mesh's size within which a node is as far away as it has to be: rounding must not tell."""
+
 
 @dataclass(frozen=True)
 class Singularity:
@@ -74,11 +77,11 @@ def at_peaks(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     order = np.argsort(mesh.points[:, 0])
     x, y = mesh.points[order].T
     for one in peaks:
+        reach = one.within + _AS_FAR * mesh.size
         for at in one.where:
             # Only nodes of a strip about it may be so near.
-            low, high = at[0] - 1.01 * one.within, at[0] + 1.01 * one.within
-            near = slice(np.searchsorted(x, low), np.searchsorted(x, high, side="right"))
-            found[order[near]] |= np.hypot(x[near] - at[0], y[near] - at[1]) <= one.within
+            near = slice(np.searchsorted(x, at[0] - reach), np.searchsorted(x, at[0] + reach, side="right"))
+            found[order[near]] |= np.hypot(x[near] - at[0], y[near] - at[1]) <= reach
     return found
 
 
