@@ -92,6 +92,8 @@ def unnamed(seed, along):
         around = np.sqrt((there[:, np.hypot(*(points - at).T) <= reach] ** 2).mean(axis=1))
         peaks = there.max(axis=1) * around[-1] / np.maximum(around, np.finfo(float).tiny)
         rows.append((f"largest {kind} at {at.round(6).tolist()}", largest[kind].item(), peaks.tolist()))
+    if not rows:
+        return None
     values, none = np.array([row[2] for row in rows]).T, np.zeros(len(rows))
     size = np.array([row[1] for row in rows])
     steps = ((values[k : k + 3], sizes[k : k + 3]) for k in (0, 1))
