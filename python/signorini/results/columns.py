@@ -18,7 +18,7 @@ from signorini.results.extremes import NUMBERS
 from signorini.results.result import FIELDS, Result
 from signorini.results.section_result import columns_of, numbers_of
 from signorini.results.support_points import SupportPoints
-from signorini.results.support_result import area_contact
+from signorini.results.support_result import area_at_rest
 from signorini.singularities.named import at_peaks, singularities_of
 
 _MOST_BEARINGS = 100
@@ -114,7 +114,7 @@ class Layout:
         """Lay out the columns of a model; ``fields`` are those that envelopes are sought of."""
         points = tuple(SupportPoints.of(found, index) for index in range(len(found.model.support)))
         areas = [index for index, support in enumerate(found.model.support) if support.area is not None]
-        at_rest = {index: _at_rest(found, index, points[index]) for index in areas}
+        at_rest = {index: area_at_rest(found, index) for index in areas}
         by_number = {number: Hidden.of(found, number) for number in {NUMBERS.get(name, "") for name in fields}}
         hidden = {name: by_number[NUMBERS.get(name, "")] for name in fields}
         nodes = found.stress_nodes.points
@@ -316,12 +316,6 @@ class Block:
                 yield f"{what}_y:{name}", self.places[:, at, side, 1]
         for index, name in enumerate(FIGURES):
             yield f"certificate:{name}", self.certificate[:, index]
-
-
-def _at_rest(found: Discretisation, index: int, points: SupportPoints) -> AreaContact:
-    """Build an area that nothing presses yet: where it is, and its law."""
-    nothing = np.zeros(len(points.positions))
-    return area_contact(found, index, np.zeros(found.mesh.node_count), points.positions, nothing > 0, nothing)
 
 
 def together(blocks: Iterable[Named]) -> Mapping[str, Column]:
