@@ -17,6 +17,7 @@ import signorini
 from signorini.errors import InputError
 from signorini.output import path_csv, reactions_csv, results_json, unique_slugs, write, write_path
 from signorini.output.directory import room_for
+from signorini.output.governing import governing_csv
 
 
 def model(**changes: object) -> signorini.Model:
@@ -335,7 +336,7 @@ def test_names_are_text_in_notebooks_and_pictures(oddly_named: signorini.Results
 def test_write_leaves_whole_files_of_the_solved_combinations(results: signorini.Results, tmp_path: Path) -> None:
     written = write(results, tmp_path / "a" / "out")
     names = [f"{slug}{end}" for slug in ("g+q", "g-q") for end in ("-moments.png", "-shears.png", ".png", ".vtu")]
-    names = sorted([*names, "reactions.csv", "results.json"])
+    names = sorted([*names, "governing.csv", "reactions.csv", "results.json"])
     assert sorted(path.name for path in written) == names
     assert sorted(path.name for path in (tmp_path / "a" / "out").iterdir()) == names
     assert [path.name for path in (tmp_path / "a").iterdir()] == ["out"]
@@ -440,6 +441,7 @@ def test_signs_are_told_apart_in_file_names_and_results_json_says_which_is_which
     assert [(entry["combination"], entry["kind"], entry["file"]) for entry in entries] == [
         (None, "results", "results.json"),
         (None, "reactions", "reactions.csv"),
+        (None, "governing", "governing.csv"),
         ("W+ lead", "vtu", "w+lead.vtu"),
         ("W+ lead", "picture", "w+lead.png"),
         ("W+ lead", "moments", "w+lead-moments.png"),
@@ -538,6 +540,48 @@ def test_governing_reactions_come_with_those_of_the_others() -> None:
         assert one["max"] == max(values[index] for values in reactions.values()) == one["max_with"][index]
         assert one["min"] == min(values[index] for values in reactions.values())
         assert one["max_with"] == reactions[one["max_by"]] and one["min_with"] == reactions[one["min_by"]]
+
+
+def _governed(row: dict[str, str], result: signorini.Result) -> float:
+    """The number that a row of governing.csv is of, in some combination."""
+    support = result.supports[row["support"] == "'=soil"]
+    if row["what"] in ("max_pressure", "contact_area"):
+        return getattr(support, row["what"])
+    points = support.gaps if row["what"] == "gap" else support.reactions
+    return points[int(row["point"]) - 1] if row["point"] else support.reaction
+
+
+def test_a_file_has_every_extreme_of_every_bearing_with_what_the_others_do() -> None:
+    feet = {"name": "feet", "at": [[x, y] for x in range(0, 5, 2) for y in range(5)], "resists": "down"}
+    soil = {"name": "=soil", "area": {"rectangle": [0, 0, 2, 2]}, "resists": "down", "stiffness": 1e4}
+    wanted = [{"name": f"c{i}", "group": "ULS" if i % 2 else "SLS", "factors": {"G": 1, "W": i / 80}} for i in range(5)]
+    rows = dict[str, list[dict[str, str]]]()
+    for form in ("each", "table"):
+        found = signorini.solve(
+            model(support=[feet, soil], combination=wanted, output={"combinations": form}, mesh={"divisions": [4, 4]})
+        )
+        rows[form] = list(csv.DictReader(io.StringIO(governing_csv(found))))
+    for one, other in zip(rows["each"], rows["table"], strict=True):
+        assert [one[key] for key in ("group", "support", "what", "extreme")] == [
+            other[key] for key in ("group", "support", "what", "extreme")
+        ]
+        assert float(one["value"]) == pytest.approx(float(other["value"]), rel=1e-6, abs=1e-6)
+    each = signorini.solve(model(support=[feet, soil], combination=wanted, mesh={"divisions": [4, 4]}))
+    for row in rows["each"]:
+        of = {name: each[name] for name in each if row["group"] in ("", "SLS" if int(name[1:]) % 2 == 0 else "ULS")}
+        values = [_governed(row, result) for result in of.values()]
+        assert float(row["value"]) == pytest.approx((max if row["extreme"] == "max" else min)(values), rel=1e-9)
+        governs = each[row["combination"]]
+        assert float(row["value"]) == pytest.approx(_governed(row, governs), rel=1e-9)
+        assert float(row["reaction:=soil"]) == pytest.approx(governs.supports[1].reaction, rel=1e-9)
+        last = governs.supports[0].reactions[14]
+        assert float(row["reaction_at:feet[15]"]) == pytest.approx(last, rel=1e-9, abs=1e-9)
+    kinds = [(row["what"], row["extreme"]) for row in rows["each"] if not row["group"] and row["support"] == "'=soil"]
+    both = [(what, side) for what in ("reaction", "max_pressure", "contact_area") for side in ("max", "min")]
+    assert kinds == both
+    assert {row["group"] for row in rows["each"]} == {"", "SLS", "ULS"}
+    assert any(row["what"] == "gap" for row in rows["each"])
+    assert any(row["value:plus_minus"] and row["reaction:=soil:plus_minus"] for row in rows["each"])
 
 
 def test_pictures_of_a_group_have_one_scale_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 import signorini
 from signorini import Model
+from signorini.analysis import path_judge
 from signorini.analysis.path_check import confirmed
 from signorini.cli import app
 from signorini.output import path_json
@@ -479,3 +480,59 @@ def test_points_that_resist_up_pull() -> None:
     assert in_words([bolts], {"bolts"}) == "bolts begins to pull at [1, 2]"
     assert in_words([bolts]) == "bolts closes at [1, 2]"
     assert in_words([replace(bolts, change="opens")], {"bolts"}) == "bolts lets go at [1, 2]"
+
+
+LIFTING = """
+material = { E = 30e9, nu = 0.2 }
+plate = { shape = "rectangle", size = [10, 10], thickness = 0.3 }
+mesh = { divisions = [4, 4] }
+support = [
+  { name = "bed", area = { circle = { center = [5, 5], radius = 4.3 } }, resists = "down", stiffness = 3e7 },
+  { at = [[1, 1], [9, 9]], resists = "down", gap = 1e-4 },
+]
+load = [{ case = "G", force = 1e5, at = [5, 5] }, { case = "Q", force = 1e5, at = [9.3, 6] }]
+probe = [{ at = [2, 3] }]
+"""
+
+
+def followed(monkeypatch, at_once: int, until: float = 0.5):
+    monkeypatch.setattr(path_judge, "_AT_ONCE", at_once)
+    return signorini.path(signorini.validate(tomllib.loads(LIFTING)), "G", "Q", until)
+
+
+def test_stops_judged_together_say_what_they_say_one_by_one(monkeypatch) -> None:
+    one_by_one, together = (followed(monkeypatch, count) for count in (1, 64))
+    assert len(together.stops) == len(one_by_one.stops) > 64
+    for ours, alone in zip(together.stops, one_by_one.stops, strict=True):
+        assert (ours.switched, ours.t) == (alone.switched, alone.t)
+        for name in ("reactions", "closed", "counts", "parts", "contact_areas", "max_pressures", "deflections", "work"):
+            np.testing.assert_allclose(getattr(ours, name), getattr(alone, name), rtol=1e-11, atol=1e-14, err_msg=name)
+    for name, value in vars(together.certificate).items():
+        assert value == pytest.approx(getattr(one_by_one.certificate, name), rel=1e-3, abs=1e-15), name
+
+
+def test_areas_in_contact_of_many_stops_are_those_of_each_result(monkeypatch) -> None:
+    found = followed(monkeypatch, 64)
+    for stop in found.stops[10:60:10]:
+        area = found.at(stop.t).supports[0].contact_area
+        assert stop.contact_areas[0] == pytest.approx(area, rel=1e-9) and 1 < area < np.pi * 4.3**2 - 1
+
+
+@pytest.mark.parametrize("wrong", [5, 64])
+def test_a_stop_that_is_not_certified_ends_the_path_wherever_it_stands_among_others(monkeypatch, wrong: int) -> None:
+    judged, seen = path_judge.certify_each, [0]
+
+    def failing(*arguments):
+        found = judged(*arguments)
+        row = wrong - seen[0]
+        if 0 <= row < len(found):
+            found[row] = replace(found[row], equilibrium=1.0)
+        seen[0] += len(found)
+        return found
+
+    whole = followed(monkeypatch, 64)
+    monkeypatch.setattr(path_judge, "certify_each", failing)
+    monkeypatch.setattr("signorini.analysis.path.ways_along", lambda problem: [(problem, False)])
+    cut = followed(monkeypatch, 64)
+    assert cut.ending == "stopped" and cut.certificate.passed
+    assert [stop.t for stop in cut.stops] == [stop.t for stop in whole.stops[:wrong]]

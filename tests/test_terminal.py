@@ -137,7 +137,7 @@ def test_of_many_bearings_it_is_said_where_the_governing_reactions_are(count: in
     feet = {"name": "feet", "at": [[x, y] for x in range(4) for y in range(4)], "resists": "down"}
     results = signorini.solve(model(count, support=[feet], mesh={"divisions": [2, 2], "error": False}))
     lines = shown(print_results, results, WIDE).splitlines()
-    assert "16 bearings: governing_reactions in results.json has the largest and smallest reaction of each" in lines
+    assert "16 bearings: governing.csv has the largest and smallest reaction of each" in lines
     assert not any(one.startswith("largest feet[") for one in lines)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
 from dataclasses import fields, replace
 from functools import partial
 
@@ -11,31 +10,28 @@ import numpy as np
 
 from signorini import _core
 from signorini.analysis.path_check import confirmed
+from signorini.analysis.path_judge import PathJudge
 from signorini.analysis.twins import Twins
 from signorini.analysis.twins.paths import PathTwins
 from signorini.base import arguments
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.answer import Answer
-from signorini.contact.certificate import Certificate, certified, certify
+from signorini.contact.certificate import Certificate
 from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.contact.refusal import uncertain
-from signorini.contact.selection import chosen, doubtful
 from signorini.contact.strategy import ways_along
 from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Ints
 from signorini.equilibrium.imbalance import imbalance
 from signorini.equilibrium.limits import CONTRADICTION, floats, largest_factor, supports_contradict
 from signorini.equilibrium.words import explain
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
 from signorini.expression import LARGEST
 from signorini.model import Model
-from signorini.results.load_path import AT_LIMIT, Ending, LoadPath, ahead, beside
-from signorini.results.path_stop import PathStop, path_stop
+from signorini.results.load_path import AT_LIMIT, Ending, LoadPath
 
 _NAMED = 20
 """Combinations that a message names."""
-_LOST = 1e-6
-"""What reactions may miss of the loads that have a resultant: a path decides by less than a single answer shows."""
 
 
 def path(
@@ -168,59 +164,27 @@ def _trace(
     ``limits`` are those of the supports' outlines and of the contact points of the mesh.
     """
     found = problem.discretisation
-    stops: list[PathStop] = []
-    sets: list[Bools] = []
-    shown: list[Bools] = []
-    pushing: list[Floats] = []
-    certificates: list[Certificate] = []
-    doubts: list[int] = []
-    before: list[tuple[float, Answer]] = []
+    judge, at = PathJudge(problem, loads), list[float]()
 
     def visit(t: float, points: Ints, solution: _core.ContactSolution) -> None:
-        load = loads[0] + t * loads[1]
-        answer = Answer.of(found, solution)
-        # What stands on one set at both ends of a segment is proven between them.
-        sets.append(answer.closed)
-        certificate = certify(found, load, answer.hi, answer.lo, answer.reaction, sets[-2:], beside(loads, t))
-        if not certificate.passed:
-            raise NotCertifiedError
-        pushing[:] = [*pushing[-1:], answer.reaction]
-        neighbours = tuple(pushing)
-        for earlier, its in before:
-            amid = (0.5 * (its.reaction + answer.reaction)[None], 0.5 * (its.gap + answer.gap)[None])
-            if earlier < t and doubtful(found, problem.freedom, *amid).any():
-                doubts.append(len(stops) - 1)
-        before[:] = [(t, answer)]
-
-        def elsewhere() -> Iterator[Floats]:
-            yield from neighbours
-            yield from ahead(problem, loads, t, solution.closed)
-
-        least = chosen(found, problem.freedom, load.nodal, answer, elsewhere)
-        if least is not answer:
-            answer, certificate = certified(found, load, least, beside(loads, t))
-        # Of points that repeat each other all open or close, not only the one that the path is followed with.
-        shown.append(answer.closed)
-        switched = np.flatnonzero(shown[-1] != shown[-2]) if len(shown) > 1 else points
-        stop = path_stop(found, t, load, points, switched, answer)
-        if certificate.lost > _LOST:
-            raise NotCertifiedError
-        certificates.append(certificate)
-        stops.append(stop)
-        watcher(Progress(f"t = {t:.6g}, event {len(stops)}"))
+        judge.take(t, points, Answer.of(found, solution))
+        at.append(t)
+        watcher(Progress(f"t = {t:.6g}, event {len(at)}"))
 
     def show(step: int, changing: int, residual: float) -> None:
-        where = f"after t = {stops[-1].t:.6g}" if stops else "t = 0"
+        where = f"after t = {at[-1]:.6g}" if at else "t = 0"
         watcher(Progress(where, step, changing, residual))
 
     limit, asked = limits[0], np.inf if until is None else until
     end = min(*limits, asked)
     try:
         ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, proximal, show)
+        judge.judge()
     except NotCertifiedError:
         ended = "unsolved"
+    stops, certificates, doubts = judge.stops, judge.certificates, judge.doubts
     count = confirmed(direct, loads, stops, watcher)
-    if count == 0:
+    if count == 0 or judge.first is None:
         return None
     whole = count == len(stops)
     del stops[count:], certificates[count:]
@@ -235,4 +199,4 @@ def _trace(
     figures = [figure.name for figure in fields(Certificate)]
     worst = Certificate(**{name: max(getattr(one, name) for one in certificates) for name in figures})
     doubted = tuple(index for index in doubts if index < len(stops) - 1)
-    return LoadPath(*names, problem, tuple(stops), ending, *limits, worst, loads, sets[0], doubted)
+    return LoadPath(*names, problem, tuple(stops), ending, *limits, worst, loads, judge.first, doubted)

@@ -11,7 +11,7 @@ from signorini.contact.certificate import least_deflection
 from signorini.contact.problem import ContactProblem
 from signorini.contact.strategy import answered
 from signorini.discretise import CaseLoad
-from signorini.results.path_stop import PathStop, path_stop
+from signorini.results.path_stop import PathStop, path_stops
 
 _SAME = 1e-6
 """Difference of deflections, over the largest, and of works, over the work, that is none."""
@@ -57,7 +57,8 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
     tried = answered(problem, load, steps, proximal=False)
     if not tried.passed:
         return True
-    direct = path_stop(found, stop.t, load, stop.points[:0], stop.points[:0], tried.answer)
+    none = [stop.points[:0]]
+    (direct,) = path_stops(found, [stop.t], [load], none, none, [tried.answer])
     shown, wanted = (np.array([s.largest, s.smallest, *s.deflections]) for s in (stop, direct))
     apart = np.abs(shown - wanted).max() > _SAME * max(np.abs(wanted).max(), least_deflection(found, load))
     rounding = _MOVED * max(direct.work_size, stop.work_size)

@@ -161,7 +161,7 @@ class Results(States[str], Mapping[str, Result]):
         if self.model.tabulated:
             return self._other_tables.widths
         trees = [result.plus_minus for result in self.full.values()]
-        columns = Rows(self.discretisation, self.combined.layout).columns if any(trees) else {}
+        columns = self._rows.columns if any(trees) else {}
         return {
             name + ENDING: np.array([_number(tree, path) for tree in trees], np.float64)
             for name, path in columns.items()
@@ -174,8 +174,11 @@ class Results(States[str], Mapping[str, Result]):
             return None
         if self.model.tabulated:
             return self._other_tables.width(column, row)
-        path = Rows(self.discretisation, self.combined.layout).columns[column]
-        return _number(self[self.key(row)].plus_minus, path)
+        return _number(self[self.key(row)].plus_minus, self._rows.columns[column])
+
+    @cached_property
+    def _rows(self) -> Rows:
+        return Rows(self.discretisation, self.combined.layout)
 
     def _combine(self, sink: Sink | None) -> Combined:
         if self.model.tabulated:

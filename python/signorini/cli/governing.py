@@ -16,6 +16,7 @@ from signorini.cli.through import print_enveloped
 from signorini.contact.certificate import FIGURES
 from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import governing_reactions
+from signorini.output.names import GOVERNING
 from signorini.results.panels import quantity
 
 Widths = Mapping[str, Any] | None
@@ -24,7 +25,7 @@ Widths = Mapping[str, Any] | None
 _MOST_NAMED = 5
 """Combinations without equilibrium that are named; the rest are in the files."""
 _MOST_BEARINGS = 12
-"""Bearings of which the governing reactions are listed; of more they are in results.json alone."""
+"""Bearings of which the governing reactions are listed; of more they are in a file alone."""
 
 
 def print_combined(console: Console, results: Results) -> None:
@@ -66,7 +67,7 @@ def print_governing(console: Console, results: Results, group: str = "") -> None
     model, reactions = results.model, governing_reactions(results, group)
     if len(reactions) > 2 * _MOST_BEARINGS:
         bearings = f"{f'{group}, ' if group else ''}{len(reactions) // 2} bearings"
-        say(console, f"{bearings}: governing_reactions in results.json has the largest and smallest reaction of each")
+        say(console, f"{bearings}: {GOVERNING} has the largest and smallest reaction of each")
         console.print()
     if not 0 < len(reactions) <= 2 * _MOST_BEARINGS:
         return

@@ -6,8 +6,10 @@ three global balances from them. It reads no factor, no condensed matrix, and no
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -130,59 +132,121 @@ def certify(
     >>> certify(found, load, answer.hi, answer.lo, -answer.reaction).passed
     False
     """
+    several = None if beside is None else beside[None]
+    return certify_each(found, [load], hi[None], lo[None], reaction[None], [those[None] for those in closed], several)[
+        0
+    ]
+
+
+def certify_each(
+    found: Discretisation,
+    loads: Sequence[CaseLoad],
+    hi: Floats,
+    lo: Floats,
+    reaction: Floats,
+    closed: Sequence[Bools] = (),
+    beside: Floats | None = None,
+    imbalance: Floats | None = None,
+) -> list[Certificate]:
+    """Judge answers (k,) to as many loads as `certify` does each, from arrays of one more dimension in front.
+
+    ``imbalance`` (k, 3n) are the residuals of plate and springs alone, where they are known.
+    """
     contacts, held, size = found.contacts, found.held, found.mesh.size
-    beside = np.zeros(3) if beside is None else beside
+    nodal = np.array([load.nodal for load in loads])
+    beside = np.zeros((len(loads), 3)) if beside is None else beside
+    imbalance = imbalances(found, loads, hi, lo) if imbalance is None else imbalance
     with np.errstate(invalid="ignore"):
-        imbalance = found.plate.residual(found.springs.arrays, load.nodal, hi, lo)
-        imbalance = imbalance - found.contact_rows.T @ reaction
-        at_holds = np.where(held.dofs, imbalance, 0.0)
-        at_free = np.where(held.dofs, 0.0, imbalance)
+        pushes = (found.contact_rows.T @ reaction.T).T
+        at_holds = np.where(held.dofs, imbalance - pushes, 0.0)
+        at_free = np.where(held.dofs, 0.0, imbalance - pushes)
 
         gap = _gap(found, hi, lo, reaction)
         force = np.where(contacts.slope, reaction / size, reaction)
-        slip = np.where(held.dofs, hi + lo - held.values, 0.0).reshape(-1, 3)
+        slip = np.where(held.dofs, hi + lo - held.values, 0.0)
         # Travel counts by its rounding, and at its own point: a stop far away must not excuse what happens at others.
-        travel, idle = _UNSEEN * np.abs(contacts.distance), not load.nodal.any()
-        length = _largest(
-            hi[::3],
-            least_deflection(found, load),
+        travel, idle = _UNSEEN * np.abs(contacts.distance), ~nodal.any(axis=1)
+        deflection, slopes = hi[:, ::3], hi.reshape(len(hi), -1, 3)[:, :, 1:]
+        length = _most(
+            _largest(deflection),
+            _NIL * _loaded_deflection(found, nodal),
             _UNSEEN * _loaded_deflection(found, beside),
-            travel if idle else 0.0,
-            _UNSEEN * found.springs.base if idle else 0.0,
+            idle * travel.max(initial=0.0),
+            idle * _UNSEEN * np.abs(found.springs.base).max(initial=0.0),
         )
-        slope = _largest(hi.reshape(-1, 3)[:, 1:], length / size)
-        lengths = np.where(contacts.slope, slope, np.maximum(travel, length)) + (length == 0.0)
+        slope = _most(_largest(slopes), length / size)
+        lengths = np.where(contacts.slope, slope[:, None], np.maximum(travel, length[:, None]))
+        lengths += length[:, None] == 0.0
         open_by = np.maximum(np.where(contacts.two_sided, np.abs(gap), -gap), 0.0)
 
         across = float(np.sqrt(found.mesh.element_area.mean()))
         # Forces count from what bending to the deflection takes, less the rigid motion in it; under no load, from what
         # shearing to the travel does.
-        bent = length if idle else _largest(np.minimum(np.abs(_bent(found, hi)), length))
+        bent = np.where(idle, length, _largest(np.minimum(np.abs(_bent(found, deflection)), length[:, None])))
         bending = _rigidity(found, found.thickness.max()) * bent / size**2
-        rest = _UNSEEN * _largest(bending, _by_force(beside, across))
-        if idle:
-            shear = found.model.young * found.thickness.max()
-            rest = max(rest, _UNSEEN * shear * _largest(length, contacts.distance))
-        scale = _largest(_by_force(load.nodal, across) or _largest(_by_force(at_holds, across), force), rest)
-        pressing = _largest(scale, force)
-        reacting, away = np.abs(force) / (pressing or 1.0), np.abs(gap) / lengths
+        rest = _UNSEEN * _most(bending, _by_force(beside, across))
+        shear = found.model.young * found.thickness.max()
+        rest = np.where(
+            idle, _most(rest, _UNSEEN * shear * _most(length, np.abs(contacts.distance).max(initial=0.0))), rest
+        )
+        by_load = _by_force(nodal, across)
+        by_supports = _most(_by_force(at_holds, across), _largest(force))
+        scale = _most(np.where(by_load != 0.0, by_load, by_supports), rest)
+        pressing = _most(scale, _largest(force))
+        reacting, away = np.abs(force) / np.where(pressing != 0.0, pressing, 1.0)[:, None], np.abs(gap) / lengths
         both = np.max([np.minimum(reacting, away), *(np.where(those, away, reacting) for those in closed)], axis=0)
         pull = found.spring_forces(hi, lo)
-        against = at_holds + found.spring_rows.T @ pull + found.contact_rows.T @ reaction
-        out_of_balance, total = _balance(found, load.nodal, against)
-        figures = {
-            "penetration": _largest(
-                open_by / lengths, _ratio(_largest(slip[:, 0]), length), _ratio(_largest(slip[:, 1:]), slope)
+        against = at_holds + (found.spring_rows.T @ pull.T).T + pushes
+        out_of_balance, total = _balance(found, nodal, against)
+        by_name = {
+            "penetration": _most(
+                _largest(open_by / lengths),
+                _ratio(_largest(slip[:, ::3]), length),
+                _ratio(_largest(slip.reshape(slopes.shape[0], -1, 3)[:, :, 1:]), slope),
             ),
             "tension": _ratio(_largest(np.where(contacts.two_sided, 0.0, np.maximum(-force, 0.0))), pressing),
             "complementarity": _largest(np.where(contacts.two_sided, 0.0, both)),
             "equilibrium": _ratio(_by_force(at_free, across), scale),
-            "balance": _ratio(out_of_balance, _largest(total, rest)),
+            "balance": _ratio(out_of_balance, _most(total, rest)),
         }
-        lost = _lost(found, load, against, at_holds, pull, reaction)
-    worst = _largest(*(figures[name] for name in LIMITED))
+        lost = [_lost(found, *one) for one in zip(loads, against, at_holds, pull, reaction, strict=True)]
+    certificates = []
+    for row, load_lost in enumerate(lost):
+        figures = {name: float(values[row]) for name, values in by_name.items()}
+        sizes = _Sizes(float(scale[row]), float(pressing[row]), float(_most(total, rest)[row]))
+        certificates.append(_judged(found, figures, load_lost, sizes, hi[row], lo[row], reaction[row]))
+    return certificates
+
+
+def imbalances(found: Discretisation, loads: Sequence[CaseLoad], hi: Floats, lo: Floats) -> Floats:
+    """F - Ku (k, 3n) of plate and springs, at displacements hi + lo (k, 3n)."""
+    springs = found.springs.arrays
+    each = zip(loads, hi, lo, strict=True)
+    return np.array([found.plate.residual(springs, load.nodal, one, rest) for load, one, rest in each])
+
+
+class _Sizes(NamedTuple):
+    """What imbalances, reactions and resultants are compared with."""
+
+    scale: float
+    pressing: float
+    total: float
+
+
+def _judged(
+    found: Discretisation,
+    figures: dict[str, float],
+    lost: float,
+    sizes: _Sizes,
+    hi: Floats,
+    lo: Floats,
+    reaction: Floats,
+) -> Certificate:
+    """Certify figures, those over the tolerance by what double precision can show."""
+    worst = max(figures[name] for name in LIMITED)
     if worst <= TOLERANCE or not np.isfinite(worst):
         return Certificate(**figures, lost=lost)
+    held, (scale, pressing, size) = found.held, sizes
 
     def left_by_rounding(at: Bools) -> float:
         return _ROUNDINGS * float(np.finfo(float).eps) * sum(forces_at_nodes(found, hi, lo, reaction, at))
@@ -191,10 +255,9 @@ def certify(
     # Roundings of the dofs add up as in a random walk; those of the dofs held are in the resultants too.
     many = np.sqrt(found.dof_count)
     resultant = many * left_by_rounding(np.ones_like(held.dofs))
-    size = _largest(total, rest)
     # Beside settlements a load may be nothing: what bends the plate, and what supports push with, count as well.
-    bending = _largest(scale, _bending_force(found, hi))
-    pushing = _largest(size, _reaching(found, _pushes(found, hi, lo, reaction)))
+    bending = float(_most(scale, _bending_force(found, hi)))
+    pushing = float(_most(size, _reaching(found, _pushes(found, hi, lo, reaction))))
     # A reaction that balances nothing but rounding may have either sign.
     limits = {
         "tension": (many * at_nodes, pressing, pressing),
@@ -204,16 +267,16 @@ def certify(
     judged = [limits[name] for name in LIMITED if figures[name] > TOLERANCE]
     return Certificate(
         **figures,
-        **{f"{name}_limit": _ratio(rounding, loads) for name, (rounding, loads, _) in limits.items()},
-        rounding=max(_ratio(rounding, acting) for rounding, _, acting in judged),
+        **{f"{name}_limit": float(_ratio(rounding, loads)) for name, (rounding, loads, _) in limits.items()},
+        rounding=max(float(_ratio(rounding, acting)) for rounding, _, acting in judged),
         lost=lost,
     )
 
 
-def _bent(found: Discretisation, hi: Floats) -> Floats:
-    """Deflections (n,) of the nodes without the rigid motion nearest to them."""
+def _bent(found: Discretisation, deflection: Floats) -> Floats:
+    """Deflections (k, n) of the nodes without the rigid motions nearest to them."""
     motions = found.rigid_motions[::3]
-    return np.asarray(hi[::3] - motions @ np.linalg.lstsq(motions, hi[::3])[0])
+    return np.asarray(deflection - (motions @ np.linalg.lstsq(motions, deflection.T)[0]).T)
 
 
 def certified(
@@ -229,7 +292,7 @@ def certified(
 
 def least_deflection(found: Discretisation, load: CaseLoad) -> float:
     """Deflection below which that of a load is rounding."""
-    return _NIL * _loaded_deflection(found, load.nodal)
+    return _NIL * float(_loaded_deflection(found, load.nodal))
 
 
 def forces_at_nodes(
@@ -243,7 +306,8 @@ def forces_at_nodes(
     at = ~found.held.dofs if at is None else at
     across = float(np.sqrt(found.mesh.element_area.mean()))
     internal = found.plate.internal_magnitude(~at, hi, lo)
-    return float(internal), _by_force(np.where(at, _pushes(found, hi, lo, reaction), 0.0), across)
+    pushes = np.where(at, _pushes(found, hi, lo, reaction), 0.0)
+    return float(internal), float(_by_force(pushes[None], across)[0])
 
 
 def _pushes(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
@@ -257,15 +321,17 @@ def _pushes(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> 
 
 def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
     contacts = found.contacts
-    return contacts.compliance * reaction + found.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
+    rows = contacts.rows.arrays
+    open_by = [found.plate.openings(*rows, contacts.distance, *one) for one in zip(hi, lo, strict=True)]
+    return np.asarray(contacts.compliance * reaction + np.array(open_by))
 
 
-def _balance(found: Discretisation, nodal: Floats, against: Floats) -> tuple[float, float]:
-    """Largest resultant of a load and of what supports set against it, and the size it is part of."""
+def _balance(found: Discretisation, nodal: Floats, against: Floats) -> tuple[Floats, Floats]:
+    """Largest resultants (k,) of loads (k, 3n) and of what supports set against them, and the whole sizes."""
     size = found.mesh.size
     # Threads of a linear algebra library would cost more than these sums.
-    resultant = np.einsum("ij,i->j", found.rigid_motions, nodal - against) / np.array([1.0, size, size])
-    return _largest(resultant), max(_reaching(found, nodal), _reaching(found, against))
+    resultant = np.einsum("ij,ki->kj", found.rigid_motions, nodal - against) / np.array([1.0, size, size])
+    return _largest(resultant), _most(_reaching(found, nodal), _reaching(found, against))
 
 
 def _motions(found: Discretisation) -> Floats:
@@ -283,9 +349,10 @@ def _lost(
     """
     if load.all_weighs or not load.weighing.any():
         return 0.0
-    missing, _ = _balance(found, load.weighing, against)
+    (missing,), _ = _balance(found, load.weighing[None], against[None])
     of_loads = _reaching(found, load.weighing)
-    part = _ratio(missing, _largest(of_loads, _totals(found, at_holds, pull, reaction)))
+    totals = np.abs(_totals(found, at_holds, pull, reaction)).max()
+    part = float(_ratio(missing, _most(of_loads, totals)))
     if not part > 0.0:
         return part
     motions, held = _motions(found), found.held.dofs
@@ -294,11 +361,13 @@ def _lost(
     arm = np.where(slope, found.mesh.size, 1.0)
     forces = np.concatenate([at_holds[held], pull, reaction]) / arm
     rows = np.concatenate([motions[held], found.spring_rows @ motions, found.contact_rows @ motions]) * arm[:, None]
-    acting = np.abs(forces) > _UNSEEN * _largest(forces)
+    largest = np.abs(forces).max(initial=0.0)
+    acting = np.abs(forces) > _UNSEEN * largest
     resultant = np.einsum("ij,i->j", motions, load.weighing - against)
     making = np.linalg.lstsq(rows[acting].T, resultant)[0]
     # Of the loads at least half a mean share, since nodal forces of a pressure have both signs.
-    return max(part, _ratio(_largest(making), _largest(forces, 0.5 * of_loads / max(acting.sum(), 1))))
+    most = np.abs(making).max(initial=0.0)
+    return max(part, float(_ratio(most, _most(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
 
 
 def _totals(found: Discretisation, at_holds: Floats, pull: Floats, reaction: Floats) -> Floats:
@@ -313,18 +382,18 @@ def _totals(found: Discretisation, at_holds: Floats, pull: Floats, reaction: Flo
     )
 
 
-def _reaching(found: Discretisation, nodal: Floats) -> float:
-    """Sum of the magnitudes that nodal forces have in a resultant."""
+def _reaching(found: Discretisation, nodal: Floats) -> Floats:
+    """Sums (...,) of the magnitudes that nodal forces (..., 3n) have in a resultant."""
     moves = found.rigid_motions.T
     turning = np.maximum(np.abs(moves[1]), np.abs(moves[2])) / found.mesh.size
-    return float((np.abs(nodal) * np.maximum(np.abs(moves[0]), turning)).sum())
+    return np.asarray((np.abs(nodal) * np.maximum(np.abs(moves[0]), turning)).sum(axis=-1))
 
 
-def _loaded_deflection(found: Discretisation, nodal: Floats) -> float:
-    """Deflection by which a load scales on the plate."""
-    forces, *couples = np.abs(nodal.reshape(-1, 3)).sum(axis=0)
+def _loaded_deflection(found: Discretisation, nodal: Floats) -> Floats:
+    """Deflections (...,) by which loads (..., 3n) scale on the plate."""
+    forces, *couples = np.moveaxis(np.abs(nodal.reshape(*nodal.shape[:-1], -1, 3)).sum(axis=-2), -1, 0)
     size = found.mesh.size
-    return float(forces + sum(couples) / size) * size**2 / _rigidity(found, found.thickness.min())
+    return np.asarray((forces + sum(couples) / size) * size**2 / _rigidity(found, found.thickness.min()))
 
 
 def _bending_force(found: Discretisation, hi: Floats) -> float:
@@ -333,22 +402,31 @@ def _bending_force(found: Discretisation, hi: Floats) -> float:
     deflection = hi[::3]
     plane = motions @ np.linalg.lstsq(motions, deflection, rcond=None)[0]
     area = float(found.mesh.element_area.sum())
-    return _rigidity(found, found.thickness.min()) * _largest(deflection - plane) * area / found.mesh.size**4
+    bent = float(np.abs(deflection - plane).max())
+    return _rigidity(found, found.thickness.min()) * bent * area / found.mesh.size**4
 
 
 def _rigidity(found: Discretisation, thickness: float) -> float:
     return found.model.young * float(thickness) ** 3 / 12
 
 
-def _by_force(nodal: Floats, across: float) -> float:
-    """Largest nodal force; couples count by the force they are at an element's size apart."""
-    return _largest(nodal.reshape(-1, 3) / [1.0, across, across])
+def _by_force(nodal: Floats, across: float) -> Floats:
+    """Largest of nodal forces (k, 3n); couples count by the force they are at an element's size apart."""
+    return _largest(nodal.reshape(len(nodal), -1, 3) / [1.0, across, across])
 
 
-def _largest(*values: Floats | float) -> float:
-    """Largest magnitude; NaN where there is one."""
-    return float(np.max([np.abs(value).max(initial=0.0) for value in values]))
+def _largest(values: Floats) -> Floats:
+    """Largest magnitudes (k,) of values (k, ...); NaN where there is one."""
+    return np.asarray(np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0))
 
 
-def _ratio(error: float, size: float) -> float:
-    return 0.0 if error == 0.0 else float(error / size) if size > 0.0 else float("inf")
+def _most(*sizes: Floats | float) -> Floats:
+    """The largest of each; NaN where there is one."""
+    return np.asarray(functools.reduce(np.maximum, sizes))
+
+
+def _ratio(error: Floats | float, size: Floats | float) -> Floats:
+    """Errors over sizes: none of no error, infinite of no size."""
+    error, size = np.asarray(error), np.asarray(size)
+    part = np.where(size > 0.0, error / np.where(size > 0.0, size, 1.0), np.inf)
+    return np.asarray(np.where(error == 0.0, 0.0, part))

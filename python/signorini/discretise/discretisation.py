@@ -104,11 +104,13 @@ class Discretisation(Remade):
         return self.springs.rows.matrix(self.mesh.elements, self.dof_count)
 
     def spring_forces(self, hi: Floats, lo: Floats, base: Floats | None = None) -> Floats:
-        """Upward forces (s,) of springs at displacements (3n,), whose bases (s,) are those of the model unless given.
+        """Upward forces (..., s) of springs at displacements (..., 3n), of the model's bases (s,) unless given.
 
         Stretches are summed in extended precision: a stiff spring between nodes moves by the rounding of theirs.
         """
         springs = self.springs
+        if hi.ndim > 1:
+            return np.array([self.spring_forces(*one, base) for one in zip(hi, lo, strict=True)])
         at_rest = springs.base if base is None else base
         return -springs.stiffness * self.plate.openings(*springs.rows.arrays, at_rest, hi, lo)
 
@@ -118,6 +120,8 @@ class Discretisation(Remade):
         Under a load, at displacements hi + lo (3n,); ``reaction`` (m + r,) are those of ``points``, ``pull`` (k,) the
         upward forces of springs.
         """
+        if not len(self.sections.per):
+            return np.zeros(0)
         of_points, of_springs = self._reactions_through
         within = self.sections.within(self.plate, hi, lo, load.curvature, load.couples)
         forces = within + load.through + of_points[:, : len(reaction)] @ reaction + of_springs @ pull

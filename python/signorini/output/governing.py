@@ -1,11 +1,14 @@
-"""Which combinations give the largest and the smallest reaction of each bearing, and what the others do in them."""
+"""Which combinations give the extremes of each bearing, and what the others do in them."""
 
 from __future__ import annotations
 
+import csv
+import io
 from dataclasses import dataclass
 from typing import Any
 
 from signorini.analysis.solve import Results
+from signorini.output.cells import name_cell
 from signorini.results.columns import Bearing
 
 
@@ -16,43 +19,77 @@ class Governing:
     Parameters
     ----------
     bearing : Bearing
+    what : str
+        "reaction", "gap", "max_pressure" or "contact_area".
     largest : bool
     combination : str
     own : float
+    own_width : float or None
+        The half-width of ``own``.
     reactions : tuple of float
     widths : tuple of float or None
         The half-widths of ``reactions``; all None where there are none.
     """
 
     bearing: Bearing
+    what: str
     largest: bool
     combination: str
     own: float
+    own_width: float | None
     reactions: tuple[float, ...]
     widths: tuple[float | None, ...]
 
 
 def governing_reactions(results: Results, group: str = "") -> list[Governing]:
-    """Give the extremes of every bearing, the largest before the smallest; of equals the first combination's.
+    """Give the extremes of each bearing's reaction, the largest before the smallest; of equals the first combination's.
 
     Over a group of combinations, or over all; none where none of them has an equilibrium.
     """
+    return [one for one in governing(results, group) if one.what == "reaction"]
+
+
+def governing(results: Results, group: str = "") -> list[Governing]:
+    """Give the extremes of every bearing likewise: of its reaction, then of gaps and of areas' pressure and contact."""
     if group and group not in results.groups:
         return []
-    bearings, found = results.combined.layout.bearings, results.combined.over(group).bearings
-    columns = [bearing.column(results.model) for bearing in bearings]
+    layout, model, found = results.combined.layout, results.model, results.combined.over(group).bearings
+    columns = [bearing.column(model) for bearing in layout.bearings]
     sides = (
-        (True, found.extremes.largest_by, found.with_largest),
-        (False, found.extremes.smallest_by, found.with_smallest),
+        (True, found.extremes.largest, found.extremes.largest_by, found.with_largest),
+        (False, found.extremes.smallest, found.extremes.smallest_by, found.with_smallest),
     )
     out = []
-    for at, bearing in enumerate(bearings):
-        for largest, by, beside in sides:
+    for at, (what, bearing) in enumerate(layout.governed):
+        for largest, extreme, by, beside in sides:
             row = int(by[at])
             widths = tuple(results.half_width(column, row) for column in columns)
-            reactions = tuple(beside[at].tolist())
-            out.append(Governing(bearing, largest, results.key(row), reactions[at], reactions, widths))
+            width, reactions = results.half_width(bearing.column(model, what), row), tuple(beside[at].tolist())
+            name, own = results.key(row), float(extreme[at])
+            out.append(Governing(bearing, what, largest, name, own, width, reactions, widths))
     return out
+
+
+def governing_csv(results: Results) -> str:
+    """Give the extremes of every bearing as comma-separated values, over all combinations and over each group.
+
+    A row an extreme: the number, its half-width, the combination it is of, and the reactions of all bearings in it with
+    theirs. Gaps have a row of the widest where one opens.
+    """
+    text, model = io.StringIO(), results.model
+    columns = [bearing.column(model) for bearing in results.combined.layout.bearings]
+    own = ("group", "support", "point", "x", "y", "what", "extreme", "value", "value:plus_minus", "combination")
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([*own, *columns, *(f"{column}:plus_minus" for column in columns)])
+    for group in ("", *model.effective_combinations.groups):
+        for one in governing(results, group):
+            if one.what == "gap" and not (one.largest and one.own > 0.0):
+                continue
+            support, (x, y) = model.support[one.bearing.support].name, one.bearing.at or ("", "")
+            where = (name_cell(group), name_cell(support), one.bearing.point, x, y)
+            extreme = (one.what, "max" if one.largest else "min", one.own, one.own_width, name_cell(one.combination))
+            table.writerow([*where, *extreme, *one.reactions, *one.widths])
+    return text.getvalue()
 
 
 def governing_json(results: Results, group: str = "") -> list[dict[str, Any]]:

@@ -12,6 +12,7 @@ from signorini.model import Model
 from signorini.results.result import Result
 
 JSON, CSV, TABLE = "results.json", "reactions.csv", "combinations.parquet"
+GOVERNING = "governing.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
 PRESSURE, MOMENTS, SHEARS = "-pressure", "-moments", "-shears"
@@ -28,6 +29,7 @@ def files(results: Results) -> list[dict[str, str | None]]:
     endings = {"vtu": ".vtu", "picture": ".png", "moments": f"{MOMENTS}.png", "shears": f"{SHEARS}.png"}
     endings |= {"pressure": f"{PRESSURE}.png"} if has_areas(results) else {}
     together = {"results": JSON, "reactions": CSV}
+    together |= {"governing": GOVERNING} if len(results) > 1 else {}
     together |= {"table": TABLE} if results.model.tabulated else {}
     together |= {"refinement": REFINEMENT} if results.refinement else {}
     named: list[tuple[str | None, str, str]] = [(None, kind, name) for kind, name in together.items()]
@@ -39,6 +41,8 @@ def files(results: Results) -> list[dict[str, str | None]]:
 def expected_names(model: Model) -> Iterator[str]:
     """Name files that the results of a model will have as far as it tells: not those of what governs in a table."""
     yield from (JSON, CSV)
+    if len(model.effective_combinations) > 1:
+        yield GOVERNING
     taken = _taken(model)
     if model.mesh.accuracy is not None:
         yield REFINEMENT

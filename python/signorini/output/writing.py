@@ -12,7 +12,8 @@ from signorini.base.files import replacing_together
 from signorini.formats.vtk import Vtu
 from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import write_envelope
-from signorini.output.names import CSV, JSON, TABLE, envelope_files, slugs
+from signorini.output.governing import governing_csv
+from signorini.output.names import CSV, GOVERNING, JSON, TABLE, envelope_files, slugs
 from signorini.output.pictures import write_pictures, write_refinement
 from signorini.output.tables import reactions_csv, results_json
 from signorini.results.result import vtk_fields
@@ -23,8 +24,8 @@ def write(
 ) -> list[Path]:
     """Write ``results.json``, ``reactions.csv`` and, of each solved combination, a ``.vtu`` and pictures.
 
-    Where combinations are rows of a table, these are of the combinations in ``results``; the table and, unless no field
-    is enveloped, ``envelope.vtu`` come with them.
+    Of several combinations ``governing.csv`` comes with them. Where combinations are rows of a table, these are of the
+    combinations in ``results``; the table and, unless no field is enveloped, ``envelope.vtu`` come with them.
 
     All of them, or none: they are written elsewhere and moved into place when complete. The files of an earlier run in
     the directory are replaced as a set; other files in it stay, and one that has a name of ours is refused. Of several
@@ -67,6 +68,8 @@ def write(
             if table is not None:
                 Path(table).rename(beside / TABLE)
             (beside / CSV).write_text(reactions_csv(results), encoding="utf-8")
+            if len(results) > 1:
+                (beside / GOVERNING).write_text(governing_csv(results), encoding="utf-8")
             (beside / JSON).write_text(json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
             names = [entry["file"] for entry in found["files"]]
     except OSError as error:

@@ -18,12 +18,13 @@ from signorini.results.extremes import NUMBERS
 from signorini.results.result import FIELDS, Result
 from signorini.results.section_result import columns_of, numbers_of
 from signorini.results.support_points import SupportPoints
-from signorini.results.support_result import area_contact
+from signorini.results.support_result import area_at_rest
 from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
 
 _MOST_BEARINGS = 100
 """Points of one support beyond which its reaction is looked at as a whole."""
+_OF_AREAS = ("max_pressure", "contact_area")
 
 Column = Sequence[str] | Floats | Ints
 Named = Iterable[tuple[str, Column]]
@@ -37,10 +38,10 @@ class Bearing:
     point: int | None
     at: tuple[float, float] | None
 
-    def column(self, model: Model) -> str:
-        """The table's column of its reaction."""
+    def column(self, model: Model, what: str = "reaction") -> str:
+        """The table's column of its reaction, or of something else that it has."""
         name = model.support[self.support].name
-        return f"reaction:{name}" if self.point is None else f"reaction_at:{name}[{self.point}]"
+        return f"{what}:{name}" if self.point is None else f"{what}_at:{name}[{self.point}]"
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +116,7 @@ class Layout:
         """Lay out the columns of a model; ``fields`` are those that envelopes are sought of."""
         points = tuple(SupportPoints.of(found, index) for index in range(len(found.model.support)))
         areas = [index for index, support in enumerate(found.model.support) if support.area is not None]
-        at_rest = {index: _at_rest(found, index, points[index]) for index in areas}
+        at_rest = {index: area_at_rest(found, index) for index in areas}
         by_number = {number: Hidden.of(found, number) for number in {NUMBERS.get(name, "") for name in fields}}
         hidden = {name: by_number[NUMBERS.get(name, "")] for name in fields}
         nodes = found.stress_nodes.points
@@ -155,13 +156,29 @@ class Layout:
                 found.append(Bearing(index, None, None))
         return tuple(found)
 
-    def of_bearings(self, reaction: Floats) -> Floats:
-        """Reactions (k, b) of the bearings, from those of all points (k, p)."""
-        found = np.empty((len(reaction), len(self.bearings)))
-        for column, bearing in enumerate(self.bearings):
-            where = self.slices[bearing.support]
-            of_support = reaction[:, where]
-            found[:, column] = of_support.sum(axis=1) if bearing.point is None else of_support[:, bearing.point - 1]
+    @cached_property
+    def governed(self) -> tuple[tuple[str, Bearing], ...]:
+        """Of which numbers extremes are sought with what all bearings do then: first their reactions.
+
+        Then gaps of points that may open and, of areas, the largest pressure and how much is in contact.
+        """
+        found = [("reaction", bearing) for bearing in self.bearings]
+        opening = [one for one in self.bearings if one.point is not None and self.supports[one.support].rows.size]
+        areas = [one for one in self.bearings if one.support in self.at_rest]
+        found += [("gap", bearing) for bearing in opening]
+        return (*found, *((what, bearing) for bearing in areas for what in _OF_AREAS))
+
+    def of_governed(self, reaction: Floats, gap: Floats, areas: Floats) -> Floats:
+        """Numbers (k, e) of ``governed``, from reactions and gaps of all points (k, p) and of areas (k, a, 2)."""
+        found, slices = np.empty((len(reaction), len(self.governed))), self.slices
+        for column, (what, bearing) in enumerate(self.governed):
+            where = slices[bearing.support]
+            if what in _OF_AREAS:
+                found[:, column] = areas[:, list(self.at_rest).index(bearing.support), _OF_AREAS.index(what)]
+            elif bearing.point is None:
+                found[:, column] = reaction[:, where].sum(axis=1)
+            else:
+                found[:, column] = (gap if what == "gap" else reaction)[:, where][:, bearing.point - 1]
         return found
 
     @property
@@ -317,12 +334,6 @@ class Block:
                 yield f"{what}_y:{name}", self.places[:, at, side, 1]
         for index, name in enumerate(FIGURES):
             yield f"certificate:{name}", self.certificate[:, index]
-
-
-def _at_rest(found: Discretisation, index: int, points: SupportPoints) -> AreaContact:
-    """Build an area that nothing presses yet: where it is, and its law."""
-    nothing = np.zeros(len(points.positions))
-    return area_contact(found, index, np.zeros(found.mesh.node_count), points.positions, nothing > 0, nothing)
 
 
 def together(blocks: Iterable[Named]) -> Mapping[str, Column]:

@@ -74,19 +74,22 @@ class Extremes:
 
 @dataclass(frozen=True, eq=False)
 class Concurrent:
-    """Extremes of the reactions of bearings (b,), and of each what all bearings do in that result (b, b)."""
+    """Extremes of numbers (e,), and of each the reactions of all bearings in that result (e, b).
+
+    The first numbers are these reactions.
+    """
 
     extremes: Extremes
     with_largest: Floats
     with_smallest: Floats
 
     @classmethod
-    def none(cls, size: int) -> Concurrent:
+    def none(cls, size: int, bearings: int) -> Concurrent:
         """Nothing met yet."""
-        return cls(Extremes.none(size), np.full((size, size), np.nan), np.full((size, size), np.nan))
+        return cls(Extremes.none(size), np.full((size, bearings), np.nan), np.full((size, bearings), np.nan))
 
     def take(self, values: Floats, who: Ints) -> None:
-        """Meet reactions (k, b) of results (k,), in rising order."""
+        """Meet numbers (k, e) of results (k,), in rising order."""
         largest_by, smallest_by = self.extremes.largest_by.copy(), self.extremes.smallest_by.copy()
         self.extremes.take(values, who)
         for now, before, beside in (
@@ -94,7 +97,7 @@ class Concurrent:
             (self.extremes.smallest_by, smallest_by, self.with_smallest),
         ):
             changed = np.flatnonzero(now != before)
-            beside[changed] = values[np.searchsorted(who, now[changed])]
+            beside[changed] = values[np.searchsorted(who, now[changed]), : beside.shape[1]]
 
     def meet(self, other: Concurrent) -> None:
         """Meet what others have met."""
@@ -182,7 +185,7 @@ class Envelope:
     sections : sequence of str
         Columns of the first of these, which are of sections.
     bearings : Concurrent
-        Of the bearings' reactions, in the order of the layout.
+        Of what the layout calls governed, in its order.
     names : tuple of str
         Fields whose extremes over nodes each result has, away from where these have no limit: those of ``peaks``.
     peaks : Peaks
@@ -212,7 +215,7 @@ class Envelope:
             Extremes.none(len(FIELDS) * len(layout.probes)),
             Extremes.none(len(layout.through)),
             layout.through[: len(COMPONENTS) * len(layout.model.section)],
-            Concurrent.none(len(layout.bearings)),
+            Concurrent.none(len(layout.governed), len(layout.bearings)),
             layout.fields,
             Peaks.none(len(layout.fields)),
         )
@@ -242,7 +245,7 @@ class Envelope:
         who = block.numbers[rows]
         self.probes.take(block.probes[rows], who)
         self.through.take(block.through[rows], who)
-        self.bearings.take(layout.of_bearings(block.reaction[rows]), who)
+        self.bearings.take(layout.of_governed(block.reaction[rows], block.gap[rows], block.areas[rows]), who)
         self.peaks.take(block.peaks[rows], block.places[rows], who)
         for where, support in zip(layout.slices, self.supports, strict=True):
             reaction = block.reaction[rows, where]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,10 +10,12 @@ import numpy as np
 
 from signorini.base.brief import Brief
 from signorini.contact.answer import Answer
+from signorini.contact.certificate import imbalances
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.discretise.rows import Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.results.peak import peak
-from signorini.results.support_result import SupportResult, support_result
+from signorini.results.support_points import SupportPoints
+from signorini.results.support_result import area_at_rest
 
 
 @dataclass(frozen=True)
@@ -103,44 +106,90 @@ def switches(found: Discretisation, points: Ints, answer: Answer) -> tuple[Switc
     )
 
 
-def path_stop(
-    found: Discretisation, t: float, load: CaseLoad, points: Ints, switched: Ints, answer: Answer
-) -> PathStop:
-    """Reduce an answer to what the path keeps of it; ``switched`` are the points that are said to open or close."""
-    displacement = answer.hi + answer.lo
-    deflection, works = displacement[::3], load.nodal * displacement
-    imbalance = found.plate.residual(found.springs.arrays, load.nodal, answer.hi, answer.lo)
-    held_force = np.where(found.held.dofs, imbalance - found.point_rows.T @ answer.shared, 0.0)
-    pull = found.spring_forces(answer.hi, answer.lo)
+def path_stops(
+    found: Discretisation,
+    at: Sequence[float],
+    loads: Sequence[CaseLoad],
+    points: Sequence[Ints],
+    switched: Sequence[Ints],
+    answers: Sequence[Answer],
+    imbalance: Floats | None = None,
+) -> list[PathStop]:
+    """Reduce answers (k,) to what the path keeps of them; ``switched`` are the points that are said to open or close.
+
+    ``imbalance`` (k, 3n) are their residuals, of plate and springs alone, where they are known.
+    """
+    hi, lo = np.array([answer.hi for answer in answers]), np.array([answer.lo for answer in answers])
+    shared, closed = np.array([answer.shared for answer in answers]), np.array([answer.closed for answer in answers])
+    imbalance = imbalances(found, loads, hi, lo) if imbalance is None else imbalance
+    deflection = (hi + lo)[:, ::3]
+    works = np.array([load.nodal for load in loads]) * (hi + lo)
+    held_force = np.where(found.held.dofs, imbalance - (found.point_rows.T @ shared.T).T, 0.0)[:, ::3]
+    pull = found.spring_forces(hi, lo)
     supports = [
-        support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
+        _support_at_stops(found, index, held_force, pull, deflection, closed, shared)
+        for index in range(len(found.model.support))
     ]
-    most, least = peak(deflection, found.mesh.points), peak(-deflection, found.mesh.points)
-    at = [(float(x), float(y)) for x, y in found.mesh.points[[most, least]]]
-    values = found.mesh.shape_functions(found.probes.elements, found.probes.xi)
-    elements = found.mesh.elements[found.probes.elements]
-    return PathStop(
-        t,
-        switches(found, switched, answer),
-        points,
-        np.array([support.reaction for support in supports]),
-        np.array([support.closed_count for support in supports]),
-        np.array([len(support.closed) for support in supports]),
-        np.array([_part(support) for support in supports]),
-        np.array([support.contact_area for support in supports], dtype=np.float64),
-        np.array([support.max_pressure for support in supports], dtype=np.float64),
-        np.einsum("qi,qi->q", values, deflection[elements]),
-        found.through(load, answer.hi, answer.lo, answer.shared, pull),
-        float(deflection.max()),
-        float(deflection.min()),
-        at[0],
-        at[1],
-        float(works.sum()),
-        float(np.abs(works).sum()),
+    totals, closed_counts, counts, parts, areas, pressures = (
+        np.array(numbers).T for numbers in zip(*supports, strict=True)
     )
+    values = found.mesh.shape_functions(found.probes.elements, found.probes.xi)
+    at_probes = np.einsum("qi,kqi->kq", values, deflection[:, found.mesh.elements[found.probes.elements]])
+    stops = []
+    for row, (t, load, answer) in enumerate(zip(at, loads, answers, strict=True)):
+        extremes = [peak(sign * deflection[row], found.mesh.points) for sign in (1.0, -1.0)]
+        most, least = [(float(x), float(y)) for x, y in found.mesh.points[extremes]]
+        stops.append(
+            PathStop(
+                t,
+                switches(found, switched[row], answer),
+                points[row],
+                totals[row],
+                closed_counts[row],
+                counts[row],
+                parts[row],
+                areas[row],
+                pressures[row],
+                at_probes[row],
+                found.through(load, answer.hi, answer.lo, answer.shared, pull[row]),
+                float(deflection[row].max()),
+                float(deflection[row].min()),
+                most,
+                least,
+                float(works[row].sum()),
+                float(np.abs(works[row]).sum()),
+            )
+        )
+    return stops
 
 
-def _part(support: SupportResult) -> float:
-    """The part of a support that is closed; 1 of what acts nowhere."""
-    whole = float(support.weights.sum())
-    return 1.0 if support.closed.all() else float(support.weights[support.closed].sum()) / whole
+def _support_at_stops(
+    found: Discretisation,
+    index: int,
+    held_force: Floats,
+    pull: Floats,
+    deflection: Floats,
+    closed: Bools,
+    shared: Floats,
+) -> tuple[Floats, Ints, Ints, Floats, Floats, Floats]:
+    """Total (k,), closed points, all points, part that is closed, contact area and largest pressure of a support."""
+    points = SupportPoints.of(found, index)
+    fixed = np.concatenate([held_force[:, points.nodes], pull[:, points.springs]], axis=1)
+    reactions, closed = points.forces(fixed, shared), points.closed(closed)
+    # 1 of what acts nowhere.
+    whole = float(points.weights.sum())
+    parts = [1.0 if those.all() else float(points.weights[those].sum()) / whole for those in closed]
+    areas = pressures = np.full(len(closed), np.nan)
+    if found.model.support[index].area is not None:
+        at_rest = area_at_rest(found, index)
+        areas = at_rest.contact_areas(deflection, closed)
+        known, _ = at_rest.measured(deflection[:, at_rest.on_nodes], reactions)
+        pressures = np.fmax.reduce(known, axis=1, initial=0.0)
+    return (
+        reactions.sum(axis=1),
+        closed.sum(axis=1),
+        np.full(len(closed), closed.shape[1]),
+        np.array(parts),
+        areas,
+        pressures,
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -139,6 +140,16 @@ def area_contact(
     )
 
 
+def area_at_rest(found: Discretisation, index: int) -> AreaContact:
+    """Contact of an area that nothing presses yet, built once: where it is, and its law."""
+    known = _AT_REST.setdefault(found, {})
+    if index not in known:
+        positions = SupportPoints.of(found, index).positions
+        nothing = np.zeros(len(positions))
+        known[index] = area_contact(found, index, np.zeros(found.mesh.node_count), positions, nothing > 0, nothing)
+    return known[index]
+
+
 def _stiff(found: Discretisation, support: Support, points: SupportPoints) -> Bools:
     """Elements (ne,) in which an area is stiffer than the plate, or, if it never lets go, as good as rigid."""
     stiff = np.zeros(len(found.mesh.elements), np.bool_)
@@ -150,3 +161,6 @@ def _stiff(found: Discretisation, support: Support, points: SupportPoints) -> Bo
         )
         stiff[at[stiffness >= limit]] = True
     return stiff
+
+
+_AT_REST: WeakKeyDictionary[Discretisation, dict[int, AreaContact]] = WeakKeyDictionary()

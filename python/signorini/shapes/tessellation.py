@@ -75,9 +75,7 @@ def tessellate(elements: NDArray[np.int64], divisions: int | None = None) -> Tes
     """
     count = len(elements)
     d = divisions or int(np.clip(2 * round(np.sqrt(_WANTED_CELLS / count) / 2), 2, _FINEST))
-    xi, eta = (grid.ravel() for grid in np.meshgrid(*[np.linspace(-1, 1, d + 1)] * 2))
-    u, v = 0.5 + 0.5 * xi, 0.5 + 0.5 * eta
-    shapes = np.stack([serendipity(np.column_stack([xi, eta]))[0], triangular(np.column_stack([u * (1 - v), v]))[0]])
+    shapes = grid_shapes(d)
     of_triangle = elements[:, 2] == elements[:, 3]
 
     local = np.arange((d + 1) ** 2).reshape(d + 1, d + 1)
@@ -90,7 +88,7 @@ def tessellate(elements: NDArray[np.int64], divisions: int | None = None) -> Tes
     # The collapsed side of a triangle is no edge, and cells beside it have lost one of their halves.
     real = ~(of_triangle[:, None] & (np.arange(4) == 2)).ravel()
     midsides, edge, uses = np.unique(elements[:, 4:].ravel()[real], return_index=True, return_counts=True)
-    owners, places = np.divmod(first, len(xi))
+    owners, places = np.divmod(first, (d + 1) ** 2)
     triangles, parents = vertices[:, cells].reshape(-1, 3), np.repeat(np.arange(count), len(cells))
     whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
     return Tessellation(
@@ -103,6 +101,13 @@ def tessellate(elements: NDArray[np.int64], divisions: int | None = None) -> Tes
         midsides=midsides,
         outer=uses == 1,
     )
+
+
+def grid_shapes(divisions: int) -> NDArray[np.float64]:
+    """Shape functions (2, v, 8) of quadrilaterals and of triangles at the vertices of an even grid, row by row."""
+    xi, eta = (grid.ravel() for grid in np.meshgrid(*[np.linspace(-1, 1, divisions + 1)] * 2))
+    u, v = 0.5 + 0.5 * xi, 0.5 + 0.5 * eta
+    return np.stack([serendipity(np.column_stack([xi, eta]))[0], triangular(np.column_stack([u * (1 - v), v]))[0]])
 
 
 def _names(elements: NDArray[np.int64], of_triangle: NDArray[np.bool_], sides: NDArray[np.int64]) -> NDArray[np.int64]:

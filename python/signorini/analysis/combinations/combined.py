@@ -22,7 +22,6 @@ from signorini.model import Combination, Combinations, Model
 from signorini.results.columns import Block, Column, Hidden, Layout, together
 from signorini.results.envelope import Envelope
 from signorini.results.result import FIELDS, Result
-from signorini.results.support_result import area_contact
 
 _MOST_ROWS = 4096
 _MOST_NUMBERS = 4_000_000
@@ -253,12 +252,9 @@ class _Run:
             where = layout.slices[index]
             pressures, _ = at_rest.measured(block.around(at_rest, layout, rows), block.reaction[rows, where])
             block.areas[rows, at, 0] = pressures.max(axis=1, initial=0.0)
-            for row in rows:
-                deflection = np.zeros(found.mesh.node_count)
-                deflection[layout.around_areas] = block.on_areas[row]
-                closed = block.closed[row, where]
-                area = area_contact(found, index, deflection, at_rest.positions, closed, block.reaction[row, where])
-                block.areas[row, at, 1] = area.contact_area
+            deflection = np.zeros((len(rows), found.mesh.node_count))
+            deflection[:, layout.around_areas] = block.on_areas[rows]
+            block.areas[rows, at, 1] = at_rest.contact_areas(deflection, block.closed[rows, where])
 
     def _unbalanced(self, name: str, message: str) -> None:
         self._without_equilibrium += 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -15,8 +15,9 @@ from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import real_sides
 from signorini.model import Support
+from signorini.results.contact_field.cells import Cells
 from signorini.results.contact_field.fine import Fine
-from signorini.results.contact_field.law import bounds, overlap, pressing
+from signorini.results.contact_field.law import bounds, free_travel, overlap, pressing
 from signorini.results.contact_field.lines import Segments, chained, clipped, thinned, zero_line
 from signorini.results.peak import peak
 from signorini.shapes import Region
@@ -176,19 +177,23 @@ class AreaContact(Remade):
 
     @cached_property
     def contact_area(self) -> float:
-        """Area in contact.
+        """Area in contact."""
+        return float(self._areas(self.closed[None], *self._crossed_here[:3])[0])
+
+    def contact_areas(self, deflection: Floats, closed: Bools) -> Floats:
+        """Areas in contact (k,), from deflections (k, n), and whether points are closed (k, q).
 
         Elements with every point closed count whole. In those that the edge of contact may cross it is measured on a
         grid finer than the points; one that is all in contact has exactly the area that the support has in it.
         """
-        touching = np.bincount(self.elements, self.weights * self.closed, len(self.covered))
-        fine = self._fine
-        if fine is None:
-            return float(touching.sum())
-        parts = fine.parts(self.depth(fine.positions))
-        measured = fine.elements[~np.isnan(parts)]
-        inside = self.covered[measured] * parts[~np.isnan(parts)]
-        return float(touching.sum() - touching[measured].sum() + inside.sum())
+        return self._areas(closed, *self._crossed(deflection, closed)[:3])
+
+    def _areas(self, closed: Bools, own: Ints, elements: Ints, parts: Floats) -> Floats:
+        touching = (self._per_element @ (self.weights[:, None] * closed.T)).T
+        measured = ~np.isnan(parts)
+        own, elements = own[measured], elements[measured]
+        more = self.covered[elements] * parts[measured] - touching[own, elements]
+        return np.asarray(touching.sum(axis=1) + np.bincount(own, more, len(touching)))
 
     @cached_property
     def contact_boundary(self) -> tuple[Floats, ...]:
@@ -199,8 +204,7 @@ class AreaContact(Remade):
         """
         if self.on_means:
             segments, near = self._sides_between(), self.elements
-        elif self._fine is not None:
-            fine = self._fine
+        elif (fine := self._fine) is not None:
             segments, near = zero_line(fine.positions, fine.known, fine.overlap, fine.in_contact), fine.elements
         else:
             return ()
@@ -223,24 +227,42 @@ class AreaContact(Remade):
         return np.asarray((self.covered > 0) & (self.covered >= _WHOLE * self.mesh.element_area))
 
     @cached_property
+    def _per_element(self) -> csr_array:
+        """Ones (ne, q) where an element has a point."""
+        points = np.arange(len(self.elements))
+        return csr_array((np.ones(len(points)), (self.elements, points)), shape=(len(self.covered), len(points)))
+
+    @cached_property
+    def _crossed_here(self) -> tuple[Ints, Ints, Floats, Floats]:
+        return self._crossed(self.deflection[None], self.closed[None])
+
+    def _crossed(self, deflection: Floats, closed: Bools) -> tuple[Ints, Ints, Floats, Floats]:
+        """Solutions and elements (p,) that the edge of contact may cross, their parts (p,) in contact.
+
+        With them how little overlap (k,) is none.
+        """
+        if self.on_means or not can_let_go(self.support):
+            nothing = np.zeros(0, np.int64)
+            return nothing, nothing, np.zeros(0), np.zeros(len(deflection))
+        covered = self.covered > 0
+        nodes, inverse = np.unique(self.mesh.elements[covered], return_inverse=True)
+        at_nodes = overlap(self.support, deflection[:, nodes], free_travel(self.support, self.mesh.points[nodes]))
+        rounding = _TOUCHING * np.fmax.reduce(np.abs(at_nodes), axis=1, initial=0.0)
+        pressed = (self._per_element @ closed.T.astype(np.float64)).T > 0
+        parted = (self._per_element @ (1.0 - closed.T)).T > 0
+        of_elements = inverse.reshape(-1, 8)
+        pressed[:, covered] |= (at_nodes >= -rounding[:, None])[:, of_elements].any(axis=2)
+        parted[:, covered] |= (at_nodes <= rounding[:, None])[:, of_elements].any(axis=2)
+        cells = Cells(self.mesh, self.support, covered, self.depth)
+        return *cells.parts(deflection, pressed & parted, rounding), rounding
+
+    @cached_property
     def _fine(self) -> Fine | None:
         """The elements that the edge of contact may cross; None where there is none."""
-        if self.on_means or not can_let_go(self.support):
+        _, elements, _, (rounding,) = self._crossed_here
+        if not len(elements):
             return None
-        nodes, inverse = np.unique(self.mesh.elements[self.covered > 0], return_inverse=True)
-        at_nodes = overlap(self.support, self.deflection[nodes], self.mesh.points[nodes])
-        touching = _TOUCHING * float(np.fmax.reduce(np.abs(at_nodes), initial=0.0))
-        of_elements = at_nodes[inverse].reshape(-1, 8)
-        count = len(self.covered)
-        closed = np.bincount(self.elements, self.closed, count) > 0
-        opened = np.bincount(self.elements, ~self.closed, count) > 0
-        closed[self.covered > 0] |= (of_elements >= -touching).any(axis=1)
-        opened[self.covered > 0] |= (of_elements <= touching).any(axis=1)
-        crossed = np.flatnonzero(closed & opened)
-        if not len(crossed):
-            return None
-        law = partial(overlap, self.support)
-        return Fine.around(self.mesh, crossed, self.covered > 0, self.deflection, law, touching)
+        return Fine.of(self.mesh, np.sort(elements), self.support, self.deflection, float(rounding))
 
     def _sides_between(self) -> Segments:
         """Sides of elements between closed and open ones of a rigid area."""

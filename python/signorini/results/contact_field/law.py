@@ -28,22 +28,27 @@ def pressing(support: Support, deflection: Floats, positions: Floats) -> Floats:
     array([ 750., -250.])
     """
     assert support.stiffness is not None
-    down, up = _beyond_gap(support, deflection, positions)
+    down, up = _beyond_gap(deflection, free_travel(support, positions))
     both = np.maximum(down, 0.0) - np.maximum(up, 0.0)
     travel = {"down": down, "up": -up}.get(support.resists or "both", both)
     return np.asarray(_values(support.stiffness, positions) * travel)
 
 
-def overlap(support: Support, deflection: Floats, positions: Floats) -> Floats:
-    """How far (q,) the plate is pressed into the support; where negative, the gap."""
-    down, up = _beyond_gap(support, deflection, positions)
+def free_travel(support: Support, positions: Floats) -> tuple[Floats, Floats]:
+    """Settlement and gap (q,) of an elastic area at positions (q, 2); NaN where an expression has no value."""
+    return _values(support.settlement, positions), _values(support.gap, positions)
+
+
+def overlap(support: Support, deflection: Floats, travel: tuple[Floats, Floats]) -> Floats:
+    """How far (..., q) the plate is pressed into the support, given its free travel; where negative, the gap."""
+    down, up = _beyond_gap(deflection, travel)
     return {"down": down, "up": up}.get(support.resists or "both", np.maximum(down, up))
 
 
-def _beyond_gap(support: Support, deflection: Floats, positions: Floats) -> tuple[Floats, Floats]:
+def _beyond_gap(deflection: Floats, travel: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
     """How far the plate has gone beyond the free travel, down and up."""
-    moved = deflection - _values(support.settlement, positions)
-    gap = _values(support.gap, positions)
+    settlement, gap = travel
+    moved = deflection - settlement
     return moved - gap, -moved - gap
 
 

@@ -1,0 +1,185 @@
+"""Elements that the edge of contact may cross, cut into cells: which part of each is in contact, in many solutions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.mesh import Mesh
+from signorini.mesh.isoparametric import are_triangles, real_sides
+from signorini.model import Support
+from signorini.results.contact_field.law import free_travel, overlap
+from signorini.results.contact_field.parts import both_positive_part
+from signorini.shapes.tessellation import grid_shapes
+
+_Values = TypeVar("_Values", Floats, Bools)
+
+_FINEST = 12
+_MOST_CELLS = 1_000_000
+_AT_ONCE = 100_000
+"""Vertices taken at once: so many numbers stay in a processor's cache."""
+
+
+def divisions(count: int) -> int:
+    """Into how many cells along a side so many elements are cut."""
+    return int(np.clip(2 * round(np.sqrt(_MOST_CELLS / max(count, 1)) / 2), 2, _FINEST))
+
+
+class _Grid(NamedTuple):
+    """Elements (e,), of triangles those that are marked, cut into d × d cells of two triangles."""
+
+    shapes: Floats
+    triangles: Bools
+    depth: Floats
+    """At vertices (e, d + 1, d + 1)."""
+    travel: tuple[Floats, Floats]
+    """Settlement and gap there."""
+    areas: Floats
+    """Of triangles (e, d, d, 2)."""
+    whole: Bools
+    """Cells (e, d, d) all within the support."""
+    outside: Bools
+    inside: Floats
+    """Area (e,) within the support."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """What is asked of the elements of an elastic area.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    support : Support
+    covered : (ne,) array
+        Whether the support has a part of an element.
+    depth : callable
+        How deep positions (q, 2) are in the support.
+    """
+
+    mesh: Mesh
+    support: Support
+    covered: Bools
+    depth: Callable[[Floats], Floats]
+
+    def parts(self, deflection: Floats, crossed: Bools, touching: Floats) -> tuple[Ints, Ints, Floats]:
+        """Solutions (p,), elements (p,), and the part (p,) in contact of what each has within the support.
+
+        From deflections (k, n), the elements (k, ne) that the edge of contact may cross, and how little overlap (k,) is
+        none. With them come elements into which the edge leaves these. NaN where there is nothing of the support.
+        Overlap and depth are taken as linear on triangles.
+        """
+        crossed, known = crossed.copy(), []
+        cuts = np.array([divisions(int(count)) for count in crossed.sum(axis=1)])
+        own, elements = np.nonzero(crossed)
+        across = self._across if len(own) else np.zeros((0, 4), np.int64)
+        while True:
+            parts, leaves = np.zeros(len(own)), np.zeros((len(own), 4), np.bool_)
+            for cut in np.unique(cuts[own]).tolist():
+                those = np.flatnonzero(cuts[own] == cut)
+                different, place = np.unique(elements[those], return_inverse=True)
+                grid, step = self._grid(different, cut), max(1, _AT_ONCE // (cut + 1) ** 2)
+                for start in range(0, len(those), step):
+                    some = those[start : start + step]
+                    nodal = deflection[own[some, None], self.mesh.elements[elements[some]]]
+                    at = place[start : start + step]
+                    parts[some], leaves[some] = self._pressed(grid, at, nodal, touching[own[some]])
+            known.append((own, elements, parts))
+            more = np.zeros_like(crossed)
+            pair, side = np.nonzero(leaves & (across[elements] >= 0))
+            more[own[pair], across[elements[pair], side]] = True
+            more &= self.covered & ~crossed
+            if not more.any():
+                whole = [np.concatenate(part) for part in zip(*known, strict=True)]
+                return whole[0], whole[1], whole[2]
+            crossed |= more
+            own, elements = np.nonzero(more)
+
+    def _pressed(self, grid: _Grid, place: Ints, nodal: Floats, touching: Floats) -> tuple[Floats, Bools]:
+        """Parts (p,) in contact of elements at places in the grid, and whether an edge leaves by a side (p, 4)."""
+        values = nodal @ grid.shapes[0].T
+        if grid.triangles.any():
+            of_triangle = grid.triangles[place]
+            values[of_triangle] = nodal[of_triangle] @ grid.shapes[1].T
+        values = values.reshape(-1, *grid.depth.shape[1:])
+        settlement, gap = grid.travel
+        values = overlap(self.support, values, (settlement[place], gap[place]))
+        values[np.abs(values) <= touching[:, None, None]] = 0.0
+        corners = _corners(values)
+        low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
+        whole = (low >= 0) & (high > 0) & grid.whole[place]
+        pressed = np.einsum("pijt,pij->p", grid.areas[place], whole)
+        # Where the overlap is not known, neither is that it is none.
+        at, i, j = np.nonzero(~(whole | (high < 0) | grid.outside[place]))
+        which = place[at], i, j
+        over = _of_triangles([corner[at, i, j] for corner in corners])
+        deep = _of_triangles([corner[which] for corner in _corners(grid.depth)])
+        area = np.where(np.isnan(over).any(axis=-1), 0.0, grid.areas[which])
+        # A triangle that only touches everywhere is in contact if those beside it are.
+        touches = (over == 0.0).all(axis=-1)
+        if touches.any():
+            cells = np.flatnonzero(touches.any(axis=1))
+            beside = _beside(values[at[cells]] > 0)
+            near = _of_triangles([corner[np.arange(len(cells)), i[cells], j[cells]] for corner in _corners(beside)])
+            area[cells] *= ~touches[cells] | near.any(axis=-1)
+        part = both_positive_part(deep.reshape(-1, 3), np.nan_to_num(over).reshape(-1, 3)).reshape(-1, 2)
+        pressed += np.bincount(at, (area * part).sum(axis=1), len(place))
+        inside = grid.inside[place]
+        sides = (values[:, 0], values[:, :, -1], values[:, -1], values[:, :, 0])
+        leaves = np.stack([(side > 0).any(axis=1) & (side < 0).any(axis=1) for side in sides], axis=1)
+        return np.where(inside > 0, pressed / np.where(inside > 0, inside, 1.0), np.nan), leaves
+
+    def _grid(self, elements: Ints, cut: int) -> _Grid:
+        shapes, nodes = grid_shapes(cut), self.mesh.elements[elements]
+        triangles, square = are_triangles(nodes), (len(elements), cut + 1, cut + 1)
+        at = np.einsum("eva,eac->evc", shapes[triangles.astype(np.int64)], self.mesh.points[nodes])
+        flat = at.reshape(-1, 2)
+        depth = self.depth(flat).reshape(square)
+        settlement, gap = (values.reshape(square) for values in free_travel(self.support, flat))
+        x, y = (_of_triangles(_corners(part.reshape(square))) for part in np.moveaxis(at, -1, 0))
+        areas = 0.5 * (
+            (x[..., 1] - x[..., 0]) * (y[..., 2] - y[..., 0]) - (y[..., 1] - y[..., 0]) * (x[..., 2] - x[..., 0])
+        )
+        corners = _corners(depth)
+        low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
+        part = np.repeat((low > 0)[..., None], 2, axis=-1).astype(np.float64)
+        cut_through = (low <= 0) & (high > 0)
+        deep = _of_triangles([corner[cut_through] for corner in corners]).reshape(-1, 3)
+        part[cut_through] = both_positive_part(deep, np.ones_like(deep)).reshape(-1, 2)
+        known = ~np.isnan(_of_triangles(_corners(settlement + gap))).any(axis=-1)
+        inside = np.where(known, areas * part, 0.0).sum(axis=(1, 2, 3))
+        return _Grid(shapes, triangles, depth, (settlement, gap), areas, low > 0, high <= 0, inside)
+
+    @property
+    def _across(self) -> Ints:
+        """The element (ne, 4) beyond each side; −1 where there is none."""
+        elements = self.mesh.elements
+        real, middles = real_sides(elements), elements[:, 4:]
+        owner = np.arange(len(elements))[:, None] + 1
+        both = np.bincount(middles[real], np.broadcast_to(owner, real.shape)[real], self.mesh.node_count)
+        return np.where(real, both[middles].astype(np.int64) - owner - 1, -1)
+
+
+def _corners(values: _Values) -> list[_Values]:
+    """Values (e, d, d) at the corners of cells, counter-clockwise, of those (e, d + 1, d + 1) at vertices."""
+    return [values[:, :-1, :-1], values[:, :-1, 1:], values[:, 1:, 1:], values[:, 1:, :-1]]
+
+
+def _of_triangles(corners: list[_Values]) -> _Values:
+    """Values (..., 2, 3) at the corners of the two triangles of cells, of those (...) at theirs."""
+    a, b, c, d = corners
+    return np.stack([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)], axis=-2)
+
+
+def _beside(pressed: Bools) -> Bools:
+    """Vertices (e, d + 1, d + 1) of triangles that have a vertex which is pressed."""
+    beside = np.zeros_like(pressed)
+    a, b, c, d = _corners(pressed)
+    first, second = a | b | c, a | c | d
+    for corner, of in zip(_corners(beside), (first | second, first, first | second, second), strict=True):
+        corner |= of
+    return beside
