@@ -148,7 +148,46 @@ def test_what_is_zero_by_symmetry_is_not_chased(given: dict[str, object]) -> Non
     assert results.accuracy_warning == ""
 
 
-def test_a_disc_is_refined_everywhere() -> None:
+L_SHAPE = {"shape": "polygon", "points": [[0, 0], [6, 0], [6, 3], [3, 3], [3, 6], [0, 6]], "thickness": 0.2}
+
+
+def test_a_polygon_is_refined_where_the_numbers_are() -> None:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate=L_SHAPE,
+        mesh={"size": 0.5, "accuracy": 0.02},
+        support=[{"area": "all", "resists": "down", "stiffness": 50e6}],
+        load=[{"pressure": 5e3}, {"pressure": 1e6, "area": {"rectangle": [0.9, 0.9, 1.2, 1.2]}}],
+        probe=[{"at": [[1.05, 1.05]]}],
+        strip=[{"line": [[0.3, 4], [2.7, 4]], "width": 1, "stations": 5}],
+    )
+    results = solve(model)
+    first, *_, last = results.refinement
+    assert results.accuracy_warning == ""
+    assert last.worst <= 0.02 < first.worst
+    assert last.elements < 8 * first.elements
+    mesh = results["all"].mesh
+    at_probe, away = np.sqrt(mesh.element_area[mesh.locate([[1.05, 1.05], [5.0, 1.5]]).elements])
+    assert at_probe < 0.3 * away
+    finest = solve(model.model_copy(update={"mesh": model.plate.scaled(results.model.mesh, 0.4, None)}))["all"]
+    for mine, true in zip(results["all"].probes[0].moment, finest.probes[0].moment, strict=True):
+        assert abs(mine - true) <= 0.02 * np.abs(finest.moment).max()
+
+
+def test_shears_on_a_line_that_loads_the_plate_are_not_chased() -> None:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate=L_SHAPE,
+        mesh={"size": 0.5, "accuracy": 0.3},
+        support=[{"area": "all", "resists": "down", "stiffness": 50e6}],
+        load=[{"pressure": 5e3}, {"line_load": 1e5, "circle": {"center": [1.5, 1.5], "radius": 1}}],
+        probe=[{"at": [[2.5, 1.5]]}],
+    )
+    (only,) = solve(model).refinement
+    assert not only.what.endswith("qx")
+
+
+def test_a_disc_is_refined_where_the_numbers_are() -> None:
     model = Model(
         material={"E": 30e9, "nu": 0.2},
         plate={"shape": "disc", "radius": 2, "thickness": 0.1},
@@ -169,6 +208,12 @@ def test_while_meshes_are_refined_progress_says_how_far_the_last_one_came() -> N
     assert seen[0] == "meshing"
     assert f"mesh 2, ± {first.worst:.2g} on {first.elements} elements: meshing" in seen
     assert any(line.startswith("mesh 2, ") and ", on a mesh of " in line for line in seen)
+    said = [line for line in seen if line.startswith("mesh 1: ")]
+    assert len(said) == 1
+    assert f"± {first.worst:.2g} of its field is left of {first.what}, on {first.elements:,} elements" in said[0]
+    assert "± 0.1 would take about " in said[0]
+    assert first.expected > first.elements
+    assert others[-1].expected == others[-1].elements
 
 
 def test_where_memory_ends_it_is_said_what_it_would_take(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -182,10 +227,10 @@ def test_where_memory_ends_it_is_said_what_it_would_take(monkeypatch: pytest.Mon
 
 
 def test_what_does_not_come_nearer_is_given_up() -> None:
-    steps = [accuracy.Refined(100 * n, 1000 * n, 0.5, "all: mx") for n in range(1, 5)]
+    steps = [accuracy.Refined(100 * n, 1000 * n, 0.5, "all: mx", 10_000) for n in range(1, 5)]
     finer, why = accuracy.refined(asked(0.01), {}, steps)
     assert finer is None
-    assert "Finer meshes do not bring it much nearer" in why
+    assert "finer meshes do not bring it much nearer" in why
 
 
 def test_an_accuracy_needs_half_widths() -> None:

@@ -456,3 +456,18 @@ def test_rows_that_cannot_follow_a_border_give_way_to_elements_that_do():
     assert model.divisions is None and not discretise(model).zones.parted.any()
     result = solved(circle, mesh={"size": 0.5})
     assert result.certificate.passed and result.plus_minus["deflection"]["max"] < 0.02 * result.deflection.max()
+
+
+def test_a_zone_along_a_round_edge_asks_for_no_room_beside_it():
+    half = [[8, 0], {"through": [32**0.5, 32**0.5], "to": [0, 8]}, {"through": [-(32**0.5), 32**0.5], "to": [-8, 0]}]
+    border = [[8, 0], {"through": [0, 8], "to": [-8, 0]}, [-6.8, 0], {"through": [0, 6.8], "to": [6.8, 0]}]
+    disc = {"shape": "disc", "radius": 8, "thickness": 0.25}
+    polygon = {"shape": "polygon", "points": half, "thickness": 0.25}
+    ring = {"annulus": {"center": [0, 0], "inner": 6.8, "outer": 8}}
+    for plate, area in ((disc, ring), (polygon, {"polygon": border})):
+        zone = {"area": area, "thickness": 0.45}
+        support = {"area": "all", "stiffness": 1e6, "resists": "both"}
+        model = Model(
+            material=CONCRETE, plate=plate, mesh={"size": 1}, zone=[zone], support=[support], load=[{"pressure": 5e3}]
+        )
+        assert np.sqrt(discretise(model).mesh.element_area).min() > 0.3

@@ -1,28 +1,47 @@
-"""Refine a mesh until every half-width is small enough: uniformly or, of rectangles, where moments bend."""
+"""Refine a mesh until every half-width is small enough.
+
+Rectangles get smaller elements where moments bend; meshes without rows where the numbers are whose half-widths are too
+large, and everywhere for those that are of no place; discs and annuli in rows everywhere.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from signorini.analysis.twins.leaves import kind_of, largest_of, leaves, named
+from signorini.analysis.twins.leaves import Path, kind_of, largest_of, leaves, named
 from signorini.base.memory import fits, needed
-from signorini.discretise.rows import Floats
+from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
-from signorini.model import Area, MeshOptions, MeshPlate, Model, RectanglePlate, Refinement
+from signorini.model import Area, Load, MeshOptions, MeshPlate, Model, RectanglePlate, Refinement, Support
 from signorini.results.figures import figures
 from signorini.results.result import Result
+from signorini.shapes.distances import distances
+from signorini.shapes.outlines import Point
 
 _MOST_STEPS = 12
-_TRIED, _GAINED = 3, 0.8
-"""Meshes in a row that must gain something, and to what part half-widths must fall for that."""
+_TRIED, _GAINED, _TWICE = 3, 0.8, 2
+"""Meshes in a row that must gain something if there are twice as many elements in the end, and to what part half-widths
+must fall for that."""
 ORDER = 1.5
 """Order in the size of elements by which half-widths are expected to fall."""
-_LEAST, _MOST = 1.4, 2.5
+_LEAST, _MOST, _MOST_AT_PLACES = 1.4, 2.5, 4.0
 """By how much sides of elements shrink from one mesh to the next."""
+_GROWTH = 0.25
+"""Part of the distance by which sides grow from where they are small."""
+_ON = 1e-6
+"""Part of the plate's size within which a point is on a line."""
+_PARTS = 3.0
+"""Mean sides of elements that a line is parted into, to be refined each by its own elements."""
+_AIM = 0.5
+"""Part of the accuracy to which places are refined, and those too that are not so near: on meshes that fill an outline
+as they fit the next one moves what it does not refine."""
+_TWINS = 1.25
+"""Memory for a mesh and for the one of half the size that it is compared with, over that for the latter."""
 _SAME_SIZE, _AS_ALL = 0.8, 0.95
 """Size over that of its neighbour, and of all others, from which on a band is one with it, and needs none."""
 
@@ -38,30 +57,136 @@ class Refined:
         The largest half-width over the largest value of its field.
     what : str
         Whose it is.
+    expected : int
+        About how many elements it takes to reach the accuracy.
     """
 
     elements: int
     dofs: int
     worst: float
     what: str
+    expected: int
+
+    def said(self, asked: float) -> str:
+        """Say how far it came, and what reaching the accuracy would take."""
+        found = f"± {self.worst:.2g} of its field is left of {self.what}, on {self.elements:,} elements"
+        return found if self.worst <= asked else f"{found}. ± {asked:g} would take {_cost(self.expected)}"
 
 
-def worst_of(results: Mapping[str, Result]) -> Refined | None:
-    """The number that is farthest from the plate, over the largest of its field; None where there is no half-width."""
-    found: Refined | None = None
+@dataclass(frozen=True)
+class _Number:
+    """A number by its half-width over the largest value of its field, and where it is."""
+
+    part: float
+    result: Result
+    path: Path
+
+    @property
+    def what(self) -> str:
+        name = named([self.path], figures(self.result)).removeprefix("of ")
+        return f"{self.result.name}: {name}"
+
+    @property
+    def place(self) -> tuple[Point, ...]:
+        """The point or line that it is at; none of what the whole plate makes."""
+        model = self.result.model
+        match self.path:
+            case ("probes", int(index), *_) if kind_of(self.path) not in ("deflection", "rotation"):
+                return (self.result.probes[index].at,)
+            case ("sections", int(index), *_):
+                return tuple(model.section[index].line)
+            case ("strips", int(index), "stations", int(station), *_):
+                return model.strip[index].across[station]
+            case ("strips", int(index), str(end)):
+                moments = [station.moment for station in self.result.strips[index].stations]
+                return model.strip[index].across[int(np.argmax(moments) if end == "max_moment" else np.argmin(moments))]
+        return ()
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A point, or a straight part of a line, that numbers are at whose half-widths are larger than asked.
+
+    ``size`` is the side of the elements there, ``part`` their largest half-width over its field.
+    """
+
+    ends: tuple[Point, ...]
+    size: float
+    part: float
+
+    def smaller(self, asked: float, most: float) -> float:
+        """The size that is expected to do, within what sides may shrink by."""
+        return self.size / float(np.clip((self.part / (_AIM * asked)) ** (1 / ORDER), 1.0, most))
+
+    def refinement(self, size: float) -> Refinement:
+        return Refinement(line=self.ends, size=size) if len(self.ends) > 1 else Refinement(at=self.ends, size=size)
+
+
+def worst_of(results: Mapping[str, Result], before: Sequence[Refined] = ()) -> Refined | None:
+    """The number that is farthest from the plate, over the largest of its field; None where there is no half-width.
+
+    ``before`` are the meshes on the way here.
+    """
+    worst = max(_numbers(results), key=lambda number: number.part, default=None)
+    if worst is None:
+        return None
+    mesh, model = worst.result.mesh, worst.result.model
+    count = len(mesh.elements)
+    expected, asked = count, model.mesh.accuracy
+    if asked is not None and worst.part > asked:
+        if not isinstance(model.plate, RectanglePlate) or model.divisions is None:
+            whole, pieces = _too_wide(results, asked)
+            sizes = [piece.smaller(asked, math.inf) for piece in pieces]
+            expected = _count(mesh, max(1.0, whole / asked) ** (1 / ORDER), pieces, sizes)
+        else:
+            expected = math.ceil(count * (worst.part / asked) ** (1 / _rate(before, count, worst.part)))
+    return Refined(count, 3 * mesh.node_count, worst.part, worst.what, expected)
+
+
+def _numbers(results: Mapping[str, Result]) -> Iterator[_Number]:
     for result in results.values():
         if result.plus_minus is None:
             continue
-        largest, count = largest_of(result), len(result.mesh.elements)
+        largest = largest_of(result)
         # Extremes of moments and shears are wherever they happen to be: a probe says where one is to be as near.
         asked = {key: of for key, of in result.plus_minus.items() if key != "fields"}
+        jumps = _on_lines(result.model, result.mesh, [probe.at for probe in result.probes])
         for path, width in leaves(asked).items():
+            if path[0] == "probes" and "shear" in path and jumps[int(path[1])]:
+                continue
             size = largest[kind_of(path)]
-            part = width / size if size > 0 else 0.0
-            if found is None or part > found.worst:
-                what = f"{result.name}: {named([path], figures(result)).removeprefix('of ')}"
-                found = Refined(count, 3 * result.mesh.node_count, part, what)
+            yield _Number(width / size if size > 0 else 0.0, result, path)
+
+
+def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
+    """Which points are on a line that supports or loads the plate, where shears jump."""
+    at, found = np.array(points).reshape(-1, 2), np.zeros(len(points), np.bool_)
+    items: tuple[Support | Load, ...] = (*model.support, *model.load)
+    for item in items:
+        if item.circle is not None:
+            away = np.abs(np.hypot(*(at - item.circle.center).T) - item.circle.radius)
+        elif item.line is not None:
+            chain = np.array(item.line)
+            away = distances(at, chain[:-1], chain[1:]).min(axis=1)
+        else:
+            continue
+        found |= away <= _ON * mesh.size
     return found
+
+
+def _rate(before: Sequence[Refined], count: int, worst: float) -> float:
+    """Order in the number of elements by which half-widths have fallen so far; where they have not, as expected."""
+    least = 0.5 * ORDER
+    if not before or not count > before[0].elements:
+        return least
+    first = before[0]
+    return max(least, math.log(first.worst / worst) / math.log(count / first.elements))
+
+
+def _cost(elements: int) -> str:
+    memory = _TWINS * needed(4 * elements) / 1e9
+    count = float(f"{elements:.2g}")
+    return f"about {count:,.0f} elements and, with the mesh of half their size, {memory:.1f} GB of memory"
 
 
 def refined(model: Model, results: Mapping[str, Result], steps: Sequence[Refined]) -> tuple[Model | None, str]:
@@ -71,29 +196,85 @@ def refined(model: Model, results: Mapping[str, Result], steps: Sequence[Refined
     if reached.worst <= asked:
         return None, ""
     worst = [step.worst for step in steps]
-    left = (
-        f"The accuracy of {asked:g} that was asked for is not reached: ± {reached.worst:.2g} of its field is left of "
-        f"{reached.what}, on {reached.elements} elements."
-    )
-    if len(steps) == _MOST_STEPS or (len(steps) > _TRIED and min(worst[-_TRIED:]) > _GAINED * min(worst[:-_TRIED])):
+    left = f"The accuracy of {asked:g} that was asked for is not reached: {reached.said(asked)}"
+    if len(steps) == _MOST_STEPS:
+        return None, f"{left}. It is the last of {_MOST_STEPS} meshes; begin with smaller elements."
+    tried = steps[-_TRIED - 1 :]
+    if (
+        len(steps) > _TRIED
+        and reached.elements >= _TWICE * tried[0].elements
+        and min(worst[-_TRIED:]) > _GAINED * min(worst[:-_TRIED])
+    ):
         return None, (
-            f"{left} Finer meshes do not bring it much nearer. What acts at a point, or on less than an element, needs "
-            "a footprint or mesh.refine."
+            f"{left}, but finer meshes do not bring it much nearer. What acts at a point, or on less than an element, "
+            "needs a footprint or mesh.refine; a shear on a line that supports or loads the plate jumps there."
         )
     shrinking = float(np.clip((reached.worst / asked) ** (1 / ORDER), _LEAST, _MOST))
-    mesh = plate.scaled(model.mesh, 1 / shrinking, model.divisions)
-    if isinstance(plate, RectanglePlate) and model.divisions is not None:
-        solved = [result for result in results.values() if result.status == "solved"]
-        mesh = _graded(plate, solved, shrinking)
     count = math.ceil(reached.elements * shrinking**2)
-    if not fits(1.4 * needed(count)):
-        last = math.ceil(reached.elements * (reached.worst / asked) ** (2 / ORDER))
-        return None, (
-            f"{left} It would take about {float(f'{last:.2g}'):,.0f} elements and {needed(last) / 1e9:.1f} GB of "
-            "memory."
-        )
+    if not isinstance(plate, RectanglePlate) or model.divisions is None:
+        (mesh, count) = _at_places(model, results, len(steps) > 1 and worst[-1] > _GAINED * worst[-2])
+    elif isinstance(plate, RectanglePlate):
+        mesh = _graded(plate, [result for result in results.values() if result.status == "solved"], shrinking)
+    else:
+        mesh = plate.scaled(model.mesh, 1 / shrinking, model.divisions)
+    if not fits(_TWINS * needed(4 * count)):
+        return None, f"{left}. There is not the memory for the next mesh, of {_cost(count)}."
     kept = {"accuracy": asked, "error": model.mesh.error}
     return model.model_copy(update={"mesh": mesh.model_copy(update=kept)}), ""
+
+
+def _at_places(model: Model, results: Mapping[str, Result], everywhere: bool) -> tuple[MeshOptions, int]:
+    """Mesh options with smaller elements where numbers are, everywhere for those of no place; about how many they are.
+
+    ``everywhere`` also where what was done at places has not helped.
+    """
+    asked, plate = model.mesh.accuracy, model.plate
+    assert asked is not None and not isinstance(plate, MeshPlate)
+    whole, pieces = _too_wide(results, asked)
+    shrinking = 1.0
+    if everywhere or whole > asked:
+        shrinking = float(np.clip((whole / asked) ** (1 / ORDER), _LEAST, _MOST))
+    scaled = plate.scaled(model.mesh, 1 / shrinking, None)
+    sizes = [piece.smaller(asked, _MOST_AT_PLACES) for piece in pieces]
+    refine = [piece.refinement(size) for piece, size in zip(pieces, sizes, strict=True)]
+    mesh = next(iter(results.values())).mesh
+    return scaled.model_copy(update={"refine": (*scaled.refine, *refine)}), _count(mesh, shrinking, pieces, sizes)
+
+
+def _too_wide(results: Mapping[str, Result], asked: float) -> tuple[float, list[_Piece]]:
+    """The largest half-width over its field of what is at no place, and the places to refine."""
+    whole, parts = 0.0, dict[tuple[Point, ...], float]()
+    for number in _numbers(results):
+        if number.part > _AIM * asked:
+            place = number.place
+            whole = max(whole, 0.0 if place else number.part)
+            if place:
+                parts[place] = max(parts.get(place, 0.0), number.part)
+    mesh = next(iter(results.values())).mesh
+    ends, part = list[tuple[Point, ...]](), list[float]()
+    longest = _PARTS * float(np.sqrt(mesh.element_area.mean()))
+    for place, most in parts.items():
+        if len(place) == 1:
+            ends.append(place)
+            part.append(most)
+        for begin, end in pairwise(place):
+            stations = np.linspace(begin, end, math.ceil(math.dist(begin, end) / longest) + 1).tolist()
+            found = [(tuple(one), tuple(other)) for one, other in pairwise(stations)]
+            ends += found
+            part += [most] * len(found)
+    middles = np.array([np.mean(one, axis=0) for one in ends]).reshape(-1, 2)
+    sizes = np.sqrt(mesh.element_area[mesh.locate(middles).elements]).tolist()
+    return whole, [_Piece(*one) for one in zip(ends, sizes, part, strict=True)]
+
+
+def _count(mesh: Mesh, shrinking: float, pieces: Sequence[_Piece], sizes: Sequence[float]) -> int:
+    """About how many elements there are if all are smaller by a factor, and at pieces of these sizes."""
+    side = np.sqrt(mesh.element_area) / shrinking
+    middles = mesh.points[mesh.elements[:, :4]].mean(axis=1)
+    for piece, size in zip(pieces, sizes, strict=True):
+        ends = np.array([piece.ends[0], piece.ends[-1]])
+        side = np.minimum(side, size + _GROWTH * distances(middles, ends[:1], ends[1:])[:, 0])
+    return math.ceil(float((mesh.element_area / side**2).sum()))
 
 
 def _graded(plate: RectanglePlate, solved: Sequence[Result], shrinking: float) -> MeshOptions:

@@ -250,8 +250,9 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
     ----------
     model : Model
     progress : callable, optional
-        Called with a `Progress` before meshing and factoring, as every combination begins, and after every step of its
-        active set. What it raises ends the solve and reaches the caller.
+        Called with a `Progress` before meshing and factoring, as every combination begins, after every step of its
+        active set, and at the end of every mesh on the way to an accuracy. What it raises ends the solve and reaches
+        the caller.
     table : path-like, optional
         A Parquet file to write the table to, whole or not at all; docs/results.md describes its columns. Nothing is
         written where every combination has all results.
@@ -289,8 +290,9 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
         return results
     steps, warning = list[Refined](), ""
     finer: Model | None = model
-    while finer is not None and (reached := worst_of(results.full)) is not None:
+    while finer is not None and (reached := worst_of(results.full, steps)) is not None:
         steps.append(reached)
+        watcher(Progress(stage="refined", reached=f"mesh {len(steps)}: {reached.said(model.mesh.accuracy)}"))
         finer, warning = refined(results.model, results.full, steps)
         if finer is not None:
             before = f"mesh {len(steps) + 1}, ± {reached.worst:.2g} on {reached.elements} elements"

@@ -23,13 +23,15 @@ class Progress:
     residual : float
         Largest nodal force out of balance over the largest there is, or what a method takes for that; 1 before the
         first step.
-    stage : {"mesh", "factor", "contact"}
+    stage : {"mesh", "factor", "contact", "refined"}
         What begins: meshing, assembling and factoring, once each, and then the contact problem of every combination.
+        "refined" comes where an accuracy is asked for, at the end of every mesh.
     twin : str
         The other mesh that is being solved, such as "twice its size", to see how far this one is from the plate.
     reached : str
         Where an accuracy is asked for, how far the mesh before this one came: "mesh 3, ± 0.12 on 400 elements"; before
-        the second mesh empty.
+        the second mesh empty. At the end of a mesh how far it came itself, of which number, and about how many elements
+        and how much memory reaching the accuracy would take.
 
     Examples
     --------
@@ -41,12 +43,14 @@ class Progress:
     step: int = 0
     changing: int = 0
     residual: float = 1.0
-    stage: Literal["mesh", "factor", "contact"] = "contact"
+    stage: Literal["mesh", "factor", "contact", "refined"] = "contact"
     twin: str = ""
     reached: str = ""
 
     def __str__(self) -> str:
         """Say it in a line."""
+        if self.stage == "refined":
+            return self.reached
         said = f"{self._said}, on a mesh of {self.twin}" if self.twin else self._said
         return f"{self.reached}: {said}" if self.reached else said
 

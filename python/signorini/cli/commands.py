@@ -305,6 +305,10 @@ def _messages(file: Path | None = None) -> Iterator[None]:
         _end(f"Error: {error}", error.exit_code)
     except KeyboardInterrupt:
         _end(interrupts.SAID, interrupts.INTERRUPTED)
+    except SystemExit as ending:
+        if ending.code == interrupts.TERMINATED:
+            say(streams.stderr(), interrupts.SAID)
+        raise
     except MemoryError:
         _end("Error: not enough memory. Take a coarser mesh.", SignoriniError.exit_code)
     except typer.Exit:

@@ -10,6 +10,7 @@ import numpy as np
 from signorini.discretise.rows import Bools, Floats
 from signorini.shapes import Curve, Region
 from signorini.shapes.contours import Contour, along_side, circle
+from signorini.shapes.outlines import Point
 
 Line: TypeAlias = Region | Curve
 
@@ -21,7 +22,10 @@ _LEAST_BESIDE_LINES = 0.25
 """The same of lines: many small elements along them would cost more than following them brings."""
 _FOLLOWED = 0.55 * _LEAST_BESIDE_LINES
 """Distance over the element size below which elements of the least size do not follow a line."""
-_TOUCHING = 1e-9
+_EVERY = 5
+"""Degrees of the chords that arcs are drawn by here."""
+_TOUCHING = 5e-4
+"""Part of the plate's size by which things meet: such chords are up to so far off an arc."""
 
 
 def arcs_of(border: Region) -> Iterator[tuple[float, ...]]:
@@ -62,8 +66,7 @@ def room(borders: Sequence[Region], contours: Sequence[Contour], size: float, li
     """
     sides: list[tuple[Floats, int | None]] = [(side, None) for border in borders for side in _sides_of(border)]
     sides += [(side, number) for number, line in enumerate(lines) for side in line.outline.segments[:, None]]
-    chords = [(side, -1) for contour in contours for side in _chords(contour)]
-    every = [*sides, *chords]
+    every = [*sides, *((side, -1) for contour in contours for side in _sides_around(contour))]
     boxes = np.array([[*side.min(axis=(0, 1)), *side.max(axis=(0, 1))] for side, _ in every]).reshape(-1, 4)
     extent = np.ptp(boxes.reshape(-1, 2), axis=0).max(initial=0.0)
     found = [np.zeros((0, 5))]
@@ -87,16 +90,22 @@ def room(borders: Sequence[Region], contours: Sequence[Contour], size: float, li
 def _sides_of(border: Region) -> Iterator[Floats]:
     """Yield straight sides, and circles and arcs by their chords, (k, 2, 2)."""
     yield from border.outline.segments[:, None]
-    for a, m, b in border.outline.arcs.tolist():
-        along = np.vstack([along_side(a, m, b)[::5], b])
-        yield np.stack([along[:-1], along[1:]], axis=1)
+    for arc in border.outline.arcs.tolist():
+        yield _chords(*arc)
     for x, y, radius in border.outline.circles.tolist():
-        yield _joined(circle((x, y), radius, "").points()[::5])
+        yield _joined(circle((x, y), radius, "").points()[::_EVERY])
 
 
-def _chords(contour: Contour) -> Iterator[Floats]:
-    ends = _joined(contour.points())
-    yield from ends[:, None]
+def _sides_around(contour: Contour) -> Iterator[Floats]:
+    """Yield the sides of a contour, arcs by their chords, (k, 2, 2)."""
+    ends = (*contour.corners[1:], contour.corners[0])
+    for a, m, b in zip(contour.corners, contour.through, ends, strict=True):
+        yield _chords(a, m, b)
+
+
+def _chords(a: Point, through: Point | None, b: Point) -> Floats:
+    along = np.vstack([along_side(a, through, b)[::_EVERY], b])
+    return np.stack([along[:-1], along[1:]], axis=1)
 
 
 def _joined(points: Floats) -> Floats:
