@@ -80,13 +80,17 @@ def unlike(load):
     return {key: value for key, value in load.items() if key != "case"}
 
 
+def rigidity(tables):
+    """E h³, of a plate that is given by its stiffness that of a stiff material."""
+    return tables["material"].get("E", 1e10) * random_models.thickness_of(tables["plate"]) ** 3
+
+
 def shift(rng, tables):
     """Makes the load that grows a force or couple at one point."""
     last = tables["load"][-1]
     size = random_models.extent(tables["plate"])
     at = random_models.point(rng, tables["plate"])
-    young, thickness = tables["material"]["E"], float(str(tables["plate"]["thickness"]).partition("*")[0].strip("()"))
-    force = 1e-4 * young * thickness**3 / size
+    force = 1e-4 * rigidity(tables) / size
     last.clear()
     last |= {"case": "Q", "at": at} | ({"force": force} if rng.random() < 0.7 else {"moment": [force * size, 0.0]})
 
@@ -103,8 +107,7 @@ def extreme(rng, tables):
     elif kind == "forces" and plate["shape"] == "rectangle":
         a, b = (random_models.point(rng, plate) for _ in range(2))
         middle = [0.5 * (x + y) for x, y in zip(a, b, strict=True)]
-        stiffness = tables["material"]["E"] * float(str(plate["thickness"]).partition("*")[0].strip("()")) ** 3
-        force = factor * 1e-4 * rng.choice([1.0, -1.0]) * stiffness / size
+        force = factor * 1e-4 * rng.choice([1.0, -1.0]) * rigidity(tables) / size
         grows = [{"case": "Q", "at": at, "force": f * force} for at, f in ((a, 1.0), (middle, -2.0), (b, 1.0))]
     tables["load"] = [load for load in tables["load"] if load["case"] != "Q"] + grows
     if rng.random() < 0.3:
@@ -220,7 +223,7 @@ def direct_solution(found, load):
 def scale_of(plate, load, *deflections):
     """The largest deflection, or a millionth of that by which the load scales on the plate."""
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0)
-    E, h, size = plate.model.material.E, plate.thickness.min(), plate.mesh.size
+    E, h, size = plate.model.young, plate.thickness.min(), plate.mesh.size
     least = 1e-6 * (forces + sum(couples) / size) * size**2 / (E * h**3 / 12)
     return max(least, *(np.abs(w).max() for w in deflections))
 

@@ -177,6 +177,37 @@ def test_rounding_of_a_load_without_a_resultant_makes_no_events(method) -> None:
     assert [stop.reactions[0] for stop in found.stops] == pytest.approx([32e3] * len(found.stops), rel=1e-6)
 
 
+def test_at_every_event_some_point_opens_or_closes() -> None:
+    """Rounding stops the pivots at t = 90, at an event that is none."""
+    model = Model(
+        material={"E": 2.1e5, "nu": 0.3, "unit_weight": 0.7},
+        plate={"shape": "rectangle", "size": [1.0, 0.13], "thickness": 0.2},
+        mesh={"divisions": [2, 2]},
+        support=[
+            {"at": [[1.0, 0.07502944163396794], [0.4896213716191, 0.1038750856876029]], "resists": "down"},
+            {"area": {"circle": {"center": [0.5, 0.065], "radius": 0.0065}}, "resists": "down", "stiffness": 140},
+            {
+                "at": [[0.9215042855962401, 0.13], [1.0, 0.04599418297544342], [0.5, 0.065], [0.75, 0.0975]],
+                "resists": "down",
+                "stiffness": "140*(1 + x**2)",
+            },
+            {
+                "at": [
+                    [0.6928849404593816, 0.01612732142569452],
+                    [0.14752881493866138, 0.09412732142569452],
+                    [0.7979928849722668, 0.0681594991005951],
+                ],
+                "resists": "down",
+                "patch": [0.12, 0.02],
+            },
+        ],
+        load=[{"case": "G", "self_weight": True}, {"case": "Q", "curvature": [0.0, 0.0, 1e-3]}],
+    )
+    found = signorini.path(model, "G", "Q", until=100.0)
+    assert found.ending == "until" and len(found.events) == 19
+    assert [stop.t for stop in found.stops[1:-1] if not len(stop.points)] == []
+
+
 def test_a_path_ends_where_its_reactions_are_nothing_but_rounding() -> None:
     found = signorini.path(on_a_rigid_bed(), "G", "Q", until=1e13)
     assert found.ending == "stopped" and found.end < 2

@@ -1,8 +1,8 @@
 """Plates at the ends of what can be asked, each with a judge: a closed form, plain statics, or the same said otherwise.
 
-Ribbons, steps of thickness and of pressure, forces near the edge of a bed and on it, supports that coincide, loads that
-balance themselves between stops, and stiffnesses from 1e-16 to 1e18 of the plate's. A judge shares no code with the
-program: it knows the plate's true answer, or compares two ways of saying one plate.
+Ribbons, steps of thickness and of pressure, forces near the edge of a bed and on it, supports that coincide or hold the
+plate from both sides, loads that balance themselves between stops, and stiffnesses from 1e-16 to 1e18 of the plate's.
+A judge shares no code with the program: it knows the plate's true answer, or compares two ways of saying one plate.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def extreme(rng: Random) -> Extreme:
     return rng.choice(
         [
             *(ribbon, stepped_strip, stepped_panel, near_the_edge, on_the_edge),
-            *(coincident, redundant, self_balanced, stiffness),
+            *(coincident, opposed, redundant, self_balanced, stiffness),
         ]
     )(rng)
 
@@ -264,6 +264,33 @@ def coincident(rng: Random) -> Extreme:
         "load": [{"pressure": 2e3}, {"force": 1e5, "at": [rng.uniform(1, 9), rng.uniform(1, 9)]}],
     }
     return Extreme("coincident", tables, lambda result: _order(result, tables, rng, 3e5))
+
+
+def opposed(rng: Random) -> Extreme:
+    """Draw a plate held from below and from above at the same crowded points; the judge says them in another order."""
+    at, apart = [rng.uniform(1, 9), rng.uniform(0.3, 1.0)], rng.choice([0.05, 0.1, 0.2])
+    crowd = [[x + rng.uniform(-apart, apart) for x in at] for _ in range(rng.choice([4, 9, 12]))]
+    place = rng.choice([{"at": crowd}, {"circle": {"center": at, "radius": apart}}])
+    tables = {
+        "material": {"E": 1e3, "nu": 0.2},
+        "plate": {
+            "shape": "rectangle",
+            "size": [10.0, 1.3],
+            "thickness": rng.choice([0.03, 0.1]),
+            "element": rng.choice(["mitc9", "q8r"]),
+        },
+        "mesh": {"divisions": [rng.choice([4, 12, 30]), rng.choice([4, 8])]},
+        "support": [{"name": "floor", **place, "resists": "down"}, {"name": "hold-down", **place, "resists": "up"}],
+        "load": [{"force": 1e-7, "at": [rng.uniform(0, 10), 0.65]}],
+    }
+
+    def judge(result: Result | None) -> list[str]:
+        other = solved({**tables, "support": tables["support"][::-1]})
+        if result is None or other is None:
+            return ["a plate held both ways has an equilibrium"]
+        return deflections(result, other.deflection.tolist(), _SAME, at=result.deflection.tolist())
+
+    return Extreme("opposed", tables, judge)
 
 
 def redundant(rng: Random) -> Extreme:

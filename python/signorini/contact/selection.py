@@ -196,6 +196,8 @@ def _share_among(
     if not moving.shape[1]:
         return points[:0]
     moving, _ = np.linalg.qr(moving)
+    pushes = ~found.points.two_sided[points]
+    reaction[points] = _none_pulling(reaction[points], moving, pushes)
     rows, offset = [moving / np.sqrt(dependence.weights[members])[:, None]], []
     offset.append(reaction[points] / np.sqrt(dependence.weights[members]) / force)
     nodes, count = np.unique(found.held.holders[:, 0], return_counts=True)
@@ -205,7 +207,6 @@ def _share_among(
         held = (imbalance - found.point_rows.T @ reaction)[3 * nodes]
         rows.append(-(at_holds.T @ moving) / np.sqrt(count)[:, None])
         offset.append(held / np.sqrt(count) / force)
-    pushes = ~found.points.two_sided[points]
     room = np.maximum(reaction[points[pushes]], 0.0) / force
     change = moving @ least(np.vstack(rows), np.concatenate(offset), -moving[pushes], room)
     least_of_all = reaction[points] + force * change
@@ -214,6 +215,29 @@ def _share_among(
     none = pushes & (least_of_all == 0.0)
     others = moving @ span_of_cone(-moving[none])
     return points[(np.abs(others) > _MOVED).any(axis=1)] if others.shape[1] else points[:0]
+
+
+def _none_pulling(reaction: Floats, moving: Floats, pushes: Bools) -> Floats:
+    """Reactions (p,) that are the same but for ``moving`` (p, k), none of which pulls; as they are if there are none.
+
+    Where supports hold the plate from both sides, the equations of a contact set may have each pull at the other.
+    """
+    size = float(np.abs(reaction).max())
+    if (reaction[pushes] >= -_NIL * size).all():
+        return reaction
+    from scipy.linalg import null_space
+    from scipy.optimize import nnls
+
+    fixed = null_space(moving.T).T
+    try:
+        least, left = nnls(np.hstack([fixed, -fixed[:, ~pushes]]), fixed @ reaction / size)
+    except RuntimeError:
+        return reaction
+    if left > _NIL:
+        return reaction
+    found = least[: len(reaction)].copy()
+    found[~pushes] -= least[len(reaction) :]
+    return np.asarray(reaction + moving @ (moving.T @ (size * found - reaction)))
 
 
 def _ties_among(ties: Floats, present: Bools) -> Floats:

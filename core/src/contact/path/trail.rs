@@ -48,7 +48,9 @@ impl<'a> Trail<'a> {
             return (self.visit)(Stop { t, switched: &[], solution: &begin });
         }
         let Some(between) = between else {
-            return (self.visit)(Stop { t, switched: &differing(&here.closed, &begin.closed), solution: &begin });
+            let switched = differing(&here.closed, &begin.closed);
+            // Where pivots have led to an event that is none the path goes on as it came.
+            return switched.is_empty() || (self.visit)(Stop { t, switched: &switched, solution: &begin });
         };
         let start = ContactSolution { closed: between.clone(), ..here.clone() };
         (self.visit)(Stop { t, switched: &differing(&here.closed, &between), solution: &start })
