@@ -1,6 +1,7 @@
 import csv
 import io
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 from models import rectangular
 
 import signorini
+from signorini.base.numbers import estimated
 from signorini.errors import InputError
 from signorini.output import path_csv, reactions_csv, results_json, unique_slugs, write, write_path
 from signorini.output.directory import room_for
@@ -345,6 +347,30 @@ def test_write_leaves_whole_files_of_the_solved_combinations(results: signorini.
     mesh = meshio.read(tmp_path / "a" / "out" / "g+q.vtu")
     assert np.allclose(mesh.point_data["displacement"][:, 2], -results["G+Q"].deflection)
     assert (tmp_path / "a" / "out" / "g+q.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_notebook_shows_points_pressures_and_half_widths() -> None:
+    feet = {"name": "feet", "at": [[x, y] for x in range(5) for y in range(5)], "resists": "down"}
+    soil = {"name": "soil", "area": {"rectangle": [0, 0, 2, 2]}, "resists": "down", "stiffness": 1e4}
+    combination = [{"name": "service", "factors": {"G": 1, "W": 0.06}}]
+    result = signorini.solve(model(support=[feet, soil], combination=combination))["service"]
+    shown = result._repr_html_()
+    rows = [re.findall("<t[hd][^>]*>(.*?)</t[hd]>", row) for row in shown.split("<tr>")[1:]]
+    titles = ["", "support", "kind", "reaction [kN]", "gap [m]", "closed", "open", "largest pressure [kN/m²]"]
+    assert rows[0] == [*titles, "in contact [m²]"]
+    assert {len(row) for row in rows} == {9} and len(rows) == 1 + 1 + 20 + 1 + 1
+    soil_row, widths = rows[-1], result.plus_minus["supports"]
+    area = result.supports[1]
+    assert soil_row[1] == "soil"
+    assert soil_row[7] == estimated(area.max_pressure, widths[1]["max_pressure"])
+    reaction = result.supports[0].reaction
+    assert rows[1][3] == estimated(reaction, widths[0]["reaction"], reaction)
+    first = next(row for row in rows if row[2] == "open")
+    at = int(first[1].split(" at ")[0]) - 1
+    assert first[4] == estimated(result.supports[0].gaps[at], widths[0]["points"][at]["gap"])
+    assert "and 5 of smaller reactions" in shown and "of the mesh: ± by " in shown
+    alone = signorini.solve(model(mesh={"divisions": [4, 4], "error": False}))["G+Q"]._repr_html_()
+    assert "not asked, no ± (mesh.error)" in alone and alone.count("±") == 1
 
 
 def test_a_second_run_replaces_the_first_and_nothing_else(results: signorini.Results, tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from contextlib import contextmanager, suppress
 from itertools import groupby
 from pathlib import Path
 from threading import Thread
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from models import rectangular
 
 import signorini
 from signorini import Progress, _core
+from signorini.cli import progress
 
 SLAB = """
 material = { E = 30e9, nu = 0.2 }
@@ -237,3 +239,20 @@ def test_a_signal_ends_sums_of_responses() -> None:
     factors = np.column_stack([np.ones(300_000), np.linspace(0.0, 5.0, 300_000)])
     with interrupted_after(0.5):
         _core.combine(core, shared, factors)
+
+
+def test_a_log_gets_a_plain_line_now_and_then(monkeypatch, capsys) -> None:
+    clock = iter([0.0, 1.0, 59.0, 61.0, 62.0, 120.0, 125.0])
+    monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    with progress.progress_line() as show:
+        for step in range(6):
+            show(Progress("a\x1b[31m", step, 1, 0.5))
+    assert capsys.readouterr().err.splitlines() == [
+        f"after {after} s: a\\x1b[31m: step {step}, 1 contact point changing, imbalance 5.0e-01"
+        for after, step in ((61, 2), (125, 5))
+    ]
+
+
+def test_a_log_of_a_short_run_stays_empty(slab: Path) -> None:
+    done = subprocess.run([sys.executable, "-m", "signorini", "solve", slab], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")

@@ -15,8 +15,9 @@ from typer.testing import CliRunner
 
 import signorini
 from signorini.analysis.check import check
+from signorini.base.numbers import estimated, number
 from signorini.cli import app
-from signorini.cli.cells import estimated, number, point
+from signorini.cli.cells import point
 from signorini.cli.events import print_path
 from signorini.cli.grid import Column, Grid, numbers
 from signorini.cli.tables import print_check, print_results

@@ -19,7 +19,7 @@ from signorini.base.units import METRES
 from signorini.cli import interrupts, streams, tables
 from signorini.cli.cells import visible
 from signorini.cli.grid import say
-from signorini.cli.progress import transient_line
+from signorini.cli.progress import progress_line
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini.formats.inputfile import with_line
 
@@ -104,7 +104,7 @@ def solve(
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
         try:
-            with room_for(directory, model) as room, transient_line() as show:
+            with room_for(directory, model) as room, progress_line() as show:
                 table = room / TABLE if model.tabulated else None
                 with interrupts.at_once(room):
                     results = signorini.solve(model, progress=show, table=table)
@@ -185,7 +185,7 @@ def path(
 
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
-        with room_for_path(directory) as room, transient_line() as show, interrupts.at_once(room):
+        with room_for_path(directory) as room, progress_line() as show, interrupts.at_once(room):
             found = signorini.path(model, start, add, until, progress=show)
             if model.estimated:
                 _ = found.estimate

@@ -5,7 +5,8 @@ from __future__ import annotations
 from rich.console import Console
 from rich.text import Text
 
-from signorini.cli.cells import compared, in_unit, number, size_of
+from signorini.base.numbers import compared, number, size_of
+from signorini.cli.cells import in_unit
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.results.load_path import LoadPath
 

@@ -10,7 +10,8 @@ from rich.console import Console
 from rich.text import Text
 
 from signorini.analysis.solve import Results
-from signorini.cli.cells import cell, compared, estimated, in_unit, number, point, size_of, unit_of
+from signorini.base.numbers import compared, estimated, number, size_of
+from signorini.cli.cells import cell, in_unit, point, unit_of
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.cli.through import print_enveloped
 from signorini.contact.certificate import FIGURES

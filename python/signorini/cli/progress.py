@@ -1,8 +1,9 @@
-"""The line on a terminal that says what is being done, and is gone when it is done; lines that stay tell of meshes."""
+"""What is being done: a line on a terminal, gone at the end; in a log one now and then; of meshes lines that stay."""
 
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -10,20 +11,25 @@ from rich.console import Console
 from rich.text import Text
 
 from signorini.base.progress import Progress
+from signorini.cli.cells import visible
+from signorini.cli.streams import stderr
 
 _BESIDE = 4
 """Columns that the turning mark takes, and one to spare."""
+_EVERY = 60.0
+"""Seconds between lines of a log: a run of hours leaves a few pages."""
 
 
 @contextmanager
-def transient_line() -> Iterator[Callable[[object], None]]:
-    """Give a function that shows its argument on standard error, if that is a terminal, in place of the last one's.
+def progress_line() -> Iterator[Callable[[object], None]]:
+    """Give a function that shows its argument on standard error: on a terminal in place of the last one's.
 
-    How far a mesh came on the way to an accuracy stays.
+    Elsewhere it is a line of its own, with the seconds since the beginning, if there was none for a minute. How far a
+    mesh came on the way to an accuracy stays on a terminal.
     """
     console = Console(stderr=True, markup=False, highlight=False, emoji=False)
     if not sys.stderr.isatty() or console.is_dumb_terminal:
-        yield lambda said: None
+        yield _now_and_then()
         return
     with console.status("", spinner="line") as status:
 
@@ -36,3 +42,16 @@ def transient_line() -> Iterator[Callable[[object], None]]:
             status.update(text)
 
         yield show
+
+
+def _now_and_then() -> Callable[[object], None]:
+    console, begun, told = stderr(), time.monotonic(), 0.0
+
+    def show(said: object) -> None:
+        nonlocal told
+        since = time.monotonic() - begun
+        if since >= told + _EVERY:
+            told = since
+            console.print(visible(f"after {since:.0f} s: {' '.join(str(said).split())}"))
+
+    return show

@@ -10,7 +10,8 @@ from rich.text import Text
 from signorini.analysis.check import ASKED, Check
 from signorini.analysis.solve import Results
 from signorini.analysis.twins.leaves import largest_of
-from signorini.cli.cells import cell, compared, in_unit, number, point, size_of, unit_of
+from signorini.base.numbers import compared, number, size_of
+from signorini.cli.cells import cell, in_unit, point, unit_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.cli.through import print_through

@@ -8,7 +8,8 @@ from typing import Any
 from rich.console import Console
 
 from signorini.analysis.solve import Results
-from signorini.cli.cells import cell, in_unit, point, size_of
+from signorini.base.numbers import size_of
+from signorini.cli.cells import cell, in_unit, point
 from signorini.cli.grid import Column, Grid, numbers
 from signorini.model import Units
 from signorini.results.result import Result

@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini.discretise.rows import Floats
 from signorini.model import Material
-from signorini.model.plate import Modifiers, Stiffness
+from signorini.model.material import Modifiers, Stiffness
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ class Rigidity:
 
         Examples
         --------
-        >>> from signorini.model.plate import Modifiers, Stiffness
+        >>> from signorini.model.material import Modifiers, Stiffness
         >>> ribbed = Stiffness(Dx=8.0, Dy=1.6, D1=0.8, Dxy=0.4, Sx=6.0, Sy=2.0, angle=90)
         >>> Rigidity.given(ribbed, 2.0, Modifiers()).for_core.round(12).tolist()
         [0.2, 0.1, 0.0, 1.0, 0.0, 0.05, 1.0, 0.0, 3.0]
@@ -78,7 +78,7 @@ class Rigidity:
 
         Examples
         --------
-        >>> from signorini.model.plate import Modifiers
+        >>> from signorini.model.material import Modifiers
         >>> Rigidity.isotropic(12.0, 0.0, 0.5).modified(Modifiers(twist=0.1)).for_core.tolist()
         [1.0, 0.0, 0.0, 1.0, 0.0, 0.05, 3.0, 0.0, 3.0]
         """

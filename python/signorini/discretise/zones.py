@@ -18,7 +18,7 @@ from signorini.expression import Expression
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import CENTROID
 from signorini.model import Material, Model
-from signorini.model.plate import Stiffness
+from signorini.model.material import Stiffness
 from signorini.shapes.contours import along_side
 from signorini.shapes.outlines import Outline
 

@@ -8,13 +8,13 @@ from signorini.model.area import Area, Circle
 from signorini.model.combination import Combination, Factors
 from signorini.model.generated import Combinations
 from signorini.model.load import Load, Probe
+from signorini.model.material import Material
 from signorini.model.meshoptions import MeshOptions, Refinement
 from signorini.model.moving import Moving
 from signorini.model.output import ENVELOPED, Output
 from signorini.model.plate import (
     AnnulusPlate,
     DiscPlate,
-    Material,
     MeshPlate,
     OutlinedPlate,
     PolygonPlate,

@@ -1,4 +1,4 @@
-"""The plate: its material, outline and thickness."""
+"""The plate: its outline, thickness and element."""
 
 from __future__ import annotations
 
@@ -7,15 +7,12 @@ import os
 from abc import abstractmethod
 from collections.abc import Iterator
 from pathlib import Path as FilePath
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
-from signorini.expression import Expression
 from signorini.model.base import (
     Complaint,
-    NonNegative,
-    Number,
     Point,
     Positive,
     PositiveScalar,
@@ -26,6 +23,7 @@ from signorini.model.base import (
 )
 from signorini.model.contour import Holes
 from signorini.model.corners import Corners, contour
+from signorini.model.material import Modifiers, Stiffness
 from signorini.model.meshoptions import MeshOptions
 from signorini.model.problems import BRANCHES
 from signorini.model.words import describe
@@ -38,170 +36,8 @@ _FARTHEST = 1e6
 """Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
 
 
-_ISOTROPIC = ("E", "nu")
-_ORTHOTROPIC = ("Ex", "Ey", "nu_xy", "Gxy", "Gxz", "Gyz", "angle")
-_NEEDED = ("Ex", "Ey", "nu_xy", "Gxy")
-
-
-class Axes(NamedTuple):
-    """Moduli of an orthotropic material along its own axes, the first turned by an angle from x, in degrees."""
-
-    Ex: float
-    Ey: float
-    nu_xy: float
-    Gxy: float
-    Gxz: float
-    Gyz: float
-    angle: float
-
-
-def _either(schema: dict[str, Any]) -> None:
-    def without(*keys: str) -> dict[str, Any]:
-        return {"not": {"anyOf": [{"required": [key]} for key in keys]}}
-
-    schema["oneOf"] = [
-        {"required": list(_ISOTROPIC), **without(*_ORTHOTROPIC)},
-        {"required": list(_NEEDED), **without(*_ISOTROPIC)},
-        without(*_ISOTROPIC, *_ORTHOTROPIC),
-    ]
-
-
-class Material(Table):
-    """A linear elastic material: isotropic by E and nu, or orthotropic by Ex, Ey, nu_xy and Gxy.
-
-    Without any of them it is one of sections whose stiffness is given.
-    """
-
-    model_config = ConfigDict(json_schema_extra=_either)
-
-    E: Positive | None = Field(default=None, description="Young's modulus, force per area.")
-    nu: Annotated[float, Field(gt=-1, lt=0.5), BeforeValidator(number)] | None = Field(
-        default=None, description="Poisson's ratio, between -1 and 0.5."
-    )
-    Ex: Positive | None = Field(default=None, description="Young's modulus along the first axis.")
-    Ey: Positive | None = Field(default=None, description="Young's modulus along the second axis.")
-    nu_xy: Annotated[float, BeforeValidator(number)] | None = Field(
-        default=None, description="Poisson's ratio: how far it shrinks along the second axis, pulled along the first."
-    )
-    Gxy: Positive | None = Field(default=None, description="Shear modulus in the plane of the plate.")
-    Gxz: Positive | None = Field(default=None, description="Shear modulus across the plate, first axis; default Gxy.")
-    Gyz: Positive | None = Field(default=None, description="Shear modulus across the plate, second axis; default Gxy.")
-    angle: Annotated[float, BeforeValidator(number)] | None = Field(
-        default=None, description="Angle from x to the first axis, in degrees; default 0."
-    )
-    unit_weight: NonNegative | None = Field(
-        default=None, description="Weight per volume; needed by a load of self_weight."
-    )
-
-    @property
-    def is_elastic(self) -> bool:
-        """Whether it has moduli."""
-        return bool(self.given((*_ISOTROPIC, *_ORTHOTROPIC)))
-
-    @property
-    def young(self) -> float:
-        """Young's modulus, of an orthotropic material the larger one."""
-        return self.E if self.E is not None else max(self.axes.Ex, self.axes.Ey)
-
-    @property
-    def poisson(self) -> float:
-        """Poisson's ratio, of an orthotropic material the geometric mean of its two."""
-        return self.nu if self.nu is not None else self.axes.nu_xy * math.sqrt(self.axes.Ey / self.axes.Ex)
-
-    @property
-    def axes(self) -> Axes:
-        """What an orthotropic material is."""
-        Ex, Ey, nu_xy, Gxy = (getattr(self, key) for key in _NEEDED)
-        return Axes(Ex, Ey, nu_xy, Gxy, self.Gxz or Gxy, self.Gyz or Gxy, self.angle or 0.0)
-
-    def missing(self) -> Iterator[Complaint]:
-        """Say which moduli an isotropic material lacks."""
-        for key in _ISOTROPIC:
-            if getattr(self, key) is None:
-                yield (key,), f"'{key}' is missing. {type(self).model_fields[key].description}"
-
-    def _complaints(self) -> Iterator[Complaint]:
-        isotropic, orthotropic = self.given(_ISOTROPIC), self.given(_ORTHOTROPIC)
-        if isotropic and not orthotropic:
-            yield from self.missing()
-        if not orthotropic:
-            return
-        if isotropic:
-            yield (
-                (isotropic[0],),
-                f"found {isotropic[0]} beside {orthotropic[0]}; a material is isotropic (E, nu) or orthotropic "
-                f"({', '.join(_NEEDED)}).",
-            )
-            return
-        for key in _NEEDED:
-            if getattr(self, key) is None:
-                yield (key,), f"'{key}' is missing; it goes with {orthotropic[0]}."
-        if not set(_NEEDED) - set(orthotropic) and self.axes.nu_xy**2 * self.axes.Ey >= self.axes.Ex:
-            most = math.sqrt(self.axes.Ex / self.axes.Ey)
-            yield (
-                ("nu_xy",),
-                f"found {self.nu_xy:g}; its size must be less than the root of Ex/Ey, {most:.6g}. Is it the ratio of "
-                "the other axis, nu_yx = nu_xy Ey/Ex?",
-            )
-
-
 def _require_shape(schema: dict[str, Any]) -> None:
     schema["required"] = ["shape", *schema.get("required", [])]
-
-
-class Modifiers(Table):
-    """Factors of the plate's stiffness along the material's axes, or x and y: cracked, ribbed or hollow sections."""
-
-    bending: Positive = Field(default=1.0, description="Factor of the rigidities in bending.")
-    twist: Positive = Field(default=1.0, description="Factor of the rigidity in twist.")
-    shear: Positive = Field(default=1.0, description="Factor of the rigidities in shear.")
-
-
-class Stiffness(Table):
-    """What a section resists with along axes of its own, such as a ribbed or hollow one."""
-
-    Dx: Positive = Field(description="Bending moment per curvature along the first axis, force times length.")
-    Dy: Positive = Field(description="Bending moment per curvature along the second axis.")
-    D1: Number = Field(description="Bending moment along either axis per curvature along the other one.")
-    Dxy: Positive = Field(description="Twisting moment per twice the twist; (1 - nu) D / 2 of a solid plate.")
-    Sx: Positive = Field(description="Shear force per shear strain along the first axis, force per length.")
-    Sy: Positive = Field(description="Shear force per shear strain along the second axis.")
-    angle: Number = Field(default=0.0, description="Angle from x to the first axis, in degrees; default 0.")
-
-    @property
-    def poisson(self) -> float:
-        """Poisson's ratio, the geometric mean of those of both axes."""
-        return self.D1 / math.sqrt(self.Dx * self.Dy)
-
-    @property
-    def equivalent(self) -> tuple[float, float]:
-        """Thickness and Young's modulus of a solid plate that is about as stiff.
-
-        Twist and shear, means of all directions, tell the thickness: those of a solid plate are G h³/12 and 5/6 G h.
-
-        Examples
-        --------
-        >>> solid = Stiffness(Dx=32.0, Dy=32.0, D1=0.0, Dxy=16.0, Sx=40.0, Sy=40.0)  # E = 48, nu = 0, h = 2
-        >>> solid.equivalent
-        (2.0, 48.0)
-        """
-        twist, shear = (self.Dx + self.Dy - 2.0 * self.D1 + 4.0 * self.Dxy) / 8.0, (self.Sx + self.Sy) / 2.0
-        thickness = math.sqrt(10.0 * twist / shear)
-        return thickness, 12.0 * max(self.Dx, self.Dy) / thickness**3
-
-    def _complaints(self) -> Iterator[Complaint]:
-        most = math.sqrt(self.Dx * self.Dy)
-        if abs(self.D1) >= most:
-            yield ("D1",), f"found {self.D1:g}; its size must be less than the root of Dx Dy, {most:.6g}."
-
-
-def constant_thickness(thickness: Expression) -> Iterator[Complaint]:
-    """Refuse an expression beside a stiffness, which stands for one section."""
-    if not thickness.is_constant:
-        yield (
-            ("thickness",),
-            f'found "{thickness.source}"; beside stiffness, which is that of one section, it must be a number.',
-        )
 
 
 class _Plate(Table):

@@ -13,10 +13,11 @@ from signorini.model.base import Complaint, Table, Text
 from signorini.model.combination import Combination
 from signorini.model.generated import Choice, Combinations, Positions, Product, products
 from signorini.model.load import Load, Probe
+from signorini.model.material import Material, constant_thickness
 from signorini.model.meshoptions import MeshOptions
 from signorini.model.moving import Moving
 from signorini.model.output import FEW, Output
-from signorini.model.plate import AnyPlate, Material, MeshPlate, constant_thickness
+from signorini.model.plate import AnyPlate, MeshPlate
 from signorini.model.problems import TOP, tables_of
 from signorini.model.section import Section, Strip
 from signorini.model.support import Support

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 
 from signorini.model.area import AnyArea, Area
 from signorini.model.base import Complaint, PositiveScalar, Table
-from signorini.model.plate import Material, Modifiers, Stiffness, constant_thickness
+from signorini.model.material import Material, Modifiers, Stiffness, constant_thickness
 from signorini.shapes import Region
 
 KEYS = ("thickness", "material", "modifiers", "stiffness")

@@ -3,36 +3,90 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
+import numpy as np
+
+from signorini.base.numbers import estimated, number, size_of
+from signorini.errors import point
 from signorini.model import Support, Units
 from signorini.results.support_result import SupportResult
 from signorini.results.support_words import symbol
 
-_NUMBER = 'style="text-align: right"'
-_WORDS = 'style="text-align: left"'
+_NUMBER = 'style="padding: 0 0.5em; text-align: right; white-space: nowrap"'
+_WORDS = 'style="padding: 0 0.5em; text-align: left"'
+_MOST_POINTS = 20
+"""Points of a support that are listed, as on the terminal."""
 
 
-def supports_table(supports: Sequence[Support], found: Sequence[SupportResult], force: str) -> str:
-    """Write a table in HTML: what kind each support is, its reaction in the unit ``force``, its points.
+def supports_table(
+    supports: Sequence[Support],
+    found: Sequence[SupportResult],
+    units: Units,
+    widths: Sequence[Mapping[str, Any]] | None = None,
+) -> str:
+    """Write a table in HTML: what kind each support is, its reaction and those of its points, the pressure of areas.
+
+    ``widths`` are the half-widths of supports as in results.json; without them no ± is shown. Of supports with many
+    points those with the largest reactions are listed.
 
     Examples
     --------
-    >>> supports_table([], [], "kN").count("reaction [kN]")
+    >>> from signorini.model import Units
+    >>> supports_table([], [], Units(force="kN")).count("reaction [kN]")
     1
     """
-    unit = f" [{html.escape(force)}]" if force else ""
-    head = (
-        f"<tr><th></th><th {_WORDS}>support</th><th {_WORDS}>kind</th>"
-        f"<th {_NUMBER}>reaction{unit}</th><th {_NUMBER}>closed</th><th {_NUMBER}>open</th></tr>"
-    )
-    rows = "".join(
-        f"<tr><td {_WORDS}>{symbol(support)}</td><td {_WORDS}>{html.escape(s.name)}</td>"
-        f"<td {_WORDS}>{html.escape(s.kind)}</td><td {_NUMBER}>{s.reaction:.6g}</td>"
-        f"<td {_NUMBER}>{s.closed_count}</td><td {_NUMBER}>{s.open_count}</td></tr>"
-        for support, s in zip(supports, found, strict=True)
-    )
-    return f"<table>{head}{rows}</table>"
+    areas = any(one.area is not None for one in found)
+    gapped = any(support.place == "at" and not one.closed.all() for support, one in zip(supports, found, strict=True))
+    columns = [f"reaction{_in(units.force)}", *[f"gap{_in(units.length)}"] * gapped, "closed", "open"]
+    if areas:
+        columns += [
+            f"largest pressure{_in(units.force_by_length(-2))}",
+            f"in contact{_in(units.length and units.length + '²')}",
+        ]
+    head = f"<tr><th></th><th {_WORDS}>support</th><th {_WORDS}>kind</th>"
+    head += "".join(f"<th {_NUMBER}>{html.escape(title)}</th>" for title in columns) + "</tr>"
+    size = size_of([one.reaction for one in found] + [size_of(one.reactions) for one in found])
+    lines = []
+    for index, (support, one) in enumerate(zip(supports, found, strict=True)):
+        width = None if widths is None else widths[index]
+        cells = [_written(one.reaction, width, "reaction", size), *[""] * gapped]
+        cells += [str(one.closed_count), str(one.open_count)]
+        if one.area is not None:
+            cells += [_written(getattr(one, key), width, key) for key in ("max_pressure", "contact_area")]
+        lines.append(_line(symbol(support), one.name, one.kind, cells, len(columns)))
+        if support.place == "at" and len(one.reactions) > 1:
+            lines += _points(one, width, size, len(columns))
+    return f"<table>{head}{''.join(lines)}</table>"
+
+
+def _points(one: SupportResult, widths: Mapping[str, Any] | None, size: float, columns: int) -> list[str]:
+    """Rows of the points of a support, in their order; of many the largest reactions."""
+    shown = np.sort(np.argsort(-np.abs(one.reactions), kind="stable")[:_MOST_POINTS]).tolist()
+    lines = []
+    for at in shown:
+        width = None if widths is None else widths["points"][at]
+        gap = "" if one.closed[at] else _written(float(one.gaps[at]), width, "gap")
+        cells = [_written(float(one.reactions[at]), width, "reaction", size), gap]
+        where = f"{at + 1} at {point(one.positions[at].tolist())}"
+        lines.append(_line("", where, "closed" if one.closed[at] else "open", cells, columns))
+    left = len(one.reactions) - len(shown)
+    return lines + [_line("", f"and {left} of smaller reactions", "", [], columns)] * (left > 0)
+
+
+def _line(mark: str, name: str, kind: str, cells: Sequence[str], columns: int) -> str:
+    words = "".join(f"<td {_WORDS}>{html.escape(text)}</td>" for text in (mark, name, kind))
+    empty = [""] * (columns - len(cells))
+    return f"<tr>{words}" + "".join(f"<td {_NUMBER}>{html.escape(text)}</td>" for text in (*cells, *empty)) + "</tr>"
+
+
+def _written(value: float, widths: Mapping[str, Any] | None, key: str, size: float = 0.0) -> str:
+    return number(value, size) if widths is None else estimated(value, widths[key], size)
+
+
+def _in(unit: str) -> str:
+    return f" [{unit}]" if unit else ""
 
 
 def path_table(supports: Sequence[str], stops: Sequence[tuple[float, str, float, list[float]]], units: Units) -> str:

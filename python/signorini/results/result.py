@@ -14,6 +14,7 @@ import numpy as np
 
 from signorini.base import arguments
 from signorini.base.arguments import known
+from signorini.base.numbers import compared, estimated, number, size_of
 from signorini.base.remade import Remade
 from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import Certificate
@@ -354,21 +355,28 @@ class Result(Remade):
         write_vtu(path, self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self))
 
     def _repr_html_(self) -> str:
-        """Show the supports' table in a notebook."""
+        """Show the supports in a notebook, with half-widths where the model asks for them (``mesh.error``)."""
         title = f"<p><b>{html.escape(self.name)}</b>: {self.status.replace('_', ' ')}</p>"
         if self.status != "solved":
             return f"{title}<p>{html.escape(self.message)}</p>"
-        units = self.model.units
-        length = f" {units.length}" if units.length else ""
-        ends = f"deflection {self.deflection.min():.6g} to {self.deflection.max():.6g}{length}, positive down"
-        verdict = (
-            f"{html.escape(ends)}<br>{self.method}, {self.iterations} {self.counted}; certificate {self.certificate}, "
-            f"of the equations<br>of the mesh: ± in <code>plus_minus</code>"
-        )
-        for sentence in self.warnings:
-            verdict += f"<br>{html.escape(sentence)}"
-        table = supports_table(self.model.support, self.supports, units.force)
-        return f"{title}{table}<p>{verdict}</p>"
+        units, widths = self.model.units, self.asked_estimate.plus_minus
+        ends = [float(self.deflection.min()), float(self.deflection.max())]
+        if widths is not None:
+            most = size_of(ends)
+            low, high = (
+                estimated(end, widths["deflection"][side], most) for end, side in zip(ends, ("min", "max"), strict=True)
+            )
+        else:
+            low, high = map(number, ends)
+        said = [
+            f"deflection {low} to {high} {units.length}".rstrip() + ", positive down",
+            f"{self.method}, {self.iterations} {self.counted}; certificate {self.certificate}, of the equations",
+            f"of the mesh: {compared(self.asked_estimate.elements, self.model.estimated)}",
+            *self.warnings,
+            *self.asked_estimate.warnings,
+        ]
+        table = supports_table(self.model.support, self.supports, units, None if widths is None else widths["supports"])
+        return f"{title}{table}<p>{'<br>'.join(map(html.escape, said))}</p>"
 
 
 def vtk_fields(result: Result) -> tuple[dict[str, Floats], dict[str, Floats]]:

@@ -26,6 +26,8 @@ from signorini.results.result import FIELDS, Result
 _MOST_ROWS = 4096
 _MOST_NUMBERS = 4_000_000
 """Combinations, and numbers of theirs, that are in memory at once."""
+_DEFLECTIONS = 500_000
+"""Deflections of all nodes, 4 MB of them, of the rows whose areas in contact are found together."""
 _FEW_POINTS = 100
 _MOST_POINTS = 500
 """Contact points whose responses are always worth their time, and at most have the memory."""
@@ -252,9 +254,11 @@ class _Run:
             where = layout.slices[index]
             pressures, _ = at_rest.measured(block.around(at_rest, layout, rows), block.reaction[rows, where])
             block.areas[rows, at, 0] = pressures.max(axis=1, initial=0.0)
-            deflection = np.zeros((len(rows), found.mesh.node_count))
-            deflection[:, layout.around_areas] = block.on_areas[rows]
-            block.areas[rows, at, 1] = at_rest.contact_areas(deflection, block.closed[rows, where])
+            step = max(1, _DEFLECTIONS // found.mesh.node_count)
+            for some in (rows[first : first + step] for first in range(0, len(rows), step)):
+                deflection = np.zeros((len(some), found.mesh.node_count))
+                deflection[:, layout.around_areas] = block.on_areas[some]
+                block.areas[some, at, 1] = at_rest.contact_areas(deflection, block.closed[some, where])
 
     def _unbalanced(self, name: str, message: str) -> None:
         self._without_equilibrium += 1
