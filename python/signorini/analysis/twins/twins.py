@@ -88,7 +88,7 @@ class Twins(Remade):
                 try:
                     found.append(self._on(twin, solved))
                 except (SignoriniError, MemoryError) as error:
-                    whys.append(f"on a mesh of {twin.words}: {error or 'not enough memory.'}")
+                    whys.append(f"on a mesh of {twin.words}: {str(error) or 'not enough memory.'}")
                     if not isinstance(error, _SameMeshError):
                         failed.append(whys[-1])
                         if not found:
