@@ -267,6 +267,22 @@ def test_a_twin_that_cannot_be_solved_leaves_a_warning(
     assert ("half its size" in said) == (step != "twins_of")
 
 
+def test_other_meshes_take_the_method_that_suits_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, methods = twins_module.solve_one, list[str]()
+
+    def watched(*given: Any) -> Result:
+        found = whole(*given)
+        methods.append(found.method)
+        return found
+
+    monkeypatch.setattr(twins_module, "solve_one", watched)
+    rigid = [{"area": "all", "resists": "down"}]
+    found = solve(slab(support=rigid, mesh={"divisions": [8, 8]}, solver={"method": "lemke"}))["all"]
+    assert found.plus_minus is not None
+    assert found.method == "lemke"
+    assert "active_set" in methods
+
+
 def test_an_accuracy_that_no_other_mesh_can_judge_is_said_to_be_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(twins_module, "twins_of", lambda *given: [])
     found = solve(slab(mesh={"divisions": [4, 4], "accuracy": 0.1}))
