@@ -2,6 +2,7 @@
 
 import math
 import pickle
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from signorini.analysis.twins.leaves import beside
 from signorini.analysis.twins.meshes import twins_of
 from signorini.base.plain import plain
 from signorini.discretise import discretise
-from signorini.errors import InputError
+from signorini.errors import InputError, NotCertifiedError
 from signorini.mesh.meshers import disc
 from signorini.mesh.refined import refined
 from signorini.output import path_json, reactions_csv, results_json
@@ -235,15 +236,58 @@ def test_error_false_asks_for_none() -> None:
     assert found["all"].plus_minus is not None
 
 
-@pytest.mark.parametrize("error", [InputError("A mesh of 64 elements takes 3 GB."), MemoryError()])
-def test_a_twin_that_cannot_be_solved_leaves_a_warning(monkeypatch: pytest.MonkeyPatch, error: Exception) -> None:
-    def refused(*given: object) -> None:
-        raise error
-
-    monkeypatch.setattr(twins_module, "discretise", refused)
+@pytest.mark.parametrize(
+    ("step", "error", "why"),
+    [
+        ("discretise", InputError("A mesh of 64 elements takes 3 GB."), "takes 3 GB"),
+        ("discretise", MemoryError(), "not enough memory."),
+        ("contact_problem", MemoryError(), "not enough memory."),
+        ("contact_problem", InputError("The plate is a mechanism."), "a mechanism"),
+        ("solve_one", NotCertifiedError("It has no answer that could be certified."), "could be certified"),
+        ("solve_one", None, "overturns"),
+        ("twins_of", None, "a finer mesh would take too long"),
+    ],
+)
+def test_a_twin_that_cannot_be_solved_leaves_a_warning(
+    monkeypatch: pytest.MonkeyPatch, step: str, error: Exception | None, why: str
+) -> None:
     found = solve(slab())["all"]
+    before = found.warnings
+
+    def refused(*given: object) -> object:
+        if error is not None:
+            raise error
+        return [] if step == "twins_of" else replace(found, status="no_equilibrium", message="It overturns.")
+
+    monkeypatch.setattr(twins_module, step, refused)
     assert found.plus_minus is None
-    assert "half its size" in found.estimate.warnings[0]
+    (said,) = found.warnings[len(before) :]
+    assert said.startswith("No half-width (±) says how far the mesh is from the plate; ")
+    assert why in said
+    assert ("half its size" in said) == (step != "twins_of")
+
+
+def test_other_meshes_take_the_method_that_suits_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, methods = twins_module.solve_one, list[str]()
+
+    def watched(*given: Any) -> Result:
+        found = whole(*given)
+        methods.append(found.method)
+        return found
+
+    monkeypatch.setattr(twins_module, "solve_one", watched)
+    rigid = [{"area": "all", "resists": "down"}]
+    found = solve(slab(support=rigid, mesh={"divisions": [8, 8]}, solver={"method": "lemke"}))["all"]
+    assert found.plus_minus is not None
+    assert found.method == "lemke"
+    assert "active_set" in methods
+
+
+def test_an_accuracy_that_no_other_mesh_can_judge_is_said_to_be_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(twins_module, "twins_of", lambda *given: [])
+    found = solve(slab(mesh={"divisions": [4, 4], "accuracy": 0.1}))
+    assert found.refinement == ()
+    assert "The accuracy of 0.1 that was asked for is not known to be reached" in found.accuracy_warning
 
 
 def test_a_twin_that_cannot_be_solved_gives_way_to_the_other_pair(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -183,6 +183,11 @@ def _rate(before: Sequence[Refined], count: int, worst: float) -> float:
     return max(least, math.log(first.worst / worst) / math.log(count / first.elements))
 
 
+def unknown(asked: float) -> str:
+    """Say that nothing is known of an accuracy, since no other mesh is."""
+    return f"The accuracy of {asked:g} that was asked for is not known to be reached: no number has a half-width (±)."
+
+
 def _cost(elements: int) -> str:
     memory = _TWINS * needed(4 * elements) / 1e9
     count = float(f"{elements:.2g}")

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from signorini.analysis.accuracy import Refined, refined, worst_of
+from signorini.analysis.accuracy import Refined, refined, unknown, worst_of
 from signorini.analysis.combinations import Combined, Sink, combine
 from signorini.analysis.single import solve_one, timed
 from signorini.analysis.tables import OtherTables, rows_of, solve_rows, solve_table
@@ -290,7 +290,11 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
         return results
     steps, warning = list[Refined](), ""
     finer: Model | None = model
-    while finer is not None and (reached := worst_of(results.full, steps)) is not None:
+    while finer is not None:
+        reached = worst_of(results.full, steps)
+        if reached is None:
+            warning = unknown(model.mesh.accuracy)
+            break
         steps.append(reached)
         watcher(Progress(stage="refined", reached=f"mesh {len(steps)}: {reached.said(model.mesh.accuracy)}"))
         finer, warning = refined(results.model, results.full, steps)

@@ -299,7 +299,7 @@ def _by_sentence(results: Results) -> dict[str, list[str]]:
     """Every warning once, with the combinations that it is about."""
     found: dict[str, list[str]] = {}
     for result in results.full.values():
-        for sentence in (*result.warnings, *result.asked_estimate.warnings):
+        for sentence in (*result.noticed, *result.asked_estimate.warnings):
             found.setdefault(sentence, []).append(result.name)
     return found
 

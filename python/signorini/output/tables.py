@@ -115,7 +115,7 @@ def _combination(results: Results, result: Result) -> dict[str, Any]:
         "unsettled": list(result.unsettled),
         "iterations": result.iterations,
         "not_unique": [asdict(one) | {"supports": list(one.supports)} for one in result.not_unique],
-        "warnings": [*result.warnings, *result.asked_estimate.warnings, *accuracy],
+        "warnings": [*result.noticed, *result.asked_estimate.warnings, *accuracy],
         "singular": singular_json(result.singular),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         **figures(result),

@@ -80,8 +80,8 @@ class Result(Remade):
     not_unique : tuple of NotUnique
         What else would be as right, where supports repeat each other or the plate may rest elsewhere: of all these the
         least reactions, and then the least deflection, are given. Empty where this is the only answer.
-    warnings : tuple of str
-        What of the model and of this answer is seldom meant, in sentences.
+    noticed : tuple of str
+        What of the model and of this answer is seldom meant, in sentences; ``warnings`` has them too.
     singular : tuple of Singularity
         Where numbers have no limit as the mesh is refined, and which.
     estimator : Estimator or None
@@ -109,7 +109,7 @@ class Result(Remade):
     sections: tuple[SectionResult, ...]
     strips: tuple[StripResult, ...]
     seconds: float
-    warnings: tuple[str, ...]
+    noticed: tuple[str, ...]
     singular: tuple[Singularity, ...]
     estimator: Estimator | None = None
 
@@ -223,9 +223,14 @@ class Result(Remade):
     def estimate(self) -> Estimate:
         """What other meshes say of these numbers; the plate is solved on them when this is first asked for.
 
-        What stands in the way, such as memory, is said in its ``warnings``.
+        What stands in the way, such as memory, is said in its ``warnings``, and then in those of the result.
         """
         return NONE if self.estimator is None else self.estimator(self)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is seldom meant, in sentences, and once half-widths were asked for why they are missing."""
+        return self.noticed + (self.estimate.warnings if "estimate" in self.__dict__ else ())
 
     @property
     def asked_estimate(self) -> Estimate:
@@ -238,7 +243,7 @@ class Result(Remade):
 
         The same structure as the keys deflection, fields, supports, probes, sections and strips of results.json
         (docs/results.md). None in place of a number that has none, and where nothing is known: without equilibrium, of
-        reactions that were given, or where no other mesh could be solved, as ``estimate.warnings`` then says.
+        reactions that were given, or where no other mesh could be solved, as ``warnings`` then says.
 
         Examples
         --------

@@ -88,7 +88,7 @@ class Twins(Remade):
                 try:
                     found.append(self._on(twin, solved))
                 except (SignoriniError, MemoryError) as error:
-                    whys.append(f"on a mesh of {twin.words}: {error or 'not enough memory.'}")
+                    whys.append(f"on a mesh of {twin.words}: {str(error) or 'not enough memory.'}")
                     if not isinstance(error, _SameMeshError):
                         failed.append(whys[-1])
                         if not found:
@@ -111,7 +111,9 @@ class Twins(Remade):
 
         if twin.words not in self._problems:
             watch(Progress(stage="mesh"))
-            discretised = discretise(twin.model, twin.mesh)
+            # The method that was asked for may be slow on a finer mesh; every certified answer is the same.
+            solver = twin.model.solver.model_copy(update={"method": "auto"})
+            discretised = discretise(twin.model.model_copy(update={"solver": solver}), twin.mesh)
             self._require_another(discretised.mesh)
             watch(Progress(stage="factor"))
             self._problems[twin.words] = contact_problem(discretised)
