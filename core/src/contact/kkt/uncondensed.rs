@@ -13,7 +13,7 @@ use crate::contact::solution::ContactSolution;
 pub(crate) struct Uncondensed<'a> {
     problem: &'a ContactProblem,
     saddle: Saddle,
-    pub(crate) held: Option<Held>,
+    held: Option<Held>,
 }
 
 impl<'a> Regularized<'a> {
@@ -25,20 +25,19 @@ impl<'a> Regularized<'a> {
     }
 }
 
-impl Uncondensed<'_> {
-    /// What a residual asks for: of a plate that nothing holds firmly a rigid motion first, by its resultants if `settling`,
-    /// else by the equations, and in either case added exactly; then what the equations make of the rest.
-    pub(crate) fn direction(
-        &self,
+impl KktSolver for Uncondensed<'_> {
+    /// Of a plate that no dof holds a rigid motion first, by its resultants where nothing holds it firmly, else by the
+    /// equations, and in either case added exactly; then what the equations make of the rest.
+    fn correction(
+        &mut self,
         load: &[f64],
         step: &Residual,
-        settling: bool,
         solution: &ContactSolution,
     ) -> Result<Option<Correction>, FactorError> {
         let problem = self.problem;
         let solved = |step: &Residual| self.saddle.response(problem, &step.imbalance, &step.remaining);
         let solver = |step: &Residual| Ok(Some(solved(step)));
-        if let Some(held) = self.held.as_ref().filter(|_| settling) {
+        if let Some(held) = &self.held {
             return after_rigid(problem, load, held.response(step), solution, solver);
         }
         let found = solved(step);
@@ -48,16 +47,5 @@ impl Uncondensed<'_> {
         let rigid = rigid_part(&problem.plate, &problem.scale, &found.nodal);
         let rigid = Correction { rigid, nodal: vec![0.0; found.nodal.len()], ..found };
         after_rigid(problem, load, rigid, solution, solver)
-    }
-}
-
-impl KktSolver for Uncondensed<'_> {
-    fn correction(
-        &mut self,
-        load: &[f64],
-        step: &Residual,
-        solution: &ContactSolution,
-    ) -> Result<Option<Correction>, FactorError> {
-        self.direction(load, step, true, solution)
     }
 }

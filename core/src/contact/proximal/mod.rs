@@ -7,7 +7,7 @@
 
 mod subproblem;
 
-use super::kkt::{Correction, Regularized, Residual, Uncondensed};
+use super::kkt::{Correction, KktSolver, Regularized, Residual, Uncondensed};
 use super::problem::ContactProblem;
 use super::solution::{ContactSolution, Outcome, Progress};
 use crate::cholesky::FactorError;
@@ -16,9 +16,6 @@ use subproblem::Subproblem;
 
 /// At most this many proximal steps.
 const STEPS: usize = 60;
-/// So many steps let a plate afloat settle all the way on their contact set. Later ones, where sets come back, go only as
-/// far as the resistance lets them.
-const SETTLING: usize = 20;
 
 /// What the equations of a contact set give, signs as they come.
 struct OnSet {
@@ -89,7 +86,7 @@ impl Steps<'_> {
             if problem.release_open(&mut near) {
                 step = problem.residual(load, &near);
             }
-            let Some(direction) = equations.direction(load, &step, number < SETTLING, &near)? else {
+            let Some(direction) = equations.correction(load, &step, &near)? else {
                 return Ok(near.failed(Outcome::Unsolved));
             };
             near.follow(problem, &direction, 1.0);
@@ -111,9 +108,6 @@ impl Steps<'_> {
                     return Ok(tried.solution);
                 }
                 on_set = Some(tried);
-            }
-            if same && left <= tolerances::RESIDUAL {
-                break;
             }
         }
         near.leave_open(&step.remaining);
