@@ -18,7 +18,7 @@ from signorini.base.remade import Remade
 from signorini.discretise.averages import PlateStiffness
 from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
-from signorini.discretise.loads import CaseLoad, case_loads
+from signorini.discretise.loads import CaseLoad, case_loads, loaded_sides
 from signorini.discretise.meshing import mesh_of
 from signorini.discretise.moving import Cases
 from signorini.discretise.parts import Parts, parts_of
@@ -205,16 +205,18 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     problems = Problems()
     supports = placed(model, mesh, problems)
     held = hold(mesh, supports, problems)
+    loaded = loaded_sides(model, mesh, problems)
     # A thickness that is wrong keeps no other problem from being found.
     thickness, zones = Thickness(*np.full((2, 1, 1), mesh.size)), Zones.of(model, mesh, problems)
     stress_nodes = StressNodes.of_mesh(mesh)
     with problems.collected():
-        thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones)
+        along = [one.sides for one in supports] + list(loaded.values())
+        thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones, along)
     plate = _plate(mesh, zones, thickness, stress_nodes, held)
     stiffness = PlateStiffness.of(mesh, zones, thickness.at_points)
     springs, contacts = springs_and_contacts(model.plate, mesh, plate, held.dofs, stiffness, supports, problems)
     sections = Sections.of(model, mesh, plate, held, problems)
-    still = case_loads(zones, mesh, plate, held, sections, problems)
+    still = case_loads(zones, mesh, plate, held, sections, loaded, problems)
     probes = [Location(np.zeros(0, np.int64), np.zeros((0, 2)))]
     for index, probe in enumerate(model.probe):
         with problems.collected():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from signorini.discretise.sections.acting import Push, Spread
 from signorini.discretise.zones import Zones
 from signorini.errors import Place, Problems
 from signorini.mesh import Mesh
-from signorini.model import Load
+from signorini.model import Load, Model
 from signorini.model.footprint import footprints as shapes_of
 
 _GAUSS = 3
@@ -96,18 +96,34 @@ def _sum(a: Floats, b: Floats) -> Floats:
     return np.where(np.abs(total) <= _CANCELLED * (np.abs(a) + np.abs(b)), 0.0, total)
 
 
+def loaded_sides(model: Model, mesh: Mesh, problems: Problems) -> dict[int, Ints | None]:
+    """Of every load by its number the sides (k, 3) along which it acts; None where the mesh follows no line of it."""
+    found = {}
+    for index, load in enumerate(model.load):
+        with problems.collected():
+            found[index] = mesh_edges(mesh, load, ("load", index)) if load.kind == "line_load" else None
+    return found
+
+
 def case_loads(
-    zones: Zones, mesh: Mesh, plate: _core.Plate, held: Held, sections: Sections, problems: Problems
+    zones: Zones,
+    mesh: Mesh,
+    plate: _core.Plate,
+    held: Held,
+    sections: Sections,
+    sides: Mapping[int, Ints | None],
+    problems: Problems,
 ) -> dict[str, CaseLoad]:
-    """Every load case of the model, by name."""
+    """Every load case of the model, by name, of loads whose sides are known."""
     model = zones.model
     cases: dict[str, CaseLoad] = {}
     motions = held.rigid_motions(mesh.points, mesh.middle) / [1.0, mesh.size, mesh.size]
     footprints = Footprints(mesh, model.support)
-    for index, load in enumerate(model.load):
+    for index, along in sides.items():
+        load = model.load[index]
         with problems.collected():
             onto = Onto(mesh, sections)
-            found = _weighed(motions, _load(zones, onto, plate, footprints, load, ("load", index)))
+            found = _weighed(motions, _load(zones, onto, plate, footprints, load, along, ("load", index)))
             cases[load.case] = cases[load.case] + found if load.case in cases else found
     return {case: replace(_weighed(motions, load), acting=frozenset([case])) for case, load in cases.items()}
 
@@ -119,7 +135,15 @@ def _weighed(motions: Floats, load: CaseLoad) -> CaseLoad:
     return replace(load, weighing=np.zeros_like(load.nodal)) if balanced and load.nodal.any() else load
 
 
-def _load(zones: Zones, onto: Onto, plate: _core.Plate, footprints: Footprints, load: Load, place: Place) -> CaseLoad:
+def _load(
+    zones: Zones,
+    onto: Onto,
+    plate: _core.Plate,
+    footprints: Footprints,
+    load: Load,
+    sides: Ints | None,
+    place: Place,
+) -> CaseLoad:
     model, mesh = zones.model, onto.mesh
     match load.kind:
         case "pressure":
@@ -133,7 +157,7 @@ def _load(zones: Zones, onto: Onto, plate: _core.Plate, footprints: Footprints, 
         case "line_load":
             assert load.line_load is not None
             order = _GAUSS if load.line_load.is_constant else _GAUSS_VARYING
-            formula, sides = load.line_load, mesh_edges(mesh, load, place)
+            formula = load.line_load
 
             def along(levels: Levels) -> Push:
                 levels = (*formula.levels, *levels)

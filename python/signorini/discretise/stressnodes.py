@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
@@ -10,12 +11,10 @@ import numpy as np
 
 from signorini.base.components import components
 from signorini.base.remade import Remade
-from signorini.discretise.places import curve
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
 from signorini.mesh import Location, Mesh
 from signorini.mesh.isoparametric import real_sides
-from signorini.model import Load, Support
 
 _BESIDE = 1e-3
 """How far beside a side of an element its thickness is looked up, and at twice that, of the way to its middle."""
@@ -108,11 +107,11 @@ class StressNodes(Remade):
         return Sides(*self.mesh.holding(positions))
 
 
-def stress_nodes_of(mesh: Mesh, zones: Zones) -> StressNodes:
+def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints | None] = ()) -> StressNodes:
     """Part nodes on jumps: elements around a node that meet in sides without a jump have it in common.
 
-    Moments and shears jump where what the plate is made of does, shears along lines of supports and of loads, moments
-    where such a support holds a slope.
+    Moments and shears jump where what the plate is made of does, shears along sides (k, 3) of supports and of loads,
+    moments where such a support holds a slope.
 
     Examples
     --------
@@ -131,12 +130,8 @@ def stress_nodes_of(mesh: Mesh, zones: Zones) -> StressNodes:
     (13, [[2.0, 0.0], [2.0, 1.0], [2.0, 2.0]])
     """
     own = StressNodes.of_mesh(mesh)
-    model = zones.model
-    items: tuple[Support | Load, ...] = (*model.support, *model.load)
-    curves = [along for item in items if (along := curve(item)) is not None]
-    followed = [sides[:, 1] for along in curves if (sides := mesh.edges_along(along)) is not None]
-    on_lines = np.concatenate([np.zeros(0, np.int64), *followed])
-    if not model.zone and not any(level.jumps for level in zones.formulas[0].levels) and not len(on_lines):
+    on_lines = np.concatenate([np.zeros(0, np.int64), *(sides[:, 1] for sides in along if sides is not None)])
+    if not zones.model.zone and not any(level.jumps for level in zones.formulas[0].levels) and not len(on_lines):
         return own
     sides = np.flatnonzero(real_sides(mesh.elements).ravel())
     triples = mesh.sides.reshape(-1, 3)
