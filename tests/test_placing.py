@@ -6,6 +6,7 @@ from models import rectangular
 
 from signorini import Model, solve
 from signorini.discretise import discretise
+from signorini.discretise.places import region
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 
@@ -74,3 +75,18 @@ def test_an_area_off_a_round_edge_is_told_how_far() -> None:
     model = Model(material={"E": 30e9, "nu": 0.2}, plate=plate, support=[{"edge": "rim", "fix": "simple"}], load=load)
     with pytest.raises(InputError, match=r"% of its size off the plate, up to 0\.5 beyond it at \[4\.5, 0\]"):
         discretise(model)
+
+
+ARC = [[1.74, 1.11], [2.26, 1.11], {"through": [2.0, 1.42], "to": [1.74, 1.11]}]
+TURN = np.linspace(0, 2 * np.pi, 400, endpoint=False)
+ROUND = (np.array([2.3, 1.3]) + 0.2 * np.column_stack([np.cos(TURN), np.sin(TURN)])).tolist()
+
+
+@pytest.mark.parametrize("polygon", [ARC, ROUND], ids=["arc", "400 corners"])
+@pytest.mark.parametrize("stiffness", [1.0, 1e12])
+def test_an_outline_of_many_points_in_an_element_leaves_it_an_area(polygon, stiffness):
+    support = {"area": {"polygon": polygon}, "resists": "down", "stiffness": stiffness}
+    model = rectangular(size=(4, 2), divisions=(8, 4), support=[support], load=[{"pressure": 1}])
+    weights = discretise(model).contacts.weights
+    assert weights.min() > 0
+    assert weights.sum() == pytest.approx(region(model.support[0].area).area, rel=1e-3)

@@ -22,11 +22,13 @@ from signorini.discretise.zones import Zones
 from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
 from signorini.model import Plate, Support
-from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring
+from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring, Rounded
 from signorini.shapes.distances import distances
 
 STRIP = 1e-2
 """Part of an element's area that each point on the outline stands for: enough to act where a bed is a little stiff."""
+MOST = 0.25
+"""Part that all on it stand for at most, however many corners an outline has there."""
 _ON_OUTLINE = 1e-4
 """Distance, over the plate's size, within which a point is on the hull; that of a circle is a polygon."""
 _APART = 0.25
@@ -128,12 +130,12 @@ def _candidates(mesh: Mesh, support: Support) -> Floats:
 
 
 def _corners(shape: Region) -> Floats:
-    """Corners of a region (c, 2), of a circle the points farthest along x and y."""
+    """Corners of a region (c, 2), and of its arcs the points farthest along x and y."""
     if isinstance(shape, Hollow):
         return _corners(shape.around)
     if isinstance(shape, Circle):
         return np.asarray(shape.center + shape.radius * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]))
-    return shape.drawn
+    return shape.tips if isinstance(shape, Rounded) else shape.drawn
 
 
 def _rim(shape: Region) -> Curve:
@@ -141,7 +143,7 @@ def _rim(shape: Region) -> Curve:
         return _rim(shape.around)
     if isinstance(shape, Circle):
         return Ring(shape.center, shape.radius)
-    points = _corners(shape).tolist()
+    points = shape.drawn.tolist()
     return Polyline(tuple((x, y) for x, y in [*points, points[0]]))
 
 

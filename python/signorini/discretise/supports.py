@@ -10,7 +10,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.base.brief import Brief
-from signorini.discretise.averages import STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
+from signorini.discretise.averages import MOST, STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
 from signorini.discretise.footprints import mean_deflections
 from signorini.discretise.holds import holds_deflection, prescribed_rotations
 from signorini.discretise.placed import SAME_PLACE, Placed
@@ -335,7 +335,8 @@ def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: O
     within = mesh.map(where, mesh.inward(where, xi, INSIDE))[free]
     area = np.bincount(acting.rows.elements, acting.weights, len(mesh.elements)).astype(np.float64)
     some = shared >= 0
-    parts = np.where(some, STRIP * area[shared], 0.0)
+    count = np.bincount(shared[some], minlength=len(area))
+    parts = np.where(some, (np.minimum(STRIP, MOST / np.maximum(count, 1)) * area)[shared], 0.0)
     given = np.bincount(shared[some], parts[some], len(area))
     kept = 1.0 - given[acting.rows.elements] / area[acting.rows.elements]
     return _Acting(

@@ -70,6 +70,11 @@ class Rounded(Straight):
         at = [i for i in range(count) if tuple(points[i]) in self.contour.corners and bend[i] > _KINK]
         return np.asarray(points[at])
 
+    @property
+    def tips(self) -> Floats:
+        """Corners, and points (t, 2) of arcs farthest along x and y."""
+        return np.concatenate([self.corners, *self._farthest])
+
     @cached_property
     def area(self) -> float:
         """Area."""
@@ -83,12 +88,7 @@ class Rounded(Straight):
     @property
     def bounds(self) -> Box:
         """Bounding box xmin, ymin, xmax, ymax."""
-        points = [np.array(self.contour.corners)]
-        for center, radius, start, sweep in self._arcs:
-            quarters = np.arange(4) * (math.pi / 2)
-            passed = ((quarters - start) * math.copysign(1.0, sweep)) % math.tau < abs(sweep)
-            points.append(center + radius * np.round(np.column_stack([np.cos(quarters), np.sin(quarters)]))[passed])
-        every = np.concatenate(points)
+        every = np.concatenate([np.array(self.contour.corners), *self._farthest])
         low, high = every.min(axis=0).tolist(), every.max(axis=0).tolist()
         return (*low, *high)
 
@@ -104,6 +104,17 @@ class Rounded(Straight):
             reach = np.sqrt(np.maximum(radius**2 - (y - cy) ** 2, 0.0))
             count += level & (x < cx + side * reach)
         return np.asarray(count % 2 == 1)
+
+    @cached_property
+    def _farthest(self) -> list[Floats]:
+        """Of every arc the points farthest along x and y, but its ends."""
+        quarters = np.arange(4) * (math.pi / 2)
+        units = np.round(np.column_stack([np.cos(quarters), np.sin(quarters)]))
+        found = []
+        for center, radius, start, sweep in self._arcs:
+            passed = ((quarters - start) * math.copysign(1.0, sweep)) % math.tau < abs(sweep)
+            found.append(center + radius * units[passed])
+        return found
 
     @cached_property
     def _arcs(self) -> list[tuple[Floats, float, float, float]]:
