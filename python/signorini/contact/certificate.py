@@ -13,6 +13,7 @@ import numpy as np
 
 from signorini.contact.answer import Answer
 from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.loads import CANCELLED
 from signorini.discretise.rows import Bools, Floats
 
 TOLERANCE = 1e-8
@@ -25,6 +26,8 @@ _NIL = 1e-6
 """Deflections below this part of F a²/D are rounding of the elimination."""
 _UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
 """Part of a size which, as a scale, turns the tolerance into that size's rounding."""
+_CANCELLED = CANCELLED / TOLERANCE
+"""As `_UNSEEN`, of loads that are added: as much of them counts as nothing where they cancel."""
 
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 LIMITED = ("tension", "equilibrium", "balance")
@@ -102,14 +105,14 @@ def certify(
     lo: Floats,
     reaction: Floats,
     closed: Sequence[Bools] = (),
-    beside: Floats | None = None,
+    beside: Sequence[CaseLoad] = (),
 ) -> Certificate:
     """Judge displacements ``hi + lo`` (3n,) and the contact points' reactions (m,) under a load.
 
     ``closed`` are contact sets (m,) on which they claim to be solutions: what open points of one react with and how far
     its closed ones are open counts as complementarity too. An answer at both ends of a stretch that stands on one set
-    proves all between them, which is linear. ``beside`` is a nodal load (3n,) of the size that the load is a difference
-    of, or a small part of: its rounding is none of the answer's fault.
+    proves all between them, which is linear. ``beside`` are the loads that this one is the sum of: their rounding, and
+    that of the reactions to them, is none of the answer's fault where they cancel.
 
     Examples
     --------
@@ -131,7 +134,6 @@ def certify(
     False
     """
     contacts, held, size = found.contacts, found.held, found.mesh.size
-    beside = np.zeros(3) if beside is None else beside
     with np.errstate(invalid="ignore"):
         imbalance = found.plate.residual(found.springs.arrays, load.nodal, hi, lo)
         imbalance = imbalance - found.contact_rows.T @ reaction
@@ -146,7 +148,7 @@ def certify(
         length = _largest(
             hi[::3],
             least_deflection(found, load),
-            _UNSEEN * _loaded_deflection(found, beside),
+            _UNSEEN * sum(_loaded_deflection(found, part.nodal) for part in beside),
             travel if idle else 0.0,
             _UNSEEN * found.springs.base if idle else 0.0,
         )
@@ -159,7 +161,7 @@ def certify(
         # shearing to the travel does.
         bent = length if idle else _largest(np.minimum(np.abs(_bent(found, hi)), length))
         bending = _rigidity(found, found.thickness.max()) * bent / size**2
-        rest = _UNSEEN * _largest(bending, _by_force(beside, across))
+        rest = _largest(_UNSEEN * bending, _CANCELLED * sum(_reaching(found, part.nodal) for part in beside))
         if idle:
             shear = found.model.young * found.thickness.max()
             rest = max(rest, _UNSEEN * shear * _largest(length, contacts.distance))
@@ -179,7 +181,7 @@ def certify(
             "equilibrium": _ratio(_by_force(at_free, across), scale),
             "balance": _ratio(out_of_balance, _largest(total, rest)),
         }
-        lost = _lost(found, load, against, at_holds, pull, reaction)
+        lost = _lost(found, load, beside, against, at_holds, pull, reaction)
     worst = _largest(*(figures[name] for name in LIMITED))
     if worst <= TOLERANCE or not np.isfinite(worst):
         return Certificate(**figures, lost=lost)
@@ -217,7 +219,7 @@ def _bent(found: Discretisation, hi: Floats) -> Floats:
 
 
 def certified(
-    found: Discretisation, load: CaseLoad, answer: Answer, beside: Floats | None = None
+    found: Discretisation, load: CaseLoad, answer: Answer, beside: Sequence[CaseLoad] = ()
 ) -> tuple[Answer, Certificate]:
     """Judge an answer, and where it fails what stands for it; that which passes, or else the last."""
     for turn in answer.in_turn:
@@ -274,7 +276,13 @@ def _motions(found: Discretisation) -> Floats:
 
 
 def _lost(
-    found: Discretisation, load: CaseLoad, against: Floats, at_holds: Floats, pull: Floats, reaction: Floats
+    found: Discretisation,
+    load: CaseLoad,
+    beside: Sequence[CaseLoad],
+    against: Floats,
+    at_holds: Floats,
+    pull: Floats,
+    reaction: Floats,
 ) -> float:
     """What the forces of supports (3n,) leave of the loads that have a resultant, where there are others too.
 
@@ -284,7 +292,9 @@ def _lost(
     if load.all_weighs or not load.weighing.any():
         return 0.0
     missing, _ = _balance(found, load.weighing, against)
-    of_loads = _reaching(found, load.weighing)
+    # Loads that cancel can miss the rounding of their parts.
+    of_parts = sum(_reaching(found, part.weighing) for part in beside)
+    of_loads = max(_reaching(found, load.weighing), _CANCELLED * of_parts)
     part = _ratio(missing, _largest(of_loads, _totals(found, at_holds, pull, reaction)))
     if not part > 0.0:
         return part
