@@ -459,6 +459,16 @@ def test_where_a_path_begins_at_chooses_as_solve_does(support) -> None:
     assert not found.at(1e-3).not_unique
 
 
+def test_a_path_that_stops_names_an_end_that_helps(slab: Path, monkeypatch) -> None:
+    limit = signorini.path(signorini.load(slab), "G", "Q").limit
+    monkeypatch.setattr("signorini.analysis.path.confirmed", lambda problem, loads, stops, watcher: 1)
+    for until, helps in ((None, True), (limit, True), (0.9 * limit, False)):
+        result = run("path", slab, "--from", "G", "--add", "Q", *(() if until is None else ("--until", until)))
+        said = " ".join(result.output.split())
+        assert result.exit_code == 4 and "give rigid supports a stiffness" in said
+        assert (f"--until {0.999 * limit:.6g}. Or take a finer mesh" in said) is helps
+
+
 ROUND_BED = """
 material = { E = 30e9, nu = 0.2 }
 plate = { shape = "rectangle", size = [10, 10], thickness = 0.3 }
