@@ -401,6 +401,106 @@ def test_a_path_says_where_more_answers_than_one_are_right() -> None:
     assert (told["begin"], told["end"], told["motion"]) == (begin, end, one.motion)
 
 
+FEET = [[2.5, 3.0], [2.0, 3.0], [2.5, 1.5], [3.0, 2.5], [2.0, 2.0], [0.801, 1.337]]
+
+
+@pytest.mark.parametrize(
+    ("gap", "feet"),
+    [
+        ("0.0001*x", FEET),
+        ("0.0002*x", FEET),
+        ("0.0003*x", FEET),
+        ("0.0002*y", FEET),
+        ("0.0002*x + 0.001", FEET),
+        ("0.0002*x", FEET[1:]),
+        ("0.0002*x", FEET[:3] + FEET[4:]),
+    ],
+)
+def test_a_load_is_taken_off_to_the_last(gap, feet) -> None:
+    """At t = 3 all reactions vanish and, since the gaps lie in a plane, so do all gaps that are left."""
+    model = rectangular(
+        thickness=0.3,
+        divisions=[4, 8],
+        support=[{"name": "feet", "at": feet, "resists": "down", "gap": gap}],
+        load=[
+            {"case": "G", "force": 20e3, "at": [1.5, 2.5]},
+            {"case": "Q", "curvature": [-1e-4, 0, 0]},
+            {"case": "W", "pressure": 5e3},
+            {"case": "W", "force": 100e3, "at": [1.603, 2.232]},
+        ],
+        combination=[
+            {"name": "all", "factors": {"G": 3, "Q": 3, "W": 3}},
+            {"name": "off", "factors": {"G": -1, "Q": -1, "W": -1}},
+        ],
+    )
+    found = signorini.path(model, "all", "off")
+    assert (found.ending, [stop.t for stop in found.stops]) == ("no_equilibrium", pytest.approx([0, 3], rel=1e-11))
+    assert found.method == path_json(found)["method"] == "lemke"
+    assert found.at(found.limit).reactions["feet"] == pytest.approx(0, abs=1e-6)
+
+
+def test_a_plate_passes_through_no_load_to_the_supports_above_it() -> None:
+    model = rectangular(
+        size=[6, 8],
+        thickness=0.5,
+        divisions=[9, 7],
+        support=[
+            {"name": "above", "at": [[3.75, 1], [1.5, 7], [2.25, 6], [3.75, 2]], "resists": "up", "stiffness": 5e7},
+            {
+                "name": "below",
+                "at": [[2.934, 3.642], [5.37, 3.737], [5.041, 6.115], [4.5, 7]],
+                "resists": "down",
+                "gap": 0.001,
+            },
+        ],
+        load=[
+            {"case": "G", "pressure": 20e3, "area": {"rectangle": [1.108, 4.987, 2.308, 5.987]}},
+            {"case": "Q", "pressure": -5e3},
+            {"case": "M", "line_load": "1e4*(x - 1)", "line": [[0.5, 0.5], [0.9, 16 / 3]]},
+            {"case": "M", "pressure": 5e3},
+        ],
+        combination=[
+            {"name": "all", "factors": {"G": 3 * 2.35, "Q": 1.5, "M": 3 * 2.35}},
+            {"name": "off", "factors": {"G": -2.35, "Q": -0.5, "M": -2.35}},
+        ],
+    )
+    found = signorini.path(model, "all", "off")
+    assert found.ending == "no_more_events"
+    direct = signorini.path(model, None, "off").at(found.end - 3)
+    assert found.stops[-1].reactions == pytest.approx([*direct.reactions.values()], rel=1e-6)
+
+
+GAP = {"name": "feet", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down", "gap": 0.001}
+HINGE = {"name": "hinge", "at": [[1, 2], [3, 2]], "resists": "both"}
+
+
+@pytest.mark.parametrize("support", [[GAP], [GAP, HINGE]], ids=["free", "hinged"])
+def test_where_a_path_begins_at_chooses_as_solve_does(support) -> None:
+    """The stop shows where the path goes on from: the feet, on which the plate comes down."""
+    model = rectangular(
+        support=support,
+        load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": 50e3, "at": [2, 3.5]}],
+        combination=[{"name": "none", "factors": {}}],
+    )
+    direct = signorini.solve(model)["none"]
+    found = signorini.path(model, None, "Q" if HINGE in support else "G")
+    begin = found.at(0)
+    assert direct.not_unique and begin.not_unique == direct.not_unique
+    assert begin.deflection == pytest.approx(direct.deflection, abs=1e-15)
+    assert found.stops[0].largest > 0.999e-3 and found.table["max:deflection"][0] == found.stops[0].largest
+    assert not found.at(1e-3).not_unique
+
+
+def test_a_path_that_stops_names_an_end_that_helps(slab: Path, monkeypatch) -> None:
+    limit = signorini.path(signorini.load(slab), "G", "Q").limit
+    monkeypatch.setattr("signorini.analysis.path.confirmed", lambda problem, loads, stops, watcher: 1)
+    for until, helps in ((None, True), (limit, True), (0.9 * limit, False)):
+        result = run("path", slab, "--from", "G", "--add", "Q", *(() if until is None else ("--until", until)))
+        said = " ".join(result.output.split())
+        assert result.exit_code == 4 and "give rigid supports a stiffness" in said
+        assert (f"--until {0.999 * limit:.6g}. Or take a finer mesh" in said) is helps
+
+
 ROUND_BED = """
 material = { E = 30e9, nu = 0.2 }
 plate = { shape = "rectangle", size = [10, 10], thickness = 0.3 }

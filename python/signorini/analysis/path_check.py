@@ -11,12 +11,15 @@ from signorini.contact.certificate import least_deflection
 from signorini.contact.problem import ContactProblem
 from signorini.contact.strategy import answered
 from signorini.discretise import CaseLoad
+from signorini.results.load_path import beside
 from signorini.results.path_stop import PathStop, path_stops
 
 _SAME = 1e-6
 """Difference of deflections, over the largest, and of works, over the work, that is none."""
 _MOVED = 1e-9
 """Part of the magnitudes that a work is made of which the rounding of t brings where a plate moves on its own."""
+_AT = 1e-12
+"""Rounding of the t of an event, over t: as much of the loads that are added is there where their sum vanishes."""
 _SAMPLES = 11
 """Parts of a path at whose ends it is compared with direct solutions."""
 
@@ -61,5 +64,7 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
     (direct,) = path_stops(found, [stop.t], [load], none, none, [tried.answer])
     shown, wanted = (np.array([s.largest, s.smallest, *s.deflections]) for s in (stop, direct))
     apart = np.abs(shown - wanted).max() > _SAME * max(np.abs(wanted).max(), least_deflection(found, load))
-    rounding = _MOVED * max(direct.work_size, stop.work_size)
-    return not apart or abs(direct.work - stop.work) <= max(_SAME * abs(direct.work), rounding)
+    parts = sum(float(np.abs(part.nodal).max()) for part in beside(loads, stop.t))
+    size = float(np.abs(load.nodal).max())
+    rounding = max(_MOVED * size, _AT * parts) * max(direct.work_size, stop.work_size)
+    return not apart or size * abs(direct.work - stop.work) <= max(size * _SAME * abs(direct.work), rounding)

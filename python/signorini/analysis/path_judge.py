@@ -68,9 +68,9 @@ class PathJudge:
         closed = np.array([answer.closed for answer in answers])
         # What stands on one set at both ends of a segment is proven between them.
         before = np.concatenate([closed[:1] if self._before is None else self._before[1].closed[None], closed[:-1]])
-        sizes = np.array([beside(self.loads, t) for t in at])
+        made_of = [beside(self.loads, t) for t in at]
         imbalance = imbalances(found, loads, hi, lo)
-        certificates = certify_each(found, loads, hi, lo, reaction, (before, closed), sizes, imbalance)
+        certificates = certify_each(found, loads, hi, lo, reaction, (before, closed), made_of, imbalance)
         passed = next((row for row, one in enumerate(certificates) if not one.passed), len(at))
         doubts = self._doubtful(at, answers)
         if self.first is None and passed:
@@ -82,7 +82,7 @@ class PathJudge:
             one = self._least(at[row], loads[row], answers[row], earlier)
             certificate = certificates[row]
             if one is not answers[row]:
-                one, certificate = certified(found, loads[row], one, sizes[row])
+                one, certificate = certified(found, loads[row], one, made_of[row])
                 imbalance[row] = found.plate.residual(found.springs.arrays, loads[row].nodal, one.hi, one.lo)
             if certificate.lost > _LOST:
                 break

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import sys
@@ -24,6 +25,8 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini.formats.inputfile import with_line
 
 _MOST_REASONS = 20
+_SHORT = 0.999
+"""Part of the limit of equilibrium at which a path ends that stops short of it."""
 _OPTIONS = {"start": "--from", "add": "--add", "until": "--until", "unit": "--unit", "output": "--output"}
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
 """What the arguments of `signorini.path` and of `read_dxf` are called on the command line."""
@@ -193,7 +196,13 @@ def path(
         print_path(streams.stdout(), found)
         streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
         if found.ending == "stopped":
-            why = "rounding decides which points are in contact. Take a finer mesh, or give rigid supports a stiffness"
+            why = "rounding decides which points are in contact. "
+            short = _SHORT * found.limit
+            if found.end < short < (until or math.inf) and math.isfinite(short):
+                why += f"Stop short of t = {found.limit:.6g}, where equilibrium ends: --until {short:.6g}. Or take"
+            else:
+                why += "Take"
+            why += " a finer mesh, or give rigid supports a stiffness"
             if found.ends_with_the_mesh:
                 why = (
                     f"to t = {found.limit:.6g}, reactions on the outlines of the supports balance the load, but not at "

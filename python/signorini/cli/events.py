@@ -23,7 +23,7 @@ def print_path(console: Console, path: LoadPath) -> None:
     model, units = path.model, path.model.units
     if model.title:
         say(console, model.title, style="bold")
-    say(console, Text(path.name, style="bold") + Text(f": followed by {path.problem.method}"))
+    say(console, Text(path.name, style="bold") + Text(f": followed by {path.method}"))
     names = [support.name for support in model.support]
     if len(names) > _MOST_COLUMNS:
         names = []

@@ -15,6 +15,7 @@ import numpy as np
 
 from signorini.contact.answer import Answer
 from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.loads import CANCELLED
 from signorini.discretise.rows import Bools, Floats
 
 TOLERANCE = 1e-8
@@ -27,6 +28,8 @@ _NIL = 1e-6
 """Deflections below this part of F a²/D are rounding of the elimination."""
 _UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
 """Part of a size which, as a scale, turns the tolerance into that size's rounding."""
+_CANCELLED = CANCELLED / TOLERANCE
+"""As `_UNSEEN`, of loads that are added: as much of them counts as nothing where they cancel."""
 
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 LIMITED = ("tension", "equilibrium", "balance")
@@ -104,14 +107,14 @@ def certify(
     lo: Floats,
     reaction: Floats,
     closed: Sequence[Bools] = (),
-    beside: Floats | None = None,
+    beside: Sequence[CaseLoad] = (),
 ) -> Certificate:
     """Judge displacements ``hi + lo`` (3n,) and the contact points' reactions (m,) under a load.
 
     ``closed`` are contact sets (m,) on which they claim to be solutions: what open points of one react with and how far
     its closed ones are open counts as complementarity too. An answer at both ends of a stretch that stands on one set
-    proves all between them, which is linear. ``beside`` is a nodal load (3n,) of the size that the load is a difference
-    of, or a small part of: its rounding is none of the answer's fault.
+    proves all between them, which is linear. ``beside`` are the loads that this one is the sum of: their rounding, and
+    that of the reactions to them, is none of the answer's fault where they cancel.
 
     Examples
     --------
@@ -132,10 +135,8 @@ def certify(
     >>> certify(found, load, answer.hi, answer.lo, -answer.reaction).passed
     False
     """
-    several = None if beside is None else beside[None]
-    return certify_each(found, [load], hi[None], lo[None], reaction[None], [those[None] for those in closed], several)[
-        0
-    ]
+    sets = [those[None] for those in closed]
+    return certify_each(found, [load], hi[None], lo[None], reaction[None], sets, [beside])[0]
 
 
 def certify_each(
@@ -145,7 +146,7 @@ def certify_each(
     lo: Floats,
     reaction: Floats,
     closed: Sequence[Bools] = (),
-    beside: Floats | None = None,
+    beside: Sequence[Sequence[CaseLoad]] = (),
     imbalance: Floats | None = None,
 ) -> list[Certificate]:
     """Judge answers (k,) to as many loads as `certify` does each, from arrays of one more dimension in front.
@@ -154,7 +155,11 @@ def certify_each(
     """
     contacts, held, size = found.contacts, found.held, found.mesh.size
     nodal = np.array([load.nodal for load in loads])
-    beside = np.zeros((len(loads), 3)) if beside is None else beside
+    beside = beside or [()] * len(loads)
+    deflected, reached = (
+        np.array([sum(float(of(found, part.nodal)) for part in parts) for parts in beside])
+        for of in (_loaded_deflection, _reaching)
+    )
     imbalance = imbalances(found, loads, hi, lo) if imbalance is None else imbalance
     with np.errstate(invalid="ignore"):
         pushes = (found.contact_rows.T @ reaction.T).T
@@ -170,7 +175,7 @@ def certify_each(
         length = _most(
             _largest(deflection),
             _NIL * _loaded_deflection(found, nodal),
-            _UNSEEN * _loaded_deflection(found, beside),
+            _UNSEEN * deflected,
             idle * travel.max(initial=0.0),
             idle * _UNSEEN * np.abs(found.springs.base).max(initial=0.0),
         )
@@ -184,7 +189,7 @@ def certify_each(
         # shearing to the travel does.
         bent = np.where(idle, length, _largest(np.minimum(np.abs(_bent(found, deflection)), length[:, None])))
         bending = _rigidity(found, found.thickness.max()) * bent / size**2
-        rest = _UNSEEN * _most(bending, _by_force(beside, across))
+        rest = _most(_UNSEEN * bending, _CANCELLED * reached)
         shear = found.model.young * found.thickness.max()
         rest = np.where(
             idle, _most(rest, _UNSEEN * shear * _most(length, np.abs(contacts.distance).max(initial=0.0))), rest
@@ -209,7 +214,7 @@ def certify_each(
             "equilibrium": _ratio(_by_force(at_free, across), scale),
             "balance": _ratio(out_of_balance, _most(total, rest)),
         }
-        lost = [_lost(found, *one) for one in zip(loads, against, at_holds, pull, reaction, strict=True)]
+        lost = [_lost(found, *one) for one in zip(loads, beside, against, at_holds, pull, reaction, strict=True)]
     certificates = []
     for row, load_lost in enumerate(lost):
         figures = {name: float(values[row]) for name, values in by_name.items()}
@@ -280,7 +285,7 @@ def _bent(found: Discretisation, deflection: Floats) -> Floats:
 
 
 def certified(
-    found: Discretisation, load: CaseLoad, answer: Answer, beside: Floats | None = None
+    found: Discretisation, load: CaseLoad, answer: Answer, beside: Sequence[CaseLoad] = ()
 ) -> tuple[Answer, Certificate]:
     """Judge an answer, and where it fails what stands for it; that which passes, or else the last."""
     for turn in answer.in_turn:
@@ -340,7 +345,13 @@ def _motions(found: Discretisation) -> Floats:
 
 
 def _lost(
-    found: Discretisation, load: CaseLoad, against: Floats, at_holds: Floats, pull: Floats, reaction: Floats
+    found: Discretisation,
+    load: CaseLoad,
+    beside: Sequence[CaseLoad],
+    against: Floats,
+    at_holds: Floats,
+    pull: Floats,
+    reaction: Floats,
 ) -> float:
     """What the forces of supports (3n,) leave of the loads that have a resultant, where there are others too.
 
@@ -350,7 +361,9 @@ def _lost(
     if load.all_weighs or not load.weighing.any():
         return 0.0
     (missing,), _ = _balance(found, load.weighing[None], against[None])
-    of_loads = _reaching(found, load.weighing)
+    # Loads that cancel can miss the rounding of their parts.
+    of_parts = sum(float(_reaching(found, part.weighing)) for part in beside)
+    of_loads = max(float(_reaching(found, load.weighing)), _CANCELLED * of_parts)
     totals = np.abs(_totals(found, at_holds, pull, reaction)).max()
     part = float(_ratio(missing, _most(of_loads, totals)))
     if not part > 0.0:

@@ -13,7 +13,7 @@ from signorini.contact.certificate import Certificate, certified
 from signorini.contact.factoring import Method, base_of, can_be_factored
 from signorini.contact.problem import ContactProblem, Form, Steps
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Bools
 from signorini.equilibrium.limits import supports_contradict
 
 _FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "interior_point")
@@ -137,12 +137,12 @@ def answered(
     load: CaseLoad,
     progress: Steps | None = None,
     proximal: bool = True,
-    beside: Floats | None = None,
+    beside: Sequence[CaseLoad] = (),
 ) -> Tried:
     """Solve one load and certify the answer; where that fails, ask in every other form and by every other method.
 
     A basis that rounding makes singular in one form is regular in another. ``progress`` watches all that is tried, and
-    what it raises ends it. ``proximal`` is that of `attempts`, ``beside`` (3n,) that of `certify`.
+    what it raises ends it. ``proximal`` is that of `attempts`, ``beside`` that of `certify`.
     """
     found = problem.discretisation
     first: Tried | None = None

@@ -25,7 +25,7 @@ from signorini.model.footprint import footprints as shapes_of
 _GAUSS = 3
 _GAUSS_VARYING = 5
 """Gauss points a direction where the load varies."""
-_CANCELLED = 16 * float(np.finfo(float).eps)
+CANCELLED = 16 * float(np.finfo(float).eps)
 """Part of two loads below which their sum is rounding: a plate held up by its buoyancy must not drift away on it."""
 _BALANCED = 1e-12
 """Part of the magnitudes that a resultant is made of below which it is their rounding."""
@@ -93,7 +93,7 @@ class CaseLoad:
 
 def _sum(a: Floats, b: Floats) -> Floats:
     total = a + b
-    return np.where(np.abs(total) <= _CANCELLED * (np.abs(a) + np.abs(b)), 0.0, total)
+    return np.where(np.abs(total) <= CANCELLED * (np.abs(a) + np.abs(b)), 0.0, total)
 
 
 def loaded_sides(model: Model, mesh: Mesh, problems: Problems) -> dict[int, Ints | None]:

@@ -54,7 +54,7 @@ def path_json(path: LoadPath) -> dict[str, Any]:
         "units": {"length": model.units.length, "force": model.units.force},
         "from": path.start,
         "add": path.add,
-        "method": path.problem.method,
+        "method": path.method,
         "ending": path.ending,
         "end": path.end,
         "limit": None if np.isinf(path.limit) else path.limit,

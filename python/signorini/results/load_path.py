@@ -121,6 +121,11 @@ class LoadPath(States[float]):
         return self.estimator.estimate(self)
 
     @property
+    def method(self) -> Method:
+        """How it was followed: "lemke" by parametric pivoting, "active_set" from event to event."""
+        return self.problem.method
+
+    @property
     def name(self) -> str:
         """Its load in words."""
         return f"t {self.add}" if self.start is None else f"{self.start} + t {self.add}"
@@ -205,7 +210,7 @@ class LoadPath(States[float]):
         for row, stop in enumerate(self.stops):
             # Of the two stops of a jump the first is what holds before it, the second what holds after.
             after = 0 < row < count - 1 and self.segments[row - 1].jumps
-            result = self._at(stop.t, row if after else max(row - 1, 0))
+            result = self._at(stop.t, row if after else max(row - 1, 0), leading=True)
             block.put(row, layout, result)
             envelope.take_fields(result, block.numbers[row : row + 1])
         envelope.take(block, layout, np.arange(count))
@@ -299,7 +304,7 @@ class LoadPath(States[float]):
     def at(self, t: float) -> Result:
         """Every result at some t: one linear solve on the contact set that holds there, with its certificate.
 
-        At the t of a jump it is what holds before it.
+        Of equal answers it is the one that `solve` gives; at the t of a jump what holds before it.
 
         Raises
         ------
@@ -310,13 +315,16 @@ class LoadPath(States[float]):
         """
         t = arguments.number(t, "t")
         open_ended = self.ending == "no_more_events"
-        if not (0 <= t <= self.end or (open_ended and self.end < t < np.inf)):
-            raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{self.end:.12g}'}.")
-        found = self._at(t, int(np.searchsorted([stop.t for stop in self.stops[1:-1]], t, side="left")))
+        # The last event may be a rounding short of the limit.
+        end = max(self.end, self.limit) if self.ending == "no_equilibrium" else self.end
+        if not (0 <= t <= end or (open_ended and end < t < np.inf)):
+            raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{end:.12g}'}.")
+        jumps = any(segment.jumps and segment.begin.t == t for segment in self.segments)
+        found = self._at(t, int(np.searchsorted([stop.t for stop in self.stops[1:-1]], t, side="left")), leading=jumps)
         return found if self.estimator is None else replace(found, estimator=partial(self.estimator.estimate_at, t))
 
-    def _at(self, t: float, segment: int) -> Result:
-        """Every result at some t of a segment."""
+    def _at(self, t: float, segment: int, leading: bool) -> Result:
+        """Every result at some t of a segment: of equal answers the least, or one that leads on."""
         load = self._loads[0] + t * self._loads[1]
         found = self.problem.discretisation
         closed = self.segments[segment].closed if self.segments else self._first
@@ -339,7 +347,8 @@ class LoadPath(States[float]):
         name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
         if not certificate.passed:
             raise NotCertifiedError(refusal(name, found, load, answer, certificate))
-        least = chosen(found, self.problem.freedom, load.nodal, answer, lambda: self._beside(t))
+        elsewhere = partial(self._beside, t) if leading else None
+        least = chosen(found, self.problem.freedom, load.nodal, answer, elsewhere)
         if least is not answer:
             answer, certificate = certified(found, load, least, made_of)
         return Result.of(found, name, methods, load, answer, certificate)
@@ -355,8 +364,7 @@ def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, c
         yield solution.reaction
 
 
-def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> Floats:
-    """Nodal load (3n,) of the size of what the load at t is the sum of, at a t at which both parts count."""
-    start, add = np.abs(loads[0].nodal), np.abs(loads[1].nodal)
-    span = start.max() / add.max() if start.any() and add.any() else 1.0
-    return np.asarray(start + max(t, span) * add)
+def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> tuple[CaseLoad, CaseLoad]:
+    """What the load at t is the sum of, at a t at which both parts count."""
+    start, add = (float(np.abs(load.nodal).max()) for load in loads)
+    return loads[0], max(t, start / add if start and add else 1.0) * loads[1]
