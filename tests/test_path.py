@@ -667,3 +667,18 @@ def test_a_stop_that_is_not_certified_ends_the_path_wherever_it_stands_among_oth
     cut = followed(monkeypatch, 64)
     assert cut.ending == "stopped" and cut.certificate.passed
     assert [stop.t for stop in cut.stops] == [stop.t for stop in whole.stops[:wrong]]
+
+
+def test_a_plate_on_a_round_bed_does_not_move_on_its_own():
+    # Points of next to no weight between arcs and the sides that stand for them opened within rounding of each other.
+    model = Model(
+        material={"E": 30e9, "nu": 0.2, "unit_weight": 25e3},
+        plate={"shape": "disc", "radius": 2, "thickness": 0.3},
+        mesh={"size": 0.8, "error": False},
+        support=[{"area": {"circle": {"center": [0, 0], "radius": 1.6}}, "resists": "down", "stiffness": 5e7}],
+        load=[{"case": "G", "self_weight": True}, {"case": "H", "force": 1e4, "at": [1.5, 0.2], "radius": 0.3}],
+        combination=[{"name": "G", "factors": {"G": 1}}],
+    )
+    found = signorini.path(model, "G", "H")
+    assert found.ending == "no_more_events"
+    assert not any(segment.jumps for segment in found.segments)

@@ -90,3 +90,25 @@ def test_an_outline_of_many_points_in_an_element_leaves_it_an_area(polygon, stif
     weights = discretise(model).contacts.weights
     assert weights.min() > 0
     assert weights.sum() == pytest.approx(region(model.support[0].area).area, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("area", "exact"),
+    [
+        ({"circle": {"center": [0, 0], "radius": 1.6}}, np.pi * 1.6**2),
+        ({"annulus": {"center": [0, 0], "inner": 0.8, "outer": 1.6}}, np.pi * (1.6**2 - 0.8**2)),
+    ],
+    ids=["circle", "ring"],
+)
+def test_arcs_that_the_mesh_follows_leave_no_slivers(area, exact):
+    # Between a parabola and its arc there were thousands of points of 1e-20 of the others.
+    model = Model(
+        material={"E": 30e9, "nu": 0.2, "unit_weight": 25e3},
+        plate={"shape": "disc", "radius": 2, "thickness": 0.3},
+        mesh={"size": 0.4},
+        support=[{"area": area, "resists": "down", "stiffness": 5e7}],
+        load=[{"self_weight": True}],
+    )
+    weights = discretise(model).contacts.weights
+    assert weights.sum() == pytest.approx(exact, rel=1e-12)
+    assert weights.min() > 1e-2 * weights.max()

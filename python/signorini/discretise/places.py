@@ -151,10 +151,11 @@ def in_area(
     to_outline: Bools | None = None,
     levels: Levels = (),
     off: float = OFF,
+    follow: bool = False,
 ) -> Quadrature:
     """Quadrature of an area, whose elements are cut where levels change sign; weights are areas.
 
-    Elements (ne,) marked have points on its outline.
+    Elements (ne,) marked have points on its outline. Arcs that the mesh follows may be the sides that stand for them.
 
     Raises
     ------
@@ -162,7 +163,7 @@ def in_area(
         If the area leaves the plate.
     """
     wanted = region(area)
-    points = area_quadrature(mesh, wanted, order, to_outline, levels, off)
+    points = area_quadrature(mesh, wanted, order, to_outline, levels, off, follow)
     if wanted is not None:
         _require_on_plate(mesh, plate, wanted, points, "The area", (*place, "area"))
     return points

@@ -237,7 +237,7 @@ def _on_area(
     # Where nodes hold the plate a point of the outline could do nothing.
     free_corners = np.asarray(~held[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
-    points = in_area(mesh, shape, support.area, place, _GAUSS, to_outline, _steps(support), _OFF)
+    points = in_area(mesh, shape, support.area, place, _GAUSS, to_outline, _steps(support), _OFF, follow=True)
     no_tangents, within = np.broadcast_to(0.0, points.positions.shape), points.positions
     if _steps(support):
         within = mesh.map(points.elements, mesh.inward(points.elements, points.xi, INSIDE))

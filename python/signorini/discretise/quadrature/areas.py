@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -67,6 +67,7 @@ def area_quadrature(
     to_outline: Bools | None = None,
     levels: Levels = (),
     off: float = OFF,
+    follow: bool = False,
 ) -> Quadrature:
     """Quadrature over the part of a region that is on the plate.
 
@@ -86,6 +87,8 @@ def area_quadrature(
         What is to be integrated jumps where one of them changes its sign (`signorini.discretise.quadrature.stepped`).
     off : float
         How far a cut may lie from a curved jump, over the side of the element.
+    follow : bool
+        Whether sides of elements that stand for arcs of the outline are the outline; the area is that of the arcs.
 
     Returns
     -------
@@ -101,7 +104,7 @@ def area_quadrature(
     >>> print(f"{over.total:.12f}")
     3.141592653590
     """
-    smooth = _smooth(mesh, region, order, to_outline)
+    smooth = _smooth(mesh, region, order, to_outline, follow)
     if not levels:
         return smooth
     elements = np.unique(smooth.elements)
@@ -136,17 +139,21 @@ def _those(across: Bools, levels: Levels) -> list[Callable[[Floats], Floats]]:
     return [level for level, by_element in zip(levels, across, strict=True) if by_element.any()]
 
 
-def _smooth(mesh: Mesh, region: Part | None, order: int, to_outline: Bools | None) -> Quadrature:
+def _smooth(mesh: Mesh, region: Part | None, order: int, to_outline: Bools | None, follow: bool) -> Quadrature:
     marked = np.zeros(len(mesh.elements), np.bool_) if to_outline is None else to_outline
     if region is None:
         return _by_element(_whole(mesh, np.arange(len(mesh.elements)), order, mesh.on_boundary & marked[:, None]))
-    found = cut(mesh, region, order, lobatto if marked.any() else gauss)
+    found = cut(mesh, region, order, lobatto if marked.any() else gauss, follow)
     xi = mesh.invert(found.elements, found.positions)
     covered = np.union1d(found.whole, found.elements)
     real = real_sides(mesh.elements)
     times = np.bincount(mesh.elements[covered, 4:][real[covered]], minlength=mesh.node_count)
     outer = (times[mesh.elements[found.whole, 4:]] == 1) & real[found.whole] & marked[found.whole, None]
-    whole = _whole(mesh, found.whole, order, outer)
+    factors = np.ones(len(mesh.elements))
+    factors[found.whole] = found.factors
+    whole = [
+        replace(one, weights=factors[one.elements] * one.weights) for one in _whole(mesh, found.whole, order, outer)
+    ]
     return _by_element([*whole, Quadrature(found.elements, xi, found.weights, found.positions)])
 
 

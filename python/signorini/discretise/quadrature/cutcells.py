@@ -17,6 +17,7 @@ from signorini.discretise.quadrature.crossings import quadratics, touched, with_
 from signorini.discretise.quadrature.pieces import Pieces, straightened
 from signorini.discretise.quadrature.rules import Rule, gauss
 from signorini.mesh import Mesh
+from signorini.mesh.isoparametric import real_sides
 from signorini.shapes.cuts import Part
 
 Floats = npt.NDArray[np.float64]
@@ -27,6 +28,8 @@ _THIN = 1e-13
 _ROUNDED = 8.0 * np.finfo(float).eps
 """Width of a strip, over its coordinates, that is their rounding: ends of sides that meet may be so far apart."""
 _SLIVER = 1e-12
+_ALONG = 1e-9
+"""Part of the mesh's size within which nodes are on a circle that the mesh follows."""
 _CONVERGED = 1e-13
 _CURVED_POINTS = 8
 _BISECTIONS = 40
@@ -34,9 +37,13 @@ _BISECTIONS = 40
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """Elements wholly in a region (k,), and points (q, 2) with weights (q,) in those elements (q,) that are cut."""
+    """Elements wholly in a region (k,), and points (q, 2) with weights (q,) in those elements (q,) that are cut.
+
+    ``factors`` (k,) are the areas of the former between true arcs, over their own.
+    """
 
     whole: Ints
+    factors: Floats
     elements: Ints
     positions: Floats
     weights: Floats
@@ -65,7 +72,7 @@ class _Cells:
         )
 
 
-def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss) -> Parts:
+def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool = False) -> Parts:
     """Divide a mesh by a region.
 
     Parameters
@@ -78,6 +85,9 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss) -> Parts:
         Gauss points across a strip.
     rule : callable
         In place of Gauss's, one as exact; of Lobatto's rule points are on the outline.
+    follow : bool
+        Whether sides of elements that stand for arcs of the outline are the outline: slivers between both, which would
+        have points of next to no weight, are neither cut off nor cut out.
 
     Returns
     -------
@@ -89,6 +99,11 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss) -> Parts:
     near = (boxes[:, 0] <= x1) & (boxes[:, 2] >= x0) & (boxes[:, 1] <= y1) & (boxes[:, 3] >= y0)
     candidates = np.flatnonzero(near)
     by_segment, segment, by_circle, circle = touched(boxes[candidates], region.outline, _THIN * mesh.size)
+    factors = np.ones(len(mesh.elements))
+    if follow:
+        along, gained = _along_circles(mesh, candidates[by_circle], region.outline.whole_circles[circle])
+        np.add.at(factors, candidates[by_circle[along]], gained / mesh.element_area[candidates[by_circle[along]]])
+        by_circle, circle = by_circle[~along], circle[~along]
     cut_ = np.union1d(by_segment, by_circle)
     clear = np.delete(candidates, cut_)
     centres = mesh.map(clear, mesh.inward(clear, np.zeros((len(clear), 2)), 0.0))
@@ -103,7 +118,29 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss) -> Parts:
     full = covered >= (1.0 - _SLIVER) * area
     keep = (~full & (covered > _THIN * np.minimum(area, region.area)))[owner]
     whole = np.sort(np.concatenate([whole, cut_elements[full]]))
-    return Parts(whole, cut_elements[owner[keep]], positions[keep], weights[keep])
+    return Parts(whole, factors[whole], cut_elements[owner[keep]], positions[keep], weights[keep])
+
+
+def _along_circles(mesh: Mesh, elements: Ints, circles: Floats) -> tuple[Bools, Floats]:
+    """Which elements (k,) have sides for arcs of circles (k, 3), and are on one side of them: (k,).
+
+    And of these the areas between the arcs and their sides, positive within the circle.
+    """
+    off = np.hypot(*np.moveaxis(mesh.nodes[elements] - circles[:, None, :2], -1, 0)) - circles[:, 2:]
+    on, slack = np.abs(off) <= _ALONG * mesh.size, _ALONG * mesh.size
+    sides = mesh.sides[elements]
+    local = (mesh.elements[elements][:, None, None] == sides[..., None]).argmax(axis=-1)
+    arcs = np.take_along_axis(np.repeat(on[:, None], 4, axis=1), local, axis=2).all(axis=2)
+    arcs &= real_sides(mesh.elements[elements])
+    within, beyond = (off <= slack).all(axis=1), (off >= -slack).all(axis=1)
+    along = arcs.any(axis=1) & (within | beyond)
+    a, middle, b = np.moveaxis(mesh.points[sides], 2, 0)
+    chord, radius = np.hypot(*np.moveaxis(b - a, -1, 0)), circles[:, 2:]
+    rise = np.hypot(*np.moveaxis(middle - 0.5 * (a + b), -1, 0))
+    angle = 2.0 * np.arcsin(np.minimum(0.5 * chord / radius, 1.0))
+    between = 0.5 * radius**2 * (angle - np.sin(angle)) - 2.0 / 3.0 * chord * rise
+    gained = np.where(arcs, between, 0.0).sum(axis=1) * np.where(within, 1.0, -1.0)
+    return along, gained[along]
 
 
 def _pieces(
