@@ -8,6 +8,7 @@ The models are those of tests/fuzz/random_models.py, with loads of two cases. Of
 - that inside of every segment the direct solution, by Lemke's algorithm or the active set in turn, is certified and has
   the same deflections, where these are unique;
 - that at every event some point that opens or closes pressed before or presses after, or is apart;
+- that where the plate moves at one t, from one answer to another, deflections or reactions change;
 - that at stops the direct solution has the same extremes of deflection, where these are unique, and that the supports'
   reactions add up to the load.
 
@@ -46,6 +47,8 @@ _SAME = 1e-7
 """Largest difference of deflections, over the largest."""
 _BALANCED = 1e-5
 """Part of the load's force, or of the largest reaction, that reactions at a stop may miss."""
+_STAYS = 1e-9
+"""Part of what is largest by which nothing may change where the plate is said to move."""
 _MOST_FAULTS = 3
 _MOST_SEGMENTS = 12
 """Segments of a path that are compared with direct solutions."""
@@ -190,6 +193,7 @@ def faults(found, until, wild):
     if found.ending == "no_more_events":
         yield from differences(found, 7.0 * found.end, wild)
     yield from idle(found)
+    yield from still(found)
 
 
 def differences(found, t, wild):
@@ -285,6 +289,22 @@ def idle(found):
             )
         if seen < 1e-13:
             yield f"event at {after.begin.t:.9g} is none: {seen:.1e}"
+
+
+def still(found):
+    """Jumps at which nothing moves."""
+    for before, after in itertools.pairwise(found.stops):
+        if before.t != after.t:
+            continue
+        moved = [
+            np.abs(new - old).max() > _STAYS * max(np.abs(new).max(), np.abs(old).max())
+            for old, new in (
+                (np.array([before.largest, before.smallest]), np.array([after.largest, after.smallest])),
+                (before.reactions, after.reactions),
+            )
+        ]
+        if not any(moved):
+            yield f"at t = {before.t:.9g} the plate is said to move, but stays"
 
 
 def solved_on(found, t, closed):

@@ -438,6 +438,15 @@ def test_pressure_ends_at_the_outline_of_the_area() -> None:
         np.testing.assert_array_equal(clip.vertices, outline)
 
 
+def test_values_of_contours_stand_on_the_area() -> None:
+    outline = np.array([[0.6, 0.0], [1.2, 0.0], [1.2, 0.3], [0.6, 0.3], [0.6, 0.0]])
+    axes = pressure(POINTS, ELEMENTS, [PressureLayer(CUT, ACROSS + 2, (0, np.inf), outline)])
+    assert axes.texts
+    at = np.array([text.get_position() for text in axes.texts])
+    assert (at >= [0.6, 0.0]).all()
+    assert (at <= [1.2, 0.3]).all()
+
+
 @pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
 @pytest.mark.parametrize(("end", "within"), [(0.55, ACROSS[ACROSS < 0.55].max()), (0.0, 0.0)])
 def test_colours_are_of_what_is_within_the_outline(order: slice, end: float, within: float) -> None:

@@ -314,12 +314,15 @@ def test_a_footprint_far_smaller_than_an_element_is_named_as_unresolved(footprin
         {"support": [HARD, {"circle": {"center": [2, 2], "radius": 0.1}, "stiffness": 1e6}]},
         {"support": [HARD], "load": [{"line_load": 1, "circle": {"center": [2, 2], "radius": 0.1}}]},
         {"support": [HARD], "load": [{"line_load": 1, "line": [[1.9, 2], [2.1, 2]]}]},
+        {"support": [HARD, {"area": {"rectangle": [1.9, 1.95, 2.1, 2.05]}, "resists": "down", "stiffness": 1e6}]},
+        {"support": [HARD, {"area": {"rectangle": [1.9, 1.95, 2.1, 2.05]}, "resists": "down"}]},
+        {"support": [HARD], "load": [{"pressure": 1e3, "area": {"circle": {"center": [2, 2], "radius": 0.1}}}]},
     ],
 )
-def test_circles_and_lines_far_smaller_than_an_element_are_named_as_unresolved(item):
+def test_circles_lines_and_areas_far_smaller_than_an_element_are_named_as_unresolved(item):
     _, found = named(**item)
     (one,) = [one for one in found if one.limited]
-    assert one.where == ((2.0, 2.0),)
+    np.testing.assert_allclose(one.where, [(2.0, 2.0)])
     assert "0.2 wide, acts as a point on this mesh" in str(one)
 
 

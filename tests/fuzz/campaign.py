@@ -12,7 +12,10 @@ from collections.abc import Callable
 from types import FrameType
 
 TOO_LONG = 120
-"""Seconds after which a seed hangs, on a machine with other work; the largest of these models takes a few."""
+"""Seconds of the processor after which a seed hangs; the largest of these models takes a few."""
+
+_ASLEEP = 30 * TOO_LONG
+"""Seconds after which it hangs without using them, on a machine with much other work."""
 
 _TOLD = 60
 """Seconds after which it is told how far it has come."""
@@ -29,19 +32,22 @@ class Hang(BaseException):
 
 
 def _late(number: int, frame: FrameType | None) -> None:
-    raise Hang(f"longer than {TOO_LONG} s")
+    raise Hang(f"longer than {TOO_LONG} s of the processor" if number == signal.SIGPROF else f"longer than {_ASLEEP} s")
 
 
 def _work(draw: Draw, seeds: multiprocessing.SimpleQueue, found: multiprocessing.SimpleQueue) -> None:
-    signal.signal(signal.SIGALRM, _late)
+    for ends in (signal.SIGPROF, signal.SIGALRM):
+        signal.signal(ends, _late)
     while (seed := seeds.get()) is not None:
         found.put((seed, None, 0.0, []))
         begun = time.perf_counter()
-        signal.alarm(TOO_LONG)
+        signal.setitimer(signal.ITIMER_PROF, TOO_LONG)
+        signal.alarm(_ASLEEP)
         try:
             outcomes, wrong = draw(seed)
         except BaseException as error:  # What ends a run is what a fuzzer looks for.
             outcomes, wrong = Counter({"fault": 1}), [f"{type(error).__name__}: {error}"]
+        signal.setitimer(signal.ITIMER_PROF, 0)
         signal.alarm(0)
         found.put((seed, outcomes, time.perf_counter() - begun, wrong))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -154,9 +154,13 @@ def draw_field(axes: Axes, plan: Plan, field: NDArray[np.float64], scale: Scale)
 
 
 def label_contours(
-    axes: Axes, triangles: Triangulation, values: NDArray[np.float64], bounds: NDArray[np.float64]
+    axes: Axes,
+    triangles: Triangulation,
+    values: NDArray[np.float64],
+    bounds: NDArray[np.float64],
+    within: Callable[[NDArray[np.float64]], NDArray[np.bool_]] | None = None,
 ) -> None:
-    """Draw some of the contours stronger, each with its value; zero strongest."""
+    """Draw some of the contours stronger, each with its value at a place that is within; zero strongest."""
     every = -(-len(bounds) // _MOST_LABELS)
     zero = int(np.abs(bounds).argmin())
     chosen = [float(level) for i, level in enumerate(bounds) if (i - zero) % every == 0]
@@ -174,8 +178,11 @@ def label_contours(
         if longest is None:
             continue
         along = np.append(0.0, np.hypot(*np.diff(longest, axis=0).T).cumsum()) * per_unit
-        for part in (0.5, 0.25, 0.75) if along[-1] > _SHORTEST else ():
-            at = np.array([np.interp(part * along[-1], along, side) for side in longest.T])
+        parts = np.array([0.5, 0.25, 0.75])
+        places = np.column_stack([np.interp(parts * along[-1], along, side) for side in longest.T])
+        if within is not None:
+            parts, places = parts[within(places)], places[within(places)]
+        for part, at in zip(parts.tolist(), places, strict=True) if along[-1] > _SHORTEST else ():
             if (np.hypot(*(taken - at).T) * per_unit > _APART).all():
                 reach = [np.clip(part * along[-1] + way, 0, along[-1]) for way in (-0.12, 0.12)]
                 dx, dy = (np.diff(np.interp(reach, along, side))[0] for side in longest.T)

@@ -64,15 +64,21 @@ class PressureLayer:
     def exerted(self, nodes: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the values that the area exerts, NaN out of its outline."""
         values = np.clip(self.values, *self.bounds)
-        if self.an_element or self.outline is None:
+        if self.an_element:
             return values
+        return np.where(self.within(self.cut.interpolate(nodes), float(np.ptp(nodes))), values, np.nan)
+
+    def within(self, places: NDArray[np.float64], size: float) -> NDArray[np.bool_]:
+        """Return which places are on the area, its outline included, of a plate of a size."""
+        if self.outline is None:
+            return np.ones(len(places), np.bool_)
         # Which sign of the radius takes in what is on the outline depends on the way that runs.
-        slack, vertices = _ON_OUTLINE * float(np.ptp(nodes)), self.cut.interpolate(nodes)
+        slack = _ON_OUTLINE * size
         (around, *holes), ways = map(Path, pieces(self.outline)), (slack, -slack)
-        within = np.any([around.contains_points(vertices, radius=way) for way in ways], axis=0)
+        within: NDArray[np.bool_] = np.any([around.contains_points(places, radius=way) for way in ways], axis=0)
         for hole in holes:
-            within &= ~np.all([hole.contains_points(vertices, radius=way) for way in ways], axis=0)
-        return np.where(within, values, np.nan)
+            within &= ~np.all([hole.contains_points(places, radius=way) for way in ways], axis=0)
+        return within
 
     def range(self, nodes: NDArray[np.float64]) -> tuple[float, float]:
         """Return the smallest and the largest value, or 0 beyond them."""
@@ -162,7 +168,8 @@ def _draw(
         drawn.append(axes.tricontourf(triangles, layer.values, levels=levels, **look))
         drawn[-1].set(edgecolor=to_rgba(INK, 0.3), linewidth=0.3)
         before = len(axes.collections), len(axes.texts)
-        label_contours(axes, triangles, np.clip(layer.values, levels[0], levels[-1]), levels)
+        size, shown = float(np.ptp(nodes)), np.clip(layer.values, levels[0], levels[-1])
+        label_contours(axes, triangles, shown, levels, lambda places: layer.within(places, size))
         drawn += axes.collections[before[0] :]
         drawn += axes.texts[before[1] :]
     if layer.outline is not None:

@@ -92,6 +92,8 @@ def _of_loads(found: Discretisation, case: str) -> Iterator[Singularity]:
                 yield from _on_rigid_areas(found, load.at, f"{kind} at a point of {place}")
         elif load.at is not None:
             yield from _unresolved(found, load.at, _width(load), f"footprint of {place}", case)
+        elif load.area is not None:
+            yield from _unresolved_area(found, load, place, case)
         elif load.line_load is not None:
             if (along := curve(load)) is not None:
                 yield from _unresolved_line(found, along, place, case)
@@ -155,7 +157,7 @@ def _on_rigid_areas(found: Discretisation, at: tuple[tuple[float, float], ...], 
 def _unresolved(
     found: Discretisation, at: Sequence[tuple[float, float]] | Floats, size: float, name: str, source: str
 ) -> Iterator[Singularity]:
-    """Footprints, circles and lines that are much smaller than the elements that they are in."""
+    """Footprints, circles, lines and areas that are much smaller than the elements that they are in."""
     places = np.array(at).reshape(-1, 2)
     here = found.mesh.locate(places)
     coarse = here.inside & (size < _RESOLVED * np.sqrt(found.mesh.element_area[here.elements]))
@@ -171,8 +173,19 @@ def _unresolved_line(found: Discretisation, along: Curve, name: str, source: str
     if isinstance(along, Ring):
         yield from _unresolved(found, [along.center], 2.0 * along.radius, f"circle of {name}", source)
     else:
-        low, high = np.min(along.points, axis=0), np.max(along.points, axis=0)
-        yield from _unresolved(found, 0.5 * (low + high), float((high - low).max()), f"line of {name}", source)
+        yield from _unresolved_within(found, np.array(along.points), f"line of {name}", source)
+
+
+def _unresolved_area(found: Discretisation, item: Load | Support, name: str, source: str) -> Iterator[Singularity]:
+    """An area that is not all of the plate."""
+    shape = region(item.area)
+    if shape is not None:
+        yield from _unresolved_within(found, np.concatenate(shape.loops), f"area of {name}", source)
+
+
+def _unresolved_within(found: Discretisation, points: Floats, name: str, source: str) -> Iterator[Singularity]:
+    low, high = points.min(axis=0), points.max(axis=0)
+    yield from _unresolved(found, 0.5 * (low + high), float((high - low).max()), name, source)
 
 
 def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity]:
@@ -184,7 +197,10 @@ def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity
         for numbers, ends in ends_of_line(found, along, support).items():
             advice = "Give it a stiffness, or take values from beside it." if rigid else "Take values from beside it."
             yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
-    if not rigid or support.area is None:
+    if support.area is None:
+        return
+    yield from _unresolved_area(found, support, support.name, support.name)
+    if not rigid:
         return
     advice = "Give the area a stiffness."
     if shape is None or shape.contains(found.mesh.points).all():
