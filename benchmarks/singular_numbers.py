@@ -1,5 +1,7 @@
 """Does anything grow for ever without a name? Random plates with points, on four meshes each of half the size.
 
+What seems to grow on the last of them has to grow on a fifth as well.
+
 Of every plate the numbers of results.json, and where moments and shears are largest on the last mesh, away from all
 places that are named for them on the first, by two of its elements or `within`. What grows on all three steps, by the
 rule of signorini.analysis.twins.half_width, has to be named. Two things grow so and have a limit:
@@ -42,7 +44,9 @@ from signorini.analysis.twins.leaves import (
 from signorini.analysis.twins.meshes import side
 from signorini.results.figures import figures
 
-_TOO_LONG = 30
+_FACTORS = (0.0625, 0.125, 0.25, 0.5, 1.0)
+"""Sizes of elements, the finest first; that is solved only where the others show growth."""
+_TOO_LONG = 60
 _FEW = (4, 5)
 """Elements along a side of the plates that only show that the script works."""
 
@@ -63,16 +67,25 @@ def unnamed(seed, along):
             return None
         first = model.effective_combinations[0]
         model = model.model_copy(update={"combination": (first,)})
-        factors = (0.125, 0.25, 0.5, 1.0)
-        meshes = [model.plate.scaled(model.mesh, factor, model.divisions) for factor in factors]
-        results = [solve(model.model_copy(update={"mesh": mesh}))[first.name] for mesh in meshes]
+        results = [_solved(model, factor) for factor in _FACTORS[1:]]
+        if any(result.status != "solved" for result in results) or _thinnest(results[0]) < side(results[1].mesh):
+            return None
+        seen = growing(results)
+        return seen and {
+            name: what for name, what in growing([_solved(model, _FACTORS[0]), *results]).items() if name in seen
+        }
     except SignoriniError:
         return None
-    if any(result.status != "solved" for result in results):
-        return None
+
+
+def _solved(model, factor):
+    mesh = model.plate.scaled(model.mesh, factor, model.divisions)
+    return solve(model.model_copy(update={"mesh": mesh}))[model.effective_combinations[0].name]
+
+
+def growing(results):
+    """What has no name and grows on all steps between meshes, each of twice the size of the one before."""
     sizes = [side(result.mesh) for result in results]
-    if _thinnest(results[0]) < sizes[1]:
-        return None
     reach, own = 2.0 * sizes[-1], results[-1]
     trees = [figures(result) for result in results]
     found = [leaves(tree) for tree in trees]
@@ -82,7 +95,7 @@ def unnamed(seed, along):
     if any("reaction" in one.numbers for one in own.singular):
         limited = []
     rows = [
-        (".".join(map(str, path)), largest[kind_of(path)].item(), [of.get(path, np.nan) for of in found])
+        (".".join(map(str, path)), "", largest[kind_of(path)].item(), [of.get(path, np.nan) for of in found])
         for path in limited
     ]
     for kind in ("moment", "shear"):
@@ -93,14 +106,14 @@ def unnamed(seed, along):
         at = points[there[0].argmax()]
         around = np.sqrt((there[:, np.hypot(*(points - at).T) <= reach] ** 2).mean(axis=1))
         peaks = there.max(axis=1) * around[-1] / np.maximum(around, np.finfo(float).tiny)
-        rows.append((f"largest {kind} at {at.round(6).tolist()}", largest[kind].item(), peaks.tolist()))
+        rows.append((f"largest {kind}", f" at {at.round(6).tolist()}", largest[kind].item(), peaks.tolist()))
     if not rows:
-        return None
-    values, none = np.array([row[2] for row in rows]).T, np.zeros(len(rows))
-    size = np.array([row[1] for row in rows])
-    steps = ((values[k : k + 3], sizes[k : k + 3]) for k in (0, 1))
-    growing = np.all([half_widths(*step, 2, FASTEST, none, size, none > 0)[1] for step in steps], axis=0)
-    return [f"{row[0]}: {row[2][::-1]}" for row, grows in zip(rows, growing, strict=True) if grows]
+        return {}
+    values, none = np.array([row[3] for row in rows]).T, np.zeros(len(rows))
+    size = np.array([row[2] for row in rows])
+    steps = ((values[k : k + 3], sizes[k : k + 3]) for k in range(len(results) - 2))
+    grown = np.all([half_widths(*step, 2, FASTEST, none, size, none > 0)[1] for step in steps], axis=0)
+    return {row[0]: f"{row[1]}: {row[3][::-1]}" for row, grows in zip(rows, grown, strict=True) if grows}
 
 
 def _thinnest(result):
@@ -141,8 +154,8 @@ def main():
         signal.setitimer(signal.ITIMER_PROF, 0)
         plates += found is not None
         guilty += bool(found)
-        for line in found or ():
-            print(f"seed {seed}, {line}", flush=True)
+        for name, what in (found or {}).items():
+            print(f"seed {seed}, {name}{what}", flush=True)
         seed += 1
     print(
         f"{plates} plates with points, {guilty} with numbers that grow without a name; {late} took over {_TOO_LONG} s"

@@ -26,6 +26,11 @@ NOTHING = {
     "clamped edges": {"support": [{**HARD, "fix": "clamped"}]},
     "two hard edges": {"support": [{"edge": ["left", "right"], "fix": "hard"}]},
     "edges that let go": {"support": [{"edge": ["left", "right", "bottom", "top"], "resists": "down"}]},
+    "hard edges turned as they settle": {
+        "support": [
+            {"edge": ["left", "right"], "fix": "hard", "settlement": "1e-3*y**2", "rotation": ["1e-3*y", "2e-3*y"]}
+        ]
+    },
     "a quarter": {
         "support": [{"edge": ["left", "bottom"], "fix": "symmetry"}, {"edge": ["right", "top"], "fix": "hard"}]
     },
@@ -128,6 +133,21 @@ NAMED = {
         {"support": [{"edge": ["left", "right"], "resists": "down"}, {"edge": ["bottom", "top"], "fix": "simple"}]},
         [[0, 0], [4, 0], [4, 4], [0, 4]],
         "shear",
+    ),
+    "a hard edge turned along itself, to free ones": (
+        {"support": [{"edge": ["left", "right"], "fix": "hard", "rotation": [0, "1e-4*y"]}]},
+        [[0, 4], [4, 4]],
+        "shear",
+    ),
+    "a hard line turned along itself, to free edges": (
+        {
+            "support": [
+                {"edge": "left", "fix": "hard"},
+                {"line": [[2, 0], [2, 4]], "fix": "hard", "rotation": [0, 1e-4]},
+            ]
+        },
+        [[2, 0], [2, 4]],
+        "moment shear pressure",
     ),
     "where a wall ends at the edge": (
         {"support": [{"edge": "left", "fix": "hard"}, {"line": [[4, 0], [4, 2]], "fix": "simple"}]},
@@ -425,7 +445,12 @@ def test_extremes_name_the_singular_place_that_they_leave_out():
 
 @pytest.mark.parametrize(
     ("plate", "number"),
-    [("ends of a line load", "shear"), ("a force", "moment"), ("a hard line to free edges", "moment")],
+    [
+        ("ends of a line load", "shear"),
+        ("a force", "moment"),
+        ("a hard line to free edges", "moment"),
+        ("a hard edge turned along itself, to free ones", "shear"),
+    ],
 )
 def test_what_is_named_grows_with_every_finer_mesh(plate, number):
     tables, where, _ = NAMED[plate]

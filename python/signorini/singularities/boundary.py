@@ -24,6 +24,9 @@ _ON_EDGE = 1e-6
 """Part of the plate's size within which a point is on a side."""
 _OFF_ROUND = 0.1
 """Part of a side's rise within which a point of the circle that it stands for is on it."""
+_NEAR, _NONE = 1e-4, 1e-6
+"""Part of the plate's size over which the slope of a settlement is taken, and of that slope or the prescribed one what
+their difference is at least: the first by its square, of curves, stays below the second."""
 _STEPS = 8
 """Steps of Gauss and Newton to the nearest point of a side, of which straight ones take one."""
 
@@ -46,6 +49,8 @@ class Boundary:
         Whether the deflection is held by what may let go only.
     slope, twist : (k,) arrays
         Whether the slopes across and along the side are held.
+    sheared : (k, 2) array
+        Whether the slope along the side is held to another one than the deflection's, where it begins and ends.
     poisson : (k,) array
         Poisson's ratio of the material beside each side.
     """
@@ -58,6 +63,7 @@ class Boundary:
     lets_go: Bools
     slope: Bools
     twist: Bools
+    sheared: Bools
     poisson: Floats
 
     @classmethod
@@ -65,7 +71,9 @@ class Boundary:
         """The boundary with what the model's supports hold along it."""
         mesh = found.mesh
         sides = mesh.boundary
+        tangents = quadratic_tangents(mesh, sides)
         held, always, slope, twist = np.zeros((4, len(sides)), np.bool_)
+        sheared = np.zeros((len(sides), 2), np.bool_)
         for support in found.model.support:
             on = np.isin(sides[:, 1], middles(mesh, support))
             if support.stiffness is None:
@@ -73,15 +81,16 @@ class Boundary:
                 always |= on & (not can_let_go(support)) & held
             slope |= on & ("slope" in support.fixed)
             twist |= on & ("twist" in support.fixed)
+            for end, node in enumerate((0, 2)):
+                sheared[on, end] |= shears_along(support, mesh.points[sides[on, node]], tangents[on, node], mesh.size)
         first = {node: number for number, node in enumerate(sides[:, 0].tolist())}
         following = np.array([first[node] for node in sides[:, 2].tolist()])
-        tangents = quadratic_tangents(mesh, sides)
         own = _turn(tangents[:, 0], tangents[:, 2])
         turn = _turn(tangents[:, 2], tangents[following, 0])
         slack = np.maximum(_STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
         angles = np.pi - np.where(np.abs(turn) > slack, turn, 0.0)
         poisson = found.zones.poisson_of(mesh.find_sides(sides)[0])
-        return cls(mesh, sides, following, angles, held, held & ~always, slope, twist, poisson)
+        return cls(mesh, sides, following, angles, held, held & ~always, slope, twist, sheared, poisson)
 
     def slopes(self, side: int) -> Slopes:
         """What a side holds of the slopes."""
@@ -119,7 +128,10 @@ class Boundary:
             yield np.array([*loop, loop[0]])
 
     def _shears_grow(self, angle: float, side: int, other: int, held: bool, other_held: bool) -> bool:
-        return shears_grow(angle, held, other_held, bool(self.twist[side] if held else self.twist[other]))
+        fits = (
+            self.twist[side] and not self.sheared[side, 1] if held else self.twist[other] and not self.sheared[other, 0]
+        )
+        return shears_grow(angle, held, other_held, bool(fits))
 
     def _states(self, side: int, other: int) -> set[tuple[bool, bool]]:
         """Whether two sides hold the deflection where they meet; both that may let go do at once."""
@@ -175,6 +187,17 @@ def boundary_of(found: Discretisation) -> Boundary:
 def is_rigid(support: Support) -> bool:
     """Whether a support holds the deflection without giving way."""
     return support.stiffness is None and support.holds_w
+
+
+def shears_along(support: Support, at: Floats, tangents: Floats, size: float) -> Bools:
+    """Whether a support holds slopes along tangents (k, 2) at points (k, 2) that are not those of its settlement."""
+    if support.rotation is None or "twist" not in support.fixed or not support.holds_w or not len(at):
+        return np.zeros(len(at), np.bool_)
+    units = tangents / np.hypot(*tangents.T)[:, None]
+    prescribed = sum(one(*at.T) * unit for one, unit in zip(support.rotation, units.T, strict=True))
+    step = _NEAR * size * units
+    own = (support.settlement(*(at + step).T) - support.settlement(*(at - step).T)) / (2 * _NEAR * size)
+    return np.asarray(np.abs(prescribed - own) > _NONE * np.maximum(np.abs(prescribed), np.abs(own)))
 
 
 def _turn(a: Floats, b: Floats) -> Floats:

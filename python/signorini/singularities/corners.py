@@ -36,7 +36,7 @@ def shears_grow(angle: float, held: bool, other_held: bool, along: bool) -> bool
 
     Between one that does and one that does not, at a right angle, they grow by the logarithm of the distance: along the
     one there is no shear strain ∂w/∂s - θs but -θs, and along the other none across it. Not so if ``along`` the edge
-    that holds the deflection the slope is held too.
+    that holds the deflection the slope is held too, as that of the deflection.
 
     Examples
     --------

@@ -11,7 +11,7 @@ from signorini.discretise.places import curve
 from signorini.discretise.rows import Floats
 from signorini.model import AnnulusPlate, DiscPlate, Load, Support
 from signorini.shapes import Curve, Polyline
-from signorini.singularities.boundary import Boundary, boundary_of, is_rigid
+from signorini.singularities.boundary import Boundary, boundary_of, is_rigid, shears_along
 from signorini.singularities.corners import moments_grow, slopes_held
 from signorini.singularities.singularity import as_places
 
@@ -107,7 +107,11 @@ def ends_of_line(
                 moments_grow(a, "clamped", edge.slopes(side), float(edge.poisson[side])) for a, (side, _) in sides
             )
             # A rigid line and an edge are a corner; an elastic one acts as a line load does.
-            grows = not held.all() and (askew or "twist" not in support.fixed) if rigid else held.any() or askew
+            strained = (
+                "twist" not in support.fixed
+                or shears_along(support, at[None], np.array(directions), found.mesh.size).any()
+            )
+            grows = not held.all() and (askew or strained) if rigid else held.any() or askew
             numbers = (("moment",) if own != "free" and bends else ()) + (of_deflection if grows else ())
         if numbers:
             places.setdefault(numbers, []).append(at)
