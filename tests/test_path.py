@@ -682,3 +682,24 @@ def test_a_plate_on_a_round_bed_does_not_move_on_its_own():
     found = signorini.path(model, "G", "H")
     assert found.ending == "no_more_events"
     assert not any(segment.jumps for segment in found.segments)
+
+
+def test_points_of_elements_beside_each_other_close_at_one_t() -> None:
+    # Of a bed that ends inside elements their points on its edge coincide, and rounding tells them apart.
+    area = {"rectangle": [2.298531798581757, 2.2985317985817564, 4.772536013283719, 4.772536013283718]}
+    model = Model(
+        material={"E": 210e3, "nu": 0.2},
+        plate={"shape": "disc", "radius": 10, "sector": 90, "thickness": 0.01},
+        mesh={"size": 4.0},
+        support=[{"area": area, "resists": "down", "gap": 0.1, "stiffness": 1.75}],
+        load=[
+            {"case": "G", "force": 3.5e-5, "at": [2.344242519461647, 4.480606555793817]},
+            {"case": "G", "curvature": [1e-4, 0, 0]},
+            {"case": "Q", "moment": [2.1e-5, 0], "at": [9.770238826185865, 0.7631731646816828]},
+        ],
+        combination=[{"name": "both", "factors": {"G": 1, "Q": 1}}],
+    )
+    found = signorini.path(model, "G", "both", until=0.2)
+    events = np.array([stop.t for stop in found.stops])
+    assert len(events) > 15
+    assert (np.diff(events) > 1e-5).all()

@@ -169,6 +169,13 @@ pub(super) mod path {
     /// How far, over a segment's length, its refined end may be from where pivoting saw it.
     pub(crate) const MOVED: f64 = 1e-3;
 
+    /// How far beside that, over a step that changes the load by as much as there is of it: pivots see where points nearly
+    /// alike switch to 1e-7 or so of it.
+    pub(crate) const SEEN: f64 = 1e-6;
+
+    /// The least length of a line, over such a step.
+    pub(crate) const SHORT: f64 = 1e-3;
+
     /// Reactions and gaps that change by less over a line stay.
     pub(crate) const STILL: f64 = 1e-10;
 

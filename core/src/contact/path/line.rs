@@ -55,12 +55,13 @@ impl Line {
         solution
     }
 
-    /// Where the points that switch at the end of a segment reach zero; `None` if none does near its end.
-    pub fn root(&self, switched: &[usize]) -> Option<f64> {
-        let near =
-            switched.iter().copied().filter(|&i| self.value(1, i).abs() < tolerances::path::MOVED * self.fall(i));
-        let first = near.max_by(|&a, &b| self.fall(a).total_cmp(&self.fall(b)))?;
-        Some(self.at[1] + self.value(1, first) / self.fall(first) * (self.at[1] - self.at[0]))
+    /// Where the points that switch reach zero; `None` if none does within so much of where pivots saw it.
+    pub fn root(&self, switched: &[usize], seen: f64, within: f64) -> Option<f64> {
+        let span = self.at[1] - self.at[0];
+        let falling = switched.iter().copied().filter(|&i| self.fall(i) > 0.0);
+        let first = falling.max_by(|&a, &b| self.fall(a).total_cmp(&self.fall(b)))?;
+        let root = self.at[1] + self.value(1, first) / self.fall(first) * span;
+        ((root - seen).abs() < within).then_some(root)
     }
 }
 

@@ -26,14 +26,17 @@ impl Follower<'_> {
                 far if far.is_finite() => far,
                 _ => segment.from + load.span(segment.from),
             };
+            // What changes on a short line is rounding; on a longer one it is told.
+            let (span, reach) = (load.span(t), |from: f64| far.max(from + tolerances::path::SHORT * load.span(from)));
             let line = match standing_on(trail.here(), &sets[k]) {
-                Some(from) if far > t => self.line_from(from, [t, far])?,
-                _ => self.line(&sets[k], [segment.from, far], None)?,
+                Some(from) if far > t => self.line_from(from, [t, reach(t)])?,
+                _ => self.line(&sets[k], [segment.from, reach(segment.from)], None)?,
             };
             let next = sets.get(k + 1);
             let to = line.as_ref().map_or(far, |line| {
                 let leaving = next.map_or(Vec::new(), |next| differing(next, &sets[k]));
-                line.root(&leaving).unwrap_or(far).max(t)
+                let within = tolerances::path::MOVED * (far - t) + tolerances::path::SEEN * span;
+                line.root(&leaving, far, within).unwrap_or(far).max(t)
             });
             if next.is_some()
                 && line.as_ref().is_some_and(|line| line.travel(t, to) <= tolerances::path::SAME_PLACE * line.length)
