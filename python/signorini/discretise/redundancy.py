@@ -9,18 +9,13 @@ from scipy.sparse import csr_array
 
 from signorini.discretise.agreement import require_agreement
 from signorini.discretise.frames import Held
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rank import SAME, followers, lengths, times, within
+from signorini.discretise.rows import Bools
 from signorini.discretise.supports import ContactPoints
 from signorini.errors import InputError, point
 from signorini.mesh import Mesh
 from signorini.model import Model
 
-_NONE = 1e-12
-"""Coefficient that counts as none; a point's own sum to one."""
-_DEPENDENT = 1e-10
-"""Part of a row, squared, that no other rows make up, below which it follows from them."""
-_REFINED = 2
-"""Corrections of a combination: by then it is right to the last digits."""
 _CONSISTENT = 1e-9
 _MOST = 10_000
 """Two-sided points between nodes; to tell which follow from others takes a dense matrix of them."""
@@ -80,7 +75,7 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
     if not held.dofs.any():
         return contacts
     rows = contacts.rows.matrix(mesh.elements, len(held.dofs))
-    fixed = ~((abs(rows) > _NONE) @ ~held.dofs)
+    fixed = ~((abs(rows) > SAME) @ ~held.dofs)
     moved = rows @ held.values
     beyond = moved - contacts.distance
     beyond[contacts.two_sided] = np.abs(beyond[contacts.two_sided])
@@ -120,49 +115,29 @@ def _independent(mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[Conta
             "told apart. Hold an edge, or a line or circle that the mesh follows, or give a stiffness.",
             place=("support", int(contacts.support[equations[0]])),
         )
-    # What follows needs scipy.linalg, which takes a while to read; most plates do not come here.
-    from scipy.linalg import lapack, solve_triangular
-
     points = contacts.pick(equations)
-    rows, scale = _unit_rows(mesh, held, points)
-    factor, pivots, rank, _ = lapack.dpstrf((rows @ rows.T).toarray(), lower=1, tol=_DEPENDENT)
-    if rank == len(points):
+    whole = points.rows.matrix(mesh.elements, len(held.dofs))
+    free = within(whole, ~held.dofs)
+    scale = lengths(free)
+    found = followers(times(free, 1.0 / scale))
+    if not len(found.rows):
         return contacts, none
-    order: Ints = pivots.astype(np.int64) - 1
-    kept, dropped = order[:rank], order[rank:]
-    # A dropped row is a combination of the kept ones; its distance must be the same combination of theirs.
-    lower = factor[:rank, :rank]
-    combination = solve_triangular(lower, factor[rank:, :rank].T, lower=True, trans="T").T
-    for _ in range(_REFINED):
-        # The products of rows lose half of the digits; what is left of the rows themselves brings them back.
-        left = (rows[dropped] - csr_array(combination) @ rows[kept]) @ rows[kept].T
-        half = solve_triangular(lower, left.toarray().T, lower=True)
-        combination += solve_triangular(lower, half, lower=True, trans="T").T
-    travel = (points.distance - points.rows.matrix(mesh.elements, len(held.dofs)) @ held.values) / scale
-    apart = np.abs(travel[dropped] - combination @ travel[kept])
+    # The distance of a row that follows must be the same combination of the others'.
+    travel = (points.distance - whole @ held.values) / scale
+    apart = np.abs(travel[found.rows] - found.combinations @ travel)
     if (wrong := apart > _CONSISTENT * max(np.abs(travel).max(), np.abs(points.distance).max())).any():
         first = int(np.argmax(wrong))
-        raise _contradiction(mesh, points, int(dropped[first]), float(apart[first]))
+        raise _contradiction(mesh, points, int(found.rows[first]), float(apart[first]))
     stay = np.ones(len(contacts), np.bool_)
-    stay[equations[dropped]] = False
+    stay[equations[found.rows]] = False
     # By unit rows; reactions go by the rows as they are.
-    combination *= scale[dropped, None] / scale[kept]
-    combination[np.abs(combination) < _NONE * np.abs(combination).max(initial=0.0)] = 0.0
+    follows = found.combinations.tocoo()
+    which, of = follows.coords
+    follows.data *= scale[found.rows][which] / scale[of]
     place = np.cumsum(stay) - 1
-    follows = csr_array(combination).tocoo()
-    columns = place[equations[kept]][follows.coords[1]]
-    whole = csr_array((follows.data, (follows.coords[0], columns)), shape=(len(dropped), int(stay.sum())))
-    return contacts.pick(stay), Repeated(points.pick(dropped), whole)
-
-
-def _unit_rows(mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[csr_array, Floats]:
-    """Rows over the dofs that are free, brought to length one, and the lengths (m,) that they had."""
-    rows = contacts.rows.matrix(mesh.elements, len(held.dofs))
-    rows.data[(np.abs(rows.data) <= _NONE) | held.dofs[rows.indices]] = 0.0
-    rows.eliminate_zeros()
-    scale = np.sqrt((rows**2).sum(axis=1))
-    rows.data /= np.repeat(scale, np.diff(rows.indptr))
-    return rows, scale
+    shape = len(found.rows), int(stay.sum())
+    combinations = csr_array((follows.data, (which, place[equations[of]])), shape=shape)
+    return contacts.pick(stay), Repeated(points.pick(found.rows), combinations)
 
 
 def _contradiction(mesh: Mesh, contacts: ContactPoints, which: int, by: float) -> InputError:
