@@ -14,10 +14,14 @@ from random import Random
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
+from scipy.linalg import cho_factor, cho_solve
 
-from signorini import NoEquilibriumError, Result, solve, validate
+from signorini import NoEquilibriumError, Result, contact_problem, solve, validate
+from signorini.discretise import discretise
 
 Tables = dict[str, Any]
+Floats = npt.NDArray[np.float64]
 Judge = Callable[[Result | None], list[str]]
 """What is wrong with a result; None where the program found no equilibrium."""
 
@@ -33,6 +37,11 @@ _RIGID, _SOFT = 1e8, 1e-6
 """Stiffness, over the plate's, from which on a support is as good as rigid, and below which the plate is."""
 _LIMIT = 1e-3
 """Part of the deflection by which such a support may differ from its limit."""
+_RANK = 1e-12
+"""Part of the largest singular value of rows from which on they say something of their own."""
+_CORRECTIONS = 4
+_STILL = 1e-6
+"""Part of F a²/D that is no deflection."""
 
 
 @dataclass(frozen=True)
@@ -267,8 +276,11 @@ def coincident(rng: Random) -> Extreme:
 
 
 def opposed(rng: Random) -> Extreme:
-    """Draw a plate held from below and from above at the same crowded points; the judge says them in another order."""
-    at, apart = [rng.uniform(1, 9), rng.uniform(0.3, 1.0)], rng.choice([0.05, 0.1, 0.2])
+    """Draw a plate held both ways at crowded points, or there from below and from above.
+
+    The judge takes the points' rows for equations, or, along a circle, says the supports in another order.
+    """
+    at, apart = [rng.uniform(1, 9), rng.uniform(0.3, 1.0)], rng.choice([0.02, 0.05, 0.1, 0.2])
     crowd = [[x + rng.uniform(-apart, apart) for x in at] for _ in range(rng.choice([4, 9, 12]))]
     place = rng.choice([{"at": crowd}, {"circle": {"center": at, "radius": apart}}])
     tables = {
@@ -284,13 +296,49 @@ def opposed(rng: Random) -> Extreme:
         "load": [{"force": 1e-7, "at": [rng.uniform(0, 10), 0.65]}],
     }
 
-    def judge(result: Result | None) -> list[str]:
-        other = solved({**tables, "support": tables["support"][::-1]})
-        if result is None or other is None:
-            return ["a plate held both ways has an equilibrium"]
-        return deflections(result, other.deflection.tolist(), _SAME, at=result.deflection.tolist())
+    both = [{"name": "bearing", **place, "resists": "both"}]
+    if "at" in place and rng.random() < 0.3:
+        tables["support"] = both
 
-    return Extreme("opposed", tables, judge)
+    def judge(result: Result | None) -> list[str]:
+        if "at" in place:
+            expected: Floats | None = held_at_points({**tables, "support": both})
+        else:
+            other = solved({**tables, "support": tables["support"][::-1]})
+            expected = None if other is None else other.deflection
+        if result is None or expected is None:
+            return ["a plate held both ways has an equilibrium"]
+        # A plate that its points hold where the load is stays where it was.
+        least = _STILL * 1e-7 * 10.0**2 / (1e3 * tables["plate"]["thickness"] ** 3 / 12)
+        return deflections(result, expected.tolist(), _SAME, least, at=result.deflection.tolist())
+
+    # In elements much larger than it a circle is two points.
+    return Extreme("opposed", tables, judge, may_be_refused="circle" in place)
+
+
+def held_at_points(tables: Tables) -> Floats:
+    """Deflections of the nodes of a plate that supports hold both ways, however nearly their rows repeat each other.
+
+    What bends the plate and keeps the rows, an orthogonal basis of their null space, has no equations that are near to
+    each other.
+    """
+    found = discretise(validate(tables))
+    rows, stiffness = found.point_rows.toarray(), contact_problem(found).K.toarray()
+    load = found.load(found.model.effective_combinations[0]).nodal
+    touched = rows.any(axis=0)
+    _, values, basis = np.linalg.svd(rows[:, touched])
+    free = basis[int((values > _RANK * values[0]).sum()) :].T
+    motions = np.zeros((len(load), len(free.T) + int((~touched).sum())))
+    motions[touched, : len(free.T)] = free
+    motions[np.flatnonzero(~touched), np.arange(len(free.T), motions.shape[1])] = 1.0
+    reduced = motions.T @ stiffness @ motions
+    scale = 1.0 / np.sqrt(np.diagonal(reduced))
+    factor = cho_factor(scale[:, None] * reduced * scale)
+    moved = np.zeros(len(load))
+    for _ in range(_CORRECTIONS):
+        left = (load - stiffness.astype(np.longdouble) @ moved).astype(np.float64)
+        moved += motions @ (scale * cho_solve(factor, scale * (motions.T @ left)))
+    return np.asarray(moved[::3])
 
 
 def redundant(rng: Random) -> Extreme:
