@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -611,20 +612,24 @@ def test_a_file_has_every_extreme_of_every_bearing_with_what_the_others_do() -> 
 
 
 def test_pictures_of_a_group_have_one_scale_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    limits = dict[str, Any]()
+    limits = dict[tuple[str, str], Any]()
 
-    def kept(plan: Any, pictures: Any, length: str) -> None:
-        limits.update({Path(one.path).name: one.panels()[0].limits for one in pictures})
+    def kept(plan: Any, pictures: Any, length: str) -> Iterator[bytes]:
+        for one in pictures:
+            first = one.panels()[0]
+            limits[one.title, first.label.split()[0].rstrip(",")] = first.limits
+            yield b"drawn"
 
-    monkeypatch.setattr("signorini.plot.save_pictures", kept)
+    monkeypatch.setattr("signorini.plot.drawn_as_png", kept)
     named = {"ULS 1": 1.35, "ULS 2": 1.5, "SLS": 1.0}
     combinations = [{"name": name, "group": name[:3], "factors": {"load": one}} for name, one in named.items()]
     plain = {"material": {"E": 30e9, "nu": 0.2}, "support": [{"edge": ["left", "right"], "fix": "simple"}]}
     loaded = {"load": [{"pressure": 2e3}], "combination": combinations, "mesh": {"divisions": [4, 4], "error": False}}
     plate = {"shape": "rectangle", "size": [4, 4], "thickness": 0.2}
     write(signorini.solve(signorini.Model(plate=plate, **plain, **loaded)), tmp_path)
-    assert limits["uls-1.png"] == limits["uls-2.png"] != limits["sls.png"]
-    assert limits["uls-2-shears.png"][1] == pytest.approx(1.5 * limits["sls-shears.png"][1])
+    assert limits["ULS 1", "deflection"] == limits["ULS 2", "deflection"] != limits["SLS", "deflection"]
+    assert limits["ULS 2", "shear"][1] == pytest.approx(1.5 * limits["SLS", "shear"][1])
+    assert {path.read_bytes() for path in tmp_path.glob("*.png")} == {b"drawn"}
 
 
 def test_of_extremes_alike_but_for_rounding_the_one_at_the_least_x_and_then_y_is_named() -> None:

@@ -2,23 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from signorini.analysis.accuracy import ORDER
 from signorini.analysis.solve import Results
+from signorini.base.forked import Forked, forked
 from signorini.base.plain import plain
 from signorini.output.names import MOMENTS, PRESSURE, REFINEMENT, SHEARS, has_areas
 from signorini.results.panels import field_range, panel, support_marks, unit_of
 from signorini.results.result import Result
 
 if TYPE_CHECKING:
-    from signorini.plot import Panel
+    from signorini.plot import Panel, Plan
 
 _PICTURES = {"": ("deflection",), MOMENTS: ("mx", "my", "mxy"), SHEARS: ("qx", "qy"), PRESSURE: ("pressure",)}
 """Fields of a picture, by the ending of its name."""
+_ARTISTS = 2
+"""Processes that draw: moments take as long as all else."""
+_MOST_ELEMENTS = 100_000
+"""Elements beyond which memory is not for several processes that draw them at once."""
 
 
 def caption(result: Result, ending: str) -> str:
@@ -41,45 +49,121 @@ def caption(result: Result, ending: str) -> str:
 
 def write_refinement(results: Results, directory: Path) -> None:
     """Draw the meshes on the way to the accuracy that was asked for."""
-    # Only this function needs matplotlib.
-    from signorini.plot import refinement_picture, save
-
     steps, asked = results.refinement, results.model.mesh.accuracy
     if steps and asked is not None:
+        # Only this function needs matplotlib.
+        from signorini.plot import refinement_picture, save
+
         dofs, worst = [step.dofs for step in steps], [step.worst for step in steps]
         save(refinement_picture(dofs, worst, asked, ORDER, results.model.title), directory / REFINEMENT)
 
 
-def write_pictures(results: Results, named: Iterable[tuple[Result, str]], directory: Path) -> None:
-    """Draw combinations, each field in one scale over all of a group, or over all that are in none."""
-    # Only this function needs matplotlib.
-    from signorini.plot import Picture, Plan, save_pictures
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """Pictures of one kind in one scale.
 
-    found = results.discretisation
-    mesh, model, nodes = found.mesh, found.model, found.stress_nodes
-    combinations = model.effective_combinations
+    Parameters
+    ----------
+    fields : tuple of str
+        Of each picture.
+    named : tuple of (str, Result, str)
+        The picture's file, what it shows, and its title.
+    """
+
+    fields: tuple[str, ...]
+    named: tuple[tuple[str, Result, str], ...]
+
+    def drawn(self, plan: Plan) -> Iterator[tuple[str, bytes]]:
+        """Draw them, one after another: name and content of a file."""
+        # Only this function needs matplotlib.
+        from signorini.plot import Picture, drawn_as_png
+
+        limits = {}
+        for field in self.fields:
+            ranges = [field_range(field, result.fields, result.supports) for _, result, _ in self.named]
+            limits[field] = min(low for low, _ in ranges), max(high for _, high in ranges)
+
+        def panels(result: Result) -> list[Panel]:
+            parts = (result.stress_nodes, result.fields, result.supports, result.model.units)
+            return [panel(field, *parts, limit, result.extremes) for field, limit in limits.items()]
+
+        model = self.named[0][1].model
+        pictures = [
+            Picture(partial(panels, one), support_marks(one.mesh, model.support, one.supports), title)
+            for _, one, title in self.named
+        ]
+        files = (file for file, *_ in self.named)
+        yield from zip(files, drawn_as_png(plan, pictures, model.units.length), strict=True)
+
+
+def sheets_of(results: Results, named: Iterable[tuple[Result, str]]) -> list[Sheet]:
+    """Plan the pictures of combinations, each field in one scale over all of a group, or over all that are in none."""
+    combinations = results.model.effective_combinations
     groups = {one.name: one.group for one in combinations} if combinations.groups else {}
-    drawn = [
-        (result, slug, support_marks(mesh, model.support, result.supports), groups.get(result.name, ""))
-        for result, slug in named
+    grouped = dict[str, list[tuple[Result, str]]]()
+    for result, slug in named:
+        grouped.setdefault(groups.get(result.name, ""), []).append((result, slug))
+    return [
+        Sheet(fields, tuple((f"{slug}{ending}.png", result, caption(result, ending)) for result, slug in those))
+        for ending, fields in _PICTURES.items()
+        if ending != PRESSURE or has_areas(results)
+        for those in grouped.values()
     ]
-    plan = Plan.of(found.stress_nodes.points, nodes.elements)
-    for ending, fields in _PICTURES.items():
-        if ending == PRESSURE and not has_areas(results):
-            continue
-        for group in dict.fromkeys(group for *_, group in drawn):
-            those = [one for one in drawn if one[3] == group]
-            limits = {}
-            for field in fields:
-                ranges = [field_range(field, result.fields, result.supports) for result, *_ in those]
-                limits[field] = min(low for low, _ in ranges), max(high for _, high in ranges)
 
-            def panels(result: Result, limits: dict[str, tuple[float, float]] = limits) -> list[Panel]:
-                parts = (nodes, result.fields, result.supports, model.units)
-                return [panel(field, *parts, limit, result.extremes) for field, limit in limits.items()]
 
-            pictures = [
-                Picture(directory / f"{slug}{ending}.png", partial(panels, result), marks, caption(result, ending))
-                for result, slug, marks, _ in those
-            ]
-            save_pictures(plan, pictures, model.units.length)
+def drawn(sheets: Sequence[Sheet]) -> Iterator[tuple[str, bytes]]:
+    """Draw pictures of one plate, one after another: name and content of a file."""
+    if sheets:
+        # Only this function needs matplotlib.
+        from signorini.plot import Plan
+
+        nodes = sheets[0].named[0][1].stress_nodes
+        plan = Plan.of(nodes.points, nodes.elements)
+        for sheet in sheets:
+            yield from sheet.drawn(plan)
+
+
+class Drawing:
+    """Pictures of results, drawn by other processes, if there are any, while this one goes on."""
+
+    def __init__(self, sheets: Sequence[Sheet], artists: Sequence[Forked] = ()) -> None:
+        """Hand out the work."""
+        if sum(len(result.mesh.elements) for sheet in sheets[:1] for _, result, _ in sheet.named[:1]) > _MOST_ELEMENTS:
+            artists = ()
+        self._shares: list[list[Sheet]] = [[] for _ in artists]
+        self._artists, self._own = artists, [] if artists else list(sheets)
+        if artists:
+            load = [0] * len(artists)
+            # The largest first, each to whom has least to do.
+            for sheet in sorted(sheets, key=lambda sheet: -len(sheet.fields) * len(sheet.named)):
+                idle = load.index(min(load))
+                load[idle] += len(sheet.fields) * len(sheet.named)
+                self._shares[idle].append(sheet)
+        for artist, share in zip(artists, self._shares, strict=True):
+            artist.begin(share)
+
+    def pictures(self) -> Iterator[tuple[str, bytes]]:
+        """Give every picture, name and content of a file; what the others have not drawn is drawn here."""
+        left = self._own
+        for artist, share in zip(self._artists, self._shares, strict=True):
+            there = set()
+            for name, content in artist.results():
+                there.add(name)
+                yield name, content
+            left += [sheet for sheet in share if not {name for name, *_ in sheet.named} <= there]
+        yield from drawn(left)
+
+
+@contextmanager
+def artists() -> Iterator[list[Forked]]:
+    """Give processes that read matplotlib while this one solves, and then draw for it; none where there is one core."""
+    with forked(_ARTISTS if _cores() > 1 else 0, _ready, drawn) as found:
+        yield found
+
+
+def _ready() -> None:
+    import signorini.plot  # noqa: F401
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
