@@ -1,6 +1,7 @@
 import subprocess
 import sys
 from io import BytesIO
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -576,3 +577,22 @@ def test_loads_that_read_alike_have_one_row_in_the_legend() -> None:
     figure = check_picture(Plan.of(found.mesh.points, found.mesh.elements), loads=load_marks(found))
     legend = [entry.get_text() for entry in figure.axes[0].get_legend().get_texts()]
     assert legend.count("G: force, 5") == 1
+
+
+def test_values_of_loads_on_one_edge_stand_below_each_other_and_beside_its_name() -> None:
+    loads = [
+        LoadMark(case, "line load", np.array([[0.0, 1.0], [2.0, 1.0]]), "line", value=f"{case} kN/m") for case in "123"
+    ]
+    figure = check_picture(PLAN, loads=loads)
+    figure.canvas.draw()
+    boxes = [text.get_window_extent() for text in figure.axes[0].texts if "kN/m" in text.get_text()]
+    assert len(boxes) == 3
+    for above, below in pairwise(boxes):
+        assert below.y1 <= above.y0 + 0.25 * above.height and below.x0 == pytest.approx(above.x0)
+    plate = {
+        "material": {"E": 30e6, "nu": 0.2},
+        "support": [{"edge": "left", "fix": "clamped"}],
+        "load": [{"pressure": 1}],
+    }
+    marks = {mark.name: mark for mark in edge_marks(discretise(rectangular(divisions=[10, 10], **plate)).mesh)}
+    assert all(marks[name].at[0] < 2.0 for name in ("top", "bottom"))

@@ -54,7 +54,7 @@ def ended(
         for name in _PICTURES:
             setattr(signorini.plot, name, lambda *given, **more: None)
         signorini.plot.save = lambda figure, path: Path(path).write_bytes(b"")
-        signorini.plot.drawn_as_png = lambda plan, pictures, length: [b""] * len(pictures)
+        signorini.plot.drawn_as_png = lambda plan, pictures, length, rows=1: [b""] * len(pictures)
     try:
         code, errors, exception = _run([command, str(file), *more])
     finally:

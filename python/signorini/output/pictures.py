@@ -14,15 +14,25 @@ from signorini.analysis.accuracy import ORDER
 from signorini.analysis.solve import Results
 from signorini.base.forked import Forked, forked
 from signorini.base.plain import plain
-from signorini.output.names import MOMENTS, PRESSURE, REFINEMENT, SHEARS, has_areas
-from signorini.results.panels import field_range, panel, support_marks, unit_of
+from signorini.discretise import Discretisation
+from signorini.discretise.stressnodes import StressNodes
+from signorini.output.names import (
+    PICTURES,
+    PRESSURE,
+    REFINEMENT,
+    envelope_files,
+    envelope_pictures,
+    enveloped,
+    has_areas,
+)
+from signorini.results.envelope import Envelope
+from signorini.results.marks import support_marks as support_marks_of
+from signorini.results.panels import colours, field_range, panel, quantity, support_marks, unit_of
 from signorini.results.result import Result
 
 if TYPE_CHECKING:
     from signorini.plot import Panel, Plan
 
-_PICTURES = {"": ("deflection",), MOMENTS: ("mx", "my", "mxy"), SHEARS: ("qx", "qy"), PRESSURE: ("pressure",)}
-"""Fields of a picture, by the ending of its name."""
 _ARTISTS = 2
 """Processes that draw: moments take as long as all else."""
 _MOST_ELEMENTS = 100_000
@@ -34,7 +44,7 @@ def caption(result: Result, ending: str) -> str:
     widths, said = result.asked_estimate.plus_minus, list[str]()
     if widths is None:
         return result.heading
-    for field in _PICTURES[ending]:
+    for field in PICTURES[ending]:
         if field == "pressure":
             every = zip(widths["supports"], result.supports, strict=True)
             told = [width["max_pressure"] for width, one in every if one.area]
@@ -43,7 +53,7 @@ def caption(result: Result, ending: str) -> str:
             told = [ends["max"], ends["min"]]
         known = [width for width in told if width is not None]
         half_width = f"± {plain(max(known), 2)} {unit_of(field, result.model.units)}".rstrip() if known else "± ?"
-        said.append(half_width if len(_PICTURES[ending]) == 1 else f"{field} {half_width}")
+        said.append(half_width if len(PICTURES[ending]) == 1 else f"{field} {half_width}")
     return f"{result.heading}, extremes {', '.join(said)}"
 
 
@@ -73,6 +83,21 @@ class Sheet:
     fields: tuple[str, ...]
     named: tuple[tuple[str, Result, str], ...]
 
+    @property
+    def files(self) -> set[str]:
+        """Names of their files."""
+        return {file for file, *_ in self.named}
+
+    @property
+    def panels(self) -> int:
+        """How many fields are to be drawn in all."""
+        return len(self.fields) * len(self.named)
+
+    @property
+    def nodes(self) -> StressNodes:
+        """Nodes of the fields."""
+        return self.named[0][1].stress_nodes
+
     def drawn(self, plan: Plan) -> Iterator[tuple[str, bytes]]:
         """Draw them, one after another: name and content of a file."""
         # Only this function needs matplotlib.
@@ -96,6 +121,75 @@ class Sheet:
         yield from zip(files, drawn_as_png(plan, pictures, model.units.length), strict=True)
 
 
+@dataclass(frozen=True, eq=False)
+class EnvelopeSheet:
+    """The picture of fields' largest and, in the same scales, smallest values over combinations.
+
+    Parameters
+    ----------
+    fields : tuple of str
+    file, title : str
+    envelope : Envelope
+    discretisation : Discretisation
+    """
+
+    fields: tuple[str, ...]
+    file: str
+    title: str
+    envelope: Envelope
+    discretisation: Discretisation
+
+    @property
+    def files(self) -> set[str]:
+        """Name of its file."""
+        return {self.file}
+
+    @property
+    def panels(self) -> int:
+        """How many fields are to be drawn in all."""
+        return 2 * len(self.fields)
+
+    @property
+    def nodes(self) -> StressNodes:
+        """Nodes of the fields."""
+        return self.discretisation.stress_nodes
+
+    def drawn(self, plan: Plan) -> Iterator[tuple[str, bytes]]:
+        """Draw it: name and content of a file."""
+        # Only this function needs matplotlib.
+        from signorini.plot import Panel, Picture, drawn_as_png
+
+        units, peaks, panels = self.discretisation.model.units, self.envelope.peaks, list[Panel]()
+        for side in ("largest", "smallest"):
+            for field in self.fields:
+                extremes, number = self.envelope.fields[field], self.envelope.names.index(field)
+                limits = float(extremes.smallest.min()), float(extremes.largest.max())
+                value = float(getattr(peaks.extremes, side)[number])
+                at = getattr(peaks, f"{side}_at")[number].tolist()
+                shown = self.nodes.spread(getattr(extremes, side))
+                label = f"{side} {quantity(field, units)}"
+                panels.append(
+                    Panel(
+                        shown, label, colours(field), limits, [({"largest": "max", "smallest": "min"}[side], value, at)]
+                    )
+                )
+        picture = Picture(lambda: panels, support_marks_of(self.discretisation), self.title)
+        for content in drawn_as_png(plan, [picture], units.length, rows=2):
+            yield self.file, content
+
+
+def envelope_sheets(results: Results) -> list[EnvelopeSheet]:
+    """Plan the pictures of envelopes: of all combinations, and of each group."""
+    sheets, title = list[EnvelopeSheet](), results.model.title
+    for group, file in envelope_files(results).items():
+        of = f"envelope of {group}" if group else f"envelope of {results.combined.solved} combinations"
+        words = ", ".join(part for part in (title, of) if part)
+        for ending, name in envelope_pictures(results, file).items():
+            fields = enveloped(results, ending)
+            sheets.append(EnvelopeSheet(fields, name, words, results.combined.over(group), results.discretisation))
+    return sheets
+
+
 def sheets_of(results: Results, named: Iterable[tuple[Result, str]]) -> list[Sheet]:
     """Plan the pictures of combinations, each field in one scale over all of a group, or over all that are in none."""
     combinations = results.model.effective_combinations
@@ -105,19 +199,19 @@ def sheets_of(results: Results, named: Iterable[tuple[Result, str]]) -> list[She
         grouped.setdefault(groups.get(result.name, ""), []).append((result, slug))
     return [
         Sheet(fields, tuple((f"{slug}{ending}.png", result, caption(result, ending)) for result, slug in those))
-        for ending, fields in _PICTURES.items()
+        for ending, fields in PICTURES.items()
         if ending != PRESSURE or has_areas(results)
         for those in grouped.values()
     ]
 
 
-def drawn(sheets: Sequence[Sheet]) -> Iterator[tuple[str, bytes]]:
+def drawn(sheets: Sequence[Sheet | EnvelopeSheet]) -> Iterator[tuple[str, bytes]]:
     """Draw pictures of one plate, one after another: name and content of a file."""
     if sheets:
         # Only this function needs matplotlib.
         from signorini.plot import Plan
 
-        nodes = sheets[0].named[0][1].stress_nodes
+        nodes = sheets[0].nodes
         plan = Plan.of(nodes.points, nodes.elements)
         for sheet in sheets:
             yield from sheet.drawn(plan)
@@ -126,18 +220,18 @@ def drawn(sheets: Sequence[Sheet]) -> Iterator[tuple[str, bytes]]:
 class Drawing:
     """Pictures of results, drawn by other processes, if there are any, while this one goes on."""
 
-    def __init__(self, sheets: Sequence[Sheet], artists: Sequence[Forked] = ()) -> None:
+    def __init__(self, sheets: Sequence[Sheet | EnvelopeSheet], artists: Sequence[Forked] = ()) -> None:
         """Hand out the work."""
-        if sum(len(result.mesh.elements) for sheet in sheets[:1] for _, result, _ in sheet.named[:1]) > _MOST_ELEMENTS:
+        if sheets and len(sheets[0].nodes.elements) > _MOST_ELEMENTS:
             artists = ()
-        self._shares: list[list[Sheet]] = [[] for _ in artists]
+        self._shares: list[list[Sheet | EnvelopeSheet]] = [[] for _ in artists]
         self._artists, self._own = artists, [] if artists else list(sheets)
         if artists:
             load = [0] * len(artists)
             # The largest first, each to whom has least to do.
-            for sheet in sorted(sheets, key=lambda sheet: -len(sheet.fields) * len(sheet.named)):
+            for sheet in sorted(sheets, key=lambda sheet: -sheet.panels):
                 idle = load.index(min(load))
-                load[idle] += len(sheet.fields) * len(sheet.named)
+                load[idle] += sheet.panels
                 self._shares[idle].append(sheet)
         for artist, share in zip(artists, self._shares, strict=True):
             artist.begin(share)
@@ -150,7 +244,7 @@ class Drawing:
             for name, content in artist.results():
                 there.add(name)
                 yield name, content
-            left += [sheet for sheet in share if not {name for name, *_ in sheet.named} <= there]
+            left += [sheet for sheet in share if not sheet.files <= there]
         yield from drawn(left)
 
 

@@ -16,7 +16,7 @@ from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import write_envelope
 from signorini.output.governing import governing_csv
 from signorini.output.names import CSV, GOVERNING, JSON, TABLE, envelope_files, slugs
-from signorini.output.pictures import Drawing, sheets_of, write_refinement
+from signorini.output.pictures import Drawing, envelope_sheets, sheets_of, write_refinement
 from signorini.output.tables import reactions_csv, results_json
 from signorini.results.result import vtk_fields
 
@@ -30,7 +30,8 @@ def write(
     """Write ``results.json``, ``reactions.csv`` and, of each solved combination, a ``.vtu`` and pictures.
 
     Of several combinations ``governing.csv`` comes with them. Where combinations are rows of a table, these are of the
-    combinations in ``results``; the table and, unless no field is enveloped, ``envelope.vtu`` come with them.
+    combinations in ``results``; the table and, unless no field is enveloped, ``envelope.vtu`` and its pictures come
+    with them.
 
     All of them, or none: they are written elsewhere and moved into place when complete. The files of an earlier run in
     the directory are replaced as a set; other files in it stay, and one that has a name of ours is refused. Of several
@@ -59,7 +60,7 @@ def write(
     """
     target = Path(directory)
     named = list(slugs(results))
-    drawing = Drawing(sheets_of(results, named), artists)
+    drawing = Drawing([*sheets_of(results, named), *envelope_sheets(results)], artists)
     found = results_json(results)
     names = [JSON, CSV]
     try:

@@ -99,10 +99,11 @@ class Picture:
     title: str
 
 
-def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "") -> Iterator[bytes]:
+def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows: int = 1) -> Iterator[bytes]:
     """Draw pictures of one kind, of several results, as `field_picture` does, one after another.
 
-    Their panels have the same labels and limits. What they share, axes and colour bars, is drawn once.
+    Their panels have the same labels and limits, and are in so many rows. What they share, axes and colour bars, is
+    drawn once.
 
     Yields
     ------
@@ -111,7 +112,7 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "") -> I
     """
     if not pictures:
         return
-    page = Page(plan, len(first := pictures[0].panels()), length, bars=True)
+    page = Page(plan, len(first := pictures[0].panels()), length, bars=True, rows=rows)
     scales = _draw_bars(page, plan, first)
     for picture in pictures:
         page.make_room(picture.title, legend_words(picture.marks))
