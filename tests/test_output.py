@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -354,7 +355,12 @@ def test_a_notebook_shows_points_pressures_and_half_widths() -> None:
     soil = {"name": "soil", "area": {"rectangle": [0, 0, 2, 2]}, "resists": "down", "stiffness": 1e4}
     combination = [{"name": "service", "factors": {"G": 1, "W": 0.06}}]
     result = signorini.solve(model(support=[feet, soil], combination=combination))["service"]
+    plain = result._repr_html_()
+    # What is only shown is not solved on other meshes.
+    assert "estimate" not in result.__dict__ and "of the mesh: ± once plus_minus is asked for" in plain
+    assert result.plus_minus is not None
     shown = result._repr_html_()
+    assert shown.count("±") > plain.count("±") == 1
     rows = [re.findall("<t[hd][^>]*>(.*?)</t[hd]>", row) for row in shown.split("<tr>")[1:]]
     titles = ["", "support", "kind", "reaction [kN]", "gap [m]", "closed", "open", "largest pressure [kN/m²]"]
     assert rows[0] == [*titles, "in contact [m²]"]
@@ -369,8 +375,6 @@ def test_a_notebook_shows_points_pressures_and_half_widths() -> None:
     at = int(first[1].split(" at ")[0]) - 1
     assert first[4] == estimated(result.supports[0].gaps[at], widths[0]["points"][at]["gap"])
     assert "and 5 of smaller reactions" in shown and "of the mesh: ± by " in shown
-    alone = signorini.solve(model(mesh={"divisions": [4, 4], "error": False}))["G+Q"]._repr_html_()
-    assert "not asked, no ± (mesh.error)" in alone and alone.count("±") == 1
 
 
 def test_a_second_run_replaces_the_first_and_nothing_else(results: signorini.Results, tmp_path: Path) -> None:
@@ -611,20 +615,61 @@ def test_a_file_has_every_extreme_of_every_bearing_with_what_the_others_do() -> 
 
 
 def test_pictures_of_a_group_have_one_scale_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    limits = dict[str, Any]()
+    limits = dict[tuple[str, str], Any]()
 
-    def kept(plan: Any, pictures: Any, length: str) -> None:
-        limits.update({Path(one.path).name: one.panels()[0].limits for one in pictures})
+    def kept(plan: Any, pictures: Any, length: str) -> Iterator[bytes]:
+        for one in pictures:
+            first = one.panels()[0]
+            limits[one.title, first.label.split()[0].rstrip(",")] = first.limits
+            yield b"drawn"
 
-    monkeypatch.setattr("signorini.plot.save_pictures", kept)
+    monkeypatch.setattr("signorini.plot.drawn_as_png", kept)
     named = {"ULS 1": 1.35, "ULS 2": 1.5, "SLS": 1.0}
     combinations = [{"name": name, "group": name[:3], "factors": {"load": one}} for name, one in named.items()]
     plain = {"material": {"E": 30e9, "nu": 0.2}, "support": [{"edge": ["left", "right"], "fix": "simple"}]}
     loaded = {"load": [{"pressure": 2e3}], "combination": combinations, "mesh": {"divisions": [4, 4], "error": False}}
     plate = {"shape": "rectangle", "size": [4, 4], "thickness": 0.2}
     write(signorini.solve(signorini.Model(plate=plate, **plain, **loaded)), tmp_path)
-    assert limits["uls-1.png"] == limits["uls-2.png"] != limits["sls.png"]
-    assert limits["uls-2-shears.png"][1] == pytest.approx(1.5 * limits["sls-shears.png"][1])
+    assert limits["ULS 1", "deflection"] == limits["ULS 2", "deflection"] != limits["SLS", "deflection"]
+    assert limits["ULS 2", "shear"][1] == pytest.approx(1.5 * limits["SLS", "shear"][1])
+    assert {path.read_bytes() for path in tmp_path.glob("*.png")} == {b"drawn"}
+
+
+def test_an_envelope_has_pictures_of_its_largest_and_smallest_values_in_one_scale(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = dict[tuple[str, str], Any]()
+
+    def kept(plan: Any, pictures: Any, length: str, rows: int = 1) -> Iterator[bytes]:
+        for one in pictures:
+            drawn.update({(one.title, panel.label): panel for panel in one.panels()} if rows == 2 else {})
+            yield b"drawn"
+
+    monkeypatch.setattr("signorini.plot.drawn_as_png", kept)
+    wanted = [{"name": f"c{i}", "group": "ULS", "factors": {"G": 1, "W": 0.01 * i}} for i in range(3)]
+    asked = {"combinations": "table", "fields": "none", "envelope": ["deflection", "mx", "qx", "qy"]}
+    results = signorini.solve(model(combination=wanted, output=asked, mesh={"divisions": [4, 4], "error": False}))
+    table = tmp_path / "table"
+    table.write_bytes(b"")
+    write(results, tmp_path / "out", table)
+    files = results_json(results)["files"]
+    named = [(one["kind"], one["file"]) for one in files if one["file"].startswith("envelope")]
+    kinds = {"envelope": ".vtu", "picture": ".png", "moments": "-moments.png", "shears": "-shears.png"}
+    assert named == [(kind, of + ending) for of in ("envelope", "envelope-uls") for kind, ending in kinds.items()]
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {one["file"] for one in files}
+    titles = ("Table, with a comma, envelope of 3 combinations", "Table, with a comma, envelope of ULS")
+    assert {title for title, _ in drawn} == set(titles)
+    for title in titles:
+        high, low = (drawn[title, f"{side} moment mx [kN m/m]"] for side in ("largest", "smallest"))
+        of = results.envelope.fields["mx"]
+        assert high.limits == low.limits == (of.smallest.min(), of.largest.max())
+        assert np.array_equal(high.values, results.discretisation.stress_nodes.spread(of.largest))
+        assert np.array_equal(low.values, results.discretisation.stress_nodes.spread(of.smallest))
+        (name, value, at), peak = high.extremes[0], results.envelope.peaks
+        assert (name, value, at) == ("max", peak.extremes.largest[1], peak.largest_at[1].tolist())
+        assert low.extremes[0][:2] == ("min", peak.extremes.smallest[1])
+        assert (title, "largest moment my [kN m/m]") not in drawn
+        assert (title, "smallest deflection [m], positive down") in drawn
 
 
 def test_of_extremes_alike_but_for_rounding_the_one_at_the_least_x_and_then_y_is_named() -> None:

@@ -492,6 +492,7 @@ def test_where_a_path_begins_at_chooses_as_solve_does(support) -> None:
 
 
 def test_a_path_that_stops_names_an_end_that_helps(slab: Path, monkeypatch) -> None:
+    slab.write_text(SLAB.replace("[4, 4] }", "[4, 4], error = false }"))
     limit = signorini.path(signorini.load(slab), "G", "Q").limit
     monkeypatch.setattr("signorini.analysis.path.confirmed", lambda problem, loads, stops, watcher: 1)
     for until, helps in ((None, True), (limit, True), (0.9 * limit, False)):

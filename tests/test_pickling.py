@@ -113,6 +113,7 @@ def test_what_is_asked_of_copies_is_answered_alike(things: dict[str, object], ho
     for name, thing in (("one.vtu", result), ("other.vtu", again[0])):
         thing.to_vtk(tmp_path / name)
     assert (tmp_path / "one.vtu").read_bytes() == (tmp_path / "other.vtu").read_bytes()
+    assert again[0].plus_minus == result.plus_minus
     assert again[0]._repr_html_() == result._repr_html_()
     skipped = {".seconds"}
     at = [dict(numbers(thing.at(0.7))) for thing in (path, again[1])]

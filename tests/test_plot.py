@@ -1,5 +1,7 @@
 import subprocess
 import sys
+from io import BytesIO
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -25,11 +27,11 @@ from signorini.plot import (
     ZoneMark,
     check_picture,
     contour,
+    drawn_as_png,
     field_picture,
     line,
     pressure,
     save,
-    save_pictures,
     supports,
 )
 from signorini.plot.marks import legend_words
@@ -292,14 +294,15 @@ def test_saved_together_pictures_are_those_drawn_alone_and_what_they_share_stays
     values = [POINTS[:, 0], 0.5 * POINTS[:, 1]]
     opened = SupportMark("pads", "down", PADS.positions, np.array([False, False, True]))
     pictures = [
-        Picture(tmp_path / f"{i}.png", lambda v=v: [Panel(v, "w [m]", limits=(-1.0, 1.2))], marks, f"case {i}")
+        Picture(lambda v=v: [Panel(v, "w [m]", limits=(-1.0, 1.2))], marks, f"case {i}")
         for i, (v, marks) in enumerate(zip(values, ([PADS], [opened]), strict=True))
     ]
-    save_pictures(PLAN, [*pictures, pictures[0], pictures[1]], "m")
-    for picture in pictures:
+    together = list(drawn_as_png(PLAN, [*pictures, pictures[0], pictures[1]], "m"))
+    for picture, first, again in zip(pictures, together[:2], together[2:], strict=True):
+        assert first == again
         alone = field_picture(PLAN, picture.panels(), picture.marks, title=picture.title, length="m")
         save(alone, tmp_path / "alone.png")
-        one, other = (imread(path)[..., :3] for path in (picture.path, tmp_path / "alone.png"))
+        one, other = (imread(file)[..., :3] for file in (BytesIO(first), tmp_path / "alone.png"))
         assert one.shape == other.shape
         # Lines that are drawn in another order differ by a shade.
         assert (np.abs(one - other).max(axis=2) > 0.3).mean() < 1e-3
@@ -583,3 +586,22 @@ def test_loads_that_read_alike_have_one_row_in_the_legend() -> None:
     figure = check_picture(Plan.of(found.mesh.points, found.mesh.elements), loads=load_marks(found))
     legend = [entry.get_text() for entry in figure.axes[0].get_legend().get_texts()]
     assert legend.count("G: force, 5") == 1
+
+
+def test_values_of_loads_on_one_edge_stand_below_each_other_and_beside_its_name() -> None:
+    loads = [
+        LoadMark(case, "line load", np.array([[0.0, 1.0], [2.0, 1.0]]), "line", value=f"{case} kN/m") for case in "123"
+    ]
+    figure = check_picture(PLAN, loads=loads)
+    figure.canvas.draw()
+    boxes = [text.get_window_extent() for text in figure.axes[0].texts if "kN/m" in text.get_text()]
+    assert len(boxes) == 3
+    for above, below in pairwise(boxes):
+        assert below.y1 <= above.y0 + 0.25 * above.height and below.x0 == pytest.approx(above.x0)
+    plate = {
+        "material": {"E": 30e6, "nu": 0.2},
+        "support": [{"edge": "left", "fix": "clamped"}],
+        "load": [{"pressure": 1}],
+    }
+    marks = {mark.name: mark for mark in edge_marks(discretise(rectangular(divisions=[10, 10], **plate)).mesh)}
+    assert all(marks[name].at[0] < 2.0 for name in ("top", "bottom"))

@@ -8,7 +8,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from types import FrameType
 from typing import Annotated
@@ -27,6 +27,8 @@ from signorini.formats.inputfile import with_line
 _MOST_REASONS = 20
 _SHORT = 0.999
 """Part of the limit of equilibrium at which a path ends that stops short of it."""
+_OWN_PROCESS = "own process"
+"""Tells commands that this process is theirs alone, to be forked."""
 _OPTIONS = {"start": "--from", "add": "--add", "until": "--until", "unit": "--unit", "output": "--output"}
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
 """What the arguments of `signorini.path` and of `read_dxf` are called on the command line."""
@@ -55,7 +57,7 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
-        app()
+        app(obj=_OWN_PROCESS)
     finally:
         streams.flush()
 
@@ -83,6 +85,7 @@ def _options(
     short_help="Solve every combination, write the results.", epilog="Example: signorini solve slab.toml -o results"
 )
 def solve(
+    context: typer.Context,
     file: InputFile,
     output: Annotated[
         Path | None,
@@ -100,20 +103,22 @@ def solve(
         from signorini.output import write
         from signorini.output.directory import former_results, room_for
         from signorini.output.names import TABLE
+        from signorini.output.pictures import artists
 
         if threads is not None:
             # Rust's threads start at their first use and read this then.
             os.environ["RAYON_NUM_THREADS"] = str(threads)
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
+        others = artists() if context.obj is _OWN_PROCESS and threads != 1 else nullcontext(())
         try:
-            with room_for(directory, model) as room, progress_line() as show:
+            with others as drawing, room_for(directory, model) as room, progress_line() as show:
                 table = room / TABLE if model.tabulated else None
                 with interrupts.at_once(room):
                     results = signorini.solve(model, progress=show, table=table)
                     results.compare(table)
                 show("writing the results")
-                write(results, directory, table)
+                write(results, directory, table, drawing)
         except SignoriniError:
             if former_results(directory):
                 streams.stderr().print(f"Nothing is written; {visible(directory)} holds the results of an earlier run.")

@@ -17,7 +17,9 @@ PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
 PRESSURE, MOMENTS, SHEARS = "-pressure", "-moments", "-shears"
 """End the names of pictures other than that of the deflection."""
-_ENDINGS = ("", MOMENTS, SHEARS, PRESSURE)
+PICTURES = {"": ("deflection",), MOMENTS: ("mx", "my", "mxy"), SHEARS: ("qx", "qy"), PRESSURE: ("pressure",)}
+"""Fields of a picture, by the ending of its name."""
+_KINDS = {"": "picture", MOMENTS: "moments", SHEARS: "shears", PRESSURE: "pressure"}
 _LONGEST_NAME = 80
 _MINUS = re.compile(r"(?<![a-z0-9_.)\]-])-(?!-)|(?<!-)-(?![a-z0-9_.(\[-])")
 """A dash that a name has as a sign; one between words or numbers is a hyphen, several are a rule."""
@@ -26,14 +28,17 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 def files(results: Results) -> list[dict[str, str | None]]:
     """Name every file of the results: the combination that it is of, None if of all, its kind and its name."""
-    endings = {"vtu": ".vtu", "picture": ".png", "moments": f"{MOMENTS}.png", "shears": f"{SHEARS}.png"}
-    endings |= {"pressure": f"{PRESSURE}.png"} if has_areas(results) else {}
+    endings = {"vtu": ".vtu"} | {kind: f"{ending}.png" for ending, kind in _KINDS.items()}
+    if not has_areas(results):
+        del endings["pressure"]
     together = {"results": JSON, "reactions": CSV}
     together |= {"governing": GOVERNING} if len(results) > 1 else {}
     together |= {"table": TABLE} if results.model.tabulated else {}
     together |= {"refinement": REFINEMENT} if results.refinement else {}
     named: list[tuple[str | None, str, str]] = [(None, kind, name) for kind, name in together.items()]
-    named += [(None, "envelope", name) for name in envelope_files(results).values()]
+    for name in envelope_files(results).values():
+        named.append((None, "envelope", name))
+        named += [(None, _KINDS[ending], file) for ending, file in envelope_pictures(results, name).items()]
     named += [(one.name, kind, slug + ending) for one, slug in slugs(results) for kind, ending in endings.items()]
     return [{"combination": name, "kind": kind, "file": file} for name, kind, file in named]
 
@@ -52,7 +57,7 @@ def expected_names(model: Model) -> Iterator[str]:
         fields = model.output.fields
         names = names if fields == "all" else () if isinstance(fields, str) else fields
     for slug in unique_slugs([*taken, *names]):
-        yield from (f"{slug}{ending}" for ending in (".vtu", *(f"{ending}.png" for ending in _ENDINGS)))
+        yield from (f"{slug}{ending}" for ending in (".vtu", *(f"{ending}.png" for ending in PICTURES)))
 
 
 def envelope_files(results: Results) -> dict[str, str]:
@@ -62,6 +67,16 @@ def envelope_files(results: Results) -> dict[str, str]:
     groups = ("", *results.model.effective_combinations.groups)
     found = zip(groups, unique_slugs(_envelopes(results.model)), strict=True)
     return {group: f"{slug}.vtu" for group, slug in found if not group or group in results.groups}
+
+
+def envelope_pictures(results: Results, file: str) -> dict[str, str]:
+    """Name the pictures beside an envelope's file, by the ending of their names."""
+    return {ending: f"{Path(file).stem}{ending}.png" for ending in PICTURES if enveloped(results, ending)}
+
+
+def enveloped(results: Results, ending: str) -> tuple[str, ...]:
+    """Fields of an envelope's picture."""
+    return tuple(field for field in PICTURES[ending] if field in results.envelope.names)
 
 
 def has_areas(results: Results) -> bool:
@@ -110,9 +125,9 @@ def unique_slugs(names: Iterable[str]) -> list[str]:
         short = re.sub(r"-*\+-*", "+", re.sub(r"[^a-z0-9_.+]+", "-", signed))[:_LONGEST_NAME]
         base = short.strip("-.") or "combination"
         slug, count = base, 1
-        while {slug + ending for ending in _ENDINGS} & taken or _RESERVED.fullmatch(slug):
+        while {slug + ending for ending in PICTURES} & taken or _RESERVED.fullmatch(slug):
             count += 1
             slug = f"{base}-{count}"
-        taken |= {slug + ending for ending in _ENDINGS}
+        taken |= {slug + ending for ending in PICTURES}
         found.append(slug)
     return found

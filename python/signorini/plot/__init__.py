@@ -14,7 +14,7 @@ from signorini.plot.load_path import load_path_picture
 from signorini.plot.loads import LoadMark
 from signorini.plot.marks import SupportMark, ZoneMark, draw_legend, supports
 from signorini.plot.panel import Panel, draw_panel
-from signorini.plot.pictures import Picture, check_picture, field_picture, save_pictures
+from signorini.plot.pictures import Picture, check_picture, drawn_as_png, field_picture
 from signorini.plot.places import EdgeMark, SingularMark
 from signorini.plot.plan import Plan
 from signorini.plot.pressure import PressureLayer, pressure
@@ -39,12 +39,12 @@ __all__ = [
     "contour",
     "draw_legend",
     "draw_panel",
+    "drawn_as_png",
     "field_picture",
     "line",
     "load_path_picture",
     "pressure",
     "refinement_picture",
     "save",
-    "save_pictures",
     "supports",
 ]

@@ -22,6 +22,8 @@ _COLOURS = ("#b3261e", "#7a3e9d", "#b8860b", "#1b6e53", "#c2185b", "#4d5b9e")
 """Those of load cases, one after the other."""
 _MOST_VALUES = 12
 """Points of a load beside which its value stands; of more the legend has it."""
+_LONG, _HIGH = 40.0, 9.0
+"""Points that a value takes, about."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,6 @@ def draw_load(mark: LoadMark, axes: Axes, colour: str, plate: Path) -> Entry:
     """Draw one load, areas on the plate only, and return its entry in the legend."""
     positions = np.asarray(mark.positions, dtype=float)
     words = mark.label
-    _write_value(mark, positions, axes, colour)
     ring: dict[str, Any] = {"markersize": 11.0, "linestyle": "none", "color": colour, "markeredgewidth": 0.4}
     ring |= {"clip_on": False, "zorder": 6}
     down, up = ring | {"marker": r"$\otimes$"}, ring | {"marker": r"$\odot$"}
@@ -110,19 +111,31 @@ def draw_loads(marks: Iterable[LoadMark], axes: Axes, totals: Mapping[str, str],
     cases = list(dict.fromkeys(mark.case for mark in marks))
     colours = {case: _COLOURS[place % len(_COLOURS)] for place, case in enumerate(cases)}
     entries = list(dict(draw_load(mark, axes, colours[mark.case], plate) for mark in marks).items())
+    written = list[tuple[float, float]]()
+    for mark in marks:
+        _write_value(mark, axes, colours[mark.case], written)
     look: dict[str, Any] = {"marker": "s", "markersize": 4.0, "linestyle": "none"}
     sums = [(f"{case}: {totals[case]} in all", colours[case]) for case in cases if case in totals]
     return entries + [(words, (Line2D([], [], color=colour, **look),)) for words, colour in sums]
 
 
-def _write_value(mark: LoadMark, positions: NDArray[np.float64], axes: Axes, colour: str) -> None:
-    """Write a load's value beside its points, on the middle of its line or in the upper left corner of its area."""
+def _write_value(mark: LoadMark, axes: Axes, colour: str, written: list[tuple[float, float]]) -> None:
+    """Write a load's value beside its points, on the middle of its line or in the upper left corner of its area.
+
+    Below those that are ``written`` there, given by where they begin in points.
+    """
+    positions = np.asarray(mark.positions, dtype=float)
     places = [np.array([piece[:, 0].min(), piece[:, 1].max()]) for piece in pieces(positions)[:1]]
     if mark.style == "points":
         places = list(positions) if len(positions) <= _MOST_VALUES else []
     elif mark.style == "line":
         places = [piece[len(piece) // 2] if len(piece) > 2 else piece.mean(axis=0) for piece in pieces(positions)[:1]]
-    halo = [withStroke(linewidth=2.2, foreground="white")]
+    halo, scale = [withStroke(linewidth=2.2, foreground="white")], 72.0 * inches_per_unit(axes)
     for at in places if mark.value else ():
-        words = axes.annotate(literal(mark.value), (at[0], at[1]), (7, -11), textcoords="offset points")
+        x, y = float(at[0]) * scale + 7.0, float(at[1]) * scale - 11.0
+        begin = y
+        while any(abs(x - left) < _LONG and abs(y - up) < _HIGH for left, up in written):
+            y -= _HIGH
+        written.append((x, y))
+        words = axes.annotate(literal(mark.value), (at[0], at[1]), (7, -11 + y - begin), textcoords="offset points")
         words.set(fontsize=7.5, color=colour, path_effects=halo, zorder=6.4)

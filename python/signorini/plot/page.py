@@ -34,10 +34,10 @@ _TICKS = 0.6
 class Page:
     """A figure whose parts have their places in inches, so that none need be sought by drawing it."""
 
-    def __init__(self, plan: Plan, count: int, length: str, *, bars: bool) -> None:
+    def __init__(self, plan: Plan, count: int, length: str, *, bars: bool, rows: int = 1) -> None:
         low, high = plan.window
         width, height = high - low
-        self._columns = count if width <= _WIDE * height else 1
+        self._columns = -(-count // rows) if width <= _WIDE * height else 1
         self._rows, self._beside = -(-count // self._columns), _GAP + _BAR + _RIGHT if bars else 0.3
         widest = _WIDEST if self._columns == 1 else _BESIDE_EACH_OTHER
         scale = min(widest / width, _TALLEST / height)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -86,36 +84,35 @@ def _draw_fields(
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture of one result, to be saved as a .png file.
+    """A picture of one result.
 
     Attributes
     ----------
-    path : path-like
     panels : callable
         Gives the fields, each with its limits, when they are needed.
     marks : sequence of SupportMark
     title : str
     """
 
-    path: str | os.PathLike[str]
     panels: Callable[[], Sequence[Panel]]
     marks: Sequence[SupportMark]
     title: str
 
 
-def save_pictures(plan: Plan, pictures: Sequence[Picture], length: str = "") -> None:
-    """Save pictures of one kind, of several results, as `field_picture` draws them; not aside first.
+def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows: int = 1) -> Iterator[bytes]:
+    """Draw pictures of one kind, of several results, as `field_picture` does, one after another.
 
-    Their panels have the same labels and limits. What they share, axes and colour bars, is drawn once.
+    Their panels have the same labels and limits, and are in so many rows. What they share, axes and colour bars, is
+    drawn once.
 
-    Raises
+    Yields
     ------
-    OSError
-        A file cannot be written.
+    bytes
+        A .png file.
     """
     if not pictures:
         return
-    page = Page(plan, len(first := pictures[0].panels()), length, bars=True)
+    page = Page(plan, len(first := pictures[0].panels()), length, bars=True, rows=rows)
     scales = _draw_bars(page, plan, first)
     for picture in pictures:
         page.make_room(picture.title, legend_words(picture.marks))
@@ -131,7 +128,7 @@ def save_pictures(plan: Plan, pictures: Sequence[Picture], length: str = "") -> 
         for artist in sorted(drawn, key=lambda artist: artist.get_zorder()):
             artist.draw(canvas.get_renderer())
         # Without the alpha channel, of which a page has no need, there is a fourth less to compress.
-        Path(picture.path).write_bytes(as_png(np.asarray(canvas.buffer_rgba())[..., :3]))
+        yield as_png(np.asarray(canvas.buffer_rgba())[..., :3])
         for artist in drawn:
             artist.remove()
 

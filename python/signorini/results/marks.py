@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 _AROUND = 180
 _MOST_EDGES = 40
 """Edges that have their names drawn; outlines of chords have hundreds."""
+_SAME = 1e-9
+"""Part of the plate's size within which places are one above the other."""
 _NO_FORCE = 1e-12
 """Part of forces below which their sum is rounding."""
 _ALONG = 200
@@ -234,7 +236,7 @@ def case_totals(found: Discretisation) -> dict[str, str]:
 
 
 def edge_marks(mesh: Mesh) -> list[EdgeMark]:
-    """Name edges before the middle, where values of loads stand, of holes their sides, unless they are too many."""
+    """Name edges left of or before the middle, where values of loads stand, of holes their sides, if not too many."""
     from signorini.plot import EdgeMark
 
     wholes = {name.rpartition(" edge ")[0] or name.rpartition(" ")[0] for name in mesh.edges} & set(mesh.edges)
@@ -244,7 +246,8 @@ def edge_marks(mesh: Mesh) -> list[EdgeMark]:
     marks = []
     for name in names if len(names) <= _MOST_EDGES else ():
         triples = mesh.edges[name]
-        begin, half, end = mesh.points[triples[2 * len(triples) // 5]].tolist()
+        before, after = (mesh.points[triples[part * len(triples) // 5]] for part in (2, 3))
+        begin, half, end = (after if after[1, 0] < before[1, 0] - _SAME * mesh.size else before).tolist()
         marks.append(EdgeMark(name, (half[0], half[1]), (end[0] - begin[0], end[1] - begin[1])))
     return marks
 

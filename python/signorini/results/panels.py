@@ -61,17 +61,22 @@ def panel(
     """Draw a field, or the pressure, in the colours of its quantity, with its extremes."""
     from signorini.plot import Panel
 
-    label, colours = quantity(field, units), _COLOURS[field[0]]
+    label, map_of = quantity(field, units), colours(field)
     limits = limits or field_range(field, fields, supports)
     if field == PRESSURE:
         areas = [support.area for support in supports if support.area is not None]
         value, at = max((area.largest for area in areas), key=lambda found: found[0])
         largest = [("max", value, at.tolist())] if value > 0 else []
-        return Panel([pressure_layer(area) for area in areas], label, colours, limits, largest)
+        return Panel([pressure_layer(area) for area in areas], label, map_of, limits, largest)
     values = fields[field]
     ends = extremes.get(field) or FieldExtremes.of(values, nodes, np.ones(nodes.mesh.node_count, np.bool_))
     named = [("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at)]
-    return Panel(nodes.spread(fields[field]), label, colours, limits, named)
+    return Panel(nodes.spread(fields[field]), label, map_of, limits, named)
+
+
+def colours(field: str) -> str:
+    """Name the colours of a field, a map whose middle is zero."""
+    return _COLOURS[field[0]]
 
 
 def quantity(field: str, units: Units) -> str:

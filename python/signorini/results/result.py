@@ -360,11 +360,12 @@ class Result(Remade):
         write_vtu(path, self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self))
 
     def _repr_html_(self) -> str:
-        """Show the supports in a notebook, with half-widths where the model asks for them (``mesh.error``)."""
+        """Show the supports in a notebook, with half-widths once `plus_minus` was asked for: nothing is solved here."""
         title = f"<p><b>{html.escape(self.name)}</b>: {self.status.replace('_', ' ')}</p>"
         if self.status != "solved":
             return f"{title}<p>{html.escape(self.message)}</p>"
-        units, widths = self.model.units, self.asked_estimate.plus_minus
+        estimate = self.estimate if "estimate" in self.__dict__ else None
+        units, widths = self.model.units, None if estimate is None else estimate.plus_minus
         ends = [float(self.deflection.min()), float(self.deflection.max())]
         if widths is not None:
             most = size_of(ends)
@@ -376,9 +377,8 @@ class Result(Remade):
         said = [
             f"deflection {low} to {high} {units.length}".rstrip() + ", positive down",
             f"{self.method}, {self.iterations} {self.counted}; certificate {self.certificate}, of the equations",
-            f"of the mesh: {compared(self.asked_estimate.elements, self.model.estimated)}",
+            f"of the mesh: {compared(estimate.elements, True) if estimate else '± once plus_minus is asked for'}",
             *self.warnings,
-            *self.asked_estimate.warnings,
         ]
         table = supports_table(self.model.support, self.supports, units, None if widths is None else widths["supports"])
         return f"{title}{table}<p>{'<br>'.join(map(html.escape, said))}</p>"
