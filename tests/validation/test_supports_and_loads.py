@@ -342,3 +342,33 @@ def test_shears_jump_along_a_line_load():
         divisions=(16, 4),
     )
     assert (result.extremes["qx"].max, result.extremes["qx"].min) == pytest.approx((750, -250), rel=1e-9)
+
+
+@pytest.mark.parametrize("begin", [0.0, 1e-6, 1e-4, 0.02])
+@pytest.mark.parametrize("shape", ["rectangle", "polygon"])
+def test_a_wall_parts_moments_and_shears_also_where_it_ends_beside_a_node(begin, shape):
+    # A beam clamped at the wall and propped at 6 m: pL²/8 and 5pL/8 at the wall, and nothing on its other side.
+    outline = {"size": [10, 4]} if shape == "rectangle" else {"points": [[0, 0], [10, 0], [10, 4], [0, 4]]}
+    edges = ["left", "right"] if shape == "rectangle" else ["edge 4", "edge 2"]
+    model = signorini.Model(
+        material={"E": 30e9, "nu": 0.0},
+        plate={"shape": shape, "thickness": 0.2, **outline},
+        mesh={"size": 0.5, "error": False},
+        support=[{"edge": edges, "fix": "simple"}, {"line": [[4, begin], [4, 4]], "fix": "clamped"}],
+        load=[{"pressure": 1e4, "area": {"rectangle": [4, 0, 10, 4]}}],
+    )
+    (at,) = signorini.solve(model)["all"].probe([[4, 2]])
+    assert at.moment[0] == pytest.approx(-45e3, rel=0.01)
+    assert at.shear[0] == pytest.approx(37.5e3, rel=0.01)
+
+
+def test_a_line_load_parts_shears_also_where_it_ends_beside_a_node():
+    model = signorini.Model(
+        material={"E": 30e9, "nu": 0.0},
+        plate={"shape": "rectangle", "size": [10, 4], "thickness": 0.2},
+        mesh={"size": 0.5, "error": False},
+        support=[{"edge": ["left", "right"], "fix": "simple"}],
+        load=[{"line_load": 1e4, "line": [[4, 1e-4], [4, 4]]}],
+    )
+    (at,) = signorini.solve(model)["all"].probe([[4, 2]])
+    assert at.shear[0] == pytest.approx(6e3, rel=1e-3)

@@ -23,7 +23,7 @@ from signorini.discretise.meshing import mesh_of
 from signorini.discretise.moving import Cases
 from signorini.discretise.parts import Parts, parts_of
 from signorini.discretise.placed import placed
-from signorini.discretise.places import located
+from signorini.discretise.places import located, sides_beside
 from signorini.discretise.redundancy import Repeated, that_can_act
 from signorini.discretise.rows import Bools, Floats, Rows
 from signorini.discretise.sections import Sections
@@ -210,7 +210,8 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     thickness, zones = Thickness(*np.full((2, 1, 1), mesh.size)), Zones.of(model, mesh, problems)
     stress_nodes = StressNodes.of_mesh(mesh)
     with problems.collected():
-        along = [one.sides for one in supports] + list(loaded.values())
+        along = [sides_beside(mesh, one.support, one.sides) for one in supports]
+        along += [sides_beside(mesh, model.load[index], sides) for index, sides in loaded.items()]
         thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones, along)
     plate = _plate(mesh, zones, thickness, stress_nodes, held)
     stiffness = PlateStiffness.of(mesh, zones, thickness.at_points)

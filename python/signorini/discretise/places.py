@@ -111,6 +111,17 @@ def mesh_edges(mesh: Mesh, item: Support | Load, place: Place) -> Ints | None:
     return None if along is None else mesh.edges_along(along)
 
 
+def sides_beside(mesh: Mesh, item: Support | Load, followed: Ints | None) -> Ints:
+    """Sides (k, 3) that the item's line or circle parts: all of those that follow it, else those it covers by half.
+
+    A line that ends a little beside a node is not followed, but parts the sides that it covers all the same.
+    """
+    if followed is not None:
+        return followed
+    along = curve(item)
+    return np.zeros((0, 3), np.int64) if along is None else mesh.sides_on(along)
+
+
 def along_curve(
     mesh: Mesh,
     plate: Plate,

@@ -107,7 +107,7 @@ class StressNodes(Remade):
         return Sides(*self.mesh.holding(positions))
 
 
-def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints | None] = ()) -> StressNodes:
+def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints] = ()) -> StressNodes:
     """Part nodes on jumps: elements around a node that meet in sides without a jump have it in common.
 
     Moments and shears jump where what the plate is made of does, shears along sides (k, 3) of supports and of loads,
@@ -130,7 +130,7 @@ def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints | None] = ())
     (13, [[2.0, 0.0], [2.0, 1.0], [2.0, 2.0]])
     """
     own = StressNodes.of_mesh(mesh)
-    on_lines = np.concatenate([np.zeros(0, np.int64), *(sides[:, 1] for sides in along if sides is not None)])
+    on_lines = np.concatenate([np.zeros(0, np.int64), *(sides[:, 1] for sides in along)])
     if not zones.model.zone and not any(level.jumps for level in zones.formulas[0].levels) and not len(on_lines):
         return own
     sides = np.flatnonzero(real_sides(mesh.elements).ravel())

@@ -67,6 +67,21 @@ def _edges_on_segment(points: Floats, triples: Ints, a: Floats, b: Floats, toler
     return chain if np.abs(ends - (0.0, length)).max() <= tolerance else None
 
 
+def sides_mostly_on(points: Floats, triples: Ints, segments: Floats, tolerance: float) -> Ints:
+    """Find the sides (k, 3) on straight segments (m, 2, 2) that these cover by half or more."""
+    found = [np.zeros((0, 3), np.int64)]
+    for a, b in segments:
+        length = float(np.hypot(*(b - a)))
+        along = (b - a) / length
+        offset = points - a
+        station = offset @ along
+        on = triples[(np.abs(offset @ np.array([-along[1], along[0]])) <= tolerance)[triples].all(axis=1)]
+        ends = np.sort(station[on[:, [0, 2]]], axis=1)
+        covered = np.clip(ends, 0.0, length)
+        found.append(on[np.diff(covered, axis=1)[:, 0] >= 0.5 * np.diff(ends, axis=1)[:, 0]])
+    return np.vstack(found)
+
+
 def edges_on_ring(points: Floats, triples: Ints, ring: Ring, tolerance: float) -> OnRing | None:
     """Find the sides with all nodes on a circle; None if there are none.
 

@@ -17,7 +17,7 @@ from signorini.base.remade import Remade
 from signorini.errors import InputError
 from signorini.mesh import checks as mesh_checks
 from signorini.mesh.boxtree import BoxTree
-from signorini.mesh.curves import edges_on_polyline, edges_on_ring
+from signorini.mesh.curves import edges_on_polyline, edges_on_ring, sides_mostly_on
 from signorini.mesh.isoparametric import (
     CENTROID,
     CORNERS,
@@ -317,6 +317,17 @@ class Mesh(Remade):
         if found is None or self.locate(found.gaps).inside.any():
             return None
         return found.triples
+
+    def sides_on(self, curve: Curve) -> Ints:
+        """Find the sides (k, 3) on a curve, of which it may leave out less than half where it ends.
+
+        Other than with `edges_along` the mesh need not follow all of the curve.
+        """
+        triples, tolerance = self.unique_sides, 1e-9 * self.size
+        if not isinstance(curve, Ring):
+            return sides_mostly_on(self.points, triples, curve.outline.segments, tolerance)
+        found = edges_on_ring(self.points, triples, curve, tolerance)
+        return np.zeros((0, 3), np.int64) if found is None else found.triples
 
     def find_sides(self, triples: Ints) -> tuple[Ints, Ints, Bools]:
         """Find the element and side of node triples (k, 3), and whether they run with the element on the left.
