@@ -336,7 +336,6 @@ def test_a_footprint_far_smaller_than_an_element_is_named_as_unresolved(footprin
         {"support": [HARD], "load": [{"line_load": 1, "line": [[1.9, 2], [2.1, 2]]}]},
         {"support": [HARD, {"area": {"rectangle": [1.9, 1.95, 2.1, 2.05]}, "resists": "down", "stiffness": 1e6}]},
         {"support": [HARD, {"area": {"rectangle": [1.9, 1.95, 2.1, 2.05]}, "resists": "down"}]},
-        {"support": [HARD], "load": [{"pressure": 1e3, "area": {"circle": {"center": [2, 2], "radius": 0.1}}}]},
     ],
 )
 def test_circles_lines_and_areas_far_smaller_than_an_element_are_named_as_unresolved(item):

@@ -92,8 +92,6 @@ def _of_loads(found: Discretisation, case: str) -> Iterator[Singularity]:
                 yield from _on_rigid_areas(found, load.at, f"{kind} at a point of {place}")
         elif load.at is not None:
             yield from _unresolved(found, load.at, _width(load), f"footprint of {place}", case)
-        elif load.area is not None:
-            yield from _unresolved_area(found, load, place, case)
         elif load.line_load is not None:
             if (along := curve(load)) is not None:
                 yield from _unresolved_line(found, along, place, case)
@@ -157,7 +155,7 @@ def _on_rigid_areas(found: Discretisation, at: tuple[tuple[float, float], ...], 
 def _unresolved(
     found: Discretisation, at: Sequence[tuple[float, float]] | Floats, size: float, name: str, source: str
 ) -> Iterator[Singularity]:
-    """Footprints, circles, lines and areas that are much smaller than the elements that they are in."""
+    """Footprints, circles, lines and areas of supports that are much smaller than the elements that they are in."""
     places = np.array(at).reshape(-1, 2)
     here = found.mesh.locate(places)
     coarse = here.inside & (size < _RESOLVED * np.sqrt(found.mesh.element_area[here.elements]))
@@ -176,13 +174,6 @@ def _unresolved_line(found: Discretisation, along: Curve, name: str, source: str
         yield from _unresolved_within(found, np.array(along.points), f"line of {name}", source)
 
 
-def _unresolved_area(found: Discretisation, item: Load | Support, name: str, source: str) -> Iterator[Singularity]:
-    """An area that is not all of the plate."""
-    shape = region(item.area)
-    if shape is not None:
-        yield from _unresolved_within(found, np.concatenate(shape.loops), f"area of {name}", source)
-
-
 def _unresolved_within(found: Discretisation, points: Floats, name: str, source: str) -> Iterator[Singularity]:
     low, high = points.min(axis=0), points.max(axis=0)
     yield from _unresolved(found, 0.5 * (low + high), float((high - low).max()), name, source)
@@ -199,7 +190,9 @@ def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity
             yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
     if support.area is None:
         return
-    yield from _unresolved_area(found, support, support.name, support.name)
+    if shape is not None:
+        name = support.name
+        yield from _unresolved_within(found, np.concatenate(shape.loops), f"area of {name}", name)
     if not rigid:
         return
     advice = "Give the area a stiffness."
