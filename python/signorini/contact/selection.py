@@ -152,7 +152,7 @@ def _shared(
     count = np.bincount(dependence.group[here], minlength=len(dependence.even))
     ties = _ties_among(dependence.ties, count > 0)
     tied = (np.abs(ties) > _MOVED).any(axis=1)
-    side = np.where(found.points.one_way[points], np.sign(dependence.scale), 0.0)[here]
+    side = np.where(found.points.two_sided[points], 0.0, np.sign(dependence.scale))[here]
     group, scale, weight = dependence.group[here], dependence.scale[here], dependence.weights[here]
     first = np.zeros(len(count))
     first[group] = side
@@ -196,7 +196,7 @@ def _share_among(
     if not moving.shape[1]:
         return points[:0]
     moving, _ = np.linalg.qr(moving)
-    pushes = found.points.one_way[points]
+    pushes = ~found.points.two_sided[points]
     reaction[points] = _none_pulling(reaction[points], moving, pushes)
     rows, offset = [moving / np.sqrt(dependence.weights[members])[:, None]], []
     offset.append(reaction[points] / np.sqrt(dependence.weights[members]) / force)
