@@ -52,12 +52,8 @@ def edges_on_polyline(points: Floats, triples: Ints, segments: Floats, tolerance
 
 
 def _edges_on_segment(points: Floats, triples: Ints, a: Floats, b: Floats, tolerance: float) -> Ints | None:
-    length = float(np.hypot(*(b - a)))
-    along = (b - a) / length
-    offset = points - a
-    station = offset @ along
-    distance = np.abs(offset @ np.array([-along[1], along[0]]))
-    on = (distance <= tolerance) & (station >= -tolerance) & (station <= length + tolerance)
+    length, station, on = _on_line(points, a, b, tolerance)
+    on &= (station >= -tolerance) & (station <= length + tolerance)
     chain = triples[on[triples].all(axis=1)]
     chain = np.where((station[chain[:, 0]] > station[chain[:, 2]])[:, None], chain[:, ::-1], chain)
     chain = chain[np.argsort(station[chain[:, 1]])]
@@ -71,15 +67,20 @@ def sides_mostly_on(points: Floats, triples: Ints, segments: Floats, tolerance: 
     """Find the sides (k, 3) on straight segments (m, 2, 2) that these cover by half or more."""
     found = [np.zeros((0, 3), np.int64)]
     for a, b in segments:
-        length = float(np.hypot(*(b - a)))
-        along = (b - a) / length
-        offset = points - a
-        station = offset @ along
-        on = triples[(np.abs(offset @ np.array([-along[1], along[0]])) <= tolerance)[triples].all(axis=1)]
-        ends = np.sort(station[on[:, [0, 2]]], axis=1)
+        length, station, on = _on_line(points, a, b, tolerance)
+        sides = triples[on[triples].all(axis=1)]
+        ends = np.sort(station[sides[:, [0, 2]]], axis=1)
         covered = np.clip(ends, 0.0, length)
-        found.append(on[np.diff(covered, axis=1)[:, 0] >= 0.5 * np.diff(ends, axis=1)[:, 0]])
+        found.append(sides[np.diff(covered, axis=1)[:, 0] >= 0.5 * np.diff(ends, axis=1)[:, 0]])
     return np.vstack(found)
+
+
+def _on_line(points: Floats, a: Floats, b: Floats, tolerance: float) -> tuple[float, Floats, Bools]:
+    """Length from a to b; of points how far along they are, and whether they are on the line through both."""
+    length = float(np.hypot(*(b - a)))
+    along = (b - a) / length
+    offset = points - a
+    return length, offset @ along, np.abs(offset @ np.array([-along[1], along[0]])) <= tolerance
 
 
 def edges_on_ring(points: Floats, triples: Ints, ring: Ring, tolerance: float) -> OnRing | None:

@@ -128,10 +128,9 @@ class Boundary:
             yield np.array([*loop, loop[0]])
 
     def _shears_grow(self, angle: float, side: int, other: int, held: bool, other_held: bool) -> bool:
-        fits = (
-            self.twist[side] and not self.sheared[side, 1] if held else self.twist[other] and not self.sheared[other, 0]
-        )
-        return shears_grow(angle, held, other_held, bool(fits))
+        # Of the side that holds the deflection, at the end where they meet.
+        which, end = (side, 1) if held else (other, 0)
+        return shears_grow(angle, held, other_held, bool(self.twist[which] and not self.sheared[which, end]))
 
     def _states(self, side: int, other: int) -> set[tuple[bool, bool]]:
         """Whether two sides hold the deflection where they meet; both that may let go do at once."""
