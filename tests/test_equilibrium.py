@@ -97,3 +97,9 @@ def test_the_path_of_a_base_plate_ends_at_the_same_wind_on_any_mesh(divisions):
     found = path(validate(tables), start="column", add="wind")
     assert found.ending == "no_equilibrium"
     assert found.limit == pytest.approx(0.75, rel=1e-9)
+
+
+def test_the_solver_of_linear_programs_prints_nothing(capfd):
+    """HiGHS writes to the file descriptor; an answer on standard output would follow its name."""
+    minimise(np.ones(1), np.ones((1, 1)), (2.0, np.inf), (0.0, 3.0))
+    assert capfd.readouterr() == ("", "")

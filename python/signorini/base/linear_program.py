@@ -49,6 +49,13 @@ def minimise(
     # Only this function needs it.
     import highspy
 
+    class Quiet(highspy.Highs):
+        """HiGHS from 1.16 prints its name as soon as its constructor calls this, before an option can be set."""
+
+        def enableCallbacks(self) -> None:
+            self.setOptionValue("output_flag", False)
+            super().enableCallbacks()  # type: ignore[no-untyped-call]
+
     program = highspy.HighsLp()
     program.num_row_, program.num_col_ = rows.shape
     program.col_cost_ = np.asarray(cost, dtype=np.float64)
@@ -59,7 +66,7 @@ def minimise(
     start, index, value = _by_rows(rows)
     program.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
     program.a_matrix_.start_, program.a_matrix_.index_, program.a_matrix_.value_ = start, index, value
-    solver: Any = highspy.Highs()  # type: ignore[no-untyped-call]  # its types are not all there
+    solver: Any = Quiet()  # type: ignore[no-untyped-call]  # its types are not all there
     solver.setOptionValue("output_flag", False)
     solver.setOptionValue("primal_feasibility_tolerance", tolerance)
     solver.setOptionValue("dual_feasibility_tolerance", tolerance)
