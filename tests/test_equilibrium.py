@@ -1,5 +1,7 @@
 """Equilibrium as numbers: the line about which a plate tips, the moment that is short, what would hold it."""
 
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -103,3 +105,12 @@ def test_the_solver_of_linear_programs_prints_nothing(capfd):
     """HiGHS writes to the file descriptor; an answer on standard output would follow its name."""
     minimise(np.ones(1), np.ones((1, 1)), (2.0, np.inf), (0.0, 3.0))
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("before", ["", "others = highspy.Highs(); others.setOptionValue('threads', 2); others.run()"])
+def test_the_solver_of_linear_programs_works_beside_another_user_of_it(before):
+    """HiGHS starts the threads of a process once, and refuses to run when then asked for another number."""
+    asked = "print(minimise(np.ones(1), np.ones((1, 1)), (2.0, np.inf), (0.0, 3.0)))"
+    imports = "import highspy, numpy as np; from signorini.base.linear_program import minimise"
+    done = subprocess.run([sys.executable, "-c", f"{imports}\n{before}\n{asked}"], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1:] == ["[2.]"], done.stderr

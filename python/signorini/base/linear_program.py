@@ -38,6 +38,11 @@ def minimise(
     (n,) array or None
         None if nothing satisfies the rows, or the cost has no least value.
 
+    Raises
+    ------
+    RuntimeError
+        If the program could not be solved, which is none of these.
+
     Examples
     --------
     >>> import numpy as np
@@ -70,11 +75,19 @@ def minimise(
     solver.setOptionValue("output_flag", False)
     solver.setOptionValue("primal_feasibility_tolerance", tolerance)
     solver.setOptionValue("dual_feasibility_tolerance", tolerance)
+    # Threads of its own have nothing to do in programs so small, and would come on top of those asked for.
+    solver.setOptionValue("threads", 1)
     solver.passModel(program)
-    solver.run()
-    if solver.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+    if solver.run() == highspy.HighsStatus.kError:
+        # All of a process share its threads: another user of HiGHS has started more.
+        solver.setOptionValue("threads", 0)
+        solver.run()
+    status, ends = solver.getModelStatus(), highspy.HighsModelStatus
+    if status == ends.kOptimal:
+        return np.array(solver.getSolution().col_value)
+    if status in (ends.kInfeasible, ends.kUnbounded, ends.kUnboundedOrInfeasible):
         return None
-    return np.array(solver.getSolution().col_value)
+    raise RuntimeError(f"HiGHS {solver.version()} ended a linear program with {status.name}.")
 
 
 def _by_rows(matrix: Any) -> tuple[NDArray[np.int32], NDArray[np.int32], _Floats]:
