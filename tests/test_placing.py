@@ -9,6 +9,7 @@ from signorini.discretise import discretise
 from signorini.discretise.places import region
 from signorini.errors import InputError
 from signorini.mesh import Mesh
+from signorini.shapes import Polyline, Ring
 
 PLATE = {
     "load": [{"pressure": 5e3}],
@@ -77,6 +78,37 @@ def test_an_area_off_a_round_edge_is_told_how_far() -> None:
         discretise(model)
 
 
+@pytest.mark.parametrize("what", [{"resists": "both"}, {"resists": "down", "stiffness": 1e6}])
+@pytest.mark.parametrize("mesh", [{"size": 0.4}, {"divisions": [10, 10]}])
+def test_a_circle_that_leaves_the_plate_is_refused_whether_the_mesh_follows_it_or_not(what, mesh) -> None:
+    circle = {"center": [0, 0], "radius": 1.5}
+    model = rectangular(mesh=mesh, support=[{"circle": circle, **what}], load=[{"pressure": 1e3}])
+    with pytest.raises(InputError, match=r"support\[1\]\.circle: The circle has 75 % of its size off the plate"):
+        discretise(model)
+    load = [{"line_load": 1e3, "circle": circle}]
+    model = rectangular(mesh=mesh, support=[{"edge": "left", "fix": "clamped"}], load=load)
+    with pytest.raises(InputError, match=r"load\[1\]\.circle: The circle has 75 % of its size off the plate"):
+        discretise(model)
+
+
+def test_lines_and_circles_of_supports_and_loads_are_followed_where_the_elements_are_not_counted() -> None:
+    oblique, ring = Polyline(((0.5, 0.5), (3.0, 2.2))), Ring((2.2, 2.1), 0.9)
+    support = {"line": [[0.5, 0.5], [3.0, 2.2]], "resists": "both"}
+    load = {"line_load": 1e3, "circle": {"center": [2.2, 2.1], "radius": 0.9}}
+    for items, followed in ((([support], [{"pressure": 1e3}]), oblique), (([BESIDE], [load]), ring)):
+        model = rectangular(mesh={"size": 0.4}, support=items[0], load=items[1])
+        assert model.divisions is None and discretise(model).mesh.edges_along(followed) is not None
+        counted = rectangular(mesh={"divisions": [10, 10]}, support=items[0], load=items[1])
+        assert counted.divisions == (10, 10) and discretise(counted).mesh.edges_along(followed) is None
+    disc = {"shape": "disc", "radius": 3, "thickness": 0.2}
+    for at, rows in (([0, 0], True), ([0.5, 0], False)):
+        held = [{"circle": {"center": at, "radius": 2}, "resists": "both"}]
+        model = rectangular(plate=disc, mesh={"size": 0.4}, support=held, load=[{"pressure": 1e3}])
+        assert (model.divisions is not None) == rows
+        assert discretise(model).mesh.edges_along(Ring((at[0], at[1]), 2.0)) is not None
+
+
+BESIDE = {"edge": "left", "fix": "clamped"}
 ARC = [[1.74, 1.11], [2.26, 1.11], {"through": [2.0, 1.42], "to": [1.74, 1.11]}]
 TURN = np.linspace(0, 2 * np.pi, 400, endpoint=False)
 ROUND = (np.array([2.3, 1.3]) + 0.2 * np.column_stack([np.cos(TURN), np.sin(TURN)])).tolist()

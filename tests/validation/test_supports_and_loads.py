@@ -372,3 +372,33 @@ def test_a_line_load_parts_shears_also_where_it_ends_beside_a_node():
     )
     (at,) = signorini.solve(model)["all"].probe([[4, 2]])
     assert at.shear[0] == pytest.approx(6e3, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("support", "at"),
+    [
+        ({"line": [[1, 0.5], [5, 3.2]], "resists": "both"}, [3.0, 1.85]),
+        ({"line": [[1, 0.5], [5, 3.2]], "resists": "both", "stiffness": 5e7}, [3.0, 1.85]),
+        ({"circle": {"center": [3, 2], "radius": 1.2}, "resists": "both"}, [4.2, 2.0]),
+    ],
+)
+def test_walls_oblique_to_a_rectangle_part_moments_where_the_elements_are_not_counted(support, at):
+    plate = {"shape": "rectangle", "size": [6, 4], "thickness": 0.2}
+
+    def along_it(mesh):
+        held = [{"edge": ["left", "right"], "fix": "hard"}, support]
+        probe = [{"at": [at]}]
+        material = {"E": 30e9, "nu": 0.2}
+        load = [{"pressure": 5e3}]
+        model = signorini.Model(material=material, plate=plate, support=held, load=load, probe=probe, mesh=mesh)
+        result = signorini.solve(model)["all"]
+        return np.array(result.probes[0].moment), np.array(result.plus_minus["probes"][0]["moment"], float), result
+
+    exact, _, _ = along_it({"size": 0.05, "error": False})
+    found, within, result = along_it({"size": 0.4})
+    assert not result.warnings
+    assert np.abs(found - exact).max() < 0.06 * np.abs(exact).max()
+    assert (np.abs(found - exact) <= within).all() and within.max() < 0.12 * np.abs(exact).max()
+    cut, _, result = along_it({"divisions": [15, 10]})
+    assert np.abs(cut - exact).max() > 3.0 * np.abs(found - exact).max()
+    assert "The mesh does not follow the" in result.warnings[0]

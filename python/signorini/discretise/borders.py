@@ -1,4 +1,4 @@
-"""What a mesh follows: the arcs of zones, and sizes of elements that leave room for borders and lines."""
+"""What a mesh follows: arcs of borders and circles, and sizes of elements that leave room for borders and lines."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _TOUCHING = 5e-4
 """Part of the plate's size by which things meet: such chords are up to so far off an arc."""
 
 
-def arcs_of(border: Region) -> Iterator[tuple[float, ...]]:
+def arcs_of(border: Line) -> Iterator[tuple[float, ...]]:
     """Yield arcs, of circles their quarters, each by three points.
 
     Examples
@@ -46,7 +46,7 @@ def arcs_of(border: Region) -> Iterator[tuple[float, ...]]:
     yield from (tuple(arc) for arc in border.outline.arcs.reshape(-1, 6).tolist())
 
 
-def room(borders: Sequence[Region], contours: Sequence[Contour], size: float, lines: Sequence[Line] = ()) -> Floats:
+def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, lines: Sequence[Line] = ()) -> Floats:
     """Give straight pieces with sizes (k, 5) that let a mesh of elements of a size follow borders and lines.
 
     They are short sides and small circles of borders, and where a side, or a straight part of a line, is near to
@@ -87,7 +87,7 @@ def room(borders: Sequence[Region], contours: Sequence[Contour], size: float, li
     return np.concatenate(found)
 
 
-def _sides_of(border: Region) -> Iterator[Floats]:
+def _sides_of(border: Line) -> Iterator[Floats]:
     """Yield straight sides, and circles and arcs by their chords, (k, 2, 2)."""
     yield from border.outline.segments[:, None]
     for arc in border.outline.arcs.tolist():

@@ -9,12 +9,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from signorini.discretise.places import curve, region
+from signorini.discretise.places import region
 from signorini.discretise.quadrature.crossings import evaluate, quadratics, with_circles, with_segments
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
 from signorini.model import AnnulusPlate, DiscPlate, Plate, Support
+from signorini.model.curve import curve
 from signorini.shapes import Region
 from signorini.shapes.contours import along_arc
 from signorini.shapes.outlines import Point

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from signorini.discretise.places import located, mesh_edges
+from signorini.discretise.places import edge_sides, located
 from signorini.discretise.quadrature import Quadrature, area_quadrature, off_plate
 from signorini.discretise.rows import Floats, Further, Rows
 from signorini.errors import InputError, Place, point
@@ -110,8 +110,7 @@ class Footprints:
         triples = [np.zeros((0, 3), np.int64)]
         for index, support in enumerate(self._supports):
             if support.edge is not None and "slope" in support.fixed and "w" not in support.fixed:
-                sides = mesh_edges(self._mesh, support, ("support", index))
-                triples += [] if sides is None else [sides]
+                triples.append(edge_sides(self._mesh, support.edge, ("support", index)))
         ends = self._mesh.points[np.concatenate(triples)[:, [0, 2]]]
         return ends[:, 0], ends[:, 1]
 

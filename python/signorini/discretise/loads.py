@@ -101,7 +101,7 @@ def loaded_sides(model: Model, mesh: Mesh, problems: Problems) -> dict[int, Ints
     found = {}
     for index, load in enumerate(model.load):
         with problems.collected():
-            found[index] = mesh_edges(mesh, load, ("load", index)) if load.kind == "line_load" else None
+            found[index] = mesh_edges(mesh, model.plate, load, ("load", index)) if load.kind == "line_load" else None
     return found
 
 

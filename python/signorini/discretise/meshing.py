@@ -10,7 +10,7 @@ import numpy as np
 
 from signorini.base.memory import require_memory
 from signorini.discretise.borders import arcs_of, room
-from signorini.discretise.places import curve, region
+from signorini.discretise.places import region
 from signorini.errors import InputError, Place, Problems
 from signorini.expression import Expression
 from signorini.expression.levels import Drawing
@@ -30,8 +30,9 @@ from signorini.model import (
     Support,
     Zone,
 )
+from signorini.model.curve import curve
 from signorini.model.footprint import footprints
-from signorini.shapes import Curve, Floats, Polyline, Region
+from signorini.shapes import Curve, Floats, Polyline, Region, Ring
 from signorini.shapes.contours import along_arc, circle
 from signorini.shapes.outlines import Box, Point
 
@@ -138,8 +139,8 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
 
 
 def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
-    """A mesh along the outline, holes, and straight lines of supports, loads and jumps."""
-    size, borders = plate.element_size(model.mesh), _borders(model)
+    """A mesh along the outline, holes, borders of zones, circles, and straight lines of supports, loads and jumps."""
+    size, borders = plate.element_size(model.mesh), (*_borders(model), *_rings(model))
     lines = [border.outline.segments.reshape(-1, 4) for border in borders]
     for drawing, (x0, y0, x1, y1) in _steps(model, plate.outline.bounds):
         lines.append(np.array([[x, y0, x, y1] for x in drawing.x_lines]).reshape(-1, 4))
@@ -196,6 +197,12 @@ def _refined(plate: OutlinedPlate, part: Refinement) -> Iterator[Floats]:
 def _borders(model: Model) -> tuple[Region, ...]:
     """What the mesh follows first: the borders of zones."""
     return tuple(zone.region for zone in model.zone)
+
+
+def _rings(model: Model) -> tuple[Ring, ...]:
+    """Circles along which supports and loads are, each once."""
+    items: list[Support | Load] = [*model.support, *model.load]
+    return tuple(dict.fromkeys(along for item in items if isinstance(along := curve(item), Ring)))
 
 
 def _shapes(model: Model) -> Iterator[Region | Curve]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from signorini.discretise.places import curve, region
+from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, DiscPlate, MeshPlate, Plate, Support
+from signorini.model.curve import curve
 from signorini.shapes import Curve, Region
 from signorini.shapes.contours import along_arc
 from signorini.shapes.hull import hull

@@ -67,7 +67,9 @@ def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
                 points, nodes = _at_one_place(mesh, points, taken if holds else taken[both])
                 taken = np.concatenate([taken, points.positions])
                 both = np.append(both, np.full(len(points.positions), holds))
-            found.append(Placed(place, support, points, nodes, mesh_edges(mesh, support, place), footprints))
+            found.append(
+                Placed(place, support, points, nodes, mesh_edges(mesh, model.plate, support, place), footprints)
+            )
     return found
 
 

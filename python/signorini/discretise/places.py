@@ -19,7 +19,8 @@ from signorini.discretise.quadrature.stepped import OFF, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, length, point, unknown
 from signorini.mesh import Mesh
-from signorini.model import AnnulusPlate, Area, DiscPlate, Load, OutlinedPlate, Plate, Refinement, Support
+from signorini.model import AnnulusPlate, Area, DiscPlate, Load, OutlinedPlate, Plate, Support
+from signorini.model.curve import curve
 from signorini.shapes import Circle, Curve, Hollow, Polygon, Polyline, Rectangle, Region, Ring, Rounded
 from signorini.shapes.distances import distances
 from signorini.shapes.overlap import overlap
@@ -46,15 +47,6 @@ class Sampled:
 def region(area: Area | str | None) -> Region | None:
     """The region of the plane that an area names; None for the whole plate."""
     return area.region if isinstance(area, Area) else None
-
-
-def curve(item: Support | Load | Refinement) -> Curve | None:
-    """The curve that a line or circle names; None for other places."""
-    if item.line is not None:
-        return Polyline(item.line)
-    if item.circle is not None:
-        return Ring(item.circle.center, item.circle.radius)
-    return None
 
 
 def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Sampled:
@@ -90,25 +82,40 @@ def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Sa
     return Sampled(where.elements, where.xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
 
 
-def mesh_edges(mesh: Mesh, item: Support | Load, place: Place) -> Ints | None:
-    """Sides of elements (k, 3) that make up the item's edge, line or circle; None if the mesh does not follow it.
+def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:
+    """Sides of elements (k, 3) that make up edges.
 
     Raises
     ------
     InputError
         If the mesh has no edge of that name.
     """
+    problems = [
+        InputError(unknown("edge", name, mesh.edges, "This mesh"), place=(*place, "edge", position))
+        for position, name in enumerate(names)
+        if name not in mesh.edges
+    ]
+    if problems:
+        raise InputError.of(problems)
+    return np.concatenate([mesh.edges[name] for name in names])
+
+
+def mesh_edges(mesh: Mesh, plate: Plate, item: Support | Load, place: Place) -> Ints | None:
+    """Sides of elements (k, 3) that make up the item's edge, line or circle; None if the mesh does not follow it.
+
+    Raises
+    ------
+    InputError
+        If the mesh has no edge of that name, or the circle leaves the plate.
+    """
     if item.edge is not None:
-        problems = [
-            InputError(unknown("edge", name, mesh.edges, "This mesh"), place=(*place, "edge", position))
-            for position, name in enumerate(item.edge)
-            if name not in mesh.edges
-        ]
-        if problems:
-            raise InputError.of(problems)
-        return np.concatenate([mesh.edges[name] for name in item.edge])
+        return edge_sides(mesh, item.edge, place)
     along = curve(item)
-    return None if along is None else mesh.edges_along(along)
+    sides = None if along is None else mesh.edges_along(along)
+    if sides is not None and sides[0, 0] != sides[-1, 2] and isinstance(along, Ring):
+        on_plate = curve_quadrature(mesh, along, order=1)
+        _require_on_plate(mesh, plate, along, on_plate, "The circle", (*place, "circle"))
+    return sides
 
 
 def sides_beside(mesh: Mesh, item: Support | Load, followed: Ints | None) -> Ints:

@@ -27,7 +27,7 @@ from signorini.model.material import Modifiers, Stiffness
 from signorini.model.meshoptions import MeshOptions
 from signorini.model.problems import BRANCHES
 from signorini.model.words import describe
-from signorini.shapes import Region
+from signorini.shapes import Curve, Region, Ring
 from signorini.shapes.contours import Contour, circle, sector, straight
 
 _DEFAULT_ALONG = 20
@@ -95,8 +95,8 @@ class OutlinedPlate(_Plate):
         """Least numbers of elements along the two directions."""
         return 1, 1
 
-    def follows(self, border: Region) -> bool:
-        """Whether a mesh of the plate can have a border for its lines."""
+    def follows(self, border: Region | Curve) -> bool:
+        """Whether a mesh of the plate can have a zone's border, or the line of a support or load, for its lines."""
         return True
 
     def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
@@ -137,10 +137,6 @@ class _PatternedPlate(OutlinedPlate):
         )
         return scaled.model_copy(update={"divisions": (first, second), "size": None})
 
-    def follows(self, border: Region) -> bool:
-        """Whether a mesh of the plate can have a border for its lines: circles around the centre seldom have room."""
-        return False
-
     @abstractmethod
     def _lengths(self) -> tuple[float, float]:
         """Lengths along which the elements are counted, in the order of ``MeshOptions.divisions``."""
@@ -166,8 +162,8 @@ class RectanglePlate(_PatternedPlate):
         corners = ((x, y), (x + a, y), (x + a, y + b), (x, y + b))
         return straight(corners, ("bottom", "right", "top", "left"))
 
-    def follows(self, border: Region) -> bool:
-        """Whether a mesh of the plate can have a border for its lines: rows have lines along the axes alone."""
+    def follows(self, border: Region | Curve) -> bool:
+        """Whether rows can have a border or curve for their lines, which run along the axes alone."""
         ends = border.outline.segments
         return not len(border.outline.whole_circles) and bool((ends[:, 0] == ends[:, 1]).any(axis=1).all())
 
@@ -178,6 +174,11 @@ class RectanglePlate(_PatternedPlate):
         if max(self.size) > _FARTHEST * min(self.size):
             yield ("size",), f"found {list(self.size)}: one side is over {_FARTHEST:g} times the other. It is no plate."
         yield from _too_far("origin", self.origin, min(self.size))
+
+
+def _around(center: Point, border: Region | Curve) -> bool:
+    """Whether it is a circle around a centre along which something is; for borders of zones rows seldom have room."""
+    return isinstance(border, Ring) and bool(border.radii(center))
 
 
 def _quarters(sector: float) -> float:
@@ -204,6 +205,10 @@ class DiscPlate(_PatternedPlate):
         if self.sector == 360:
             return circle(self.center, self.radius, "rim")
         return sector(self.center, 0.0, self.radius, self.sector, ("start", "rim", "end", ""))
+
+    def follows(self, border: Region | Curve) -> bool:
+        """Whether rows can have a border or curve for their lines."""
+        return _around(self.center, border)
 
     def _lengths(self) -> tuple[float, float]:
         return self.radius, math.radians(self.sector) * self.radius
@@ -240,6 +245,10 @@ class AnnulusPlate(_PatternedPlate):
     def fewest(self) -> tuple[int, int]:
         """Least numbers of elements: sides of more than a quarter of the circumference would not be round."""
         return 1, math.ceil(self.sector / 90)
+
+    def follows(self, border: Region | Curve) -> bool:
+        """Whether rows can have a border or curve for their lines."""
+        return _around(self.center, border)
 
     def _lengths(self) -> tuple[float, float]:
         return self.outer - self.inner, math.radians(self.sector) * self.outer

@@ -11,6 +11,7 @@ from pydantic import AfterValidator, Field
 from signorini.errors import unknown
 from signorini.model.base import Complaint, Table, Text
 from signorini.model.combination import Combination
+from signorini.model.curve import curve
 from signorini.model.generated import Choice, Combinations, Positions, Product, products
 from signorini.model.load import Load, Probe
 from signorini.model.material import Material, constant_thickness
@@ -119,13 +120,16 @@ class Model(Table):
     def divisions(self) -> tuple[int, int] | None:
         """Numbers of elements in rows; None where they fill the outline as they fit.
 
-        They do so where rows cannot follow the border of a zone, unless they are counted or of an element that has no
-        triangles.
+        They do so where rows cannot follow the border of a zone or the line of a support or load, at which moments or
+        shears jump, unless they are counted or of an element that has no triangles.
         """
         plate, rows = self.plate, self.mesh.divisions is not None
         if isinstance(plate, MeshPlate):
             return None
-        rows |= plate.element == "q8r" or all(plate.follows(zone.region) for zone in self.zone)
+        items: list[Support | Load] = [*self.support, *self.load]
+        lines = (along for item in items if (along := curve(item)) is not None)
+        followed = *(zone.region for zone in self.zone), *lines
+        rows |= plate.element == "q8r" or all(map(plate.follows, followed))
         return plate.divisions(self.mesh) if rows else None
 
     @property

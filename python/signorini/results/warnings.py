@@ -15,7 +15,8 @@ from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.errors import point
-from signorini.model import Model, Support
+from signorini.model import Load, MeshPlate, Model, Support
+from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.model.zone import KEYS
 from signorini.results.support_points import SupportPoints
@@ -23,6 +24,8 @@ from signorini.results.unit_slips import unit_slips
 from signorini.shapes.depths import depth
 from signorini.shapes.distances import distances
 
+_FOLLOWED = 0.5
+"""Part of a line's length on sides of elements from which on a mesh follows it."""
 _INSIDE = 1e-6
 """Part of the plate's size by which a point of one area must be inside another: areas that touch do not overlap."""
 _NOTHING = 1e-9
@@ -50,7 +53,7 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
     """
     if found not in _KNOWN:
         of_supports = *_one_place(found), *_overlaps(found), *_never_act(found), *_near_edges(found)
-        of_plate = *_one_element(found), *_unrefined(found), *_zones(found)
+        of_plate = *_one_element(found), *_unrefined(found), *_unfollowed(found), *_zones(found)
         _KNOWN[found] = (*unit_slips(found), *of_plate, *of_supports)
     return _KNOWN[found]
 
@@ -136,6 +139,32 @@ def _unrefined(found: Discretisation) -> Iterator[str]:
         for at in part.at or ():
             if not found.mesh.locate(np.array([at])).inside.all():
                 yield f"The point {point(at)} of refinement {index} is not on the plate, and nothing is refined for it."
+
+
+def _unfollowed(found: Discretisation) -> Iterator[str]:
+    """Lines and circles of supports and loads that go through elements."""
+    model, mesh = found.model, found.mesh
+    named: list[tuple[str, Support | Load]] = [(support.name, support) for support in model.support]
+    named += [(f"load[{number}]", load) for number, load in enumerate(model.load, 1) if load.line_load is not None]
+    for name, item in named:
+        if (along := curve(item)) is None:
+            continue
+        begin, _, end = mesh.points[mesh.sides_on(along)].transpose(1, 0, 2)
+        if np.hypot(*(end - begin).T).sum() < _FOLLOWED * along.length:
+            what = "circle" if item.line is None else "line"
+            yield (
+                f"The mesh does not follow the {what} of {name}: in the elements that it cuts, moments and shears are "
+                f"means of both sides. {_to_follow(model)}"
+            )
+
+
+def _to_follow(model: Model) -> str:
+    """What to do for a mesh to follow a line."""
+    if isinstance(model.plate, MeshPlate):
+        return "Make the mesh with sides along it."
+    if model.plate.element == "q8r":
+        return "Leave element out: q8r has rows alone."
+    return "Take smaller elements there." if model.mesh.divisions is None else "Give mesh.size, not divisions."
 
 
 def _one_element(found: Discretisation) -> Iterator[str]:

@@ -9,11 +9,12 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from signorini.discretise import Discretisation
-from signorini.discretise.places import curve, quadratic_tangents
+from signorini.discretise.places import quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.model import Load, Support
+from signorini.model.curve import curve
 from signorini.singularities.corners import Slopes, moments_grow, shears_grow, slopes_held
 
 _STRAIGHT = np.radians(1.0)

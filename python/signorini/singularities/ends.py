@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 from signorini.discretise import Discretisation
-from signorini.discretise.places import curve
 from signorini.discretise.rows import Floats
 from signorini.model import AnnulusPlate, DiscPlate, Load, Support
+from signorini.model.curve import curve
 from signorini.shapes import Curve, Polyline
 from signorini.singularities.boundary import Boundary, boundary_of, is_rigid, shears_along
 from signorini.singularities.corners import moments_grow, slopes_held

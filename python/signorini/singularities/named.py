@@ -9,10 +9,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from signorini.discretise import Discretisation
-from signorini.discretise.places import curve, region
+from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.errors import point
 from signorini.model import Load, Support
+from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.shapes import Circle, Curve, Ring
 from signorini.singularities.boundary import boundary_of, is_rigid
