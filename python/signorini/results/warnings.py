@@ -13,6 +13,7 @@ from signorini.contact.answer import NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import region
+from signorini.discretise.quadrature import curve_quadrature
 from signorini.discretise.rows import Floats
 from signorini.errors import point
 from signorini.model import Load, MeshPlate, Model, Support
@@ -25,7 +26,7 @@ from signorini.shapes.depths import depth
 from signorini.shapes.distances import distances
 
 _FOLLOWED = 0.5
-"""Part of a line's length on sides of elements from which on a mesh follows it."""
+"""Part of a line on the plate that is on sides of elements, from which on a mesh follows it."""
 _INSIDE = 1e-6
 """Part of the plate's size by which a point of one area must be inside another: areas that touch do not overlap."""
 _NOTHING = 1e-9
@@ -150,7 +151,7 @@ def _unfollowed(found: Discretisation) -> Iterator[str]:
         if (along := curve(item)) is None:
             continue
         begin, _, end = mesh.points[mesh.sides_on(along)].transpose(1, 0, 2)
-        if np.hypot(*(end - begin).T).sum() < _FOLLOWED * along.length:
+        if np.hypot(*(end - begin).T).sum() < _FOLLOWED * curve_quadrature(mesh, along, order=1).total:
             what = "circle" if item.line is None else "line"
             yield (
                 f"The mesh does not follow the {what} of {name}: in the elements that it cuts, moments and shears are "
