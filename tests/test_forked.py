@@ -158,8 +158,9 @@ def solved(directory: Path, before: str = "", *more: str) -> subprocess.Popen[st
     directory.mkdir()
     (directory / "slab.toml").write_text(SLAB, "utf-8")
     arguments = ["signorini", "solve", str(directory / "slab.toml"), *more]
-    # On one core there would be nobody who draws.
+    # On one core there would be nobody who draws; a shell's jobs in the background ignore Ctrl-C.
     two = "import os, signal, sys, time\nos.sched_getaffinity = lambda process: {0, 1}\n"
+    two += "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
     code = f"{two}sys.argv = {arguments!r}\n{before}\nimport signorini_command\nsigno" + "rini_command.main()"
     return subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
