@@ -149,6 +149,7 @@ def test_wheels_stand_where_they_should_and_act_only_on_the_plate(patch):
         ),
         ({"generate": "table", "file": "no.csv"}, "combination[1].file: no.csv cannot be read: No such file"),
         ({"factors": {"G": 1}, "variable": {"Q": 1}}, "variable does not go with a combination without generate"),
+        ({"factors": {"G": [1, 1.35]}}, 'Lists of factors go with generate = "patterns", in permanent and variable.'),
         ({"generate": "positions", "factors": {"G": 1}}, 'generate = "positions" needs a case of [[moving]]'),
         ({"factors": {"truck": 1}}, '"truck" moves. Write generate = "positions"'),
         ({"generate": "moving", "factors": {"G": 1}}, "it must be one of table, patterns, positions."),

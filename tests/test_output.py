@@ -668,6 +668,8 @@ def test_an_envelope_has_pictures_of_its_largest_and_smallest_values_in_one_scal
         (name, value, at), peak = high.extremes[0], results.envelope.peaks
         assert (name, value, at) == ("max", peak.extremes.largest[1], peak.largest_at[1].tolist())
         assert low.extremes[0][:2] == ("min", peak.extremes.smallest[1])
+        by = peak.extremes.largest_by[1], peak.extremes.smallest_by[1]
+        assert (high.title, low.title) == (f"max: c{by[0]}", f"min: c{by[1]}")
         assert (title, "largest moment my [kN m/m]") not in drawn
         assert (title, "smallest deflection [m], positive down") in drawn
 

@@ -70,6 +70,16 @@ def _values(value: object) -> object:
     return listed
 
 
+def _one(value: object) -> object:
+    """Refuse a list where one factor belongs."""
+    if isinstance(value, list | tuple):
+        raise ValueError(
+            f'found {describe(value)}; it must be a number. Lists of factors go with generate = "patterns", in '
+            "permanent and variable."
+        )
+    return value
+
+
 _Number = {"type": "number"}
 Values = Annotated[
     tuple[Number, ...],
@@ -112,7 +122,12 @@ class Combination(Table):
         description="Group whose envelope and governing combinations are told apart, such as ULS or SLS; left out: "
         "in none but the envelope of all.",
     )
-    factors: Annotated[Mapping[Text, Number], AfterValidator(Factors), PlainSerializer(dict)] | None = Field(
+    factors: (
+        Annotated[
+            Mapping[Text, Annotated[Number, BeforeValidator(_one)]], AfterValidator(Factors), PlainSerializer(dict)
+        ]
+        | None
+    ) = Field(
         default=None,
         description="Factor of each load case, as in { G = 1.35, Q = 1.5 }; a case left out has none. Empty: no load.",
     )

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 _ARTISTS = 2
 """Processes that draw: moments take as long as all else."""
+_LONGEST = 44
+"""Letters of a combination's name that have room above a panel."""
 _MOST_ELEMENTS = 100_000
 """Elements beyond which memory is not for several processes that draw them at once."""
 
@@ -129,6 +131,8 @@ class EnvelopeSheet:
     ----------
     fields : tuple of str
     file, title : str
+    of : tuple of (str, str)
+        Combinations with the largest and the smallest value of each field.
     envelope : Envelope
     discretisation : Discretisation
     """
@@ -136,6 +140,7 @@ class EnvelopeSheet:
     fields: tuple[str, ...]
     file: str
     title: str
+    of: tuple[tuple[str, str], ...]
     envelope: Envelope
     discretisation: Discretisation
 
@@ -160,19 +165,16 @@ class EnvelopeSheet:
         from signorini.plot import Panel, Picture, drawn_as_png
 
         units, peaks, panels = self.discretisation.model.units, self.envelope.peaks, list[Panel]()
-        for side in ("largest", "smallest"):
-            for field in self.fields:
+        for end, (side, short) in enumerate((("largest", "max"), ("smallest", "min"))):
+            for field, of in zip(self.fields, self.of, strict=True):
                 extremes, number = self.envelope.fields[field], self.envelope.names.index(field)
                 limits = float(extremes.smallest.min()), float(extremes.largest.max())
                 value = float(getattr(peaks.extremes, side)[number])
                 at = getattr(peaks, f"{side}_at")[number].tolist()
                 shown = self.nodes.spread(getattr(extremes, side))
                 label = f"{side} {quantity(field, units)}"
-                panels.append(
-                    Panel(
-                        shown, label, colours(field), limits, [({"largest": "max", "smallest": "min"}[side], value, at)]
-                    )
-                )
+                by = f"{short}: {_cut(of[end])}"
+                panels.append(Panel(shown, label, colours(field), limits, [(short, value, at)], by))
         picture = Picture(lambda: panels, support_marks_of(self.discretisation), self.title)
         for content in drawn_as_png(plan, [picture], units.length, rows=2):
             yield self.file, content
@@ -182,12 +184,18 @@ def envelope_sheets(results: Results) -> list[EnvelopeSheet]:
     """Plan the pictures of envelopes: of all combinations, and of each group."""
     sheets, title = list[EnvelopeSheet](), results.model.title
     for group, file in envelope_files(results).items():
-        of = f"envelope of {group}" if group else f"envelope of {results.combined.solved} combinations"
-        words = ", ".join(part for part in (title, of) if part)
+        what = f"envelope of {group}" if group else f"envelope of {results.combined.solved} combinations"
+        words = ", ".join(part for part in (title, what) if part)
         for ending, name in envelope_pictures(results, file).items():
-            fields = enveloped(results, ending)
-            sheets.append(EnvelopeSheet(fields, name, words, results.combined.over(group), results.discretisation))
+            fields, envelope = enveloped(results, ending), results.combined.over(group)
+            governing = envelope.governing()
+            of = tuple((results.key(governing[field][1]), results.key(governing[field][3])) for field in fields)
+            sheets.append(EnvelopeSheet(fields, name, words, of, envelope, results.discretisation))
     return sheets
+
+
+def _cut(name: str) -> str:
+    return name if len(name) <= _LONGEST else f"{name[: _LONGEST - 1]}…"
 
 
 def sheets_of(results: Results, named: Iterable[tuple[Result, str]]) -> list[Sheet]:

@@ -26,6 +26,8 @@ _SMALLEST = (1.6, 0.8)
 _LEFT, _BETWEEN, _BELOW, _GAP, _BAR, _RIGHT, _LINE = 0.68, 0.1, 0.5, 0.12, 0.15, 0.8, 0.2
 """Inches left of a plan, of the next one beside it, and below it, to its colours, for them and for their numbers; for a
 line of text."""
+_TITLE = 0.4
+"""Inches above a plan for its title, and below that for the name of an extreme at the upper edge."""
 _TALLEST_BAR = 5.0
 _TICKS = 0.6
 """Inches from one number of an axis to the next, about."""
@@ -34,7 +36,7 @@ _TICKS = 0.6
 class Page:
     """A figure whose parts have their places in inches, so that none need be sought by drawing it."""
 
-    def __init__(self, plan: Plan, count: int, length: str, *, bars: bool, rows: int = 1) -> None:
+    def __init__(self, plan: Plan, count: int, length: str, *, bars: bool, rows: int = 1, titles: bool = False) -> None:
         low, high = plan.window
         width, height = high - low
         self._columns = -(-count // rows) if width <= _WIDE * height else 1
@@ -43,6 +45,7 @@ class Page:
         scale = min(widest / width, _TALLEST / height)
         self._box = np.maximum([scale * width, scale * height], _SMALLEST)
         self._above = self._below = 0.0
+        self._title_of_plan = _TITLE if titles else 0.0
         self.figure = Figure(figsize=self._size)
         self.canvas = FigureCanvasAgg(self.figure)
         self.plans = [self.figure.add_axes((0, 0, 1, 1)) for _ in range(count)]
@@ -93,7 +96,7 @@ class Page:
     @property
     def _pitch(self) -> NDArray[np.float64]:
         """From one plan to the next, to the right and down."""
-        return np.asarray(self._box + np.array([_BETWEEN + self._beside, _BELOW + 0.1]))
+        return np.asarray(self._box + np.array([_BETWEEN + self._beside, _BELOW + 0.1 + self._title_of_plan]))
 
     @property
     def _size(self) -> tuple[float, float]:

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 from signorini.base.plain import plain
 from signorini.plot.field import PAPER, Scale, add_colour_bar, checked_field, draw_field
 from signorini.plot.marks import Entry, SupportMark, draw_supports
-from signorini.plot.plan import INK, Plan, inches_per_unit, set_window
+from signorini.plot.plan import INK, Plan, inches_per_unit, literal, set_window
 from signorini.plot.pressure import PressureLayer, draw_pressure, pressure_scale
 
 _NAME = (1.8, 0.35)
 """Inches that the name of an extreme takes."""
+_ABOVE = 18.0
+"""Points from a plan to its title: the name of an extreme at the upper edge is between them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +39,8 @@ class Panel:
         Range of the colours; None for that of the field.
     extremes : sequence of (str, float, (x, y))
         Values that are named in the picture, and where.
+    title : str
+        Above the panel.
     """
 
     values: NDArray[np.float64] | Sequence[PressureLayer]
@@ -44,14 +48,22 @@ class Panel:
     colours: str = "RdBu"
     limits: tuple[float, float] | None = None
     extremes: Sequence[tuple[str, float, Sequence[float]]] = ()
+    title: str = ""
 
 
 def draw_panel(axes: Axes, plan: Plan, panel: Panel, marks: Iterable[SupportMark]) -> list[Entry]:
     """Draw a field with its colour bar, its extremes and the supports; return their entries in the legend."""
     set_window(axes, plan)
     scale = scale_of(plan, panel)
-    add_colour_bar(axes, scale, panel.label)
+    frame(axes, panel, scale)
     return draw_on(axes, plan, panel, scale, marks)
+
+
+def frame(axes: Axes, panel: Panel, scale: Scale, bar: Axes | None = None) -> None:
+    """Draw a panel's colour bar, on axes of its own if there are any, and its title."""
+    add_colour_bar(axes, scale, panel.label, bar)
+    if panel.title:
+        axes.set_title(literal(panel.title), fontsize=8.5, color=INK, pad=_ABOVE)
 
 
 def scale_of(plan: Plan, panel: Panel) -> Scale:

@@ -14,12 +14,12 @@ from matplotlib.patheffects import withStroke
 from signorini.errors import InputError
 from signorini.plot.balance import BalanceMark, draw_balances
 from signorini.plot.cuts import CutMark, draw_cuts
-from signorini.plot.field import Scale, add_colour_bar
+from signorini.plot.field import Scale
 from signorini.plot.files import DOTS, as_png
 from signorini.plot.loads import LoadMark, draw_loads
 from signorini.plot.marks import Entry, SupportMark, ZoneMark, draw_supports, draw_zones, legend_words
 from signorini.plot.page import Page
-from signorini.plot.panel import Panel, draw_on, scale_of
+from signorini.plot.panel import Panel, draw_on, frame, scale_of
 from signorini.plot.places import EdgeMark, SingularMark, draw_edges, draw_singular
 from signorini.plot.plan import Plan, draw_outlines, draw_sheet, inches_per_unit
 
@@ -58,17 +58,21 @@ def field_picture(
     >>> [axes.get_ylabel() for axes in figure.axes]
     ['y', 'y', 'mx [N]', 'my [N]']
     """
-    page = Page(plan, len(panels), length, bars=True)
-    scales = _draw_bars(page, plan, panels)
+    page = _page(plan, panels, length)
+    scales = _frame(page, plan, panels)
     page.finish(title, _draw_fields(page, plan, panels, scales, marks))
     return page.figure
 
 
-def _draw_bars(page: Page, plan: Plan, panels: Sequence[Panel]) -> list[Scale]:
-    """Draw the colour bars, and return their scales."""
+def _page(plan: Plan, panels: Sequence[Panel], length: str, rows: int = 1) -> Page:
+    return Page(plan, len(panels), length, bars=True, rows=rows, titles=any(panel.title for panel in panels))
+
+
+def _frame(page: Page, plan: Plan, panels: Sequence[Panel]) -> list[Scale]:
+    """Draw colour bars and titles of panels, and return the scales."""
     scales = [scale_of(plan, panel) for panel in panels]
     for axes, bar, scale, panel in zip(page.plans, page.bars, scales, panels, strict=True):
-        add_colour_bar(axes, scale, panel.label, bar)
+        frame(axes, panel, scale, bar)
     return scales
 
 
@@ -102,8 +106,8 @@ class Picture:
 def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows: int = 1) -> Iterator[bytes]:
     """Draw pictures of one kind, of several results, as `field_picture` does, one after another.
 
-    Their panels have the same labels and limits, and are in so many rows. What they share, axes and colour bars, is
-    drawn once.
+    Their panels have the same labels, limits and titles, and are in so many rows. What they share, axes and colour
+    bars, is drawn once.
 
     Yields
     ------
@@ -112,8 +116,8 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
     """
     if not pictures:
         return
-    page = Page(plan, len(first := pictures[0].panels()), length, bars=True, rows=rows)
-    scales = _draw_bars(page, plan, first)
+    page = _page(plan, first := pictures[0].panels(), length, rows)
+    scales = _frame(page, plan, first)
     for picture in pictures:
         page.make_room(picture.title, legend_words(picture.marks))
     page.figure.set_dpi(DOTS)
