@@ -67,6 +67,15 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
         raise InputError(error.message, place=("plate",)) from None
 
 
+def to_follow(model: Model) -> str:
+    """Say what to do for a mesh to follow what it goes across."""
+    if isinstance(model.plate, MeshPlate):
+        return "Make the mesh with sides along it."
+    if model.plate.element == "q8r":
+        return "Leave element out: q8r has rows alone."
+    return "Take smaller elements there." if model.mesh.divisions is None else "Give mesh.size, not divisions."
+
+
 def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Model]:
     from signorini.mesh.meshfile import read, read_numbered
 

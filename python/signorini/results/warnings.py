@@ -11,12 +11,13 @@ import numpy as np
 
 from signorini.contact.answer import NotUnique
 from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.meshing import to_follow
 from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import region
 from signorini.discretise.quadrature import curve_quadrature
 from signorini.discretise.rows import Floats
 from signorini.errors import point
-from signorini.model import Load, MeshPlate, Model, Support
+from signorini.model import Load, Model, Support
 from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.model.zone import KEYS
@@ -155,17 +156,8 @@ def _unfollowed(found: Discretisation) -> Iterator[str]:
             what = "circle" if item.line is None else "line"
             yield (
                 f"The mesh does not follow the {what} of {name}: in the elements that it cuts, moments and shears are "
-                f"means of both sides. {_to_follow(model)}"
+                f"means of both sides. {to_follow(model)}"
             )
-
-
-def _to_follow(model: Model) -> str:
-    """What to do for a mesh to follow a line."""
-    if isinstance(model.plate, MeshPlate):
-        return "Make the mesh with sides along it."
-    if model.plate.element == "q8r":
-        return "Leave element out: q8r has rows alone."
-    return "Take smaller elements there." if model.mesh.divisions is None else "Give mesh.size, not divisions."
 
 
 def _one_element(found: Discretisation) -> Iterator[str]:

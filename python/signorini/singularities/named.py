@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from signorini.discretise import Discretisation
+from signorini.discretise.meshing import to_follow
 from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.errors import point
@@ -22,11 +23,8 @@ from signorini.singularities.ends import ends_of_line, ends_of_load
 from signorini.singularities.singularity import Singularity, as_places
 
 _FOOTPRINT = "Give it a footprint, patch or radius."
-_MESH_ALONG = (
-    "They are those of a laminate of both sides there. Take values from beside these elements, or a border along lines "
-    "of the mesh"
-)
-_OF_POLYGON = '; that of shape = "polygon" follows circles of zones too'
+_NEITHER_SIDE = "They are those of a laminate of both sides there; take values from beside these elements."
+_AS_ZONE = "Or say it with a zone, whose border the mesh follows."
 _AROUND = 1e-5
 """Part of the plate's size at which it is looked around a corner of a zone."""
 _ALIKE = 1e-3
@@ -279,14 +277,13 @@ def _of_cut_elements(found: Discretisation) -> Iterator[Singularity]:
     mesh, zones = found.mesh, found.zones
     cut = found.thickness.layered[0] if found.thickness.layered is not None else np.zeros(0, np.int64)
     parted = zones.parted[:, cut]
-    parts = {f"Border of zone {number}": mine for number, mine in enumerate(parted, 1)}
-    parts["Jump of the thickness"] = ~parted.any(axis=0)
-    for what, mine in parts.items():
+    borders = {f"Border of zone {number}": mine for number, mine in enumerate(parted, 1)}
+    for what, mine in (borders | {"Jump of the thickness": ~parted.any(axis=0)}).items():
         if mine.any():
             elements = mesh.elements[cut[mine]]
             count = f"{len(elements)} element{'s' if len(elements) > 1 else ''}"
             where = as_places(mesh.points[np.unique(elements)])
-            advice = f"{_MESH_ALONG}{'' if found.model.plate.shape == 'polygon' else _OF_POLYGON}."
+            advice = f"{_NEITHER_SIDE} {to_follow(found.model) if what in borders else _AS_ZONE}"
             yield Singularity(where, f"{what} within {count}", ("moment", "shear"), advice, "plate")
 
 
