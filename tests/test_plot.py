@@ -250,13 +250,13 @@ def test_a_fixed_line_breaks_at_rows_of_nan() -> None:
 
 
 def test_the_extremes_of_the_deflection_are_named() -> None:
-    ends = [("max", 1.2e-3, (1.2, 0.5)), ("min", -1e-3, (-1.0, 0.5))]
+    ends = [("max 0.0012", (1.2, 0.5)), ("min −0.001", (-1.0, 0.5))]
     figure = field_picture(PLAN, [Panel(POINTS[:, 0] * 1e-3, extremes=ends)])
     assert {"max 0.0012", "min −0.001"} < {text.get_text() for text in figure.axes[0].texts}
 
 
 def test_names_of_extremes_close_together_are_not_on_each_other() -> None:
-    ends = [("max", 1.0, (0.02, 0.5)), ("min", -1.0, (0.0, 0.5))]
+    ends = [("max 1", (0.02, 0.5)), ("min −1", (0.0, 0.5))]
     figure = field_picture(PLAN, [Panel(POINTS[:, 0], extremes=ends)])
     figure.draw_without_rendering()
     low, high = (text.get_window_extent() for text in figure.axes[0].texts if text.get_text()[:3] in ("max", "min"))
@@ -471,7 +471,7 @@ def test_an_area_is_its_outline_and_the_edge_of_contact() -> None:
     edge, outline = np.array([[0.25, 0], [0.25, 1.0]]), np.array([[-1, 0], [1, 0], [1, 1], [-1, 1], [-1, 0.0]])
     soil = SupportMark("soil", "down", outline, None, "area", [edge], counts=(80, 20))
     layers = [PressureLayer(CUT, ACROSS - 0.25, (0, np.inf))]
-    axes = field_picture(PLAN, [Panel(layers, extremes=[("max", 0.95, (1.2, 0.5))])], [soil, PADS], length="m").axes[0]
+    axes = field_picture(PLAN, [Panel(layers, extremes=[("max 0.95", (1.2, 0.5))])], [soil, PADS], length="m").axes[0]
     words = [entry.get_text() for entry in axes.get_legend().get_texts()]
     assert words == ["soil: pushes up only, 80 closed, 20 open", PADS.label, "edge of contact"]
     np.testing.assert_array_equal(axes.lines[-1].get_xydata()[1:], edge)

@@ -18,15 +18,15 @@ from signorini.analysis.twins import twins as twins_module
 from signorini.analysis.twins.half_width import half_widths
 from signorini.analysis.twins.leaves import beside
 from signorini.analysis.twins.meshes import twins_of
+from signorini.base.numbers import estimated
 from signorini.base.plain import plain
 from signorini.discretise import discretise
 from signorini.errors import InputError, NotCertifiedError
 from signorini.mesh.meshers import disc
 from signorini.mesh.refined import refined
 from signorini.output import path_json, reactions_csv, results_json
-from signorini.output.names import MOMENTS, PRESSURE
-from signorini.output.pictures import caption
 from signorini.results.figures import figures
+from signorini.results.panels import panel
 
 POINTS = [[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0]]
 EDGES = ["left", "right", "bottom", "top"]
@@ -650,11 +650,30 @@ def test_every_event_of_a_path_and_its_end_have_half_widths() -> None:
     assert pickle.loads(pickle.dumps(found)).estimate == found.estimate
 
 
-def test_titles_of_pictures_have_the_half_width_of_their_extremes(result: Result) -> None:
-    assert result.plus_minus is not None
-    width = max(result.plus_minus["deflection"]["max"], result.plus_minus["deflection"]["min"])
-    assert caption(result, "") == f"all, extremes ± {plain(width, 2)}"
-    assert caption(result, PRESSURE).startswith("all, extremes ± ")
-    widths = [max(result.plus_minus["fields"][name][side] for side in ("max", "min")) for name in ("mx", "my", "mxy")]
-    mx, my, mxy = (plain(width, 2) for width in widths)
-    assert caption(result, MOMENTS) == f"all, extremes mx ± {mx}, my ± {my}, mxy ± {mxy}"
+def test_extremes_in_pictures_have_their_half_widths(result: Result) -> None:
+    widths = result.plus_minus
+    assert widths is not None
+    words, _ = panel("deflection", result, widths).extremes[0]
+    most = float(result.deflection.max())
+    assert words == f"max {estimated(most, widths['deflection']['max'], digits=4)}" and " ± " in words
+    assert panel("mx", result, None).extremes[0][0] == f"max {plain(result.extremes['mx'].max, 4)}"
+    (of_pressure, _), *_ = panel("pressure", result, widths).extremes
+    assert of_pressure.startswith("max ") and " ± " in of_pressure
+    texts = {text.get_text() for text in result.plot("qx").texts}
+    assert {words for words, _ in panel("qx", result, widths).extremes} < texts
+
+
+def test_colours_of_pictures_end_at_the_extremes_that_are_named() -> None:
+    """A peak beside a corner, which is left out, would leave one colour for all else."""
+    points = [[0, 0], [6, 0], [6, 4], [3, 4], [3, 2], [0, 2]]
+    model = signorini.Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "polygon", "points": points, "thickness": 0.2},
+        mesh={"size": 0.25, "error": False},
+        support=[{"edge": [f"edge {i}" for i in range(1, 7)], "fix": "clamped"}],
+        load=[{"pressure": 5e3}],
+    )
+    result = signorini.solve(model)["all"]
+    ends = result.extremes["qx"]
+    assert (ends.min, ends.max) == panel("qx", result).limits
+    assert np.abs(result.fields["qx"]).max() > 1.2 * max(-ends.min, ends.max)

@@ -32,7 +32,7 @@ def number(value: float, largest: float = 0.0, digits: int = 6) -> str:
 
 
 def estimated(value: float, width: float | None, largest: float = 0.0, digits: int = 6) -> str:
-    """Write a number with its half-width, to the digits that this leaves; None: it has no limit.
+    """Write a number with its half-width, to the digits that this leaves; None: it has no limit, and three of them.
 
     Examples
     --------
@@ -42,12 +42,14 @@ def estimated(value: float, width: float | None, largest: float = 0.0, digits: i
     ('0', '0')
     >>> estimated(-1.93456e-7, 3.1e-9), estimated(12.3, None), estimated(5.0, 21.3), estimated(1e-9, 3e-8)
     ('-1.93e-07 ± 4e-09', '12.3 ± ?', '5 ± 22', '0 ± 3e-08')
+    >>> estimated(-101.397, None), estimated(298107624.0, None)
+    ('-101 ± ?', '298000000 ± ?')
     >>> estimated(0.3, 120.0), estimated(0.0, 8.1e4), estimated(0.0, 3.2e5), estimated(1e-5, 120.0)
     ('0 ± 120', '0 ± 90000', '0 ± 4e+05', '0 ± 120')
     """
-    shown = number(value, largest, digits)
     if width is None:
-        return f"{shown} ± ?"
+        return f"{number(float(f'{value:.3g}'), largest, digits)} ± ?"
+    shown = number(value, largest, digits)
     if width <= 10 * ROUNDING * largest:
         return shown if shown == "0" else f"{shown} ± 0"
     size = math.floor(math.log10(width))

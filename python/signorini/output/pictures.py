@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from signorini.analysis.accuracy import ORDER
 from signorini.analysis.solve import Results
 from signorini.base.forked import Forked, forked
-from signorini.base.plain import plain
 from signorini.discretise import Discretisation
 from signorini.discretise.stressnodes import StressNodes
 from signorini.output.names import (
@@ -27,7 +26,7 @@ from signorini.output.names import (
 )
 from signorini.results.envelope import Envelope
 from signorini.results.marks import support_marks as support_marks_of
-from signorini.results.panels import colours, field_range, panel, quantity, support_marks, unit_of
+from signorini.results.panels import colours, extreme, field_range, panel, quantity, support_marks
 from signorini.results.result import Result
 
 if TYPE_CHECKING:
@@ -39,24 +38,6 @@ _LONGEST = 44
 """Letters of a combination's name that have room above a panel."""
 _MOST_ELEMENTS = 100_000
 """Elements beyond which memory is not for several processes that draw them at once."""
-
-
-def caption(result: Result, ending: str) -> str:
-    """Title of a picture: its heading and, where they are asked for, the half-widths of the extremes that it shows."""
-    widths, said = result.asked_estimate.plus_minus, list[str]()
-    if widths is None:
-        return result.heading
-    for field in PICTURES[ending]:
-        if field == "pressure":
-            every = zip(widths["supports"], result.supports, strict=True)
-            told = [width["max_pressure"] for width, one in every if one.area]
-        else:
-            ends = widths["deflection"] if field == "deflection" else widths["fields"][field]
-            told = [ends["max"], ends["min"]]
-        known = [width for width in told if width is not None]
-        half_width = f"± {plain(max(known), 2)} {unit_of(field, result.model.units)}".rstrip() if known else "± ?"
-        said.append(half_width if len(PICTURES[ending]) == 1 else f"{field} {half_width}")
-    return f"{result.heading}, extremes {', '.join(said)}"
 
 
 def write_refinement(results: Results, directory: Path) -> None:
@@ -78,12 +59,12 @@ class Sheet:
     ----------
     fields : tuple of str
         Of each picture.
-    named : tuple of (str, Result, str)
-        The picture's file, what it shows, and its title.
+    named : tuple of (str, Result, mapping or None)
+        The picture's file, what it shows, and half-widths, where they are asked for.
     """
 
     fields: tuple[str, ...]
-    named: tuple[tuple[str, Result, str], ...]
+    named: tuple[tuple[str, Result, Mapping[str, Any] | None], ...]
 
     @property
     def files(self) -> set[str]:
@@ -107,17 +88,16 @@ class Sheet:
 
         limits = {}
         for field in self.fields:
-            ranges = [field_range(field, result.fields, result.supports) for _, result, _ in self.named]
+            ranges = [field_range(field, result) for _, result, _ in self.named]
             limits[field] = min(low for low, _ in ranges), max(high for _, high in ranges)
 
-        def panels(result: Result) -> list[Panel]:
-            parts = (result.stress_nodes, result.fields, result.supports, result.model.units)
-            return [panel(field, *parts, limit, result.extremes) for field, limit in limits.items()]
+        def panels(result: Result, widths: Mapping[str, Any] | None) -> list[Panel]:
+            return [panel(field, result, widths, limit) for field, limit in limits.items()]
 
         model = self.named[0][1].model
         pictures = [
-            Picture(partial(panels, one), support_marks(one.mesh, model.support, one.supports), title)
-            for _, one, title in self.named
+            Picture(partial(panels, one, widths), support_marks(one.mesh, model.support, one.supports), one.heading)
+            for _, one, widths in self.named
         ]
         files = (file for file, *_ in self.named)
         yield from zip(files, drawn_as_png(plan, pictures, model.units.length), strict=True)
@@ -131,8 +111,8 @@ class EnvelopeSheet:
     ----------
     fields : tuple of str
     file, title : str
-    of : tuple of (str, str)
-        Combinations with the largest and the smallest value of each field.
+    ends : tuple of ((str, str), (str, str))
+        Of each field the combinations with the largest and the smallest value, and these in words.
     envelope : Envelope
     discretisation : Discretisation
     """
@@ -140,7 +120,7 @@ class EnvelopeSheet:
     fields: tuple[str, ...]
     file: str
     title: str
-    of: tuple[tuple[str, str], ...]
+    ends: tuple[tuple[tuple[str, str], tuple[str, str]], ...]
     envelope: Envelope
     discretisation: Discretisation
 
@@ -165,16 +145,14 @@ class EnvelopeSheet:
         from signorini.plot import Panel, Picture, drawn_as_png
 
         units, peaks, panels = self.discretisation.model.units, self.envelope.peaks, list[Panel]()
-        for end, (side, short) in enumerate((("largest", "max"), ("smallest", "min"))):
-            for field, of in zip(self.fields, self.of, strict=True):
+        for end, side in enumerate(("largest", "smallest")):
+            for field, ends in zip(self.fields, self.ends, strict=True):
                 extremes, number = self.envelope.fields[field], self.envelope.names.index(field)
-                limits = float(extremes.smallest.min()), float(extremes.largest.max())
-                value = float(getattr(peaks.extremes, side)[number])
+                limits = float(peaks.extremes.smallest[number]), float(peaks.extremes.largest[number])
                 at = getattr(peaks, f"{side}_at")[number].tolist()
                 shown = self.nodes.spread(getattr(extremes, side))
-                label = f"{side} {quantity(field, units)}"
-                by = f"{short}: {_cut(of[end])}"
-                panels.append(Panel(shown, label, colours(field), limits, [(short, value, at)], by))
+                label, (name, words) = f"{side} {quantity(field, units)}", ends[end]
+                panels.append(Panel(shown, label, colours(field), limits, [(words, at)], name))
         picture = Picture(lambda: panels, support_marks_of(self.discretisation), self.title)
         for content in drawn_as_png(plan, [picture], units.length, rows=2):
             yield self.file, content
@@ -188,17 +166,26 @@ def envelope_sheets(results: Results) -> list[EnvelopeSheet]:
         words = ", ".join(part for part in (title, what) if part)
         for ending, name in envelope_pictures(results, file).items():
             fields, envelope = enveloped(results, ending), results.combined.over(group)
-            governing = envelope.governing()
-            of = tuple((results.key(governing[field][1]), results.key(governing[field][3])) for field in fields)
-            sheets.append(EnvelopeSheet(fields, name, words, of, envelope, results.discretisation))
+            ends = tuple(_ends(results, field, envelope.governing()[field]) for field in fields)
+            sheets.append(EnvelopeSheet(fields, name, words, ends, envelope, results.discretisation))
     return sheets
 
 
-def _cut(name: str) -> str:
-    return name if len(name) <= _LONGEST else f"{name[: _LONGEST - 1]}…"
+def _ends(
+    results: Results, field: str, governing: tuple[float, int, float, int]
+) -> tuple[tuple[str, str], tuple[str, str]]:
+    """Of a field's largest and smallest value the combination, and the value in words."""
+    high, high_by, low, low_by = governing
+    told, found = bool(results.others), list[tuple[str, str]]()
+    for end, value, by in (("max", high, high_by), ("min", low, low_by)):
+        width = results.half_width(f"{end}:{field}", by) if told else None
+        name = results.key(by)
+        cut = name if len(name) <= _LONGEST else f"{name[: _LONGEST - 1]}…"
+        found.append((f"{end}: {cut}", extreme(end, value, told, width)))
+    return found[0], found[1]
 
 
-def sheets_of(results: Results, named: Iterable[tuple[Result, str]]) -> list[Sheet]:
+def sheets_of(results: Results, named: Sequence[tuple[Result, str]]) -> list[Sheet]:
     """Plan the pictures of combinations, each field in one scale over all of a group, or over all that are in none."""
     combinations = results.model.effective_combinations
     groups = {one.name: one.group for one in combinations} if combinations.groups else {}
@@ -206,7 +193,9 @@ def sheets_of(results: Results, named: Iterable[tuple[Result, str]]) -> list[She
     for result, slug in named:
         grouped.setdefault(groups.get(result.name, ""), []).append((result, slug))
     return [
-        Sheet(fields, tuple((f"{slug}{ending}.png", result, caption(result, ending)) for result, slug in those))
+        Sheet(
+            fields, tuple((f"{slug}{ending}.png", result, result.asked_estimate.plus_minus) for result, slug in those)
+        )
         for ending, fields in PICTURES.items()
         if ending != PRESSURE or has_areas(results)
         for those in grouped.values()

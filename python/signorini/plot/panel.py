@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from signorini.base.plain import plain
 from signorini.plot.field import PAPER, Scale, add_colour_bar, checked_field, draw_field
 from signorini.plot.marks import Entry, SupportMark, draw_supports
 from signorini.plot.plan import INK, Plan, inches_per_unit, literal, set_window
@@ -37,8 +36,8 @@ class Panel:
         A map whose middle is zero.
     limits : (low, high) or None
         Range of the colours; None for that of the field.
-    extremes : sequence of (str, float, (x, y))
-        Values that are named in the picture, and where.
+    extremes : sequence of (str, (x, y))
+        What is written in the picture, and where.
     title : str
         Above the panel.
     """
@@ -47,7 +46,7 @@ class Panel:
     label: str = ""
     colours: str = "RdBu"
     limits: tuple[float, float] | None = None
-    extremes: Sequence[tuple[str, float, Sequence[float]]] = ()
+    extremes: Sequence[tuple[str, Sequence[float]]] = ()
     title: str = ""
 
 
@@ -81,13 +80,13 @@ def draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Iterable[
     else:
         draw_pressure(axes, plan, panel.values, scale)
     if panel.extremes:
-        places = np.array([at for _, _, at in panel.extremes], dtype=float)
+        places = np.array([at for _, at in panel.extremes], dtype=float)
         ways = np.where(places > (plan.window[0] + plan.window[1]) / 2, -1, 1)
         # Names that would lie on each other go apart.
         if (np.ptp(places, axis=0) * inches_per_unit(axes) < _NAME).all():
             ways[:, 1] = np.where(np.arange(len(places)) == places[:, 1].argmax(), 1, -1)
-        for (name, value, _), at, way in zip(panel.extremes, places, ways, strict=True):
-            _name_place(axes, f"{name} {plain(value, 4)}", at, way)
+        for (words, _), at, way in zip(panel.extremes, places, ways, strict=True):
+            _name_place(axes, words, at, way)
     return draw_supports(marks, axes)
 
 

@@ -335,7 +335,8 @@ class Result(Remade):
         nodes, units = self.stress_nodes, self.model.units
         plan = Plan.of(nodes.points, nodes.elements)
         marks = support_marks(self.mesh, self.model.support, self.supports)
-        drawn = panel(field, nodes, self.fields, self.supports, units, limits, self.extremes)
+        widths = self.estimate.plus_minus if "estimate" in self.__dict__ else None
+        drawn = panel(field, self, widths, limits)
         if ax is None:
             return field_picture(plan, [drawn], marks, title=self.heading, length=units.length).axes[0]
         draw_legend(ax, draw_panel(ax, plan, drawn, marks))
