@@ -7,6 +7,9 @@ from typing import Any
 
 from signorini.base.numbers import ROUNDING, estimated, number
 
+UNKNOWN = "± ?"
+UNSETTLED = f"{UNKNOWN}: does not settle from mesh to mesh, near what is named below as singular or unresolved"
+
 
 def visible(text: object) -> str:
     r"""Write what would command a terminal, such as an escape in the name of a file, so that it is read instead.

@@ -11,20 +11,23 @@ from rich.text import Text
 
 from signorini.analysis.solve import Results
 from signorini.base.numbers import compared, estimated, number, size_of
-from signorini.cli.cells import cell, in_unit, point, unit_of
+from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, point, unit_of
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.cli.through import print_enveloped
 from signorini.contact.certificate import FIGURES
 from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import governing_reactions
-from signorini.output.names import GOVERNING
+from signorini.output.names import GOVERNING, JSON
 from signorini.results.panels import quantity
+from signorini.results.result import FIELDS
 
 Widths = Mapping[str, Any] | None
 """Half-widths of an envelope, as in results.json; None where there are none."""
 
 _MOST_NAMED = 5
 """Combinations without equilibrium that are named; the rest are in the files."""
+_MOST_PROBES = 6
+"""Probes of which the extremes are listed, eight rows each."""
 _MOST_BEARINGS = 12
 """Bearings of which the governing reactions are listed; of more they are in a file alone."""
 
@@ -52,6 +55,7 @@ def print_combined(console: Console, results: Results) -> None:
             continue
         _print_fields(console, results, group, found["plus_minus"])
         _print_supports(console, results, group, found["plus_minus"])
+        _print_probes(console, results, found)
         print_enveloped(console, results, found)
         print_governing(console, results, group)
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
@@ -83,11 +87,10 @@ def print_governing(console: Console, results: Results, group: str = "") -> None
     shown = Grid(columns)
     for index, one in enumerate(reactions):
         side = "largest" if one.largest else "smallest"
-        cells = [Text(number(value, largest)) for value in one.reactions]
-        own = index // 2
         told = any(width is not None for width in one.widths)
-        shown_own = estimated(one.own, one.widths[own], largest) if told else number(one.own, largest)
-        cells[own] = Text(shown_own, style="bold")
+        pairs = zip(one.reactions, one.widths, strict=True)
+        cells = [Text(estimated(value, width, largest) if told else number(value, largest)) for value, width in pairs]
+        cells[index // 2].stylize("bold")
         shown.add(f"{side} {names[index // 2]}", one.combination, *cells)
     of = f" in {group}" if group else ""
     say(console, f"largest and smallest reaction of each bearing{of}, beside it what the others do then")
@@ -99,14 +102,43 @@ def _print_fields(console: Console, results: Results, group: str, widths: Widths
     envelope, units = results.combined.over(group), results.model.units
     if not envelope.fields:
         return
-    shown = Grid([Column("field"), *numbers("largest"), Column("of"), *numbers("smallest"), Column("of")])
-    for name, (high, high_by, low, low_by) in envelope.governing().items():
-        if name in envelope.fields:
-            title = f"nodal reaction{in_unit(units.force)}" if name == "reaction" else quantity(name, units)
-            size = size_of([high, low])
-            most = cell(high, widths, ("fields", name, "max"), size)
-            least = cell(low, widths, ("fields", name, "min"), size)
-            shown.add(title, most, results.key(high_by), least, results.key(low_by))
+    at = Column(f"at{in_unit(units.length)}", number=True, spare=True)
+    shown = Grid([Column("field"), *numbers("largest"), at, Column("of"), *numbers("smallest"), at, Column("of")])
+    governing, peaks, mesh, unsettled = envelope.governing(), envelope.peaks, results.discretisation.mesh, False
+    for index, name in enumerate(envelope.names):
+        high, high_by, low, low_by = governing[name]
+        most, least = (
+            [cell(value, widths, ("fields", name, side), size_of([high, low])), point(at.tolist(), mesh.size)]
+            for side, value, at in (("max", high, peaks.largest_at[index]), ("min", low, peaks.smallest_at[index]))
+        )
+        shown.add(quantity(name, units), *most, results.key(high_by), *least, results.key(low_by))
+        unsettled |= any(UNKNOWN in one for one in (*most, *least))
+    shown.show(console)
+    if unsettled:
+        say(console, UNSETTLED)
+    console.print()
+
+
+def _print_probes(console: Console, results: Results, envelope: Mapping[str, Any]) -> None:
+    """Print the extremes of the fields at probes, a row each, and which combinations these are of."""
+    probes, units, widths = envelope["probes"], results.model.units, envelope["plus_minus"]
+    if not probes:
+        return
+    if len(probes) > _MOST_PROBES:
+        say(console, f"{len(probes)} probes: {JSON} has what is largest and smallest at each")
+        console.print()
+        return
+    where = f"at{in_unit(units.length)}"
+    shown = Grid(
+        [Column(where), Column("field"), *numbers("largest"), Column("of"), *numbers("smallest"), Column("of")]
+    )
+    for field in FIELDS:
+        size = size_of([[probe[field]["max"], probe[field]["min"]] for probe in probes])
+        for index, probe in enumerate(probes):
+            of, path = probe[field], ("probes", index, field)
+            most, least = (cell(of[end], widths, (*path, end), size, 5) for end in ("max", "min"))
+            at = point(probe["at"], results.discretisation.mesh.size)
+            shown.add(at, quantity(field, units), most, of["max_by"], least, of["min_by"])
     shown.show(console)
     console.print()
 

@@ -11,7 +11,7 @@ from signorini.analysis.check import ASKED, Check
 from signorini.analysis.solve import Results
 from signorini.analysis.twins.leaves import largest_of
 from signorini.base.numbers import compared, number, size_of
-from signorini.cli.cells import cell, in_unit, point, unit_of
+from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, point, unit_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.cli.through import print_through
@@ -262,16 +262,19 @@ def _print_extremes(console: Console, result: Result, largest: Mapping[str, floa
     units, size, widths = result.model.units, result.mesh.size, result.asked_estimate.plus_minus
     where = f"at{in_unit(units.length)}"
     shown = Grid([Column("moments and shears"), *numbers("largest", where, "smallest", where)])
-    beside: dict[str, list[str]] = {}
+    beside, unsettled = dict[str, list[str]](), False
     for name, kind in NUMBERS.items():
         found, cells = result.extremes[name], []
         for side, value, at in (("max", found.max, found.max_at), ("min", found.min, found.min_at)):
             cells += [cell(value, widths, ("fields", name, side), largest[kind], 5), point(at, size)]
         shown.add(quantity(name, units), *cells)
+        unsettled |= any(UNKNOWN in one for one in cells)
         for what in dict.fromkeys(filter(None, (found.max_beside, found.min_beside))):
             beside.setdefault(what, []).append(name)
     console.print()
     shown.show(console)
+    if unsettled:
+        say(console, UNSETTLED)
     for what, names in beside.items():
         say(console, f"without a limit there, and left out: {', '.join(names)} at {what[0].lower()}{what[1:]}")
 
