@@ -44,8 +44,8 @@ pub struct Wishes {
     pub refinements: Vec<Refinement>,
     /// Arcs for sides of elements to follow, before all lines: from a point through one to another.
     pub arcs: Vec<[Point; 3]>,
-    /// Straight lines for sides of elements to follow, those that matter most first. Not followed is what leaves the
-    /// plate, or comes nearer to the outline or to lines before it than about half an element.
+    /// Straight lines for sides of elements to follow, those that matter most first. Not followed are the parts that
+    /// leave the plate, or come nearer to the outline or to lines before them than about half an element.
     pub lines: Vec<[Point; 2]>,
     /// Points for nodes, likewise.
     pub points: Vec<Point>,

@@ -36,6 +36,9 @@ pub const NEAR: f64 = 0.55;
 /// Sine of the least angle at which a line is followed up to another (25°).
 const SLANT: f64 = 0.42;
 
+/// Places looked at on a line within the distance that is too near.
+const STATIONS: f64 = 4.0;
+
 /// Where a stretch of a new line begins or ends.
 #[derive(Clone, Copy)]
 struct Stop {
@@ -140,14 +143,53 @@ impl<'a> Planar<'a> {
             merged.windows(2).map(|w| ([w[0], w[1]], line.part([w[0].share, w[1].share], w[0].at, w[1].at)));
         let fresh: Vec<([Stop; 2], Curve)> =
             stretches.filter(|(_, part)| self.track_at(part.at(0.5)).is_none()).collect();
-        if !fresh.iter().all(|(ends, part)| self.may_follow(ends, part)) {
-            return;
-        }
+        // Half a circle is no better than none; of a line every part is.
+        let fresh = if line.is_straight() {
+            fresh.iter().flat_map(|(ends, part)| self.with_room(ends, part)).collect()
+        } else if fresh.iter().all(|(ends, part)| self.may_follow(ends, part)) {
+            fresh
+        } else {
+            Vec::new()
+        };
         for (ends, part) in fresh {
             let ends = ends.map(|stop| self.vertex(stop.at));
             let curve = part.part([0.0, 1.0], self.vertices[ends[0]], self.vertices[ends[1]]);
             self.tracks.push(Track { curve, side: None, cuts: vec![(0.0, ends[0]), (1.0, ends[1])] });
         }
+    }
+
+    /// What may be followed of a stretch of a line: all of it, or the parts that come too near to nothing else.
+    fn with_room(&self, ends: &[Stop; 2], stretch: &Curve) -> Vec<([Stop; 2], Curve)> {
+        if self.may_follow(ends, stretch) {
+            return vec![(*ends, *stretch)];
+        }
+        let near = |at: Point| NEAR * self.sizes.at(at);
+        let least = [0.0, 0.5, 1.0].map(|t| near(stretch.at(t))).into_iter().fold(f64::INFINITY, f64::min);
+        let count = (STATIONS * stretch.length() / least).ceil() as usize;
+        let at = |i: usize| stretch.at(i as f64 / count as f64);
+        let clear: Vec<bool> = (0..=count).map(|i| self.has_room(at(i))).collect();
+        let stop = |i: usize| Stop { share: i as f64 / count as f64, at: at(i), vertex: None };
+        let mut parts: Vec<([Stop; 2], Curve)> = Vec::new();
+        let mut begin = 0;
+        while let Some(first) = (begin..=count).find(|&i| {
+            clear[i]
+                && parts.last().is_none_or(|(ends, _): &([Stop; 2], Curve)| distance(ends[1].at, at(i)) >= near(at(i)))
+        }) {
+            let last = (first..=count).take_while(|&i| clear[i]).last().unwrap_or(first);
+            // From and to the ends of the stretch, if these are what was too near.
+            let from =
+                if parts.is_empty() { vec![Stop { share: 0.0, ..ends[0] }, stop(first)] } else { vec![stop(first)] };
+            let to = if clear[last..].iter().skip(1).any(|&c| c) {
+                vec![stop(last)]
+            } else {
+                vec![Stop { share: 1.0, ..ends[1] }, stop(last)]
+            };
+            let tried = from.iter().flat_map(|f| to.iter().map(move |t| [*f, *t]));
+            let part = |[f, t]: [Stop; 2]| ([f, t], stretch.part([f.share, t.share], f.at, t.at));
+            parts.extend(tried.map(part).find(|(ends, part)| self.may_follow(ends, part)));
+            begin = last + 1;
+        }
+        parts
     }
 
     /// The vertex at a point, made if need be, on the track that passes there.
