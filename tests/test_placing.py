@@ -144,3 +144,82 @@ def test_arcs_that_the_mesh_follows_leave_no_slivers(area, exact):
     weights = discretise(model).contacts.weights
     assert weights.sum() == pytest.approx(exact, rel=1e-12)
     assert weights.min() > 1e-2 * weights.max()
+
+
+EDGES = {"name": "edges", "edge": ["left", "right", "bottom", "top"], "fix": "simple"}
+TURNED = 2 * np.pi * (np.arange(8) + 0.3) / 8
+ON_RING = np.column_stack([5 + 3 * np.cos(TURNED), 4 + 3 * np.sin(TURNED)]).tolist()
+
+
+@pytest.mark.parametrize(
+    ("exact", "rounded"),
+    [
+        ([{"line": [[2, 0], [7, 6]], "resists": "down"}], [{"line": [[2, 1e-3], [7, 6]], "resists": "down"}]),
+        ([{"line": [[2, 0], [7, 6]], "resists": "down"}], [{"line": [[2, -1e-7], [7, 6]], "resists": "down"}]),
+        ([{"line": [[2, 0], [2, 8]], "fix": "simple"}], [{"line": [[2, 1e-6], [2, 8.0004]], "fix": "simple"}]),
+        *(
+            (
+                [{"line": [[0, 2], [10, 5]], "fix": "simple"}, {"line": [[5, 3.5], [6, 8]], "fix": "simple"}],
+                [{"line": [[0, 2], [10, 5]], "fix": "simple"}, {"line": [[5, y], [6, 8]], "fix": "simple"}],
+            )
+            for y in (3.4999, 3.5003)
+        ),
+        ([], [{"at": [[3, 1e-9], [0.0004, 2], [10, 3]], "resists": "both"}]),
+        ([], [{"line": [[1e-6, 0], [0, 8]], "resists": "down"}]),
+    ],
+)
+def test_what_all_but_touches_an_edge_or_a_wall_does(exact, rounded) -> None:
+    """Apart by a thousandth of the thickness, rigid supports would pry with up to 1e8 times the load."""
+    plate = {"shape": "rectangle", "size": [10, 8], "thickness": 0.3}
+
+    def solved(support):
+        model = rectangular(plate=plate, mesh={"size": 0.7}, support=[EDGES, *support], load=[{"pressure": 1e4}])
+        return solve(model)["all"]
+
+    wanted, found = solved(exact), solved(rounded)
+    assert found.deflection.max() == pytest.approx(wanted.deflection.max(), rel=2e-3)
+    others = [list(one.reactions.values())[1:] for one in (found, wanted)]
+    assert others[0] == pytest.approx(others[1], rel=5e-3) if exact else max(map(abs, others[0])) < 5e4
+    assert not [words for words in found.warnings if "pry" in words]
+
+
+@pytest.mark.parametrize("held", [{"fix": "simple"}, {"resists": "both"}])
+@pytest.mark.parametrize(
+    "plate",
+    [
+        {"shape": "rectangle", "size": [10, 8], "thickness": 0.3},
+        {"shape": "disc", "radius": 4, "center": [5, 4], "thickness": 0.3},
+    ],
+)
+def test_rigid_points_on_a_rigid_circle_do_nothing(plate, held) -> None:
+    """They are up to 1e-5 off the curved sides that stand for it, and would clamp the plate there."""
+    ring = {"circle": {"center": [5, 4], "radius": 3}, **held}
+
+    def solved(*more):
+        model = rectangular(plate=plate, mesh={"size": 0.8333}, support=[ring, *more], load=[{"pressure": 1e4}])
+        return solve(model)["all"].probe([[5, 4]])[0]
+
+    wanted, found = solved(), solved({"at": ON_RING, "resists": "both"})
+    assert found.deflection == pytest.approx(wanted.deflection, rel=1e-6)
+    assert found.moment == pytest.approx(wanted.moment, rel=1e-6, abs=1e-3)
+
+
+def test_a_circle_that_all_but_is_the_rim_is_the_rim() -> None:
+    disc = {"shape": "disc", "radius": 5, "thickness": 0.3}
+    rim = {"edge": "rim", "fix": "simple"}
+    ring = {"circle": {"center": [0, 0], "radius": 4.9999999}, "resists": "down"}
+    material = {"E": 30e9, "nu": 0.2}
+    load = [{"pressure": 1e4}]
+    model = rectangular(material=material, plate=disc, mesh={"size": 0.8}, support=[rim, ring], load=load)
+    # Timoshenko & Woinowsky-Krieger (1959), eq. 68, and the shear's share.
+    stiff = 30e9 * 0.3**3 / 12 / (1 - 0.2**2)
+    bent = 1e4 * 5**4 * 5.2 / (64 * 1.2 * stiff) + 1e4 * 5**2 / (4 * 5 / 6 * 30e9 / 2.4 * 0.3)
+    assert solve(model)["all"].deflection.max() == pytest.approx(bent, rel=1e-3)
+
+
+def test_small_circles_are_not_followed_with_many_small_elements() -> None:
+    columns = [{"circle": {"center": [x, y], "radius": 0.02}, "resists": "down"} for x in (2, 5, 8) for y in (2, 6)]
+    plate = {"shape": "rectangle", "size": [10, 8], "thickness": 0.3}
+    model = rectangular(plate=plate, mesh={"size": 0.8333}, support=columns, load=[{"pressure": 1e4}])
+    assert model.divisions is not None
+    assert solve(model)["all"].plus_minus is not None

@@ -30,7 +30,7 @@ from signorini.model import (
     Support,
     Zone,
 )
-from signorini.model.curve import curve
+from signorini.model.curve import curve, worth_following
 from signorini.model.footprint import footprints
 from signorini.shapes import Curve, Floats, Polyline, Region, Ring
 from signorini.shapes.contours import along_arc, circle
@@ -149,7 +149,8 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
 
 def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     """A mesh along the outline, holes, borders of zones, circles, and straight lines of supports, loads and jumps."""
-    size, borders = plate.element_size(model.mesh), (*_borders(model), *_rings(model))
+    size = plate.element_size(model.mesh)
+    borders = *_borders(model), *_rings(model, size)
     lines = [border.outline.segments.reshape(-1, 4) for border in borders]
     for drawing, (x0, y0, x1, y1) in _steps(model, plate.outline.bounds):
         lines.append(np.array([[x, y0, x, y1] for x in drawing.x_lines]).reshape(-1, 4))
@@ -208,10 +209,11 @@ def _borders(model: Model) -> tuple[Region, ...]:
     return tuple(zone.region for zone in model.zone)
 
 
-def _rings(model: Model) -> tuple[Ring, ...]:
-    """Circles along which supports and loads are, each once."""
+def _rings(model: Model, size: float) -> tuple[Ring, ...]:
+    """Circles along which supports and loads are, each once, but for those that are small beside elements."""
     items: list[Support | Load] = [*model.support, *model.load]
-    return tuple(dict.fromkeys(along for item in items if isinstance(along := curve(item), Ring)))
+    rings = (along for item in items if isinstance(along := curve(item), Ring) and worth_following(along, size))
+    return tuple(dict.fromkeys(rings))
 
 
 def _shapes(model: Model) -> Iterator[Region | Curve]:

@@ -79,7 +79,9 @@ def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Sa
                 for i in off
             ]
         )
-    return Sampled(where.elements, where.xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
+    # A point of a circle is all but on the curved side that stands for it.
+    xi = mesh.onto_curved_sides(where)
+    return Sampled(where.elements, xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
 
 
 def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:

@@ -46,6 +46,9 @@ _GAUSS_WEIGHTS = np.outer([5.0, 8.0, 5.0], [5.0, 8.0, 5.0]).ravel() / 81.0
 _TRIANGLE = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])
 """Points whose mean is that of quadratic functions on the triangle, as the determinants of its Jacobian are."""
 _ON_EDGE = 1e-9
+_OF_RISE = 0.1
+"""Part of a side's rise over its chord: a circle passes its parabola by less than half of it on elements of up to 90
+degrees."""
 _PAST_CURVED_EDGE = 2e-2
 
 
@@ -286,6 +289,18 @@ class Mesh(Remade):
         over = np.where(triangles & snap[:, 1], np.maximum(xi.sum(axis=1) - 1.0, 0.0), 0.0)
         return point, Location(element, xi - 0.5 * over[:, None])
 
+    def onto_curved_sides(self, where: Location) -> Floats:
+        """Reference points (q, 2), those on the curved sides from which they are at most a tenth of their rise."""
+        element, xi = where.elements, where.xi.copy()
+        triangles, past = self.triangles[element], self.past(element, xi)
+        near = self._curved[element] & (np.abs(past) <= _OF_RISE * np.abs(self.sagitta / self._depth)[element])
+        xi[near[:, 3], 0] = np.where(triangles, 0.0, -1.0)[near[:, 3]]
+        xi[near[:, 0], 1] = np.where(triangles, 0.0, -1.0)[near[:, 0]]
+        xi[near[:, 1] & ~triangles, 0] = 1.0
+        xi[near[:, 2] & ~triangles, 1] = 1.0
+        over = np.where(triangles & near[:, 1], xi.sum(axis=1) - 1.0, 0.0)
+        return np.asarray(xi - 0.5 * over[:, None])
+
     def past(self, element: Ints, xi: Floats) -> Floats:
         """Measure how far (q, 4) reference points (q, 2) lie past the sides of elements (q,).
 
@@ -381,13 +396,16 @@ class Mesh(Remade):
         return np.asarray(np.abs(self.sagitta) > 1e-9 * np.hypot(*np.moveaxis(b - a, 2, 0)))
 
     @cached_property
-    def _reach(self) -> Floats:
-        """How far (ne, 4) past each side, in reference coordinates, a point still counts as inside."""
+    def _depth(self) -> Floats:
+        """How deep elements are behind each side (ne, 4)."""
         a, b = self.points[self.sides[..., 0]], self.points[self.sides[..., 2]]
         length = np.where(real_sides(self.elements), np.hypot(*np.moveaxis(b - a, 2, 0)), 1.0)
-        depth = self.element_area[:, None] / length
-        # A circle passes its parabola by less than 0.05 sagittas on elements of up to 90 degrees.
-        past = np.clip(0.1 * self.sagitta / depth, _PAST_CURVED_EDGE, 0.3)
+        return np.asarray(self.element_area[:, None] / length)
+
+    @cached_property
+    def _reach(self) -> Floats:
+        """How far (ne, 4) past each side, in reference coordinates, a point still counts as inside."""
+        past = np.clip(_OF_RISE * self.sagitta / self._depth, _PAST_CURVED_EDGE, 0.3)
         curved = self.on_boundary & self._curved & (self.sagitta > 0.0)
         return np.where(curved, past, self._rounding[:, None])
 

@@ -7,6 +7,9 @@ from typing import Protocol
 from signorini.model.area import Circle
 from signorini.shapes import Curve, Polyline, Ring
 
+_LEAST_RADIUS = 0.5
+"""Part of the element size from which on a circle is worth following: twelve elements around it are half as large."""
+
 
 class Along(Protocol):
     """A support, load or refinement, as far as it may be on a line."""
@@ -34,3 +37,14 @@ def curve(item: Along) -> Curve | None:
     if item.circle is not None:
         return Ring(item.circle.center, item.circle.radius)
     return None
+
+
+def worth_following(along: Curve, size: float) -> bool:
+    """Whether elements of some size are to follow a curve: around a small circle they would be too many.
+
+    Examples
+    --------
+    >>> worth_following(Ring((0.0, 0.0), 0.2), 0.5), worth_following(Ring((0.0, 0.0), 0.3), 0.5)
+    (False, True)
+    """
+    return not isinstance(along, Ring) or along.radius >= _LEAST_RADIUS * size

@@ -11,7 +11,7 @@ from pydantic import AfterValidator, Field
 from signorini.errors import unknown
 from signorini.model.base import Complaint, Table, Text
 from signorini.model.combination import Combination
-from signorini.model.curve import curve
+from signorini.model.curve import curve, worth_following
 from signorini.model.generated import Choice, Combinations, Positions, Product, products
 from signorini.model.load import Load, Probe
 from signorini.model.material import Material, constant_thickness
@@ -127,7 +127,8 @@ class Model(Table):
         if isinstance(plate, MeshPlate):
             return None
         items: list[Support | Load] = [*self.support, *self.load]
-        lines = (along for item in items if (along := curve(item)) is not None)
+        size = plate.element_size(self.mesh)
+        lines = (along for item in items if (along := curve(item)) is not None and worth_following(along, size))
         followed = *(zone.region for zone in self.zone), *lines
         rows |= plate.element == "q8r" or all(map(plate.follows, followed))
         return plate.divisions(self.mesh) if rows else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import combinations
+from itertools import combinations, pairwise
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -17,14 +17,16 @@ from signorini.discretise.places import region
 from signorini.discretise.quadrature import curve_quadrature
 from signorini.discretise.rows import Floats
 from signorini.errors import point
-from signorini.model import Load, Model, Support
+from signorini.model import Load, Model, OutlinedPlate, Support
 from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.model.zone import KEYS
 from signorini.results.support_points import SupportPoints
 from signorini.results.unit_slips import unit_slips
+from signorini.shapes import Curve, Ring
 from signorini.shapes.depths import depth
 from signorini.shapes.distances import distances
+from signorini.shapes.nearest import Targets, sides_of
 
 _FOLLOWED = 0.5
 """Part of a line on the plate that is on sides of elements, from which on a mesh follows it."""
@@ -54,7 +56,13 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
     ('E = 3e+10 kN/m² is 3e+13 Pa, and what plates are made of has 1e+08 to 1e+12: was another unit meant?',)
     """
     if found not in _KNOWN:
-        of_supports = *_one_place(found), *_overlaps(found), *_never_act(found), *_near_edges(found)
+        of_supports = (
+            *_one_place(found),
+            *_overlaps(found),
+            *_never_act(found),
+            *_prying(found),
+            *_couples(found),
+        )
         of_plate = *_one_element(found), *_unrefined(found), *_unfollowed(found), *_zones(found)
         _KNOWN[found] = (*unit_slips(found), *of_plate, *of_supports)
     return _KNOWN[found]
@@ -189,24 +197,35 @@ def _one_place(found: Discretisation) -> Iterator[str]:
             )
 
 
-def _near_edges(found: Discretisation) -> Iterator[str]:
-    """Rigid points that pry against an edge, and couples that an edge of symmetry takes."""
+def _prying(found: Discretisation) -> Iterator[str]:
+    """Rigid points, and ends of rigid lines, that pry against an edge or another line."""
     model, mesh, thickness = found.model, found.mesh, float(found.thickness.max())
-    within = SAME_PLACE * mesh.size
+    rigid = [support for support in model.support if support.holds_w and support.stiffness is None]
+    edges = [(f"the edge {name}", one, _edge(found, name)) for one in rigid for name in one.edge or ()]
+    lines = [(f"the {one.place}", one, _along(line)) for one in rigid if (line := curve(one)) is not None]
+    for support in rigid:
+        if support.given(FOOTPRINT) or (support.at is None and support.line is None):
+            continue
+        places = np.array(support.at if support.at is not None else support.line)
+        for what, holding, those in (*edges, *lines):
+            if holding is support:
+                continue
+            apart = those.nearest(places)[1]
+            if len(near := np.flatnonzero((SAME_PLACE * mesh.size < apart) & (apart < thickness))):
+                yield (
+                    f"{support.name} holds the plate rigidly at {point(places[near[0]].tolist())}, "
+                    f"{apart[near[0]]:.3g} from {what} that {holding.name} holds, less than the thickness: they pry "
+                    "against each other, and their reactions are not those of a plate. Leave it out, or give it a "
+                    "stiffness."
+                )
+
+
+def _couples(found: Discretisation) -> Iterator[str]:
+    """Couples that an edge of symmetry takes."""
+    model, mesh = found.model, found.mesh
     for holding in model.support:
         for name in holding.edge or ():
             begin, end = mesh.points[mesh.edges[name][:, [0, 2]]].transpose(1, 0, 2)
-            for support in model.support if holding.holds_w and holding.stiffness is None else ():
-                if support.at is None or support.stiffness is not None or support.given(FOOTPRINT):
-                    continue
-                apart = distances(np.array(support.at), begin, end).min(axis=1)
-                if len(near := np.flatnonzero((within < apart) & (apart < thickness))):
-                    yield (
-                        f"{support.name} holds the plate rigidly at {point(support.at[near[0]])}, {apart[near[0]]:.3g} "
-                        f"from the edge {name} that {holding.name} holds, less than the thickness: they pry against "
-                        "each other, and their reactions are not those of a plate. Leave it out, or give it a "
-                        "stiffness."
-                    )
             for index, load in enumerate(model.load) if "slope" in holding.fixed else ():
                 if load.couple is None or load.at is None or load.given(FOOTPRINT):
                     continue
@@ -214,11 +233,24 @@ def _near_edges(found: Discretisation) -> Iterator[str]:
                 side = apart.argmin(axis=1)
                 across = (end - begin)[side][:, ::-1] * [1.0, -1.0]
                 part = np.abs(across @ load.couple) / (np.hypot(*across.T) * math.hypot(*load.couple) + 1e-300)
-                if len(lost := np.flatnonzero((apart.min(axis=1) <= within) & (part > _NOTHING))):
+                if len(lost := np.flatnonzero((apart.min(axis=1) <= SAME_PLACE * mesh.size) & (part > _NOTHING))):
                     yield (
                         f"The couple of load[{index + 1}] at {point(load.at[lost[0]])} turns the plate across the edge "
                         f"{name}, where {holding.name} holds the slope: that part of it does nothing."
                     )
+
+
+def _edge(found: Discretisation, name: str) -> Targets:
+    """An edge as it is drawn; of a mesh from a file its sides' chords."""
+    if isinstance(found.model.plate, OutlinedPlate):
+        return Targets.of((), *sides_of(found.model.plate.contours, {name}))
+    return Targets.of(sides=found.mesh.points[found.mesh.edges[name][:, [0, 2]]].tolist())
+
+
+def _along(line: Curve) -> Targets:
+    if isinstance(line, Ring):
+        return Targets.of(arcs=[(*line.center, line.radius, 0.0, math.tau)])
+    return Targets.of(sides=list(pairwise(line.points)))
 
 
 def _overlaps(found: Discretisation) -> Iterator[str]:
