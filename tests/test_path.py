@@ -704,3 +704,55 @@ def test_points_of_elements_beside_each_other_close_at_one_t() -> None:
     events = np.array([stop.t for stop in found.stops])
     assert len(events) > 15
     assert (np.diff(events) > 1e-5).all()
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_stops_far_away_hide_no_events(method) -> None:
+    """Beside a gap of 1e9 m deflections of millimetres were rounding, and the plate went through its prop."""
+
+    def events(*stops):
+        model = rectangular(
+            thickness=0.1,
+            support=[
+                {"edge": ["left", "right"], "fix": "simple"},
+                {"at": [[2, 2], [1, 3]], "resists": "down", "gap": 1e-3},
+                *stops,
+            ],
+            load=[{"pressure": 1e3}],
+            solver={"method": method},
+        )
+        return [event.t for event in signorini.path(model, None, "load", until=100).events]
+
+    assert len(events()) == 2
+    assert events({"at": [1, 1], "resists": "up", "gap": 1e9}) == pytest.approx(events(), rel=1e-9)
+
+
+def test_where_rounding_leads_a_path_round_at_one_t_it_stops() -> None:
+    """Stops at 1e7 m and a load without a resultant: at t = 1e12 one point opened and closed 100,000 times."""
+    edges = {"edge": ["inner", "outer"], "resists": "down"}
+    corners = [
+        [4.847604959647482, 4.949747468305832],
+        [5.051889976964183, 4.757324918273457],
+        [4.949747468305833, 5.142170018338207],
+    ]
+    model = Model(
+        material={"E": 30e9, "nu": 0.0},
+        plate={
+            "shape": "annulus",
+            "inner": 4.0,
+            "outer": 10.0,
+            "sector": 360,
+            "thickness": "1.0*(1 + (x/10.0)**2)",
+            "element": "q8r",
+        },
+        mesh={"divisions": [1, 8]},
+        support=[{**edges, "stiffness": 2.5e12, "settlement": 1e-3, "gap": 8423885.424943112}, edges],
+        load=[
+            {"case": "G", "pressure": 7500.0},
+            {"case": "G", "pressure": -1250.0, "area": {"polygon": corners}},
+            {"case": "Q", "curvature": [0.0, -3.7082639279207115e-06, 1.8541319639603558e-06]},
+        ],
+    )
+    steps = []
+    found = signorini.path(model, "G", "Q", progress=steps.append)
+    assert found.ending == "stopped" and len(steps) < 3000
