@@ -9,6 +9,7 @@ The models are those of tests/fuzz/random_models.py, with loads of two cases. Of
   or the active set in turn, is certified and has the same deflections, where these are unique;
 - that at every event some point that opens or closes pressed before or presses after, or is apart;
 - that where the plate moves at one t, from one answer to another, deflections or reactions change;
+- that between two stops the supports' reactions are linear, where no more than places repeat each other;
 - that it takes no more than some hundred steps a stop;
 - that at stops the direct solution has the same extremes of deflection, where these are unique, and that the supports'
   reactions add up to the load.
@@ -40,6 +41,7 @@ import random_models
 from random_plates import reactions_exist
 
 from signorini import InputError, NoEquilibriumError, NotCertifiedError, path, solve, validate
+from signorini.contact.dependence import Dependence
 from signorini.contact.strategy import answered
 from signorini.discretise import discretise
 
@@ -209,6 +211,7 @@ def faults(found, until, wild):
     for segment in (segment for segment in picked if not segment.jumps):
         a, b = segment.begin.t, segment.end.t
         yield from differences(found, a + 0.37 * (b - a), wild)
+        yield from bent(found, segment, wild)
     if found.ending == "no_more_events":
         yield from differences(found, 7.0 * found.end, wild)
     yield from idle(found)
@@ -233,6 +236,24 @@ def differences(found, t, wild):
     scale = scale_of(plate, load, w, direct)
     if scale and np.abs(w - direct).max() > _SAME * scale and pinned(found, answer):
         yield f"t = {t:.9g}: deflections differ by {np.abs(w - direct).max() / scale:.1e}"
+
+
+def bent(found, segment, wild):
+    """Reactions on the way along a segment that are not between those at its ends."""
+    dependence = Dependence.of(found.problem.discretisation)
+    if wild or dependence.ties.any() or not dependence.even.all():
+        return
+    t = segment.begin.t + 0.37 * (segment.end.t - segment.begin.t)
+    try:
+        shown = np.array(list(found.at(t).reactions.values()))
+    except NotCertifiedError:
+        return
+    between = segment.begin.reactions + 0.37 * (segment.end.reactions - segment.begin.reactions)
+    load = found._loads[0] + t * found._loads[1]
+    forces = np.abs(load.nodal).reshape(-1, 3) / [1.0, found.mesh.size, found.mesh.size]
+    size = max(forces.max(), *(np.abs(stop.reactions).max() for stop in (segment.begin, segment.end)))
+    if np.abs(shown - between).max() > _BALANCED * size:
+        yield f"t = {t:.9g}: reactions are {shown}, between those at the stops {between}"
 
 
 def direct_solution(found, load):
@@ -293,7 +314,7 @@ def idle(found):
     """Events at which nothing happens: all points that switch neither press nor part before or after."""
     pairs = list(itertools.pairwise(found.segments))
     for before, after in pairs[:: max(1, len(pairs) // _MOST_SEGMENTS)]:
-        if before.jumps or after.jumps:
+        if before.jumps or after.jumps or not len(after.begin.points):
             continue
         seen = 0.0
         for segment in (before, after):

@@ -1,6 +1,7 @@
 """Load paths as a user meets them: the command, its files, its refusals, and Path in Python."""
 
 import csv
+import itertools
 import json
 import tomllib
 from dataclasses import replace
@@ -756,3 +757,24 @@ def test_where_rounding_leads_a_path_round_at_one_t_it_stops() -> None:
     steps = []
     found = signorini.path(model, "G", "Q", progress=steps.append)
     assert found.ending == "stopped" and len(steps) < 3000
+
+
+@pytest.mark.parametrize("ways", [("down", "up"), ("down", "both"), ("up", "down", "both")])
+def test_supports_that_share_by_the_sign_are_linear_between_stops(ways) -> None:
+    """A path stops where the reaction of a place that is held from both sides changes sign, as `solve` shares it."""
+    place = {"at": [[0.7, 0.6], [3.3, 0.9], [3.1, 3.4], [0.8, 3.2]]}
+    model = rectangular(
+        mesh={"divisions": [5, 5], "error": False},
+        support=[{"name": f"{way} {i}", **place, "resists": way} for i, way in enumerate(ways)],
+        load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": -1e5, "at": [3.5, 2.5]}],
+        combination=[{"name": "both", "factors": {"G": 1, "Q": 0.5}}],
+    )
+    found = signorini.path(model, "G", "Q", until=2.0)
+    assert found.ending == "until" and len(found.stops) == 4
+    for begin, end in itertools.pairwise(found.stops):
+        middle = found.at(0.5 * (begin.t + end.t))
+        shown = np.array(list(middle.reactions.values()))
+        assert shown == pytest.approx(0.5 * (begin.reactions + end.reactions), abs=1e-9 * np.abs(shown).max())
+    direct = signorini.solve(model)["both"]
+    for support, other in zip(found.at(0.5).supports, direct.supports, strict=True):
+        assert support.reactions == pytest.approx(other.reactions, abs=1e-8 * np.abs(other.reactions).max(initial=1))
