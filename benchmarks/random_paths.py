@@ -9,11 +9,14 @@ The models are those of tests/fuzz/random_models.py, with loads of two cases. Of
   or the active set in turn, is certified and has the same deflections, where these are unique;
 - that at every event some point that opens or closes pressed before or presses after, or is apart;
 - that where the plate moves at one t, from one answer to another, deflections or reactions change;
+- that between two stops the supports' reactions are linear, where no more than places repeat each other;
+- that it takes no more than some hundred steps a stop;
 - that at stops the direct solution has the same extremes of deflection, where these are unique, and that the supports'
   reactions add up to the load.
 
-Half of the models go to extremes: a load without a resultant, factors up to 1e8, supports that only a load far beyond
-any sense reaches, or a plate that rests on a rigid area under its weight. Such a path may be given up, but not wrong.
+A tenth of the models have a stop far away beside their supports. Half of them go to extremes: a load without a
+resultant, factors up to 1e8, supports that only a load far beyond any sense reaches, or a plate that rests on a rigid
+area under its weight. Such a path may be given up, but not wrong.
 
     python benchmarks/random_paths.py [--count 10000] [--first 0] [--seconds 600] [--processes 2]
     python benchmarks/random_paths.py --show SEED
@@ -38,6 +41,7 @@ import random_models
 from random_plates import reactions_exist
 
 from signorini import InputError, NoEquilibriumError, NotCertifiedError, path, solve, validate
+from signorini.contact.dependence import Dependence
 from signorini.contact.strategy import answered
 from signorini.discretise import discretise
 
@@ -52,6 +56,8 @@ _STAYS = 1e-9
 _MOST_BY_LEMKE = 400
 """Contact points up to which Lemke's algorithm is the other method: of a thousand it takes seconds a solution."""
 _MOST_FAULTS = 3
+_MOST_STEPS = 500
+"""Steps of solves, for each stop, that a path may take."""
 _MOST_SEGMENTS = 12
 """Segments of a path that are compared with direct solutions."""
 
@@ -75,6 +81,8 @@ def drawn(seed):
     start = rng.choice(["G", "G", "G", None, "both"])
     add, until = rng.choice(["Q", "Q", "less", "both"]), rng.choice([None, None, 3.0])
     if rng.random() < 0.5:
+        if rng.random() < 0.2:
+            tables["support"].append(far_stop(rng, tables["plate"]))
         return tables, start, add, until, False
     tables.pop("output", None)
     extreme(rng, tables)
@@ -83,6 +91,12 @@ def drawn(seed):
 
 def unlike(load):
     return {key: value for key, value in load.items() if key != "case"}
+
+
+def far_stop(rng, plate):
+    """A support that the plate never meets, and that must not hide what happens at others."""
+    gap = random_models.extent(plate) * 10.0 ** rng.uniform(3, 9)
+    return {"at": random_models.point(rng, plate), "resists": rng.choice(["up", "down"]), "gap": gap}
 
 
 def rigidity(tables):
@@ -134,8 +148,9 @@ def judged(seed):
         plate = discretise(model)
     except InputError:
         return Counter({"refused input": 1}), []
+    steps = []
     try:
-        found = path(model, start, add, until)
+        found = path(model, start, add, until, progress=steps.append)
     except InputError as error:
         # Of which one is an element's, by design.
         floats = "rest anywhere" in str(error)
@@ -150,7 +165,9 @@ def judged(seed):
         wrong = balanced(plate, load) is True and "contradict" not in str(error)
         return Counter({"no start": 1}), [f"start refused: {error}"] if wrong else []
     outcomes = Counter({found.ending: 1, "events": len(found.events), "segments": len(found.segments)})
-    return outcomes, list(itertools.islice(faults(found, until, wild), _MOST_FAULTS))
+    many = len(steps) > _MOST_STEPS * (1 + len(found.stops))
+    wrong = [f"{len(steps)} steps for {len(found.stops)} stops"] if many else []
+    return outcomes, wrong + list(itertools.islice(faults(found, until, wild), _MOST_FAULTS))
 
 
 def alone(model, start):
@@ -194,6 +211,7 @@ def faults(found, until, wild):
     for segment in (segment for segment in picked if not segment.jumps):
         a, b = segment.begin.t, segment.end.t
         yield from differences(found, a + 0.37 * (b - a), wild)
+        yield from bent(found, segment, wild)
     if found.ending == "no_more_events":
         yield from differences(found, 7.0 * found.end, wild)
     yield from idle(found)
@@ -218,6 +236,24 @@ def differences(found, t, wild):
     scale = scale_of(plate, load, w, direct)
     if scale and np.abs(w - direct).max() > _SAME * scale and pinned(found, answer):
         yield f"t = {t:.9g}: deflections differ by {np.abs(w - direct).max() / scale:.1e}"
+
+
+def bent(found, segment, wild):
+    """Reactions on the way along a segment that are not between those at its ends."""
+    dependence = Dependence.of(found.problem.discretisation)
+    if wild or dependence.ties.any() or not dependence.even.all():
+        return
+    t = segment.begin.t + 0.37 * (segment.end.t - segment.begin.t)
+    try:
+        shown = np.array(list(found.at(t).reactions.values()))
+    except NotCertifiedError:
+        return
+    between = segment.begin.reactions + 0.37 * (segment.end.reactions - segment.begin.reactions)
+    load = found._loads[0] + t * found._loads[1]
+    forces = np.abs(load.nodal).reshape(-1, 3) / [1.0, found.mesh.size, found.mesh.size]
+    size = max(forces.max(), *(np.abs(stop.reactions).max() for stop in (segment.begin, segment.end)))
+    if np.abs(shown - between).max() > _BALANCED * size:
+        yield f"t = {t:.9g}: reactions are {shown}, between those at the stops {between}"
 
 
 def direct_solution(found, load):
@@ -278,7 +314,7 @@ def idle(found):
     """Events at which nothing happens: all points that switch neither press nor part before or after."""
     pairs = list(itertools.pairwise(found.segments))
     for before, after in pairs[:: max(1, len(pairs) // _MOST_SEGMENTS)]:
-        if before.jumps or after.jumps:
+        if before.jumps or after.jumps or not len(after.begin.points):
             continue
         seen = 0.0
         for segment in (before, after):

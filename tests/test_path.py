@@ -1,6 +1,7 @@
 """Load paths as a user meets them: the command, its files, its refusals, and Path in Python."""
 
 import csv
+import itertools
 import json
 import tomllib
 from dataclasses import replace
@@ -704,3 +705,76 @@ def test_points_of_elements_beside_each_other_close_at_one_t() -> None:
     events = np.array([stop.t for stop in found.stops])
     assert len(events) > 15
     assert (np.diff(events) > 1e-5).all()
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_stops_far_away_hide_no_events(method) -> None:
+    """Beside a gap of 1e9 m deflections of millimetres were rounding, and the plate went through its prop."""
+
+    def events(*stops):
+        model = rectangular(
+            thickness=0.1,
+            support=[
+                {"edge": ["left", "right"], "fix": "simple"},
+                {"at": [[2, 2], [1, 3]], "resists": "down", "gap": 1e-3},
+                *stops,
+            ],
+            load=[{"pressure": 1e3}],
+            solver={"method": method},
+        )
+        return [event.t for event in signorini.path(model, None, "load", until=100).events]
+
+    assert len(events()) == 2
+    assert events({"at": [1, 1], "resists": "up", "gap": 1e9}) == pytest.approx(events(), rel=1e-9)
+
+
+def test_where_rounding_leads_a_path_round_at_one_t_it_stops() -> None:
+    """Stops at 1e7 m and a load without a resultant: at t = 1e12 one point opened and closed 100,000 times."""
+    edges = {"edge": ["inner", "outer"], "resists": "down"}
+    corners = [
+        [4.847604959647482, 4.949747468305832],
+        [5.051889976964183, 4.757324918273457],
+        [4.949747468305833, 5.142170018338207],
+    ]
+    model = Model(
+        material={"E": 30e9, "nu": 0.0},
+        plate={
+            "shape": "annulus",
+            "inner": 4.0,
+            "outer": 10.0,
+            "sector": 360,
+            "thickness": "1.0*(1 + (x/10.0)**2)",
+            "element": "q8r",
+        },
+        mesh={"divisions": [1, 8]},
+        support=[{**edges, "stiffness": 2.5e12, "settlement": 1e-3, "gap": 8423885.424943112}, edges],
+        load=[
+            {"case": "G", "pressure": 7500.0},
+            {"case": "G", "pressure": -1250.0, "area": {"polygon": corners}},
+            {"case": "Q", "curvature": [0.0, -3.7082639279207115e-06, 1.8541319639603558e-06]},
+        ],
+    )
+    steps = []
+    found = signorini.path(model, "G", "Q", progress=steps.append)
+    assert found.ending == "stopped" and len(steps) < 3000
+
+
+@pytest.mark.parametrize("ways", [("down", "up"), ("down", "both"), ("up", "down", "both")])
+def test_supports_that_share_by_the_sign_are_linear_between_stops(ways) -> None:
+    """A path stops where the reaction of a place that is held from both sides changes sign, as `solve` shares it."""
+    place = {"at": [[0.7, 0.6], [3.3, 0.9], [3.1, 3.4], [0.8, 3.2]]}
+    model = rectangular(
+        mesh={"divisions": [5, 5], "error": False},
+        support=[{"name": f"{way} {i}", **place, "resists": way} for i, way in enumerate(ways)],
+        load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": -1e5, "at": [3.5, 2.5]}],
+        combination=[{"name": "both", "factors": {"G": 1, "Q": 0.5}}],
+    )
+    found = signorini.path(model, "G", "Q", until=2.0)
+    assert found.ending == "until" and len(found.stops) == 4
+    for begin, end in itertools.pairwise(found.stops):
+        middle = found.at(0.5 * (begin.t + end.t))
+        shown = np.array(list(middle.reactions.values()))
+        assert shown == pytest.approx(0.5 * (begin.reactions + end.reactions), abs=1e-9 * np.abs(shown).max())
+    direct = signorini.solve(model)["both"]
+    for support, other in zip(found.at(0.5).supports, direct.supports, strict=True):
+        assert support.reactions == pytest.approx(other.reactions, abs=1e-8 * np.abs(other.reactions).max(initial=1))

@@ -8,6 +8,7 @@ import pytest
 from extreme_models import held_at_points
 
 from signorini import solve, validate
+from signorini.discretise import discretise
 
 PLATES = sorted((Path(__file__).parent / "hard_plates").glob("*.json"))
 
@@ -19,9 +20,48 @@ def test_plates_that_rounding_made_hard_are_certified(path: Path) -> None:
     assert solved and all(result.certificate.passed for result in solved)
 
 
-def test_points_near_each_other_hold_the_plate_as_an_orthogonal_basis_of_what_they_leave_does() -> None:
+@pytest.mark.parametrize("name", ["crowded_points_that_hold_both_ways", "crowded_points_held_from_both_sides"])
+def test_points_near_each_other_hold_the_plate_as_an_orthogonal_basis_of_what_they_leave_does(name: str) -> None:
     """Rows within 1e-6 of following from others still say something: without them the plate sags by 2 % more."""
-    tables = json.loads((Path(__file__).parent / "hard_plates" / "crowded_points_that_hold_both_ways.json").read_text())
-    expected = held_at_points(tables)
+    tables = json.loads((Path(__file__).parent / "hard_plates" / f"{name}.json").read_text())
+    expected = held_at_points({**tables, "support": [{**tables["support"][0], "resists": "both"}]})
     found = solve(validate(tables))["all"].deflection
     assert np.abs(found - expected).max() < 1e-7 * np.abs(expected).max()
+
+
+def test_supports_on_both_sides_carry_what_one_that_holds_both_ways_does() -> None:
+    """Each by the sign: the floor what pushes, the hold-down what pulls, two at one point half of it."""
+    place = {"at": [[2.0, 2.0], [8.0, 2.0], [5.0, 5.0], [3.0, 8.0]], "settlement": "1e-4*x"}
+    tables = {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+        "mesh": {"divisions": [7, 7]},
+        "load": [{"pressure": 1e3, "area": {"rectangle": [0, 0, 10, 4]}}],
+    }
+    down, up, both = ({**place, "resists": ways} for ways in ("down", "up", "both"))
+    one = solve(validate({**tables, "support": [both]}))["all"]
+    floor, hold_down, again = solve(validate({**tables, "support": [down, up, down]}))["all"].supports
+    (forces,) = (support.reactions for support in one.supports)
+    assert (forces > 1.0).any() and (forces < -1.0).any()
+    np.testing.assert_allclose(floor.reactions, 0.5 * np.maximum(forces, 0.0), atol=1e-6 * np.abs(forces).max())
+    np.testing.assert_allclose(again.reactions, floor.reactions)
+    np.testing.assert_allclose(hold_down.reactions, np.minimum(forces, 0.0), atol=1e-6 * np.abs(forces).max())
+
+
+@pytest.mark.parametrize("ways", [("down", "down"), ("up", "up"), ("down", "up")])
+def test_supports_at_one_place_are_an_equation_only_where_they_hold_it_from_both_sides(ways: tuple[str, str]) -> None:
+    props = [[2.0, 1.0], [4.0, 6.0], [7.0, 3.0], [6.0, 8.0], [1.0, 5.0], [9.0, 7.0]]
+    tables = {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
+        "mesh": {"divisions": [7, 7]},
+        "support": [
+            {"edge": ["left", "right"], "fix": "simple"},
+            *({"at": props, "resists": way} for way in ways),
+            {"at": [5.0, 2.0], "resists": "up"},
+        ],
+        "load": [{"pressure": 1e3}],
+    }
+    contacts = discretise(validate(tables)).contacts
+    held = {frozenset(ways) == {"down", "up"}}
+    assert set(contacts.two_sided[contacts.support < 3].tolist()) == held and not contacts.two_sided[-1]

@@ -148,16 +148,16 @@ pub(super) mod proximal {
     pub(crate) const NIL: f64 = 1e-6;
 }
 
-/// Load paths. Reactions and gaps count over the largest of their kind.
+/// Load paths. Reactions count over the largest, gaps over the largest deflection or their own travel.
 pub(super) mod path {
     /// Of the wrong sign at the ends of a segment, they are rounding: a hundred times that of one solution, since a
     /// segment goes on from the end of the one before.
     pub(crate) const SIGN: f64 = 1e-9;
 
-    /// Events nearer than this part of a step are one.
+    /// Events nearer than this part of a step are one, and a path that goes no farther stands still.
     pub(crate) const SAME_EVENT: f64 = 1e-9;
 
-    /// Travel, over the largest deflection or gap, within which events of pivots are one.
+    /// Travel, over the largest deflection, within which events of pivots are one.
     pub(crate) const SAME_PLACE: f64 = 1e-10;
 
     /// How far beyond an event, over a step, a solve tells the contact set after it where switching does not.

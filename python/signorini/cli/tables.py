@@ -127,7 +127,7 @@ def _print_model(console: Console, found: Discretisation) -> None:
     model = found.model
     if model.title:
         say(console, model.title, style="bold")
-    one_sided = int((~found.contacts.two_sided).sum())
+    one_sided = int(found.points.one_way.sum())
     say(
         console,
         f"{model.plate.shape}, {_elements(found)}, "

@@ -58,7 +58,8 @@ class Answer(Brief):
     hi, lo : (3n,) arrays
         Displacements, as the sum of two doubles.
     reaction, gap, closed : (m,) arrays
-        Of every contact point. Reactions of two-sided points are those of all that repeat them, too.
+        Of every contact point. Reactions of two-sided points are those of all that repeat them, too, and of those that
+        hold the plate there from the other side.
     shared : (m + r,) array
         Reaction of every contact point and, behind these, of every repeated one, each with its own share.
     pivots, iterations, gradients, factorizations, corrections : int
@@ -108,7 +109,7 @@ class Answer(Brief):
             reaction,
             solution.gap,
             solution.closed,
-            np.concatenate([reaction, np.zeros(len(found.repeated))]),
+            found.repeated.shares(found.contacts, reaction),
             solution.pivots,
             solution.iterations,
             solution.gradients,

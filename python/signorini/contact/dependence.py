@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 
 from signorini.base.components import components
 from signorini.discretise import Discretisation
-from signorini.discretise.rank import SAME, followers, lengths, times, within
+from signorini.discretise.rank import SAME, followers, lengths, parallel, times, within
 from signorini.discretise.rows import Bools, Floats, Ints
 
 _TOUCHING = 1e-9
@@ -65,9 +65,9 @@ def _dependence(found: Discretisation) -> Dependence:
     whole = points.rows[rigid].matrix(found.mesh.elements, found.dof_count)
     free = within(whole, ~found.held.dofs)
     length = lengths(free)
-    group, scale = _parallel(free, length)
+    group, scale = parallel(free, length)
     level = (points.distance[rigid] - whole @ found.held.values) / scale
-    meets = _can_meet(level, np.where(points.two_sided[rigid], 0.0, np.sign(scale)), group)
+    meets = _can_meet(level, np.where(points.one_way[rigid], np.sign(scale), 0.0), group)
     rigid, whole, free, scale, group = rigid[meets], whole[meets], free[meets], scale[meets], group[meets]
     _, first, group, count = np.unique(group, return_index=True, return_inverse=True, return_counts=True)
     units = times(free[first], 1.0 / scale[first])
@@ -124,23 +124,8 @@ def repeats_itself(found: Discretisation) -> bool:
     rigid = np.flatnonzero((contacts.compliance == 0) & ~contacts.slope)
     free = within(contacts.rows[rigid].matrix(found.mesh.elements, found.dof_count), ~found.held.dofs)
     length = lengths(free)
-    group, _ = _parallel(free, length)
+    group, _ = parallel(free, length)
     return len(set(group.tolist())) < len(group) or bool(_ties(times(free, 1.0 / length)).shape[1])
-
-
-def _parallel(rows: csr_array, length: Floats) -> tuple[Ints, Floats]:
-    """Number the directions (p,) of rows, and their lengths (p,) along these, of either sign."""
-    # Two rows are parallel where they say the same of two fields that no row was made for.
-    random = np.random.default_rng(0)
-    fields = random.normal(size=(rows.shape[1], 2))
-    said = (rows @ fields) / length[:, None]
-    sign = np.where(said[:, 0] < 0, -1.0, 1.0)
-    said *= sign[:, None]
-    order = np.argsort(said[:, 0], kind="stable")
-    new = np.append(True, (np.abs(np.diff(said[order], axis=0)) > SAME).any(axis=1))
-    group = np.empty(len(length), np.int64)
-    group[order] = np.cumsum(new) - 1 if len(order) else 0
-    return group, sign * length
 
 
 def _can_meet(level: Floats, side: Floats, group: Ints) -> Bools:

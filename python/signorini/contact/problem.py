@@ -51,6 +51,7 @@ class ContactProblem(Statement, Remade):
     Contact points are the rows of `G`, support by support in the order of the model: +w where the support pushes up, −w
     where it holds down; of travel both ways first those that push up. Their unknowns are reactions λ ≥ 0 and gaps
     ρ = `gaps` − Gu + `compliance`·λ ≥ 0; two-sided points, which `two_sided` marks, have ρ = 0 and λ of either sign.
+    Rigid points that push up and hold down at one place, without travel between them, are one two-sided point.
 
     Examples
     --------

@@ -152,21 +152,23 @@ def _shared(
     count = np.bincount(dependence.group[here], minlength=len(dependence.even))
     ties = _ties_among(dependence.ties, count > 0)
     tied = (np.abs(ties) > _MOVED).any(axis=1)
-    side = np.where(found.points.two_sided[points], 0.0, np.sign(dependence.scale))[here]
+    side = np.where(found.points.one_way[points], np.sign(dependence.scale), 0.0)[here]
     group, scale, weight = dependence.group[here], dependence.scale[here], dependence.weights[here]
-    first = np.zeros(len(count))
-    first[group] = side
-    alike = np.ones(len(count), np.bool_)
-    alike[group[side != first[group]]] = False
-    plain = alike & dependence.even & ~tied & (count > 1)
+    plain = dependence.even & ~tied & (count > 1)
 
-    # All on one side: what they carry together, by their weights.
+    # At one place: what they carry together, by the weights of those that can carry its sign.
     total = np.bincount(group, scale * reaction[points[here]], len(count))
-    stiff = np.bincount(group, scale**2 * weight, len(count))
+    helps = (side == 0.0) | (side == np.sign(total)[group])
+    stiff = np.bincount(group, helps * scale**2 * weight, len(count))
     of_plain = np.flatnonzero(plain[group])
-    part = (total[group] / stiff[group] * scale * weight)[of_plain]
-    reaction[points[here[of_plain]]] = np.where(side[of_plain] == 0.0, part, np.maximum(part, 0.0))
-    several = [points[here[of_plain[(side[of_plain] == 0.0) | (np.abs(part) > _NIL * force)]]]]
+    each = np.divide(total, stiff, out=np.zeros(len(count)), where=stiff > 0.0)
+    part = (helps * each[group] * scale * weight)[of_plain]
+    reaction[points[here[of_plain]]] = part
+    # Those that all push one way share what there is; others may push against each other besides.
+    sides = np.zeros((len(count), 3), np.bool_)
+    sides[group, side.astype(np.int64)] = True
+    against = (sides[:, 0] | (sides[:, 1] & sides[:, -1]))[group[of_plain]]
+    several = [points[here[of_plain[against | (np.abs(part) > _NIL * force)]]]]
 
     rest = np.flatnonzero((tied | ((count > 1) & ~plain))[group])
     if len(rest):
@@ -196,7 +198,7 @@ def _share_among(
     if not moving.shape[1]:
         return points[:0]
     moving, _ = np.linalg.qr(moving)
-    pushes = ~found.points.two_sided[points]
+    pushes = found.points.one_way[points]
     reaction[points] = _none_pulling(reaction[points], moving, pushes)
     rows, offset = [moving / np.sqrt(dependence.weights[members])[:, None]], []
     offset.append(reaction[points] / np.sqrt(dependence.weights[members]) / force)

@@ -39,6 +39,21 @@ def times(rows: csr_array, factor: Floats) -> csr_array:
     return out
 
 
+def parallel(rows: csr_array, length: Floats) -> tuple[Ints, Floats]:
+    """Number the directions (m,) of rows (m, n), and give their lengths along these, of either sign."""
+    # Two rows are parallel where they say the same of two fields that no row was made for.
+    random = np.random.default_rng(0)
+    fields = random.normal(size=(rows.shape[1], 2))
+    said = (rows @ fields) / length[:, None]
+    sign = np.where(said[:, 0] < 0, -1.0, 1.0)
+    said *= sign[:, None]
+    order = np.argsort(said[:, 0], kind="stable")
+    new = np.append(True, (np.abs(np.diff(said[order], axis=0)) > SAME).any(axis=1))
+    group = np.empty(len(length), np.int64)
+    group[order] = np.cumsum(new) - 1 if len(order) else 0
+    return group, sign * length
+
+
 @dataclass(frozen=True, eq=False)
 class Followers:
     """Rows (r,) that follow from others, each as a combination (r, g) of all rows but the followers."""

@@ -69,7 +69,7 @@ def results_json(results: Results) -> dict[str, Any]:
             "nodes": found.mesh.node_count,
             "elements": len(found.mesh.elements),
             "dofs": found.dof_count,
-            "contact_points": int((~found.contacts.two_sided).sum()),
+            "contact_points": int(found.points.one_way.sum()),
         },
         "combinations": [_combination(results, result) for result in results.full.values()],
         "governing_reactions": governing_json(results),

@@ -80,7 +80,7 @@ class LoadPath(States[float]):
         The load that grows. Both are names of cases or combinations.
     problem : ContactProblem
     stops : tuple of PathStop
-        At t = 0, at every event, and at the end.
+        At t = 0, at every event, where supports begin to share a reaction otherwise, and at the end.
     ending : str
         Why it ends: "until", the t asked for; "no_more_events", however large t; "no_equilibrium", from there on;
         "stopped", where arithmetic no longer tells the contact set, or at ``mesh_limit``.

@@ -1,13 +1,13 @@
 //! Who follows a path from its first solution on: what solves it from one line to the next, and is watched.
 
-use super::line::{Line, largest_length};
+use super::line::Line;
 use super::load::{PathEnd, PathLoad, Stop};
 use super::trail::Trail;
 use crate::cholesky::FactorError;
 use crate::contact::kkt::OnSet;
 use crate::contact::problem::ContactProblem;
 use crate::contact::scale::largest;
-use crate::contact::solution::{ContactSolution, Outcome, Progress, Start};
+use crate::contact::solution::{ContactSolution, Outcome, Progress, Start, differing};
 use crate::contact::tolerances;
 
 /// Who follows the path of one load.
@@ -76,10 +76,39 @@ impl<'a> Follower<'a> {
             0.0 => self.problem.scale.largest(&loads[1]),
             force => force.max(tolerances::path::UNSEEN * self.load.size(at[0])),
         };
-        let length = loads.iter().map(|load| self.problem.least_length(load)).fold(0.0, f64::max);
         let force = counts(f64::max(largest(&from.reaction), largest(&to.reaction)));
-        let length = largest_length(&from).max(largest_length(&to)).max(length);
-        Ok(Some(Line { at, ends: [from, to], force, length }))
+        let least = loads.iter().map(|load| self.problem.least_length(load)).fold(0.0, f64::max);
+        let ends = [from, to];
+        let deflection = ends.iter().flat_map(|end| end.displacement.hi.iter().step_by(3));
+        let deflection = deflection.fold(least, |most, w| most.max(w.abs()));
+        let lengths = self.lengths(&ends[0]).into_iter().map(|length| length.max(deflection)).collect();
+        Ok(Some(Line { at, ends, force, lengths, deflection }))
+    }
+
+    /// The solution with another contact set, if it stands on that too: points that differ neither press nor part.
+    pub fn standing_on(&self, solution: &ContactSolution, set: &[bool]) -> Option<ContactSolution> {
+        let (force, lengths) = (largest(&solution.reaction), self.lengths(solution));
+        let idle = |&i: &usize| {
+            let nothing = tolerances::path::NOTHING;
+            solution.reaction[i].abs() <= nothing * force && solution.gap[i].abs() <= nothing * lengths[i]
+        };
+        let differing = differing(&solution.closed, set);
+        differing.iter().all(idle).then(|| {
+            let mut same = ContactSolution { closed: set.to_vec(), ..solution.clone() };
+            for i in differing {
+                (same.reaction[i], same.gap[i]) = (0.0, 0.0);
+            }
+            same
+        })
+    }
+
+    /// What the gap of every point is measured by, in the caller's order.
+    fn lengths(&self, solution: &ContactSolution) -> Vec<f64> {
+        let order = &self.problem.order;
+        let placed = self.problem.lengths(solution);
+        let mut lengths = vec![0.0; placed.len()];
+        order.condensed.iter().chain(&order.active).zip(placed).for_each(|(&i, length)| lengths[i] = length);
+        lengths
     }
 
     /// The solution on a set at one end of a line.

@@ -1,24 +1,24 @@
 //! A stretch of the path: the plate on one contact set, linear in t.
 
-use crate::contact::scale::largest;
-use crate::contact::solution::{ContactSolution, differing};
+use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
 /// The plate on one contact set at two loads of the path, between and beyond which it is linear.
 pub(super) struct Line {
     pub at: [f64; 2],
     pub ends: [ContactSolution; 2],
-    /// Sizes of reactions and of gaps.
+    /// Sizes of reactions, of the gap of every point and of deflections.
     pub force: f64,
-    pub length: f64,
+    pub lengths: Vec<f64>,
+    pub deflection: f64,
 }
 
 impl Line {
-    /// What counts for a point: its reaction where closed, else its gap, at an end and over the largest of its kind.
+    /// What counts for a point: its reaction where closed, else its gap, at an end and over what it is measured by.
     pub fn value(&self, end: usize, i: usize) -> f64 {
         let solution = &self.ends[end];
         let (value, size) =
-            if solution.closed[i] { (solution.reaction[i], self.force) } else { (solution.gap[i], self.length) };
+            if solution.closed[i] { (solution.reaction[i], self.force) } else { (solution.gap[i], self.lengths[i]) };
         if size > 0.0 { value / size } else { 0.0 }
     }
 
@@ -63,24 +63,4 @@ impl Line {
         let root = self.at[1] + self.value(1, first) / self.fall(first) * span;
         ((root - seen).abs() < within).then_some(root)
     }
-}
-
-/// The largest deflection or gap.
-pub(super) fn largest_length(of: &ContactSolution) -> f64 {
-    of.displacement.hi.iter().step_by(3).fold(largest(&of.gap), |most, w| most.max(w.abs()))
-}
-
-/// The solution with another contact set, if it stands on that too: points that differ neither press nor part.
-pub(super) fn standing_on(solution: &ContactSolution, set: &[bool]) -> Option<ContactSolution> {
-    let (force, length) =
-        (tolerances::path::NOTHING * largest(&solution.reaction), tolerances::path::NOTHING * largest_length(solution));
-    let idle = |&i: &usize| solution.reaction[i].abs() <= force && solution.gap[i].abs() <= length;
-    let differing = differing(&solution.closed, set);
-    differing.iter().all(idle).then(|| {
-        let mut same = ContactSolution { closed: set.to_vec(), ..solution.clone() };
-        for i in differing {
-            (same.reaction[i], same.gap[i]) = (0.0, 0.0);
-        }
-        same
-    })
 }

@@ -1,7 +1,7 @@
 //! From basis to basis of the condensed points' LCP.
 
 use super::follower::Follower;
-use super::line::{Line, standing_on};
+use super::line::Line;
 use super::load::PathEnd;
 use super::trail::Trail;
 use crate::cholesky::FactorError;
@@ -28,7 +28,7 @@ impl Follower<'_> {
             };
             // What changes on a short line is rounding; on a longer one it is told.
             let (span, reach) = (load.span(t), |from: f64| far.max(from + tolerances::path::SHORT * load.span(from)));
-            let line = match standing_on(trail.here(), &sets[k]) {
+            let line = match self.standing_on(trail.here(), &sets[k]) {
                 Some(from) if far > t => self.line_from(from, [t, reach(t)])?,
                 _ => self.line(&sets[k], [segment.from, reach(segment.from)], None)?,
             };
@@ -39,7 +39,9 @@ impl Follower<'_> {
                 line.root(&leaving, far, within).unwrap_or(far).max(t)
             });
             if next.is_some()
-                && line.as_ref().is_some_and(|line| line.travel(t, to) <= tolerances::path::SAME_PLACE * line.length)
+                && line
+                    .as_ref()
+                    .is_some_and(|line| line.travel(t, to) <= tolerances::path::SAME_PLACE * line.deflection)
             {
                 continue;
             }

@@ -1,7 +1,7 @@
 //! From event to event on the sparse K.
 
 use super::follower::Follower;
-use super::line::{Line, standing_on};
+use super::line::Line;
 use super::load::{MOST_EVENTS, PathEnd};
 use super::trail::Trail;
 use crate::cholesky::FactorError;
@@ -16,10 +16,16 @@ impl Follower<'_> {
     pub(super) fn step_along(&mut self, mut t: f64, trail: &mut Trail) -> Result<PathEnd, FactorError> {
         let load = self.load;
         let mut closed = trail.here().closed.clone();
+        // Sets on which the path got no further than where it is.
+        let mut spent: Vec<Vec<bool>> = Vec::new();
         for _ in 0..=MOST_EVENTS {
             let Some(mut line) = self.leaving(t, &closed, trail.here())? else {
                 return Ok(trail.end(t, None, PathEnd::Unsolved));
             };
+            // A set that comes back would lead round for ever: rounding decides what closes.
+            if spent.contains(&line.ends[0].closed) {
+                return Ok(trail.end(t, None, PathEnd::Unsolved));
+            }
             if !trail.leave(t, &line) {
                 return Ok(PathEnd::Interrupted);
             }
@@ -42,6 +48,12 @@ impl Follower<'_> {
             trail.arrive(&line, to);
             closed.clone_from(&trail.here().closed);
             points.into_iter().for_each(|i| closed[i] = !closed[i]);
+            if to - t > tolerances::path::SAME_EVENT * load.span(t) {
+                spent.clear();
+            } else {
+                let [from, _] = line.ends;
+                spent.push(from.closed);
+            }
             t = to;
         }
         Ok(PathEnd::TooMany)
@@ -53,7 +65,7 @@ impl Follower<'_> {
         let mut set = closed.to_vec();
         for _ in 0..ROUNDS {
             let at = [t, t + span];
-            let line = match standing_on(here, &set) {
+            let line = match self.standing_on(here, &set) {
                 Some(from) => self.line_from(from, at)?,
                 None => self.line(&set, at, Some(here))?,
             };
