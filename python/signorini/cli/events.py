@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from rich.console import Console
 from rich.text import Text
 
@@ -74,6 +76,7 @@ def _ending(path: LoadPath) -> str:
         case "no_more_events":
             return "After the last event nothing opens or closes any more, however large t is."
         case "until":
-            return f"Followed to t = {path.end:.9g}."
+            ends = f"ends at t = {path.limit:.9g}" if math.isfinite(path.limit) else "does not end, however large t is"
+            return f"Followed to t = {path.end:.9g}. Equilibrium {ends}."
         case _:
             return f"Followed to t = {path.end:.9g} only; beyond, rounding decides which points are in contact."
