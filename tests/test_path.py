@@ -100,6 +100,14 @@ def test_of_many_points_the_files_have_the_sum_alone(across: int, listed: bool) 
     assert ("points" in feet) == listed and "points" not in wall
 
 
+def test_a_notebook_shows_half_widths_once_they_were_asked_for(slab: Path) -> None:
+    found = signorini.path(signorini.load(slab), "G", "Q")
+    plain = found._repr_html_()
+    assert "estimate" not in found.__dict__ and "<p>of the mesh: ± once estimate is asked for</p>" in plain
+    (width, *_) = found.estimate.events
+    assert f">{found.support_events[0].t:.6g} ± {width:.2g}<" in found._repr_html_() and plain.count("±") == 1
+
+
 def test_stops_show_what_a_direct_solution_shows(slab: Path) -> None:
     model = signorini.load(slab)
     found = signorini.path(model, "G", "Q")
