@@ -169,10 +169,15 @@ def path_csv(path: LoadPath) -> str:
     return text.getvalue()
 
 
-def write_path(path: LoadPath, directory: str | os.PathLike[str]) -> None:
+def write_path(path: LoadPath, directory: str | os.PathLike[str]) -> list[FilePath]:
     """Write ``path.json``, ``path.csv`` and ``path.png``, all or none; other files in the directory stay.
 
     Those of an earlier path there are replaced.
+
+    Returns
+    -------
+    list of Path
+        What was written.
 
     Raises
     ------
@@ -192,3 +197,4 @@ def write_path(path: LoadPath, directory: str | os.PathLike[str]) -> None:
             (beside / PATH_JSON).write_text(text + "\n", "utf-8")
     except OSError as error:
         raise cannot_write(target, error) from None
+    return [target / name for name in (PATH_JSON, PATH_CSV, PATH_PICTURE)]
