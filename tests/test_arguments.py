@@ -21,7 +21,10 @@ MODEL = "it must be a Model. Make one with signorini.Model(...) or signorini.loa
 def slab() -> SimpleNamespace:
     model = rectangular(
         divisions=[2, 2],
-        support=[{"area": "all", "resists": "down", "stiffness": 1e7}, {"at": [1, 1], "resists": "down"}],
+        support=[
+            {"name": "soil", "area": "all", "resists": "down", "stiffness": 1e7},
+            {"at": [1, 1], "resists": "down"},
+        ],
         load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": 1e3, "at": [1, 1]}],
     )
     problem = contact_problem(model)
@@ -94,6 +97,18 @@ def slab() -> SimpleNamespace:
         (lambda s: solve(s.model, progress=3), "progress: found 3; it must be a function that takes a Progress"),
         (lambda s: path(s.model, "G", "Q", progress=[]), "progress: found []; it must be a function"),
         (lambda s: s.results["zz"], "combination: Unknown combination 'zz'. This mapping of results has: all."),
+        (lambda s: s.results["all"].reactions["soill"], "support: Unknown support 'soill'. This result has: soil,"),
+        (lambda s: s.results["all"].fields["mxx"], "field: Unknown field 'mxx'. This result has: "),
+        (lambda s: s.results["all"].extremes[0], "field: found 0; it must be the name of a field"),
+        (lambda s: s.results.limits["zz"], "combination: Unknown combination 'zz'. This mapping of limits has: all."),
+        (lambda s: s.results.table["reaction:soill"], "column: Unknown column 'reaction:soill'. This table has"),
+        (
+            lambda s: s.results.half_width("reaction:soill", 0),
+            "column: Unknown column 'reaction:soill'. This table of half",
+        ),
+        (lambda s: s.results.half_width("reaction:soil", "zz"), "combination: Unknown combination 'zz'."),
+        (lambda s: s.results.half_width("reaction:soil", 1), "row: found 1; it must be the number of a combination, 0"),
+        (lambda s: s.results.half_width("reaction:soil", None), "row: found None; it must be the number of a combin"),
         (lambda s: s.results[3], "combination: found 3; it must be the name of a combination"),
         (lambda s: solve_one(s.problem, "G"), "combination: found 'G'; it must be a Combination."),
         (lambda s: solve_one(s.problem, Combination(factors={"zz": 1})), "factors: Unknown load case 'zz'."),

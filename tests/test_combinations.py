@@ -295,7 +295,7 @@ def test_envelopes_of_groups_have_half_widths_files_and_tables(tmp_path):
     write(results, tmp_path)
     listed = {entry["file"] for entry in results_json(results)["files"]}
     assert {"envelope.vtu", "envelope-uls.vtu", "envelope-sls.vtu"} <= listed
-    assert listed - {"combinations.parquet"} == {path.name for path in tmp_path.iterdir()}
+    assert listed == {path.name for path in tmp_path.iterdir()}
     for group in results_json(results)["groups"]:
         assert group["envelope"]["plus_minus"]["supports"][0]["reaction"]["max"] >= 0
     console = Console(file=io.StringIO(), width=200)
@@ -325,6 +325,12 @@ def test_twelve_combinations_and_thirteen_are_one_api(count):
     assert one.certificate.passed and one.deflection.any() and results["c5"] is one
     single = signorini.solve(Model(**tables(combination=[{"name": "c5", "factors": {"G": 1, "Q": 0.5}}])))
     assert set(results.limits) == set(rows) and results.limits["c5"] == single.limits["c5"]
+    shown = "{'c0': ..., 'c1': ..., 'c2': ..., 'c3': ..., ... 13 in all}" if count == 13 else repr(dict(results.limits))
+    assert repr(results.limits) == shown
+    width = results.half_width("reaction:legs", "c5")
+    assert (
+        width == results.half_width("reaction:legs", 5) == results.table_plus_minus["reaction:legs:plus_minus"][5] > 0
+    )
     assert results.table["combination"] == tuple(rows)
     assert results.table["reaction:legs"][5] == pytest.approx(one.reactions["legs"], rel=1e-9)
     assert results.table["max:deflection"][5] == pytest.approx(one.deflection.max(), rel=1e-9)

@@ -47,6 +47,20 @@ def test_a_plate_that_tips_has_its_axis_moment_hinges_and_what_holds_it():
     )
 
 
+def test_points_that_a_plate_tips_about_are_named_once_with_their_supports():
+    walls = [
+        {"name": "bed", "area": {"rectangle": [0, 0, 2, 4]}, "resists": "down", "stiffness": 1e4},
+        {"name": "wall", "line": [[0, 4], [2, 4]], "resists": "down"},
+        {"name": "feet", "at": [[2, 0.5 * i] for i in range(1, 7)], "resists": "down"},
+    ]
+    found = discretise(rectangular(support=walls, load=[{"force": 200, "at": [4, 2]}]))
+    why = imbalance(found, rigid_freedom(found), found.cases["load"].weighing)
+    assert explain(found, why).startswith(
+        "The plate tips about the line x = 2 through [2, 0] of bed, [2, 4] of bed and wall, "
+        "[2, 0.5], [2, 1], [2, 1.5], [2, 2], ... of feet, short by a moment of 400."
+    )
+
+
 def test_a_plate_that_is_lifted_has_the_way_and_what_holds_it():
     found, freedom = asked({"pressure": -5})
     why = imbalance(found, freedom, found.cases["load"].weighing)

@@ -10,14 +10,17 @@ from typing import Any
 
 import meshio
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from models import rectangular
+from typer.testing import CliRunner
 
 import signorini
 from signorini.base.numbers import estimated
 from signorini.base.plain import plain
+from signorini.cli import app
 from signorini.errors import InputError
 from signorini.output import path_csv, reactions_csv, results_json, unique_slugs, write, write_path
 from signorini.output.directory import room_for
@@ -339,6 +342,42 @@ def test_names_are_text_in_notebooks_and_pictures(oddly_named: signorini.Results
     assert "<b>G" not in (tmp_path / "plate.svg").read_text("utf-8")
 
 
+@pytest.mark.parametrize("count", [2, 13])
+def test_python_writes_what_the_command_writes(tmp_path: Path, count: int) -> None:
+    file = tmp_path / "slab.toml"
+    file.write_text(
+        """
+material = { E = 30e9, nu = 0.2 }
+plate = { shape = "rectangle", size = [4, 4], thickness = 0.2 }
+mesh = { divisions = [4, 4] }
+support = [{ name = "feet", at = [[1, 1], [3, 1], [3, 3], [1, 3]], resists = "down" }]
+load = [{ case = "G", pressure = 5e3 }, { case = "Q", force = 4e4, at = [2, 4] }]
+"""
+        + "".join(f'[[combination]]\nname = "c{i}"\nfactors = {{ G = 1, Q = {0.1 * i} }}\n' for i in range(count))
+    )
+    for arguments in (["solve", str(file)], ["path", str(file), "--from", "G", "--add", "Q"]):
+        result = CliRunner().invoke(app, arguments)
+        assert result.exit_code == 0, result.output
+    model = signorini.load(file)
+    for found, name in ((signorini.solve(model), "results"), (signorini.path(model, "G", "Q"), "path")):
+        theirs, mine = tmp_path / f"slab-{name}", tmp_path / f"mine-{name}"
+        written = signorini.write(found, mine)
+        assert sorted(written) == sorted(mine.iterdir())
+        assert [path.name for path in sorted(written)] == [path.name for path in sorted(theirs.iterdir())]
+        for path in written:
+            other = theirs / path.name
+            if path.suffix == ".csv":
+                assert path.read_text() == other.read_text()
+            elif path.suffix == ".parquet":
+                assert pq.read_table(path).to_pydict() == pq.read_table(other).to_pydict()
+            elif path.suffix == ".json":
+                one, two = json.loads(path.read_text()), json.loads(other.read_text())
+                assert one | {"seconds": None} == two | {"seconds": None}
+    with pytest.raises(signorini.InputError, match=r"found Result\(.* it must be a Results. signorini.solve"):
+        signorini.write(signorini.solve(model)["c0"], tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+
+
 def test_write_leaves_whole_files_of_the_solved_combinations(results: signorini.Results, tmp_path: Path) -> None:
     written = write(results, tmp_path / "a" / "out")
     names = [f"{slug}{end}" for slug in ("g+q", "g-q") for end in ("-moments.png", "-shears.png", ".png", ".vtu")]
@@ -652,9 +691,7 @@ def test_an_envelope_has_pictures_of_its_largest_and_smallest_values_in_one_scal
     wanted = [{"name": f"c{i}", "group": "ULS", "factors": {"G": 1, "W": 0.01 * i}} for i in range(3)]
     asked = {"combinations": "table", "fields": "none", "envelope": ["deflection", "mx", "qx", "qy"]}
     results = signorini.solve(model(combination=wanted, output=asked, mesh={"divisions": [4, 4], "error": False}))
-    table = tmp_path / "table"
-    table.write_bytes(b"")
-    write(results, tmp_path / "out", table)
+    write(results, tmp_path / "out")
     files = results_json(results)["files"]
     named = [(one["kind"], one["file"]) for one in files if one["file"].startswith("envelope")]
     kinds = {"envelope": ".vtu", "picture": ".png", "moments": "-moments.png", "shears": "-shears.png"}

@@ -18,7 +18,7 @@ from signorini import Model
 from signorini.analysis import path_judge
 from signorini.analysis.path_check import confirmed
 from signorini.cli import app
-from signorini.output import path_json
+from signorini.output import path_csv, path_json
 from signorini.results.path_events import PathEvent, crossings, in_words
 
 SLAB = """
@@ -71,6 +71,44 @@ def test_the_command_prints_the_events_and_writes_them(slab: Path) -> None:
     assert float(rows[-1]["probe[2]:deflection"]) == found["stops"][-1]["probes"][1]["deflection"]
 
 
+def test_the_files_have_the_reaction_of_every_point(slab: Path) -> None:
+    found = signorini.path(signorini.load(slab), "G", "Q")
+    rows = list(csv.DictReader(path_csv(found).splitlines()))
+    for name, count in (("pads", 4), ("prop", 1)):
+        for number in range(1, count + 1):
+            column = f"reaction_at:{name}[{number}]"
+            assert [float(row[column]) for row in rows] == pytest.approx(found.table[column], rel=1e-9, abs=1e-9)
+    for row, stop in zip(rows, path_json(found)["stops"], strict=True):
+        pads, prop = stop["supports"]
+        assert [point["at"] for point in pads["points"]] == [[1, 1], [3, 1], [3, 3], [1, 3]]
+        assert [point["reaction"] for point in pads["points"]] == [
+            float(row[f"reaction_at:pads[{number}]"]) for number in range(1, 5)
+        ]
+        assert sum(point["reaction"] for point in pads["points"]) == pytest.approx(pads["reaction"])
+        assert prop["points"][0]["at"] == [2, 2]
+
+
+@pytest.mark.parametrize(("across", "listed"), [(10, True), (11, False)])
+def test_of_many_points_the_files_have_the_sum_alone(across: int, listed: bool) -> None:
+    at = [[0.3 * i + 0.2, 0.3 * j + 0.2] for i in range(across) for j in range(10)]
+    model = rectangular(
+        support=[{"name": "feet", "at": at, "stiffness": 1e3}, {"name": "wall", "edge": "left", "fix": "simple"}],
+        load=[{"case": "Q", "pressure": 5}],
+    )
+    found = signorini.path(model, None, "Q", until=1)
+    assert ("reaction_at:feet[1]" in path_csv(found).splitlines()[0]) == listed
+    feet, wall = path_json(found)["stops"][-1]["supports"]
+    assert ("points" in feet) == listed and "points" not in wall
+
+
+def test_a_notebook_shows_half_widths_once_they_were_asked_for(slab: Path) -> None:
+    found = signorini.path(signorini.load(slab), "G", "Q")
+    plain = found._repr_html_()
+    assert "estimate" not in found.__dict__ and "<p>of the mesh: ± once estimate is asked for</p>" in plain
+    (width, *_) = found.estimate.events
+    assert f">{found.support_events[0].t:.6g} ± {width:.2g}<" in found._repr_html_() and plain.count("±") == 1
+
+
 def test_stops_show_what_a_direct_solution_shows(slab: Path) -> None:
     model = signorini.load(slab)
     found = signorini.path(model, "G", "Q")
@@ -102,6 +140,10 @@ def test_a_path_has_the_table_and_the_envelope_that_combinations_have(slab: Path
 def test_until_ends_the_path_and_at_keeps_to_it(slab: Path) -> None:
     found = signorini.path(signorini.load(slab), "service", "Q", until=2)
     assert (found.ending, found.end) == ("until", 2.0)
+    printed = run("path", slab, "--from", "G", "--add", "Q", "--until", "2").output
+    assert "Followed to t = 2. Equilibrium ends at t = 16" in printed
+    printed = run("path", slab, "--add", "G", "--until", "2").output
+    assert "Followed to t = 2. Equilibrium does not end, however large t is." in printed
     with pytest.raises(signorini.InputError, match="the path goes from 0 to 2"):
         found.at(2.5)
     with pytest.raises(signorini.InputError, match="until: found -1; it must be a finite number greater than 0"):

@@ -132,6 +132,7 @@ def test_what_things_say_of_themselves_is_short(things: dict[str, object]) -> No
     for name in ("result", "path", "problem"):
         said = repr(things[name])
         assert said.startswith(f"{type(things[name]).__name__}(") and len(said) < 1000, name
+        assert "partial" not in said and "estimator" not in said
     assert "deflection=array(" in repr(things["result"])
 
 

@@ -173,6 +173,11 @@ def test_asking_for_strips_changes_nothing_else():
         ({"section": SECTIONS[:1] * 2}, r'section\[2\]\.name.*the name "A" is taken by section\[1\]'),
         ({"section": [{"lines": [[1, 1], [2, 2]]}]}, "unknown key 'lines'. Did you mean 'line'"),
         ({"strip": [STRIPS[0] | {"width": 4.5}]}, r"strip\[1\]\.width.*The strip reaches beyond the plate at"),
+        (
+            {"strip": [{"line": [[1, 1], [3, 4]], "width": 1}]},
+            r"strip\[1\]\.line.*station \[3, 4\], which is on an edge",
+        ),
+        ({"strip": [{"line": [[2, 1], [3.9, 3.8]], "width": 1}]}, r"strip\[1\]\.width.*Make it narrower, or"),
         ({"strip": [STRIPS[0] | {"width": 0}]}, r"strip\[1\]\.width"),
         ({"strip": [STRIPS[0] | {"stations": 1}]}, r"strip\[1\]\.stations"),
         ({"strip": STRIPS * 2}, r'strip\[2\]\.name.*the name "middle" is taken by strip\[1\]'),

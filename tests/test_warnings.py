@@ -69,12 +69,66 @@ def test_the_examples_have_none(file: Path) -> None:
         ("in", "lbf", 29e6, False),
         ("ft", "kip", 4.2e6, False),
         ("", "", 30, False),
-        ("furlong", "N", 30, False),
     ],
 )
 def test_a_modulus_in_another_unit(length: str, force: str, modulus: float, said: bool) -> None:
     found = check(model(units={"length": length, "force": force}, material={"E": modulus, "nu": 0.2})).warnings
     assert [f"E = {modulus:.4g} {force}/{length}²" in sentence for sentence in found] == [True] * said
+
+
+@pytest.mark.parametrize(
+    ("units", "said"),
+    [
+        ({"length": "m", "force": "kN"}, []),
+        ({"force": "kp"}, []),
+        ({"length": "meter"}, ['"meter"', 'Did you mean "m"?']),
+        ({"length": "Millimeters"}, ['"Millimeters"', 'Did you mean "mm"?']),
+        ({"length": "IN", "force": "Kips"}, ["in", "kips"]),
+        ({"force": "KN"}, ["N, daN, kN, MN", 'Did you mean "kN"?']),
+        ({"force": "newtons"}, ['"N"?']),
+        ({"length": "furlong"}, ["mm, cm, dm, m, km, in, ft, yd: whether numbers are in the right"]),
+    ],
+)
+def test_units_that_are_not_known(units: dict[str, str], said: list[str]) -> None:
+    found = " ".join(check(model(units=units)).warnings)
+    assert all(part in found for part in said) and bool(found) == bool(said)
+    assert ("Did you mean" in found) == (bool(said) and "furlong" not in units.values())
+
+
+@pytest.mark.parametrize(
+    ("thickness", "said"),
+    [(1.9, ""), ("0.2 + x", ""), (2.4, "The thickness, 2.4 m, is 0.6 times"), (25, "25 m, is 6.2 times")],
+)
+def test_a_plate_that_is_a_block(thickness: float | str, said: str) -> None:
+    shape = {"shape": "rectangle", "size": [5, 4], "thickness": thickness}
+    stiff = {"area": {"rectangle": [1, 1, 2, 2]}, "thickness": 40}
+    found = " ".join(check(model(plate=shape, zone=[stiff])).warnings)
+    assert (said + " the plate's smaller extent, 4 m, and of a plate it is a fifth" in found) if said else found == ""
+
+
+@pytest.mark.parametrize(("size", "said"), [(4.0, False), (400.0, True)])
+def test_elements_larger_than_the_plate(size: float, said: bool) -> None:
+    words = "The size of elements, 400 m, is 100 times the plate's larger extent, 4 m: was another unit meant?"
+    assert (words in check(model(mesh={"size": size})).warnings) == said
+
+
+@pytest.mark.parametrize(
+    ("support", "said"),
+    [
+        ({"gap": 0.19}, ""),
+        ({"gap": 5}, "The gap of stop, 5 m, is 25 times the plate's thickness: was another unit meant?"),
+        ({"gap": "2*x", "resists": "both"}, "The gap of stop, 4 m, is 20 times"),
+        ({"gap": 5, "stiffness": 1e5}, "The gap of stop, 5 m, is 25 times"),
+        ({"settlement": -0.25}, "The settlement of stop, 0.25 m, is 1.2 times"),
+        ({"settlement": "-x", "stiffness": 1e5}, "The settlement of stop, 2 m, is 10 times"),
+        ({"settlement": 3, "fix": "simple"}, "The settlement of stop, 3 m, is 15 times"),
+        ({"settlement": 0.2, "gap": 0.2}, ""),
+    ],
+)
+def test_gaps_and_settlements_beyond_the_thickness(support: dict[str, object], said: str) -> None:
+    one_sided = {} if {"fix", "resists"} & set(support) else {"resists": "up"}
+    found = check(model(support=[PADS, {"name": "stop", "at": [2, 2], **one_sided, **support}])).warnings
+    assert len(found) == bool(said) and said in " ".join(found)
 
 
 def test_a_deflection_beyond_the_thickness() -> None:

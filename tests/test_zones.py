@@ -407,7 +407,7 @@ def test_files_hold_both_sides_of_jumps(tmp_path):
     assert result.extremes["my"].min == result.moment[:, 1].min()
     rows = {"columns": ["load"], "rows": {"one": [1.0], "two": [2.0]}}
     model = slab(THICK, combination=[{"generate": "table", **rows}], output={"combinations": "table"})
-    write(solve(model, table=tmp_path / "table.parquet"), tmp_path / "out", tmp_path / "table.parquet")
+    write(solve(model), tmp_path / "out")
     envelope = meshio.read(tmp_path / "out" / "envelope.vtu")
     assert (envelope.point_data["my_max"] == 2 * result.moment[:, 1])[result.moment[:, 1] > 0].all()
 

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
     from signorini.formats.inputfile import load, schema
     from signorini.model import Model, validate
+    from signorini.output.writing import write
     from signorini.results.load_path import LoadPath
     from signorini.results.probe_result import ProbeResult
     from signorini.results.result import Result
@@ -48,6 +49,7 @@ _HOME = {
     "errors": ("InputError", "NoEquilibriumError", "NotCertifiedError", "SignoriniError"),
     "formats.inputfile": ("load", "schema"),
     "model": ("Model", "validate"),
+    "output.writing": ("write",),
     "results.load_path": ("LoadPath",),
     "results.probe_result": ("ProbeResult",),
     "results.result": ("Result",),
@@ -84,6 +86,7 @@ __all__ = [
     "solve",
     "validate",
     "with_rows",
+    "write",
 ]
 
 

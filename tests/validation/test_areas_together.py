@@ -81,13 +81,12 @@ def test_pressures_of_a_table_are_those_of_its_combinations(divisions: int, law:
         combination=[{"name": f"c{i}", "factors": {"g": g, "q": q}} for i, (g, q) in enumerate(factors)],
         output={"combinations": "table", "fields": "all"},
     )
-    table = tmp_path / "table.parquet"
-    results = signorini.solve(model, table=table)
+    results = signorini.solve(model)
     (largest,) = [one["largest"] for one in envelope_json(results)["supports"] if "largest" in one]
     every = {name: result.supports[0].max_pressure for name, result in results.items()}
     assert largest["max"] == pytest.approx(max(every.values()), rel=1e-9)
     assert every[largest["max_by"]] == pytest.approx(largest["max"], rel=1e-9)
-    written = write(results, tmp_path / "out", table)
+    written = write(results, tmp_path / "out")
     assert len(written) and json.loads((tmp_path / "out" / "results.json").read_text())["envelope"]["fields"]
     envelope = meshio.read(tmp_path / "out" / "envelope.vtu")
     singles = [meshio.read(tmp_path / "out" / f"c{i}.vtu") for i in range(len(factors))]

@@ -18,15 +18,16 @@ from signorini.analysis.tables import OtherTables, rows_of, solve_rows, solve_ta
 from signorini.analysis.twins import Twins
 from signorini.analysis.twins.columns import ENDING, Rows
 from signorini.analysis.twins.leaves import Path
-from signorini.base.arguments import known, watching
+from signorini.base.arguments import index, key_of, watching
 from signorini.base.brief import short
+from signorini.base.named import Named
 from signorini.base.on_demand import OnDemand
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.discretise import discretise
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.limits import nearest_limit
-from signorini.errors import InputError, NoEquilibriumError, UnknownNameError
+from signorini.errors import NoEquilibriumError
 from signorini.mesh import Mesh
 from signorini.model import Combination, Model
 from signorini.results.columns import Column
@@ -93,10 +94,7 @@ class Results(States[str], Mapping[str, Result]):
         NotCertifiedError
             If it is solved now and its answer fails its certificate.
         """
-        try:
-            known(name, self._numbers, "combination", "combination", "This mapping of results")
-        except InputError as error:
-            raise UnknownNameError(error.message, error.place) from None
+        self._number_of(name)
         return self.full[name] if name in self.full else self._others[name]
 
     def __repr__(self) -> str:
@@ -106,6 +104,9 @@ class Results(States[str], Mapping[str, Result]):
     @cached_property
     def _numbers(self) -> dict[str, int]:
         return {name: number for number, name in enumerate(self.model.effective_combinations.names())}
+
+    def _number_of(self, name: object) -> int:
+        return self._numbers[key_of(name, self._numbers, "combination", "This mapping of results")]
 
     @cached_property
     def _others(self) -> Mapping[str, Result]:
@@ -168,8 +169,25 @@ class Results(States[str], Mapping[str, Result]):
             if name in self.table
         }
 
-    def half_width(self, column: str, row: int) -> float | None:
-        """The half-width of a reaction that governs, or of another number that an envelope names; None without."""
+    def half_width(self, column: str, row: int | str) -> float | None:
+        """The half-width of a number of the table; None without.
+
+        Parameters
+        ----------
+        column : str
+            One that has half-widths, such as "reaction:soil".
+        row : int or str
+            The number of a combination, from 0, or its name.
+
+        Raises
+        ------
+        UnknownNameError
+            Which is a KeyError too, if there is no such column or combination.
+        InputError
+            If there are not as many combinations.
+        """
+        key_of(column, self._rows.columns, "column", "This table of half-widths")
+        row = self._number_of(row) if isinstance(row, str) else index(row, len(self), "combination", "row")
         if not self.model.estimated:
             return None
         if self.model.tabulated:
@@ -189,10 +207,12 @@ class Results(States[str], Mapping[str, Result]):
     def limits(self) -> Mapping[str, tuple[str, float] | None]:
         """How far each combination is from the end of equilibrium: a case, and the factor on its own that leads there.
 
-        None where no case has one (`signorini.equilibrium.limits.nearest_limit`).
+        None where no case has one (`signorini.equilibrium.limits.nearest_limit`). Of rows of a table each is found
+        when it is asked for.
         """
         found, freedom = self.discretisation, self.problem.freedom
-        return OnDemand(self._numbers, lambda name: nearest_limit(found, freedom, self._combination(name)))
+        limits = OnDemand(self._numbers, lambda name: nearest_limit(found, freedom, self._combination(name)))
+        return limits if self.model.tabulated else Named(dict(limits), "combination", "This mapping of limits")
 
     def compare(self, table: str | os.PathLike[str] | None = None) -> None:
         """Solve the plate on other meshes for all results that are there, if the model asks for it (``mesh.error``).

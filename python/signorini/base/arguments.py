@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from signorini.errors import InputError, unknown
+from signorini.errors import InputError, UnknownNameError, unknown
 
 _T = TypeVar("_T")
 
@@ -94,6 +94,20 @@ def known(value: object, allowed: Collection[str], kind: str, place: str, owner:
     if found not in allowed:
         raise InputError(unknown(kind, found, allowed, owner), place=place)
     return found
+
+
+def key_of(value: object, allowed: Collection[str], kind: str, owner: str) -> str:
+    """One of the names of a mapping.
+
+    Raises
+    ------
+    UnknownNameError
+        Which is a KeyError too, where there is none of that name.
+    """
+    try:
+        return known(value, allowed, kind, kind, owner)
+    except InputError as error:
+        raise UnknownNameError(error.message, error.place) from None
 
 
 def index(value: object, count: int, kind: str, place: str) -> int:

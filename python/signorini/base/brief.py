@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-_FEW = 4
+FEW = 4
 """Entries up to which they are written out."""
 
 
@@ -40,9 +40,9 @@ class Brief:
                 value.flags.writeable = False
 
     def __repr__(self) -> str:
-        """Name every public field."""
-        names = [field.name for field in fields(self)]  # type: ignore[arg-type]  # its heirs are dataclasses
-        shown = ", ".join(f"{name}={short(getattr(self, name))}" for name in names if name[0] != "_")
+        """Name every public field but those with ``repr=False``."""
+        named = [field.name for field in fields(self) if field.repr]  # type: ignore[arg-type]  # its heirs are dataclasses
+        shown = ", ".join(f"{name}={short(getattr(self, name))}" for name in named if name[0] != "_")
         return f"{type(self).__name__}({shown})"
 
 
@@ -50,16 +50,16 @@ def short(value: Any) -> str:
     """Write a value in few words: of arrays the shape, of mappings the first names."""
     match value:
         case np.ndarray():
-            return f"array{value.shape}" if value.size > _FEW else f"array({value.tolist()})"
+            return f"array{value.shape}" if value.size > FEW else f"array({value.tolist()})"
         case bool() | int() | str() | None:
             return repr(value)
         case float() | np.number():
             return f"{value:.6g}"
         case Mapping():
-            named = [repr(name) for name in list(value)[:_FEW]]
-            more = f", ... {len(value)} in all" if len(value) > _FEW else ""
+            named = [repr(name) for name in list(value)[:FEW]]
+            more = f", ... {len(value)} in all" if len(value) > FEW else ""
             return f"{{{', '.join(named)}{more}}}"
-        case tuple() | list() if len(value) <= _FEW and all(isinstance(one, int | float | str) for one in value):
+        case tuple() | list() if len(value) <= FEW and all(isinstance(one, int | float | str) for one in value):
             return f"({', '.join(map(short, value))})"
         case tuple() | list():
             return f"{len(value)} {type(value[0]).__name__}" if value else "()"

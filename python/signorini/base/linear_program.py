@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 _Floats = NDArray[np.float64]
+_PRIMAL = 4
+"""HiGHS's number of the primal simplex method."""
 _FEASIBLE = 1e-7
 """What HiGHS lets a row or a bound miss unless told otherwise."""
 
@@ -82,12 +84,21 @@ def minimise(
         # All of a process share its threads: another user of HiGHS has started more.
         solver.setOptionValue("threads", 0)
         solver.run()
-    status, ends = solver.getModelStatus(), highspy.HighsModelStatus
-    if status == ends.kOptimal:
-        return np.array(solver.getSolution().col_value)
-    if status in (ends.kInfeasible, ends.kUnbounded, ends.kUnboundedOrInfeasible):
-        return None
-    raise RuntimeError(f"HiGHS {solver.version()} ended a linear program with {status.name}.")
+    ends = highspy.HighsModelStatus
+    if solver.getModelStatus() not in _told(ends):
+        # Without a start of its own, by the primal simplex method, which ends where the dual one goes round.
+        solver.clearSolver()
+        solver.setOptionValue("simplex_strategy", _PRIMAL)
+        solver.run()
+    status = solver.getModelStatus()
+    if status not in _told(ends):
+        raise RuntimeError(f"HiGHS {solver.version()} ended a linear program with {status.name}.")
+    return np.array(solver.getSolution().col_value) if status == ends.kOptimal else None
+
+
+def _told(ends: Any) -> tuple[object, ...]:
+    """How a program ends that has a solution, or none."""
+    return ends.kOptimal, ends.kInfeasible, ends.kUnbounded, ends.kUnboundedOrInfeasible
 
 
 def _by_rows(matrix: Any) -> tuple[NDArray[np.int32], NDArray[np.int32], _Floats]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
+from itertools import islice
 from typing import TypeVar
 
-from signorini.base.brief import short
+from signorini.base.arguments import key_of
+from signorini.base.brief import FEW
 
 _V = TypeVar("_V")
 
@@ -19,7 +21,9 @@ class OnDemand(Mapping[str, _V]):
     >>> squares["3"], list(squares), dict(squares)
     (9, ['2', '3'], {'2': 4, '3': 9})
     >>> squares
-    OnDemand({'2', '3'})
+    {'2': 4, '3': 9}
+    >>> OnDemand("abcdef", str.upper)
+    {'a': ..., 'b': ..., 'c': ..., 'd': ..., ... 6 in all}
     """
 
     def __init__(self, names: Collection[str], compute: Callable[[str], _V], most: int | None = None) -> None:
@@ -29,8 +33,7 @@ class OnDemand(Mapping[str, _V]):
     def __getitem__(self, name: str) -> _V:
         """Compute a value, or find it."""
         if name not in self._kept:
-            if name not in self._names:
-                raise KeyError(name)
+            key_of(name, self._names, "name", "This mapping")
             self._kept[name] = self._compute(name)
             if self._most is not None and len(self._kept) > self._most:
                 del self._kept[next(iter(self._kept))]
@@ -41,8 +44,11 @@ class OnDemand(Mapping[str, _V]):
         return iter(self._names)
 
     def __repr__(self) -> str:
-        """Name the first; their values are not computed."""
-        return f"OnDemand({short(dict.fromkeys(self._names))})"
+        """Show the first; values that are not there yet are not computed."""
+        shown = islice(self._names, FEW)
+        named = [f"{name!r}: {repr(self._kept[name]) if name in self._kept else '...'}" for name in shown]
+        more = f", ... {len(self)} in all" if len(self) > FEW else ""
+        return f"{{{', '.join(named)}{more}}}"
 
     def __len__(self) -> int:
         """Count the names."""

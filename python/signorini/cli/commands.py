@@ -100,7 +100,7 @@ def solve(
     Of many combinations write combinations.parquet, envelopes, and all of this for those that govern.
     """
     with _messages(file):
-        from signorini.output import write
+        from signorini.output import write_results
         from signorini.output.directory import former_results, room_for
         from signorini.output.names import TABLE
         from signorini.output.pictures import artists
@@ -118,7 +118,7 @@ def solve(
                     results = signorini.solve(model, progress=show, table=table)
                     results.compare(table)
                 show("writing the results")
-                write(results, directory, table, drawing)
+                write_results(results, directory, table, drawing)
         except SignoriniError:
             if former_results(directory):
                 streams.stderr().print(f"Nothing is written; {visible(directory)} holds the results of an earlier run.")

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 from rich.console import Console
 from rich.text import Text
 
 from signorini.base.numbers import compared, number, size_of
 from signorini.cli.cells import in_unit
 from signorini.cli.grid import Column, Grid, numbers, say
-from signorini.results.load_path import LoadPath
+from signorini.results.load_path import LoadPath, t_in_words
 
 _MOST_EVENTS = 40
 """Events printed; of more the first and last halves of these."""
@@ -21,6 +23,7 @@ _MOST_COLUMNS = 6
 def print_path(console: Console, path: LoadPath) -> None:
     """Print every event: where on the path, which points open or close, and what the plate does there."""
     model, units = path.model, path.model.units
+    estimate = path.estimate if model.estimated else None
     if model.title:
         say(console, model.title, style="bold")
     say(console, Text(path.name, style="bold") + Text(f": followed by {path.method}"))
@@ -41,7 +44,7 @@ def print_path(console: Console, path: LoadPath) -> None:
         stop = path.stops[index]
         largest = size_of(stop.reactions)
         shown = [number(value, largest) for value in stop.reactions.tolist()[: len(names)]]
-        rows.add(_at(path, index), words, number(stop.utmost, farthest), *shown)
+        rows.add(t_in_words(path, index), words, number(stop.utmost, farthest), *shown)
     rows.show(console)
     if any(support.place != "at" for support in model.support):
         say(console, f"of lines and areas each quarter is an event; all {len(path.stops)} stops are in path.csv")
@@ -52,19 +55,9 @@ def print_path(console: Console, path: LoadPath) -> None:
         say(console, f"So on {len(path.not_unique) - _MOST_STRETCHES} more stretches, all in path.json.")
     say(console, "reactions positive up" if names else "reactions of the supports, positive up, are in path.csv")
     say(console, f"certificate, the worst of {len(path.stops)} stops: {path.certificate}")
-    estimated = model.estimated
-    say(console, f"of the equations; of the mesh: {compared(path.estimate.elements if estimated else (), estimated)}")
-    for sentence in (*path.warnings, *(path.estimate.warnings if estimated else ())):
+    say(console, f"of the equations; of the mesh: {compared(estimate.elements if estimate else (), model.estimated)}")
+    for sentence in (*path.warnings, *(estimate.warnings if estimate else ())):
         say(console, f"Warning: {sentence}", style="yellow")
-
-
-def _at(path: LoadPath, index: int) -> str:
-    """The t of a stop, to digits that keep the order, and how far it is from the plate's."""
-    t = f"{path.stops[index].t:.6g}"
-    if not path.model.estimated or not path.estimate.elements:
-        return t
-    width = 0.0 if path.words(index) == "end" and path.ending == "no_more_events" else path.half_width(index)
-    return f"{t} ± {'?' if width is None else f'{width:.2g}'}" if width != 0 else t
 
 
 def _ending(path: LoadPath) -> str:
@@ -74,6 +67,7 @@ def _ending(path: LoadPath) -> str:
         case "no_more_events":
             return "After the last event nothing opens or closes any more, however large t is."
         case "until":
-            return f"Followed to t = {path.end:.9g}."
+            ends = f"ends at t = {path.limit:.9g}" if math.isfinite(path.limit) else "does not end, however large t is"
+            return f"Followed to t = {path.end:.9g}. Equilibrium {ends}."
         case _:
             return f"Followed to t = {path.end:.9g} only; beyond, rounding decides which points are in contact."

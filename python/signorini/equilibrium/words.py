@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.imbalance import Imbalance
 from signorini.errors import length, point
 
 _MOST_HINGES = 4
+"""Points of a support that a plate tips about."""
 
 
 def explain(found: Discretisation, why: Imbalance | None) -> str:
@@ -38,11 +37,17 @@ def _lifting(why: Imbalance, unit: str) -> str:
 
 def _tipping(found: Discretisation, why: Imbalance, unit: str) -> str:
     assert why.axis is not None
-    size, hinges = found.mesh.size, ""
-    if len(why.hinges):
-        owners = ", ".join(found.model.support[i].name for i in np.unique(why.supports))
-        spots = ", ".join(point(at, size) for at in why.hinges[:_MOST_HINGES])
-        hinges = f" through {spots}{', ...' if len(why.hinges) > _MOST_HINGES else ''} of {owners}"
+    size, owners = found.mesh.size, dict[str, dict[str, None]]()
+    for at, support in zip(why.hinges, why.supports, strict=True):
+        owners.setdefault(point(at, size), {})[found.model.support[support].name] = None
+    alike: dict[str, list[str]] = {}
+    for spot, names in owners.items():
+        alike.setdefault(" and ".join(names), []).append(spot)
+    through = ", ".join(
+        f"{', '.join(spots[:_MOST_HINGES])}{', ...' if len(spots) > _MOST_HINGES else ''} of {names}"
+        for names, spots in alike.items()
+    )
+    hinges = f" through {through}" if through else ""
     moment_unit = f"{unit} {found.model.units.length}".rstrip() if unit else ""
     line = line_in_words(why.axis.normal, why.axis.offset, size)
     return f"The plate tips about the line {line}{hinges}, short by a moment of {why.moment:.6g}{moment_unit}."
@@ -53,6 +58,7 @@ def line_in_words(normal: Floats, offset: float, size: float) -> str:
 
     Examples
     --------
+    >>> import numpy as np
     >>> line_in_words(np.array([-0.6, -0.8]), 1.6, 4.0)
     '0.75 x + y = 2'
     >>> line_in_words(np.array([1.0, 1e-17]), 1e-16, 4.0)

@@ -22,7 +22,7 @@ from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE
 from signorini.results.estimate import PathEstimate
 from signorini.results.figures import through_json
 from signorini.results.load_path import LoadPath
-from signorini.results.path_stop import PathStop
+from signorini.results.path_stop import PathStop, listed_points
 from signorini.results.section_result import columns_of, section_results
 
 SCHEMA = 1
@@ -109,6 +109,9 @@ def _half_widths(path: LoadPath, estimate: PathEstimate) -> dict[str, Any]:
 
 def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
     supports = zip(path.model.support, *_columns(stop), strict=True)
+    points: list[list[dict[str, Any]]] = [[] for _ in path.model.support]
+    for one, reaction in zip(listed_points(path.problem.discretisation), stop.at_points.tolist(), strict=True):
+        points[one.support].append({"at": list(one.at or ()), "reaction": reaction})
     positions = path.problem.discretisation.probe_positions.tolist()
     return {
         "t": stop.t,
@@ -119,7 +122,8 @@ def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
             "min_at": list(stop.smallest_at),
         },
         "supports": [
-            {"name": support.name} | dict(zip(_OF_SUPPORTS, values, strict=True)) for support, *values in supports
+            {"name": support.name} | dict(zip(_OF_SUPPORTS, values, strict=True)) | ({"points": of} if of else {})
+            for of, (support, *values) in zip(points, supports, strict=True)
         ],
         "probes": [{"at": at, "deflection": w} for at, w in zip(positions, stop.deflections.tolist(), strict=True)],
         **through_json(*section_results(path.problem.discretisation, stop.through)),
@@ -138,7 +142,7 @@ def _columns(stop: PathStop) -> Iterator[list[Any]]:
 
 
 def path_csv(path: LoadPath) -> str:
-    """Give the stops of a load path as comma-separated values: a row a stop, columns for every support and probe."""
+    """Give the stops of a load path as comma-separated values: a row a stop, columns for supports and probes."""
     text = io.StringIO()
     names = [support.name for support in path.model.support]
     positions = path.problem.discretisation.probe_positions.tolist()
@@ -147,6 +151,7 @@ def path_csv(path: LoadPath) -> str:
     table.writerow(
         ["t", "t_plus_minus", "event", "deflection_max", "deflection_min"]
         + [f"{what}:{name}" for name in names for what in _OF_SUPPORTS]
+        + [one.column(path.model) for one in listed_points(path.problem.discretisation)]
         + [f"probe[{i}]:deflection" for i in range(1, len(positions) + 1)]
         + columns_of(path.model)
     )
@@ -160,14 +165,19 @@ def path_csv(path: LoadPath) -> str:
             stop.smallest,
             *itertools.chain.from_iterable(supports),
         ]
-        table.writerow([*row, *stop.deflections.tolist(), *stop.through.tolist()])
+        table.writerow([*row, *stop.at_points.tolist(), *stop.deflections.tolist(), *stop.through.tolist()])
     return text.getvalue()
 
 
-def write_path(path: LoadPath, directory: str | os.PathLike[str]) -> None:
+def write_path(path: LoadPath, directory: str | os.PathLike[str]) -> list[FilePath]:
     """Write ``path.json``, ``path.csv`` and ``path.png``, all or none; other files in the directory stay.
 
     Those of an earlier path there are replaced.
+
+    Returns
+    -------
+    list of Path
+        What was written.
 
     Raises
     ------
@@ -187,3 +197,4 @@ def write_path(path: LoadPath, directory: str | os.PathLike[str]) -> None:
             (beside / PATH_JSON).write_text(text + "\n", "utf-8")
     except OSError as error:
         raise cannot_write(target, error) from None
+    return [target / name for name in (PATH_JSON, PATH_CSV, PATH_PICTURE)]

@@ -9,19 +9,68 @@ from functools import partial
 from pathlib import Path
 
 from signorini.analysis.solve import Results
+from signorini.base.arguments import made_by
 from signorini.base.files import replacing_together
 from signorini.base.forked import Forked
 from signorini.formats.vtk import Vtu
 from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import write_envelope
 from signorini.output.governing import governing_csv
+from signorini.output.load_path import write_path
 from signorini.output.names import CSV, GOVERNING, JSON, TABLE, envelope_files, slugs
 from signorini.output.pictures import Drawing, envelope_sheets, sheets_of, write_refinement
 from signorini.output.tables import reactions_csv, results_json
+from signorini.results.load_path import LoadPath
 from signorini.results.result import vtk_fields
 
 
-def write(
+def write(found: Results | LoadPath, directory: str | os.PathLike[str]) -> list[Path]:
+    """Write what the command writes into its directory: `signorini solve` of results, `signorini path` of a load path.
+
+    All files, or none; docs/results.md describes them. Those of an earlier run there are replaced as a set, and other
+    files stay. With ``mesh.error``, as by default, the plate is solved on other meshes for the half-widths, where it
+    has not been; and so are rows of a table once more, where these were too many to be kept.
+
+    Parameters
+    ----------
+    found : Results or LoadPath
+        What `signorini.solve` or `signorini.path` has returned.
+    directory : path-like
+        Made if need be.
+
+    Returns
+    -------
+    list of Path
+        What was written.
+
+    Raises
+    ------
+    InputError
+        If the directory cannot be made or written to, or has a file of somebody else's with the name of one of ours.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from signorini import Model, path, solve, write
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     mesh={"divisions": [4, 4]},
+    ...     support=[{"name": "feet", "at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
+    ...     load=[{"case": "G", "pressure": 1e3}],
+    ... )
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     files = [*write(solve(model), place), *write(path(model, None, "G"), place)]
+    >>> [file.name for file in files if file.suffix in (".json", ".csv")]
+    ['results.json', 'reactions.csv', 'path.json', 'path.csv']
+    """
+    if isinstance(found, LoadPath):
+        return write_path(found, directory)
+    made_by(found, Results, "signorini.solve(model) makes them, signorini.path(model, ...) a LoadPath.", "found")
+    return write_results(found, directory)
+
+
+def write_results(
     results: Results,
     directory: str | os.PathLike[str],
     table: str | os.PathLike[str] | None = None,
@@ -43,8 +92,8 @@ def write(
     directory : path-like
         Made if need be.
     table : path-like, optional
-        The table that `signorini.solve` has written, on the same file system; it is moved. Needed where combinations
-        are rows of a table.
+        The table that `signorini.solve` has written, on the same file system; it is moved. Without it, where
+        combinations are rows of a table, this is written here.
     artists : sequence of Forked
         Processes to draw the pictures (`signorini.output.pictures.artists`); without any, this one does.
 
@@ -75,6 +124,8 @@ def write(
                 write_envelope(results.discretisation.stress_nodes, results.combined.over(group), beside / name)
             if table is not None:
                 Path(table).rename(beside / TABLE)
+            elif results.model.tabulated:
+                _write_table(results, beside / TABLE)
             (beside / CSV).write_text(reactions_csv(results), encoding="utf-8")
             if len(results) > 1:
                 (beside / GOVERNING).write_text(governing_csv(results), encoding="utf-8")
@@ -85,3 +136,12 @@ def write(
     except OSError as error:
         raise cannot_write(target, error) from None
     return [target / name for name in names]
+
+
+def _write_table(results: Results, path: Path) -> None:
+    # Only tables need pyarrow.
+    from signorini.formats.parquet import writing
+
+    widths = results.table_plus_minus if results.model.estimated else {}
+    with writing(path) as sink:
+        sink((*results.table.items(), *widths.items()))

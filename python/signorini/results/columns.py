@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from signorini.base.named import Named as ByName
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -342,7 +343,7 @@ def together(blocks: Iterable[Named]) -> Mapping[str, Column]:
     for block in blocks:
         for name, values in block:
             found.setdefault(name, []).append(values)
-    return {name: _joined(parts) for name, parts in found.items()}
+    return ByName({name: _joined(parts) for name, parts in found.items()}, "column", "This table")
 
 
 def _joined(parts: Sequence[Column]) -> Column:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
@@ -13,6 +13,7 @@ import numpy as np
 from signorini import _core
 from signorini.base import arguments
 from signorini.base.brief import Brief
+from signorini.base.numbers import compared
 from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import Certificate, certified
 from signorini.contact.factoring import Method
@@ -106,7 +107,7 @@ class LoadPath(States[float]):
     _first: Bools
     _doubtful: tuple[int, ...] = ()
     """Segments on which more answers than one may be right."""
-    estimator: PathEstimator | None = None
+    estimator: PathEstimator | None = field(default=None, repr=False)
 
     @property
     def mesh(self) -> Mesh:
@@ -245,12 +246,16 @@ class LoadPath(States[float]):
         return found
 
     def _repr_html_(self) -> str:
+        """Show the events in a notebook, with half-widths once `estimate` was asked for: nothing is solved here."""
         rows = [
-            (stop.t, words, stop.utmost, stop.reactions.tolist())
+            (t_in_words(self, index), words, stop.utmost, stop.reactions.tolist())
             for index, stop in enumerate(self.stops)
             if (words := self.words(index))
         ]
-        return path_table([support.name for support in self.model.support], rows, self.model.units)
+        table = path_table([support.name for support in self.model.support], rows, self.model.units)
+        asked = "estimate" in self.__dict__
+        of_mesh = compared(self.estimate.elements, True) if asked else "± once estimate is asked for"
+        return f"{table}<p>of the mesh: {of_mesh}</p>"
 
     def plot(self) -> Figure:
         """Draw deflections over t, at the probes or else the extremes, and below it what part of supports is closed.
@@ -352,6 +357,15 @@ class LoadPath(States[float]):
         if least is not answer:
             answer, certificate = certified(found, load, least, made_of)
         return Result.of(found, name, methods, load, answer, certificate)
+
+
+def t_in_words(path: LoadPath, index: int) -> str:
+    """Write the t of a stop, to digits that keep the order, with its half-width once `estimate` was asked for."""
+    t = f"{path.stops[index].t:.6g}"
+    if "estimate" not in path.__dict__ or not path.estimate.elements:
+        return t
+    width = 0.0 if path.words(index) == "end" and path.ending == "no_more_events" else path.half_width(index)
+    return f"{t} ± {'?' if width is None else f'{width:.2g}'}" if width != 0 else t
 
 
 def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, closed: Bools) -> Iterator[Floats]:

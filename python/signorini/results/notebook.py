@@ -89,13 +89,13 @@ def _in(unit: str) -> str:
     return f" [{unit}]" if unit else ""
 
 
-def path_table(supports: Sequence[str], stops: Sequence[tuple[float, str, float, list[float]]], units: Units) -> str:
+def path_table(supports: Sequence[str], stops: Sequence[tuple[str, str, float, list[float]]], units: Units) -> str:
     """Write the stops of a load path in HTML: t, what happens, the deflection largest in size, the supports' reactions.
 
     Examples
     --------
     >>> from signorini.model import Units
-    >>> closes = 0.5, "prop closes at [2, 2]", 0.001, [0.0]
+    >>> closes = "0.5 ± 0.01", "prop closes at [2, 2]", 0.001, [0.0]
     >>> path_table(["prop"], [closes], Units(length="m", force="kN")).count("<tr>")
     2
     """
@@ -104,7 +104,7 @@ def path_table(supports: Sequence[str], stops: Sequence[tuple[float, str, float,
     head = f"<tr><th {_NUMBER}>t</th><th {_WORDS}>event</th>"
     head += "".join(f"<th {_NUMBER}>{title}</th>" for title in titles) + "</tr>"
     rows = "".join(
-        f"<tr><td {_NUMBER}>{t:.6g}</td><td {_WORDS}>{html.escape(event)}</td>"
+        f"<tr><td {_NUMBER}>{html.escape(t)}</td><td {_WORDS}>{html.escape(event)}</td>"
         + "".join(f"<td {_NUMBER}>{value:.6g}</td>" for value in (largest, *reactions))
         + "</tr>"
         for t, event, largest, reactions in stops

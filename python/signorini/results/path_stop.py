@@ -13,9 +13,13 @@ from signorini.contact.answer import Answer
 from signorini.contact.certificate import imbalances
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.results.columns import Bearing
 from signorini.results.peak import peak
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_at_rest
+
+_MOST_POINTS = 100
+"""Points of supports at points up to which stops list the reaction of each."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,8 @@ class PathStop(Brief):
         Which contact points these are.
     reactions : (s,) array
         Total of every support, positive when it pushes the plate up.
+    at_points : (b,) array
+        Those of the `listed_points`.
     closed, counts : (s,) arrays
         Closed points of every support from here on, and how many points it has.
     parts : (s,) array
@@ -73,6 +79,7 @@ class PathStop(Brief):
     switched: tuple[Switch, ...]
     points: Ints
     reactions: Floats
+    at_points: Floats
     closed: Ints
     counts: Ints
     parts: Floats
@@ -106,6 +113,17 @@ def switches(found: Discretisation, points: Ints, answer: Answer) -> tuple[Switc
     )
 
 
+def listed_points(found: Discretisation) -> list[Bearing]:
+    """Points of supports at points, whose reactions every stop lists; none where they are many."""
+    listed = [
+        Bearing(index, number, (x, y))
+        for index, support in enumerate(found.model.support)
+        if support.place == "at"
+        for number, (x, y) in enumerate(SupportPoints.of(found, index).positions.tolist(), start=1)
+    ]
+    return listed if len(listed) <= _MOST_POINTS else []
+
+
 def path_stops(
     found: Discretisation,
     at: Sequence[float],
@@ -126,13 +144,14 @@ def path_stops(
     works = np.array([load.nodal for load in loads]) * (hi + lo)
     held_force = np.where(found.held.dofs, imbalance - (found.point_rows.T @ shared.T).T, 0.0)[:, ::3]
     pull = found.spring_forces(hi, lo)
+    listed = {one.support for one in listed_points(found)}
     supports = [
-        _support_at_stops(found, index, held_force, pull, deflection, closed, shared)
+        _support_at_stops(found, index, index in listed, held_force, pull, deflection, closed, shared)
         for index in range(len(found.model.support))
     ]
-    totals, closed_counts, counts, parts, areas, pressures = (
-        np.array(numbers).T for numbers in zip(*supports, strict=True)
-    )
+    of_points, *of_supports = zip(*supports, strict=True)
+    at_points = np.concatenate(of_points, axis=1)
+    totals, closed_counts, counts, parts, areas, pressures = (np.array(numbers).T for numbers in of_supports)
     values = found.mesh.shape_functions(found.probes.elements, found.probes.xi)
     at_probes = np.einsum("qi,kqi->kq", values, deflection[:, found.mesh.elements[found.probes.elements]])
     stops = []
@@ -145,6 +164,7 @@ def path_stops(
                 switches(found, switched[row], answer),
                 points[row],
                 totals[row],
+                at_points[row],
                 closed_counts[row],
                 counts[row],
                 parts[row],
@@ -166,13 +186,17 @@ def path_stops(
 def _support_at_stops(
     found: Discretisation,
     index: int,
+    listed: bool,
     held_force: Floats,
     pull: Floats,
     deflection: Floats,
     closed: Bools,
     shared: Floats,
-) -> tuple[Floats, Ints, Ints, Floats, Floats, Floats]:
-    """Total (k,), closed points, all points, part that is closed, contact area and largest pressure of a support."""
+) -> tuple[Floats, Floats, Ints, Ints, Floats, Floats, Floats]:
+    """What a support does: reactions (k, p) of its points, if they are listed, and numbers (k,).
+
+    These are its total, closed points, all points, the part that is closed, contact area and largest pressure.
+    """
     points = SupportPoints.of(found, index)
     fixed = np.concatenate([held_force[:, points.nodes], pull[:, points.springs]], axis=1)
     reactions, closed = points.forces(fixed, shared), points.closed(closed)
@@ -186,6 +210,7 @@ def _support_at_stops(
         known, _ = at_rest.measured(deflection[:, at_rest.on_nodes], reactions)
         pressures = np.fmax.reduce(known, axis=1, initial=0.0)
     return (
+        reactions if listed else reactions[:, :0],
         reactions.sum(axis=1),
         closed.sum(axis=1),
         np.full(len(closed), closed.shape[1]),

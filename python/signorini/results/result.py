@@ -6,7 +6,7 @@ import html
 import os
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from signorini.base import arguments
 from signorini.base.arguments import known
+from signorini.base.named import Named
 from signorini.base.numbers import compared, estimated, number, size_of
 from signorini.base.remade import Remade
 from signorini.contact.answer import Answer, NotUnique
@@ -111,7 +112,7 @@ class Result(Remade):
     seconds: float
     noticed: tuple[str, ...]
     singular: tuple[Singularity, ...]
-    estimator: Estimator | None = None
+    estimator: Estimator | None = field(default=None, repr=False)
 
     @classmethod
     def of(
@@ -188,15 +189,15 @@ class Result(Remade):
     @property
     def reactions(self) -> Mapping[str, float]:
         """Total reaction of every support by name, positive when it pushes the plate up."""
-        return {support.name: support.reaction for support in self.supports}
+        return Named({support.name: support.reaction for support in self.supports}, "support", "This result")
 
     @cached_property
     def fields(self) -> Mapping[str, Floats]:
         """Every field by name: deflection, rotation_x, rotation_y (n,), mx, my, mxy, qx, qy (s,)."""
         values = [self.deflection, *self.rotation.T, *self.moment.T, *self.shear.T]
-        for field in values:
-            field.flags.writeable = False
-        return dict(zip(FIELDS, values, strict=True))
+        for one in values:
+            one.flags.writeable = False
+        return Named(dict(zip(FIELDS, values, strict=True)), "field", "This result")
 
     @cached_property
     def extremes(self) -> Mapping[str, FieldExtremes]:
@@ -217,7 +218,7 @@ class Result(Remade):
         >>> round(mx.max), mx.max_at[0], mx.max_beside
         (10336, 2.0, '')
         """
-        return extremes(self.fields, self.stress_nodes, self.singular)
+        return Named(extremes(self.fields, self.stress_nodes, self.singular), "field", "This mapping of extremes")
 
     @cached_property
     def estimate(self) -> Estimate:

@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import difflib
+from collections.abc import Iterator, Mapping
+
+import numpy as np
 
 from signorini.base.plain import plain
 from signorini.base.units import METRES
 from signorini.discretise import Discretisation
+from signorini.model.words import describe
 
-_NEWTONS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "MN": 1e6, "kgf": 9.80665, "lbf": 4.4482216, "lb": 4.4482216}
-_NEWTONS |= {"tf": 9806.65, "kip": 4448.2216, "kips": 4448.2216}
+_NEWTONS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "MN": 1e6, "kgf": 9.80665, "kp": 9.80665, "tf": 9806.65, "t": 9806.65}
+_NEWTONS |= {"lbf": 4.4482216, "lb": 4.4482216, "kip": 4448.2216, "kips": 4448.2216}
+_LENGTHS = {"metre": "m", "millimetre": "mm", "centimetre": "cm", "decimetre": "dm", "kilometre": "km"}
+_LENGTHS |= {"inch": "in", "foot": "ft", "feet": "ft", "yard": "yd"}
+_FORCES = {"newton": "N", "decanewton": "daN", "kilonewton": "kN", "meganewton": "MN", "pound": "lbf", "tonne": "tf"}
+_ALIKE = 0.7
+"""Likeness from which a unit that is not known is a known one spelt otherwise."""
+_THICKEST = 0.5
+"""Thickness over the plate's smaller extent beyond which it is surely none: EN 1992-1-1, 5.3.1, calls slab what has a
+fifth at most."""
 _SOFTEST, _STIFFEST = 1e8, 1e12
 """Pascals between which Young's moduli of plates are: rubber is softer, and hardly anything stiffer than diamond."""
 _LIGHTEST, _HEAVIEST = 100.0, 3e5
@@ -22,9 +34,57 @@ _POWERS = {"area": 4, "edge": 3, "line": 3, "circle": 3, "at": 2}
 
 
 def unit_slips(found: Discretisation) -> Iterator[str]:
-    """Ask of Young's modulus, the weight and stiffnesses whether another unit was meant."""
+    """Ask of lengths, Young's modulus, the weight and stiffnesses whether another unit was meant."""
+    yield from _unknown("length", found.model.units.length, METRES, _LENGTHS)
+    yield from _unknown("force", found.model.units.force, _NEWTONS, _FORCES)
+    yield from _of_lengths(found)
     yield from _of_material(found)
     yield from _of_supports(found)
+
+
+def _unknown(kind: str, given: str, known: Mapping[str, float], words: Mapping[str, str]) -> Iterator[str]:
+    if given and given not in known:
+        spelt = {unit.casefold(): unit for unit in known} | dict(words)
+        near = difflib.get_close_matches(given.casefold(), spelt, n=1, cutoff=_ALIKE)
+        meant = f' Did you mean "{spelt[near[0]]}"?' if near else ""
+        yield (
+            f"units.{kind} = {describe(given)} is none of the units that are known, {', '.join(known)}: whether "
+            f"numbers are in the right unit cannot be told.{meant}"
+        )
+
+
+def _of_lengths(found: Discretisation) -> Iterator[str]:
+    model, thickness = found.model, float(found.thickness.nominal.max())
+    # A zone may be thick to be stiff.
+    thinnest = float(found.thickness.nominal.min())
+    smaller, larger = np.sort(np.ptp(found.mesh.points, axis=0)).tolist()
+    if thinnest > _THICKEST * smaller:
+        yield (
+            f"The thickness, {_length(found, thinnest)}, is {plain(thinnest / smaller, 2)} times the plate's smaller "
+            f"extent, {_length(found, smaller)}, and of a plate it is a fifth at most: was another unit meant?"
+        )
+    if (size := model.mesh.size) is not None and size > larger:
+        yield (
+            f"The size of elements, {_length(found, size)}, is {plain(size / larger, 2)} times the plate's larger "
+            f"extent, {_length(found, larger)}: was another unit meant?"
+        )
+    points = found.points
+    for support, parts in zip(model.support, found.parts, strict=True):
+        rows = parts.rows.ravel()
+        settled = points.settlement[rows]
+        moved = found.held.values[3 * parts.nodes], found.springs.base[parts.springs], settled
+        travels = {"gap": points.distance[rows] - settled, "settlement": np.abs(np.concatenate(moved))}
+        for what, values in travels.items():
+            most = float(values.max(initial=0.0))
+            if most > thickness:
+                yield (
+                    f"The {what} of {support.name}, {_length(found, most)}, is {plain(most / thickness, 2)} times the "
+                    "plate's thickness: was another unit meant?"
+                )
+
+
+def _length(found: Discretisation, value: float) -> str:
+    return f"{value:.4g} {found.model.units.length}".rstrip()
 
 
 def _of_material(found: Discretisation) -> Iterator[str]:

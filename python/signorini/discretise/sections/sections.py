@@ -34,6 +34,9 @@ from signorini.model import Model, Support
 from signorini.shapes import Polyline
 from signorini.shapes.outlines import Point
 
+_BESIDE = 1e-3
+"""Part of half a strip's width: where so near to its middle line there is no plate, the line is on an edge."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sections(Brief):
@@ -171,7 +174,11 @@ def _require_on_plate(mesh: Mesh, points: Sequence[Point], place: Place) -> None
     for end in ends[~inside]:
         at = point(end, mesh.size)
         if place[0] == "strip":
-            middle = point(ends.mean(axis=0), mesh.size)
-            message = f"The strip reaches beyond the plate at {at}, beside its station {middle}. Make it narrower, or "
-            raise InputError(f"{message}move its line or the line's ends.", place=(*place, "width"))
+            middle = ends.mean(axis=0)
+            said = f"The strip reaches beyond the plate at {at}, beside its station {point(middle, mesh.size)}"
+            if mesh.locate(middle[None] + _BESIDE * (end - middle)).inside.all():
+                advice = ". Make it narrower, or move its line or the line's ends."
+                raise InputError(f"{said}{advice}", place=(*place, "width"))
+            advice = ", which is on an edge: no width is narrow enough. Let its line end short of it, or move it off."
+            raise InputError(f"{said}{advice}", place=(*place, "line"))
         raise InputError(f"The line ends at {at}, off the plate. Let it end on the plate; it may cross holes.", place)
