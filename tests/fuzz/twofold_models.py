@@ -1,8 +1,8 @@
 """Random plates said in two ways that are one: each way has the same answer.
 
 Sections from either side, and strips of two halves; what areas with holes leave out and what is in the holes; the
-stiffness of a solid section; and a plate turned, mirrored and moved, every shape of it as a polygon. They share a mesh,
-so that rounding alone is between them.
+stiffness of a solid section; a plate turned, mirrored and moved, every shape of it as a polygon; a wall that all but
+ends on an edge. They share a mesh, so that rounding alone is between them.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def twofold(rng: Random) -> Extreme:
     tables["mesh"]["error"] = False
     spots = (random_models.point(rng, tables["plate"]) for _ in range(20))
     tables["probe"] = [{"at": [at for at in spots if random_models.on_plate(tables["plate"], at)][:6]}]
-    kind = rng.choice([both_sides, hollow, solid, turned, turned])
+    kind = rng.choice([both_sides, hollow, solid, turned, turned, rounded])
     return kind(rng, tables)
 
 
@@ -191,6 +191,30 @@ def turned(rng: Random, tables: Tables) -> Extreme:
         return _compared(result, tables, other, motion.of_mesh(mesh, contours), part)
 
     return Extreme("turned", tables, judge, may_be_refused=True)
+
+
+def rounded(rng: Random, tables: Tables) -> Extreme:
+    """A rigid wall that all but ends on an edge ends there, and a rigid point that is all but on it is on it."""
+    plate = tables["plate"]
+    if plate["shape"] != "rectangle" or "nodes" in repr(tables["support"]):
+        return turned(rng, tables)
+    (x0, y0), (a, b) = plate.get("origin", [0.0, 0.0]), plate["size"]
+    begin = [x0 + rng.uniform(0.1, 0.9) * a, y0]
+    end = [x0 + rng.uniform(0.1, 0.9) * a, y0 + rng.uniform(0.3, 0.9) * b]
+    along = np.subtract(end, begin) / math.dist(begin, end)
+    way = rng.choice([{"fix": "simple"}, {"resists": "both"}, {"resists": "down"}])
+    off = rng.choice([1.0, -1.0]) * random_models.extent(plate) * 10.0 ** rng.uniform(-9.0, -3.8)
+    on = [float(c) for c in np.array(begin) + rng.uniform(0.2, 0.8) * math.dist(begin, end) * along]
+    beside = [on[0] - off * float(along[1]), on[1] + off * float(along[0])]
+
+    def said(start: list[float], at: list[float]) -> Tables:
+        wall, point = {"line": [start, end], **way}, {"at": at, "resists": "both"}
+        return tables | {"support": [*tables["support"], wall, point]}
+
+    def judge(result: Result | None) -> list[str]:
+        return _compared(result, said(begin, on), said([begin[0], begin[1] + off], beside))
+
+    return Extreme("rounded", said(begin, on), judge, may_be_refused=True)
 
 
 def _goes_by_frame(support: Tables) -> bool:
