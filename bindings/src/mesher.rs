@@ -14,8 +14,8 @@ type MeshArrays<'py> =
 /// sides on the outline (k, 3), and the loop and side (k, 2) that each is on.
 ///
 /// `refinements` (r, 5) are straight pieces, x, y to x, y, with the size there; `arcs` (a, 6), x, y through x, y to x, y,
-/// `lines` (l, 4) and `points` (p, 2) are followed where they have room. A bad outline raises a ValueError of the message, the loop and the side, or of the
-/// message alone.
+/// `walls` (w, 4), also in part, `lines` (l, 4) and `points` (p, 2) are followed where they have room. A bad outline raises
+/// a ValueError of the message, the loop and the side, or of the message alone.
 #[pyfunction]
 pub fn mesh_outline<'py>(
     py: Python<'py>,
@@ -23,6 +23,7 @@ pub fn mesh_outline<'py>(
     size: f64,
     refinements: PyReadonlyArray2<'py, f64>,
     arcs: PyReadonlyArray2<'py, f64>,
+    walls: PyReadonlyArray2<'py, f64>,
     lines: PyReadonlyArray2<'py, f64>,
     points: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<MeshArrays<'py>> {
@@ -33,9 +34,11 @@ pub fn mesh_outline<'py>(
         .collect();
     let arcs =
         rows_of::<6, f64>("arcs", &arcs)?.into_iter().map(|[a, b, c, d, e, f]| [[a, b], [c, d], [e, f]]).collect();
-    let lines = rows_of::<4, f64>("lines", &lines)?.into_iter().map(|[x0, y0, x1, y1]| [[x0, y0], [x1, y1]]).collect();
+    let ends = |[x0, y0, x1, y1]: [f64; 4]| [[x0, y0], [x1, y1]];
+    let walls = rows_of::<4, f64>("walls", &walls)?.into_iter().map(ends).collect();
+    let lines = rows_of::<4, f64>("lines", &lines)?.into_iter().map(ends).collect();
     let points = rows_of::<2, f64>("points", &points)?;
-    let wishes = Wishes { size, refinements, arcs, lines, points };
+    let wishes = Wishes { size, refinements, arcs, walls, lines, points };
     let made = released(py, || mesh(&loops, &wishes))?.map_err(|fault| match fault.side {
         Some((ring, side)) => PyValueError::new_err((fault.message, ring, side)),
         None => invalid(fault),

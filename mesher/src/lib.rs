@@ -44,8 +44,10 @@ pub struct Wishes {
     pub refinements: Vec<Refinement>,
     /// Arcs for sides of elements to follow, before all lines: from a point through one to another.
     pub arcs: Vec<[Point; 3]>,
-    /// Straight lines for sides of elements to follow, those that matter most first. Not followed are the parts that
-    /// leave the plate, or come nearer to the outline or to lines before them than about half an element.
+    /// Straight lines to follow after arcs, those that matter most first, but for the parts that leave the plate, or come
+    /// nearer to the outline or to what is followed already than about half an element.
+    pub walls: Vec<[Point; 2]>,
+    /// Straight lines to follow after these, but for those of which some part does so.
     pub lines: Vec<[Point; 2]>,
     /// Points for nodes, likewise.
     pub points: Vec<Point>,
@@ -106,8 +108,13 @@ pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
     let outline = given.mapped(|p| turned(p, frame.forth), -angle);
     let turned_arcs = wishes.arcs.iter().map(|arc| arc.map(|p| turned(p, frame.forth)));
     let arcs = turned_arcs.filter_map(|[from, through, to]| Curve::arc(from, through, to));
-    let turned_lines = wishes.lines.iter().map(|line| line.map(|p| turned(p, frame.forth)));
-    let lines: Vec<Curve> = arcs.chain(turned_lines.map(|[from, to]| Curve::straight(from, to))).collect();
+    let straight = |line: &[Point; 2]| {
+        let [from, to] = line.map(|p| turned(p, frame.forth));
+        Curve::straight(from, to)
+    };
+    let walls = wishes.walls.iter().map(|line| (straight(line), true));
+    let others = wishes.lines.iter().map(|line| (straight(line), false));
+    let lines: Vec<(Curve, bool)> = arcs.map(|arc| (arc, false)).chain(walls).chain(others).collect();
     let points: Vec<Point> = wishes.points.iter().map(|&p| turned(p, frame.forth)).collect();
     let mut refinements: Vec<Refinement> = wishes
         .refinements
@@ -191,7 +198,8 @@ struct Task<'a> {
     given: &'a Outline,
     outline: &'a Outline,
     sizes: &'a Sizes,
-    lines: &'a [Curve],
+    /// And whether they are followed in part.
+    lines: &'a [(Curve, bool)],
     points: &'a [Point],
     frame: &'a Frame,
     /// The smallest angle that is good enough.
@@ -242,7 +250,7 @@ impl Task<'_> {
     fn drafted(&self, style: Style) -> Result<Draft, Vec<Point>> {
         let Task { outline, sizes, .. } = *self;
         let mut planar = Planar::new(outline, sizes);
-        self.lines.iter().for_each(|line| planar.follow_curve(line));
+        self.lines.iter().for_each(|(line, in_part)| planar.follow_curve(line, *in_part));
         self.points.iter().for_each(|&p| planar.follow_point(p));
         let (vertices, pieces) = planar.finish();
         let (mut seeds, grid) = seed(outline, sizes, vertices, &pieces, style);

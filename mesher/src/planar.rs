@@ -59,8 +59,9 @@ impl<'a> Planar<'a> {
         Planar { outline, sizes, vertices, tracks, same }
     }
 
-    /// Follows those parts of a line in the plate that come too near to nothing else.
-    pub fn follow_curve(&mut self, line: &Curve) {
+    /// Follows a line where it is in the plate, if nowhere there it comes too near to something, or those parts of it
+    /// that do not.
+    pub fn follow_curve(&mut self, line: &Curve, in_part: bool) {
         let length = line.length();
         if !(length > self.same) {
             return;
@@ -78,7 +79,7 @@ impl<'a> Planar<'a> {
         for w in shares.windows(2) {
             let middle = line.at(0.5 * (w[0] + w[1]));
             if self.outline.contains(middle) && !self.is_on_outline(middle) {
-                self.follow(&line.part([w[0], w[1]], line.at(w[0]), line.at(w[1])));
+                self.follow(&line.part([w[0], w[1]], line.at(w[0]), line.at(w[1])), in_part);
             }
         }
     }
@@ -113,7 +114,7 @@ impl<'a> Planar<'a> {
         (self.vertices, pieces)
     }
 
-    fn follow(&mut self, line: &Curve) {
+    fn follow(&mut self, line: &Curve, in_part: bool) {
         let mut stops: Vec<Stop> = Vec::new();
         for (share, at) in [(0.0, line.from), (1.0, line.to)] {
             stops.push(Stop { share, at, vertex: self.vertex_at(at) });
@@ -143,8 +144,7 @@ impl<'a> Planar<'a> {
             merged.windows(2).map(|w| ([w[0], w[1]], line.part([w[0].share, w[1].share], w[0].at, w[1].at)));
         let fresh: Vec<([Stop; 2], Curve)> =
             stretches.filter(|(_, part)| self.track_at(part.at(0.5)).is_none()).collect();
-        // Half a circle is no better than none; of a line every part is.
-        let fresh = if line.is_straight() {
+        let fresh = if in_part {
             fresh.iter().flat_map(|(ends, part)| self.with_room(ends, part)).collect()
         } else if fresh.iter().all(|(ends, part)| self.may_follow(ends, part)) {
             fresh

@@ -175,11 +175,11 @@ fn lines_with_room_are_followed_and_others_left() {
 }
 
 #[test]
-fn lines_are_followed_but_where_they_come_too_near_to_something() {
+fn walls_are_followed_but_where_they_come_too_near_to_something() {
     let plate = [polygon(&box_of([0.0, 0.0], [8.0, 6.0]))];
     // One ends beside the upper edge, the other passes the end of the first.
     let lines = vec![[[2.0, 1.0], [5.0, 5.95]], [[0.5, 0.9], [7.5, 0.9]]];
-    let mesh = made(&plate, &Wishes { lines, ..of(0.5) });
+    let mesh = made(&plate, &Wishes { walls: lines, ..of(0.5) });
     assert!(nodes_on(&mesh, [2.0, 1.0], [4.6, 5.29]) >= 10);
     assert!(nodes_on(&mesh, [0.5, 0.9], [1.6, 0.9]) >= 3 && nodes_on(&mesh, [2.4, 0.9], [7.5, 0.9]) >= 10);
     assert!(mesh.least_angle > 25.0);

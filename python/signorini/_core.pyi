@@ -60,6 +60,7 @@ def mesh_outline(
     size: float,
     refinements: _Floats,
     arcs: _Floats,
+    walls: _Floats,
     lines: _Floats,
     points: _Floats,
 ) -> tuple[_Floats, _Ints, _Ints, _Ints]: ...

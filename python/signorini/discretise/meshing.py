@@ -167,6 +167,7 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
             np.concatenate([np.zeros((0, 4)), *lines]),
             np.array(points).reshape(-1, 2),
             np.array([arc for border in borders for arc in arcs_of(border)]).reshape(-1, 6),
+            np.concatenate([np.zeros((0, 4)), *(wall.outline.segments.reshape(-1, 4) for wall in _walls(model))]),
         )
     except OutlineError as error:
         raise InputError(error.message, place=_place_of(plate, error)) from None
@@ -207,6 +208,12 @@ def _refined(plate: OutlinedPlate, part: Refinement) -> Iterator[Floats]:
 def _borders(model: Model) -> tuple[Region, ...]:
     """What the mesh follows first: the borders of zones."""
     return tuple(zone.region for zone in model.zone)
+
+
+def _walls(model: Model) -> Iterator[Polyline]:
+    """Lines along which supports and loads are."""
+    items: list[Support | Load] = [*model.support, *model.load]
+    yield from (along for item in items if isinstance(along := curve(item), Polyline))
 
 
 def _rings(model: Model, size: float) -> tuple[Ring, ...]:

@@ -30,6 +30,7 @@ def outlined(
     lines: Floats | None = None,
     points: Floats | None = None,
     arcs: Floats | None = None,
+    walls: Floats | None = None,
 ) -> Mesh:
     """Mesh what lies within a contour and outside the holes in it.
 
@@ -49,6 +50,8 @@ def outlined(
         Points for nodes, likewise.
     arcs : (a, 6) float array, optional
         Arcs from x, y through x, y to x, y, followed likewise, before all lines, with all nodes on them.
+    walls : (w, 4) float array, optional
+        Lines, followed before the others, of which the parts that have room are followed alone too.
 
     Returns
     -------
@@ -78,7 +81,7 @@ def outlined(
         )
         for contour in contours
     ]
-    asked = ((refinements, 5), (arcs, 6), (lines, 4), (points, 2))
+    asked = ((refinements, 5), (arcs, 6), (walls, 4), (lines, 4), (points, 2))
     rows = [np.zeros((0, k)) if given is None else given for given, k in asked]
     try:
         nodes, elements, sides, of = mesh_outline(loops, size, *rows)
