@@ -187,6 +187,19 @@ def test_a_circle_that_elements_follow_is_exact_far_from_the_origin(far, radius)
     assert found.total == pytest.approx(round_.area, rel=1e-12 + 1e-14 * far)
 
 
+@pytest.mark.parametrize("arcs", [slice(None), slice(2)])
+def test_a_circle_that_the_mesh_follows_wholly_or_in_part_has_a_piece_on_each_side(arcs):
+    square = straight(((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)), "abcd")
+    circle, ring = Circle((2.1, 1.9), 1.3), Ring((2.1, 1.9), 1.3)
+    mesh = outlined([square], 0.3, arcs=np.array(list(arcs_of(circle)))[arcs])
+    sides = mesh.sides_on(ring)
+    q = curve_quadrature(mesh, ring, order=2)
+    assert q.total == pytest.approx(ring.length, rel=1e-12)
+    begin, end, at = (np.arctan2(*(p - ring.center).T[::-1]) for p in (*mesh.points[sides.T[[0, 2]]], q.positions))
+    on = (at - begin[:, None]) % (2 * np.pi) < (end - begin)[:, None] % (2 * np.pi)
+    assert len(sides) >= 12 and (on.sum(axis=1) == 2).all()
+
+
 def test_the_whole_plate_is_the_sum_of_its_elements():
     q = area_quadrature(ROUND, order=2)
     assert len(q.weights) == 4 * len(ROUND.elements)

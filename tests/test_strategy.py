@@ -12,9 +12,11 @@ from signorini.base.memory import (
     needed_by_proximal_steps,
     require_memory_for_proximal_steps,
 )
+from signorini.contact.certificate import certify
 from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.contact.strategy import answered, attempts, ways_along
 from signorini.discretise import discretise
+from signorini.shapes import Ring
 
 CLAMPED = {"edge": "left", "fix": "clamped"}
 PROPS = {"at": [[4, 0], [4, 3]], "resists": "down"}
@@ -116,6 +118,26 @@ def test_every_attempt_is_watched(method: str) -> None:
             continue
         with pytest.raises(Enough):
             attempt.solve(load, enough)
+
+
+def test_a_rigid_circle_that_the_mesh_follows_in_part_is_answered_at_once() -> None:
+    """Where it touches the edge the mesh leaves it; more points than dofs along the rest would repeat each other."""
+    model = rectangular(
+        size=[10, 7.6],
+        thickness=1.2,
+        mesh={"size": 0.3},
+        support=[
+            {"edge": ["right", "top"], "resists": "both", "stiffness": 1.7e8},
+            {"circle": {"center": [2.187, 3.56], "radius": 2.187}, "resists": "down"},
+        ],
+        load=[{"pressure": 3.5e6}],
+    )
+    problem = contact_problem(model)
+    found, load = problem.discretisation, problem.discretisation.cases["load"]
+    circle = Ring((2.187, 3.56), 2.187)
+    assert found.mesh.edges_along(circle) is None and len(found.mesh.sides_on(circle)) > 20
+    answer = next(attempts(problem)).solve(load)
+    assert answer.status == "solved" and certify(found, load, answer.hi, answer.lo, answer.reaction).passed
 
 
 def test_a_path_is_followed_once_with_each_core() -> None:
