@@ -144,3 +144,12 @@ def test_arcs_that_the_mesh_follows_leave_no_slivers(area, exact):
     weights = discretise(model).contacts.weights
     assert weights.sum() == pytest.approx(exact, rel=1e-12)
     assert weights.min() > 1e-2 * weights.max()
+
+
+@pytest.mark.parametrize("place", [{"line": [[1, 1], [3, 2]]}, {"circle": {"center": [2, 1.5], "radius": 1}}])
+def test_far_too_small_elements_beside_lines_are_refused_before_they_take_memory(place) -> None:
+    """In pieces of their size the line alone would not fit into memory."""
+    clamped = {"edge": "left", "fix": "clamped"}
+    model = rectangular(**PLATE, size=[4, 3], mesh={"size": 1e-9}, support=[clamped, place])
+    with pytest.raises(InputError, match=r"Elements of size 1e-9, .* would be more than 1e7. Give larger sizes\.$"):
+        discretise(model)

@@ -38,6 +38,9 @@ from signorini.shapes.outlines import Box, Point
 
 _Item = TypeVar("_Item", Support, Load)
 
+_MOST = 1e7
+"""Elements above which the mesher refuses a plate; what is prepared for so many might not fit into memory."""
+
 
 def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
     """Mesh the model's plate, or read its mesh; in the model nodes that it names by number have become points.
@@ -156,7 +159,8 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
         lines.append(np.array([[x0, y, x1, y] for y in drawing.y_lines]).reshape(-1, 4))
     lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model)]
     refined = [rows for part in model.mesh.refine for rows in _refined(plate, part)]
-    refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
+    if _area(plate) <= _MOST * size**2:
+        refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
     points = [at for part in model.mesh.refine for at in part.at or ()]
     try:
         return outlined(
@@ -169,6 +173,16 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
         )
     except OutlineError as error:
         raise InputError(error.message, place=_place_of(plate, error)) from None
+
+
+def _area(plate: OutlinedPlate) -> float:
+    around, *holes = (contour.points().T for contour in plate.contours)
+    return _enclosed(around) - sum(_enclosed(hole) for hole in holes)
+
+
+def _enclosed(points: Floats) -> float:
+    x, y = points - points[:, :1]
+    return 0.5 * abs(float(x @ np.roll(y, 1) - y @ np.roll(x, 1)))
 
 
 def _place_of(plate: OutlinedPlate, error: OutlineError) -> Place:
