@@ -223,3 +223,22 @@ def test_small_circles_are_not_followed_with_many_small_elements() -> None:
     model = rectangular(plate=plate, mesh={"size": 0.8333}, support=columns, load=[{"pressure": 1e4}])
     assert model.divisions is not None
     assert solve(model)["all"].plus_minus is not None
+
+
+@pytest.mark.parametrize("place", [{"line": [[1, 1], [3, 2]]}, {"circle": {"center": [2, 1.5], "radius": 1}}])
+def test_far_too_small_elements_beside_lines_are_refused_before_they_take_memory(place) -> None:
+    """In pieces of their size the line alone would not fit into memory."""
+    clamped = {"edge": "left", "fix": "clamped"}
+    model = rectangular(**PLATE, size=[4, 3], mesh={"size": 1e-9}, support=[clamped, place])
+    with pytest.raises(InputError, match=r"Elements of size 1e-9, .* would be more than 1e7. Give larger sizes\.$"):
+        discretise(model)
+
+
+def test_far_too_small_elements_in_an_area_are_refused_before_they_take_memory() -> None:
+    disc = {"shape": "disc", "radius": 3, "thickness": 0.2}
+    refine = [{"area": {"rectangle": [0, 0, 1, 1]}, "size": 1e-7}]
+    model = rectangular(plate=disc, mesh={"refine": refine}, support=[{"edge": "rim"}], load=[{"pressure": 1e3}])
+    with pytest.raises(
+        InputError, match=r"mesh\.refine\[1\]\.size: found 1e-07; there would be more than 1e\+07 elements"
+    ):
+        discretise(model)

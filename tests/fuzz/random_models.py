@@ -76,6 +76,8 @@ def model(rng: Random) -> Tables:
     for support in tables["support"]:
         if support.get("edge") == ["hole 1"] and "rectangle" in tables["plate"]["holes"][0]:
             support["edge"] = rng.choice([["hole 1"], ["hole 1 left"], ["hole 1 top", "hole 1 right"]])
+    if rng.random() < 0.1:
+        _touch(rng, tables)
     return tables
 
 
@@ -193,6 +195,22 @@ def cut(rng: Random, tables: Tables) -> None:
         tables["section"] = [{"line": line} for line in ended or chosen]
     if rng.random() < 0.6:
         tables["strip"] = [{"line": ends, "width": room * rng.choice([0.1, 0.5, 0.9]), "stations": rng.choice([2, 5])}]
+
+
+def _touch(rng: Random, tables: Tables) -> None:
+    """Stand the plate on rigid circles that touch an edge, or nearly so, or each other: the mesh leaves them there."""
+    plate = tables["plate"]
+    if plate["shape"] != "rectangle":
+        return
+    plate.pop("element", None)
+    tables["mesh"] = {key: value for key, value in tables["mesh"].items() if key != "divisions"}
+    (x, y), radius = middle(rng, plate)
+    radius *= rng.choice([1.0, 1.0, 0.999, 0.9])
+    tables["mesh"]["size"] = radius * rng.choice([0.4, 0.25])
+    centers = rng.choice([[[x, y]], [[x - 0.5 * radius, y], [x + 0.5 * radius, y]]])
+    for center in centers:
+        circle = {"center": center, "radius": radius / len(centers)}
+        tables["support"].append({"circle": circle, "resists": rng.choice(["down", "up", "both"])})
 
 
 def _refine(rng: Random, tables: Tables, size: float) -> None:

@@ -38,6 +38,9 @@ from signorini.shapes.outlines import Box, Point
 
 _Item = TypeVar("_Item", Support, Load)
 
+_MOST = 1e7
+"""Elements above which the mesher refuses a plate; what is prepared for so many might not fit into memory."""
+
 
 def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
     """Mesh the model's plate, or read its mesh; in the model nodes that it names by number have become points.
@@ -156,8 +159,9 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
         lines.append(np.array([[x, y0, x, y1] for x in drawing.x_lines]).reshape(-1, 4))
         lines.append(np.array([[x0, y, x1, y] for y in drawing.y_lines]).reshape(-1, 4))
     lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model)]
-    refined = [rows for part in model.mesh.refine for rows in _refined(plate, part)]
-    refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
+    refined = [rows for number, part in enumerate(model.mesh.refine) for rows in _refined(plate, part, number)]
+    if _area(plate) <= _MOST * size**2:
+        refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
     points = [at for part in model.mesh.refine for at in part.at or ()]
     try:
         return outlined(
@@ -173,6 +177,16 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
         raise InputError(error.message, place=_place_of(plate, error)) from None
 
 
+def _area(plate: OutlinedPlate) -> float:
+    around, *holes = (contour.points().T for contour in plate.contours)
+    return _enclosed(around) - sum(_enclosed(hole) for hole in holes)
+
+
+def _enclosed(points: Floats) -> float:
+    x, y = points - points[:, :1]
+    return 0.5 * abs(float(x @ np.roll(y, 1) - y @ np.roll(x, 1)))
+
+
 def _place_of(plate: OutlinedPlate, error: OutlineError) -> Place:
     if error.contour is None:
         return ("mesh",)
@@ -182,7 +196,7 @@ def _place_of(plate: OutlinedPlate, error: OutlineError) -> Place:
     return ("plate", "points", error.side) if isinstance(plate, PolygonPlate) and error.side is not None else ("plate",)
 
 
-def _refined(plate: OutlinedPlate, part: Refinement) -> Iterator[Floats]:
+def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Floats]:
     """Straight pieces (k, 5) with the size that is asked for at a place."""
     chains = [np.array([at, at]) for at in part.at or ()]
     chains += [contour.points(name) for name in part.edge or () for contour in plate.contours if name in contour.edges]
@@ -199,6 +213,11 @@ def _refined(plate: OutlinedPlate, part: Refinement) -> Iterator[Floats]:
     if (inside := region(part.area)) is not None:
         # Between points twice a size apart sizes grow by a third at most.
         x0, y0, x1, y1 = inside.bounds
+        if inside.area > _MOST * part.size**2:
+            message = (
+                f"found {part.size:g}; in this area there would be more than {_MOST:g} elements. Take larger ones."
+            )
+            raise InputError(message, place=("mesh", "refine", number, "size"))
         x, y = (np.arange(low, high, 2.0 * part.size) for low, high in ((x0, x1), (y0, y1)))
         grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         held = grid[inside.contains(grid)]
