@@ -215,7 +215,7 @@ def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Fl
         x0, y0, x1, y1 = inside.bounds
         if inside.area > _MOST * part.size**2:
             message = (
-                f"found {part.size:g}; in this area there would be more than {_MOST:g} elements. Take larger ones."
+                f"found {part.size:g}; there would be more than {_MOST:g} elements in this area. Take larger ones."
             )
             raise InputError(message, place=("mesh", "refine", number, "size"))
         x, y = (np.arange(low, high, 2.0 * part.size) for low, high in ((x0, x1), (y0, y1)))
