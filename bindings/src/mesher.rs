@@ -17,6 +17,7 @@ type MeshArrays<'py> =
 /// `walls` (w, 4), also in part, `lines` (l, 4) and `points` (p, 2) are followed where they have room. A bad outline raises
 /// a ValueError of the message, the loop and the side, or of the message alone.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "each array is one of Python's")]
 pub fn mesh_outline<'py>(
     py: Python<'py>,
     loops: Vec<LoopArrays<'py>>,
