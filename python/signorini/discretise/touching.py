@@ -48,12 +48,12 @@ def touching(model: Model) -> Model:
     >>> wall.line, pad.at
     (((2.0, 0.0), (3.0, 4.0)), ((5.0, 4.0),))
     """
-    contours = model.plate.contours if isinstance(model.plate, OutlinedPlate) else ()
-    rigid = {i: one for i, one in enumerate(model.support) if one.stiffness is None and one.holds_w}
+    rigid = {i: one for i, one in enumerate(model.support) if one.is_rigid}
+    if not isinstance(model.plate, OutlinedPlate) or all(one.place in ("edge", "area") for one in rigid.values()):
+        return model
+    contours = model.plate.contours
     lines = {i: one.line for i, one in rigid.items() if one.line is not None}
     points = {i: one.at for i, one in rigid.items() if one.at is not None and not one.given(FOOTPRINT)}
-    if not contours or not rigid:
-        return model
     x0, y0, x1, y1 = contours[0].bounds
     extent = max(x1 - x0, y1 - y0)
     corners = Targets.of(points=[corner for contour in contours for corner in contour.corners])

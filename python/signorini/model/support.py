@@ -155,6 +155,11 @@ class Support(Table):
         """Whether it acts on the deflection, one way or both, not on slopes alone."""
         return self.resists is not None or "w" in self.fixed
 
+    @property
+    def is_rigid(self) -> bool:
+        """Whether it holds the deflection without giving way."""
+        return self.stiffness is None and self.holds_w
+
     def _complaints(self) -> Iterator[Complaint]:
         places = self.given(_PLACES)
         if len(places) != 1:

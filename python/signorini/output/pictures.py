@@ -166,7 +166,8 @@ def envelope_sheets(results: Results) -> list[EnvelopeSheet]:
         words = ", ".join(part for part in (title, what) if part)
         for ending, name in envelope_pictures(results, file).items():
             fields, envelope = enveloped(results, ending), results.combined.over(group)
-            ends = tuple(_ends(results, field, envelope.governing()[field]) for field in fields)
+            governing = envelope.governing()
+            ends = tuple(_ends(results, field, governing[field]) for field in fields)
             sheets.append(EnvelopeSheet(fields, name, words, ends, envelope, results.discretisation))
     return sheets
 

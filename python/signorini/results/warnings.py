@@ -26,7 +26,7 @@ from signorini.results.unit_slips import unit_slips
 from signorini.shapes import Curve, Ring
 from signorini.shapes.depths import depth
 from signorini.shapes.distances import distances
-from signorini.shapes.nearest import Targets, sides_of
+from signorini.shapes.nearest import Targets, edges_of
 
 _FOLLOWED = 0.5
 """Part of a line on the plate that is on sides of elements, from which on a mesh follows it."""
@@ -200,12 +200,14 @@ def _one_place(found: Discretisation) -> Iterator[str]:
 def _prying(found: Discretisation) -> Iterator[str]:
     """Rigid points, and ends of rigid lines, that pry against an edge or another line."""
     model, mesh, thickness = found.model, found.mesh, float(found.thickness.max())
-    rigid = [support for support in model.support if support.holds_w and support.stiffness is None]
-    edges = [(f"the edge {name}", one, _edge(found, name)) for one in rigid for name in one.edge or ()]
+    rigid = [support for support in model.support if support.is_rigid]
+    prying = [one for one in rigid if not one.given(FOOTPRINT) and (one.at is not None or one.line is not None)]
+    if not prying:
+        return
+    of_edges = _edges(found, {name for one in rigid for name in one.edge or ()})
+    edges = [(f"the edge {name}", one, of_edges[name]) for one in rigid for name in one.edge or ()]
     lines = [(f"the {one.place}", one, _along(line)) for one in rigid if (line := curve(one)) is not None]
-    for support in rigid:
-        if support.given(FOOTPRINT) or (support.at is None and support.line is None):
-            continue
+    for support in prying:
         places = np.array(support.at if support.at is not None else support.line)
         for what, holding, those in (*edges, *lines):
             if holding is support:
@@ -240,11 +242,12 @@ def _couples(found: Discretisation) -> Iterator[str]:
                     )
 
 
-def _edge(found: Discretisation, name: str) -> Targets:
-    """An edge as it is drawn; of a mesh from a file its sides' chords."""
+def _edges(found: Discretisation, names: set[str]) -> dict[str, Targets]:
+    """Edges as they are drawn; of a mesh from a file their sides' chords."""
     if isinstance(found.model.plate, OutlinedPlate):
-        return Targets.of((), *sides_of(found.model.plate.contours, {name}))
-    return Targets.of(sides=found.mesh.points[found.mesh.edges[name][:, [0, 2]]].tolist())
+        return edges_of(found.model.plate.contours, names)
+    mesh = found.mesh
+    return {name: Targets.of(sides=mesh.points[mesh.edges[name][:, [0, 2]]].tolist()) for name in names}
 
 
 def _along(line: Curve) -> Targets:

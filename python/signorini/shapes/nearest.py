@@ -70,11 +70,29 @@ def sides_of(
     straight, arcs = list[tuple[Point, Point]](), list[tuple[float, ...]]()
     for contour in contours:
         wanted = {side for name, sides in contour.edges.items() if names is None or name in names for side in sides}
-        ends = (*contour.corners[1:], contour.corners[0])
-        for number, (begin, through, end) in enumerate(zip(contour.corners, contour.through, ends, strict=True)):
-            arc = None if through is None else arc_through(begin, through, end)
-            if number in wanted and arc is None:
-                straight.append((begin, end))
-            elif number in wanted and arc is not None:
-                arcs.append((*arc[0].tolist(), *arc[1:]))
+        _sort(contour, sorted(wanted), straight, arcs)
     return straight, arcs
+
+
+def edges_of(contours: Iterable[Contour], names: set[str]) -> dict[str, Targets]:
+    """Some edges of contours, each with its sides."""
+    found = dict[str, tuple[list[tuple[Point, Point]], list[tuple[float, ...]]]]()
+    for contour in contours:
+        for name, sides in contour.edges.items():
+            if name in names:
+                _sort(contour, sides, *found.setdefault(name, ([], [])))
+    return {name: Targets.of((), *sides) for name, sides in found.items()}
+
+
+def _sort(
+    contour: Contour, sides: Iterable[int], straight: list[tuple[Point, Point]], arcs: list[tuple[float, ...]]
+) -> None:
+    """Add sides of a contour to those that are straight, or to the arcs."""
+    for side in sides:
+        begin, through = contour.corners[side], contour.through[side]
+        end = contour.corners[(side + 1) % len(contour.corners)]
+        arc = None if through is None else arc_through(begin, through, end)
+        if arc is None:
+            straight.append((begin, end))
+        else:
+            arcs.append((*arc[0].tolist(), *arc[1:]))

@@ -184,11 +184,6 @@ def boundary_of(found: Discretisation) -> Boundary:
     return _BOUNDARIES[found]
 
 
-def is_rigid(support: Support) -> bool:
-    """Whether a support holds the deflection without giving way."""
-    return support.stiffness is None and support.holds_w
-
-
 def shears_along(support: Support, at: Floats, tangents: Floats, size: float) -> Bools:
     """Whether a support holds slopes along tangents (k, 2) at points (k, 2) that are not those of its settlement."""
     if support.rotation is None or "twist" not in support.fixed or not support.holds_w or not len(at):

@@ -11,7 +11,7 @@ from signorini.discretise.rows import Floats
 from signorini.model import AnnulusPlate, DiscPlate, Load, Support
 from signorini.model.curve import curve
 from signorini.shapes import Curve, Polyline
-from signorini.singularities.boundary import Boundary, boundary_of, is_rigid, shears_along
+from signorini.singularities.boundary import Boundary, boundary_of, shears_along
 from signorini.singularities.corners import moments_grow, slopes_held
 from signorini.singularities.singularity import as_places
 
@@ -85,7 +85,7 @@ def ends_of_line(
     """Ends and corners of a line that supports the plate, by the numbers that have no limit there."""
     edge = boundary_of(found)
     own = slopes_held("slope" in support.fixed, "twist" in support.fixed)
-    rigid, acts = is_rigid(support), support.holds_w
+    rigid, acts = support.is_rigid, support.holds_w
     of_deflection = ("shear", "pressure") if rigid else ("shear",) if acts else ()
     places: dict[tuple[str, ...], list[Floats]] = {}
     for at, directions in zip(*_points_along(found, along), strict=True):

@@ -17,7 +17,7 @@ from signorini.model import Load, Support
 from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.shapes import Circle, Curve, Ring
-from signorini.singularities.boundary import boundary_of, is_rigid
+from signorini.singularities.boundary import boundary_of
 from signorini.singularities.corners import shears_grow
 from signorini.singularities.ends import ends_of_line, ends_of_load
 from signorini.singularities.singularity import Singularity, as_places
@@ -127,7 +127,7 @@ def _of_supports(found: Discretisation) -> Iterator[Singularity]:
             continue
         yield from _of_outline(found, support)
         steps = any(level.jumps for one in (support.settlement, support.gap) for level in one.levels)
-        if steps and is_rigid(support):
+        if steps and support.is_rigid:
             what = f"Step of the settlement or gap of {support.name}"
             numbers = ("moment", "shear", "pressure", "reaction")
             yield Singularity((), what, numbers, "Give it a ramp, or the support a stiffness.", support.name)
@@ -136,7 +136,7 @@ def _of_supports(found: Discretisation) -> Iterator[Singularity]:
 def _on_rigid_areas(found: Discretisation, at: tuple[tuple[float, float], ...], what: str) -> Iterator[Singularity]:
     """What acts at points on rigid areas, which take it within a thickness."""
     for support in found.model.support:
-        if support.area is None or not is_rigid(support):
+        if support.area is None or not support.is_rigid:
             continue
         shape, points = region(support.area), np.array(at).reshape(-1, 2)
         on = np.ones(len(points), np.bool_) if shape is None else shape.contains(points)
@@ -180,7 +180,7 @@ def _unresolved_within(found: Discretisation, points: Floats, name: str, source:
 
 def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity]:
     """Ends and corners of lines, and outlines of rigid areas."""
-    rigid = is_rigid(support)
+    rigid = support.is_rigid
     along, shape = curve(support), region(support.area)
     if along is not None:
         yield from _unresolved_line(found, along, support.name, support.name)
