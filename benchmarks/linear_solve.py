@@ -29,8 +29,8 @@ run at 70 instead of 62: 0.2 s of 4.7 at 320×320, and none at 160×160, where t
 tiles gain.
 
 So half the matrix product's rate is not to be had at 160×160, nor 0.6 of it at 400×400. With every product at the
-library's best, 16.7 GFlop take 0.22 s of the processor and 272 take 3.6; L's own pages 0.15 more and 1.3 to 4.5; K, what
-children leave and storing L 0.2 and 1.3: 0.57 and 6.2 at the least, or 0.34 and 0.51 of the product's rate.
+library's best, 16.7 GFlop take 0.22 s of the processor and 272 take 3.6; L's own pages 0.15 more and 1.3 to 4.5; K,
+what children leave and storing L 0.2 and 1.3: 0.57 and 6.2 at the least, or 0.34 and 0.51 of the product's rate.
 
 Element matrices: 0.01 s where elements are alike but for rounding of their places, as here; 0.11 s on one thread
 where all 25,600 differ, of which 0.04 are pages, 0.01 finding that they differ, and 0.03 arithmetic, four elements at a

@@ -169,7 +169,8 @@ def judged_ordinary(seed):
         message = messages[combination.name]
         exists = reactions_exist(found, straight.load(combination).nodal)
         contradiction = "contradict" in message
-        outcomes["contradiction" if contradiction else "no equilibrium" if message else "certified"] += 1
+        certified = "certified" if message or not results[combination.name].unsettled else "certified by a later method"
+        outcomes["contradiction" if contradiction else "no equilibrium" if message else certified] += 1
         if exists is None:
             outcomes["of these marginal"] += 1
         elif exists == (bool(message) and not contradiction):

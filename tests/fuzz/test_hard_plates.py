@@ -20,6 +20,15 @@ def test_plates_that_rounding_made_hard_are_certified(path: Path) -> None:
     assert solved and all(result.certificate.passed for result in solved)
 
 
+@pytest.mark.parametrize(
+    "path", [path for path in PLATES if "beside_props_both_ways" in path.stem], ids=lambda path: path.stem
+)
+def test_props_that_hold_both_ways_leave_the_active_set_its_way(path: Path) -> None:
+    """Their forces stayed in the residual of conjugate gradients, and steps that added energy made up for it."""
+    (result,) = solve(validate(json.loads(path.read_text()))).values()
+    assert result.method == "active_set" and not result.unsettled
+
+
 @pytest.mark.parametrize("name", ["crowded_points_that_hold_both_ways", "crowded_points_held_from_both_sides"])
 def test_points_near_each_other_hold_the_plate_as_an_orthogonal_basis_of_what_they_leave_does(name: str) -> None:
     """Rows within 1e-6 of following from others still say something: without them the plate sags by 2 % more."""

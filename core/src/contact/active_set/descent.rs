@@ -66,16 +66,28 @@ impl Descent<'_> {
     /// Stretches and imbalance anew, in double-double; two-sided points are brought back to where they belong.
     pub(super) fn refine(&mut self) -> Result<(), FactorError> {
         self.balance();
-        let problem = self.problem;
-        if !problem.constraints.rows.is_empty() {
-            let (with, state) = (self.factor.factored(), &self.factor.state);
-            let mut interface = Interface { problem, with, state, reduced: None };
-            if let Some(correction) = interface.correction(self.load, &self.residual, &self.solution)? {
-                self.solution.follow(problem, &correction, 1.0);
+        if !self.problem.constraints.rows.is_empty() {
+            let (solution, residual) = (self.solution.clone(), self.residual.clone());
+            self.correct(&residual)?;
+            if !(self.residual.worst <= residual.worst) {
+                // The factor's set is another one: only the gaps then, what is out of balance is for the directions.
+                self.solution = solution;
+                let imbalance = vec![0.0; self.load.len()];
+                self.correct(&Residual { imbalance, worst: 0.0, ..residual })?;
             }
-            self.balance();
         }
         self.rounding = None;
+        Ok(())
+    }
+
+    /// Follows what the factor has for a residual.
+    fn correct(&mut self, residual: &Residual) -> Result<(), FactorError> {
+        let (problem, with, state) = (self.problem, self.factor.factored(), &self.factor.state);
+        let mut interface = Interface { problem, with, state, reduced: None };
+        if let Some(correction) = interface.correction(self.load, residual, &self.solution)? {
+            self.solution.follow(problem, &correction, 1.0);
+        }
+        self.balance();
         Ok(())
     }
 

@@ -87,7 +87,8 @@ impl ActiveFactor<'_> {
     /// Goes along the last direction as far as that leads down, and then keeps to directions conjugate to it.
     pub(crate) fn deflate(&mut self, gradients: &mut ConjugateGradients) {
         let last = self.last.take().filter(|_| !gradients.differing.is_empty());
-        let Some(direction) = last else { return };
+        let Some(mut direction) = last else { return };
+        direction.reaction.fill(0.0);
         let mut force = self.difference(&gradients.differing, &direction.nodal);
         force.iter_mut().zip(&direction.force).for_each(|(total, force)| *total += force);
         let curvature = dot(&direction.nodal, &force);
@@ -137,6 +138,12 @@ impl ActiveFactor<'_> {
         if gradients.differing.is_empty() {
             self.last = (!self.shares()).then(|| along.clone());
             return Followed::Found(along);
+        }
+        // What two-sided points take of the residual would stay in it and drown the rest (Gould, Hribar & Nocedal 2001,
+        // section 6): it is their reactions' from now on.
+        gradients.residual.copy_from_slice(&along.force);
+        for (all, part) in gradients.total.reaction.iter_mut().zip(&mut along.reaction) {
+            *all += std::mem::take(part);
         }
         let next = dot(&gradients.residual, &along.nodal);
         if !(next > 0.0) {
