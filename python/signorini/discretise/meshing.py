@@ -158,7 +158,8 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     for drawing, (x0, y0, x1, y1) in _steps(model, plate.outline.bounds):
         lines.append(np.array([[x, y0, x, y1] for x in drawing.x_lines]).reshape(-1, 4))
         lines.append(np.array([[x0, y, x1, y] for y in drawing.y_lines]).reshape(-1, 4))
-    lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model)]
+    walls = _walls(model)
+    lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model) if shape not in walls]
     refined = [rows for number, part in enumerate(model.mesh.refine) for rows in _refined(plate, part, number)]
     if _area(plate) <= _MOST * size**2:
         refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
@@ -171,7 +172,7 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
             np.concatenate([np.zeros((0, 4)), *lines]),
             np.array(points).reshape(-1, 2),
             np.array([arc for border in borders for arc in arcs_of(border)]).reshape(-1, 6),
-            np.concatenate([np.zeros((0, 4)), *(wall.outline.segments.reshape(-1, 4) for wall in _walls(model))]),
+            np.concatenate([np.zeros((0, 4)), *(wall.outline.segments.reshape(-1, 4) for wall in walls)]),
         )
     except OutlineError as error:
         raise InputError(error.message, place=_place_of(plate, error)) from None
@@ -229,10 +230,10 @@ def _borders(model: Model) -> tuple[Region, ...]:
     return tuple(zone.region for zone in model.zone)
 
 
-def _walls(model: Model) -> Iterator[Polyline]:
+def _walls(model: Model) -> tuple[Polyline, ...]:
     """Lines along which supports and loads are."""
     items: list[Support | Load] = [*model.support, *model.load]
-    yield from (along for item in items if isinstance(along := curve(item), Polyline))
+    return tuple(along for item in items if isinstance(along := curve(item), Polyline))
 
 
 def _rings(model: Model, size: float) -> tuple[Ring, ...]:
