@@ -11,6 +11,7 @@ import numpy as np
 from signorini.base.memory import require_memory
 from signorini.discretise.borders import arcs_of, room
 from signorini.discretise.places import region
+from signorini.discretise.touching import touching
 from signorini.errors import InputError, Place, Problems
 from signorini.expression import Expression
 from signorini.expression.levels import Drawing
@@ -43,9 +44,9 @@ _MOST = 1e7
 
 
 def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
-    """Mesh the model's plate, or read its mesh; in the model nodes that it names by number have become points.
+    """Mesh the model's plate, or read its mesh; a mesh that is given is taken as it is.
 
-    A mesh that is given is taken as it is.
+    In the model nodes that it names by number have become points, and rigid supports are where they touch.
 
     Raises
     ------
@@ -54,7 +55,9 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
     """
     plate = model.plate
     if isinstance(plate, MeshPlate):
-        return _read(model, plate, mesh)
+        mesh, model = _read(model, plate, mesh)
+        return mesh, touching(model, mesh)
+    model = touching(model)
     if mesh is not None:
         return mesh, model
     divisions = model.divisions

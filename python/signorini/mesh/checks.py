@@ -19,6 +19,7 @@ from signorini.mesh.isoparametric import (
     real_sides,
     side_boxes,
 )
+from signorini.mesh.sides import onto
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -127,14 +128,7 @@ def check_boundary_nodes(points: Floats, boundary: Ints) -> None:
     node = nodes[node]
     other = (boundary[side] != node[:, None]).all(axis=1)
     node, side = node[other], side[other]
-    a, middle, b = np.moveaxis(sides[side], 1, 0)
-    slope, bend = 0.5 * (b - a), 0.5 * (a + b) - middle
-    t = np.clip(((points[node] - middle) * slope).sum(axis=1) / (slope**2).sum(axis=1), -1.0, 1.0)[:, None]
-    for _ in range(8):
-        tangent = slope + 2.0 * bend * t
-        miss = points[node] - (middle + slope * t + bend * t**2)
-        t = np.clip(t + ((miss * tangent).sum(axis=1) / (tangent**2).sum(axis=1))[:, None], -1.0, 1.0)
-    miss = points[node] - (middle + slope * t + bend * t**2)
+    miss = points[node] - onto(sides[side], points[node])
     on = np.hypot(*miss.T) <= tolerance
     if on.any():
         at = int(np.argmax(on))
