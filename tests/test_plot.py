@@ -34,7 +34,7 @@ from signorini.plot import (
     save,
     supports,
 )
-from signorini.plot.marks import legend_words
+from signorini.plot.marks import draw_support, legend_words
 from signorini.results.marks import case_totals, edge_marks, load_marks, singular_marks
 from signorini.results.panels import support_marks
 from signorini.shapes.tessellation import tessellate
@@ -190,6 +190,17 @@ def test_lines_tell_clamped_from_hinged_from_symmetry_and_elastic_from_rigid() -
     assert len(rigid.lines[0].get_xydata()) == 3 < 20 < len(elastic.lines[0].get_xydata())
     off = elastic.lines[0].get_xydata()[:5, 1]
     assert (np.sign(off[1:4]) == [-1, 1, -1]).all() or (np.sign(off[1:4]) == [1, -1, 1]).all()
+
+
+def test_the_legend_tells_areas_from_lines_and_elastic_from_rigid() -> None:
+    def sample(style, elastic):
+        axes = contour(POINTS, ELEMENTS, POINTS[:, 0])
+        first = draw_support(SupportMark("s", "down", PADS.positions, style=style, elastic=elastic), axes)[1][0]
+        marker = first.get_marker()
+        return marker if isinstance(marker, str) else marker.vertices.tolist()
+
+    samples = [sample(style, elastic) for style in ("line", "area") for elastic in (False, True)]
+    assert all(a != b for i, a in enumerate(samples) for b in samples[:i])
 
 
 def test_of_a_line_that_lets_go_the_open_part_is_hollow() -> None:
