@@ -77,7 +77,7 @@ def to_follow(model: Model) -> str:
     """Say what to do for a mesh to follow what it goes across."""
     if isinstance(model.plate, MeshPlate):
         return "Make the mesh with sides along it."
-    if model.plate.element == "q8r":
+    if model.plate.element == "q8r" and model.divisions is not None:
         return "Leave element out: q8r has rows alone."
     return "Take smaller elements there." if model.mesh.divisions is None else "Give mesh.size, not divisions."
 
@@ -102,10 +102,16 @@ def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Mode
 
 
 def _require_element(plate: MeshPlate | OutlinedPlate, mesh: Mesh) -> None:
-    if plate.element == "q8r" and mesh.triangles.any():
+    count = int(mesh.triangles.sum())
+    if plate.element == "q8r" and count:
+        without = (
+            "Or mesh the plate with quadrilaterals alone."
+            if isinstance(plate, MeshPlate)
+            else "Rectangles without holes have no triangles, nor have discs and annuli without holes and mesh.refine."
+        )
         raise InputError(
-            f"The mesh has {int(mesh.triangles.sum())} triangles, and q8r is a quadrilateral alone. Leave the key out, "
-            'or take "mitc9".',
+            f"The mesh has {count} triangle{'s' if count > 1 else ''}, and q8r is a quadrilateral alone. "
+            f'Leave element out: "mitc9" has both. {without}',
             place=("plate", "element"),
         )
 
