@@ -552,7 +552,7 @@ def test_the_check_picture_names_edges_values_of_loads_their_sums_and_places_wit
     assert written.count("60 kN") == 2 and {"5 kN/m²", "[0, 4.5] kN m"} < set(written)
     legend = [entry.get_text().replace("\n", " ") for entry in axes.get_legend().get_texts()]
     assert {"G: pressure, 5 kN/m²", "G: force, upward, 60 kN", "G: 80 kN up in all"} < set(legend)
-    assert "T: couple [0, 4.5] kN m in all" in legend
+    assert "T: moment [0, 4.5] kN m in all" in legend
     (named,) = (words for words in legend if words.startswith("no limit"))
     assert "Force at a point of load[2]" in named and "Couple at a point of load[3]" in named
     rings = [line for line in axes.lines if line.get_markersize() == 13.0]
@@ -571,13 +571,27 @@ def test_values_of_loads_are_those_where_they_act() -> None:
     assert [mark.value for mark in load_marks(discretise(model))] == ["10 to 30", "0 to 40", "10 to 20", "2 to 6"]
 
 
+def test_couples_read_as_they_are_written_and_their_sum_as_a_moment() -> None:
+    written = [
+        ({"moment": [2, 3]}, "A: moment, [2, 3] kN m", "moment [2, 3] kN m"),
+        ({"couple_about": {"x": 3, "y": -2}}, "A: couple, about x 3, y −2 kN m", "moment [2, 3] kN m"),
+        ({"couple_about": {"y": -4}}, "A: couple, about y −4 kN m", "moment [4, 0] kN m"),
+    ]
+    for load, label, total in written:
+        held = [{"edge": "left", "fix": "clamped"}]
+        units, at = {"length": "m", "force": "kN"}, [3, 3]
+        found = discretise(rectangular(units=units, support=held, load=[{"case": "A", "at": at, **load}]))
+        (mark,) = load_marks(found)
+        assert (mark.label, case_totals(found)) == (label, {"A": total})
+
+
 def test_a_case_of_couples_alone_has_its_couple_in_all() -> None:
     wind = {"case": "W", "line_load": "x - 2", "edge": "bottom"}
     model = rectangular(
         units={"length": "m", "force": "kN"}, load=[wind, {"case": "T", "moment": [0, 3], "at": [1, 1]}]
     )
     totals = case_totals(discretise(model))
-    assert totals == {"W": "couple [5.333, 0] kN m", "T": "couple [0, 3] kN m"}
+    assert totals == {"W": "moment [5.333, 0] kN m", "T": "moment [0, 3] kN m"}
 
 
 def test_borders_of_zones_are_no_outline_in_results() -> None:
