@@ -292,9 +292,7 @@ def eight(mesh, wide=0.02):
 def test_elements_that_overlap_are_refused_with_the_place():
     strip = rectangle((0.0, 0.0), (1.0, 1.0), (30, 4))
     assert around(strip, 359.9).element_area.sum() == pytest.approx(np.radians(359.9) * 2.5, rel=1e-4)
-    with pytest.raises(
-        InputError, match=r"overlap: its boundary crosses itself at \[1\.99954, 0\.0349"
-    ):
+    with pytest.raises(InputError, match=r"overlap: its boundary crosses itself at \[1\.99954, 0\.0349"):
         around(strip, 361, inward=0.05)
     with pytest.raises(InputError, match=r"overlap: its boundary crosses itself at"):
         around(strip, 500, inward=0.7)
