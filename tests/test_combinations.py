@@ -306,6 +306,17 @@ def test_envelopes_of_groups_have_half_widths_files_and_tables(tmp_path):
     assert not any("SLS" in line for line in lines[uls:sls])
 
 
+def test_a_group_of_all_combinations_has_the_files_of_all(tmp_path):
+    results = grouped(["ULS"])
+    write(results, tmp_path)
+    found = results_json(results)
+    names = [entry["file"] for entry in found["files"]]
+    assert "envelope.vtu" in names and not [name for name in names if name.startswith("envelope-uls")]
+    assert sorted(names) == sorted(path.name for path in tmp_path.iterdir())
+    (group,) = found["groups"]
+    assert group["envelope"] == found["envelope"] and group["envelope"]["file"] == "envelope.vtu"
+
+
 def test_only_those_that_govern_have_all_results(solved):
     results, _ = solved
     assert 0 < len(results.full) <= 12 and set(results.full) == set(results.governing)

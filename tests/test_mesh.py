@@ -274,6 +274,33 @@ def test_a_mesh_names_what_is_wrong_with_it(points, elements, message):
         Mesh(points, elements, {})
 
 
+def around(mesh, degrees, inward=0.0):
+    """Bend a square of side 1 around a circle, its lower side outside; inward as it goes."""
+    angle, radius = np.radians(degrees) * mesh.points[:, 0], 3.0 - mesh.points[:, 1] - inward * mesh.points[:, 0]
+    return Mesh(np.column_stack([radius * np.cos(angle), radius * np.sin(angle)]), mesh.elements, {})
+
+
+def eight(mesh, wide=0.02):
+    """Bend it along a figure eight that crosses itself between nodes."""
+    t, beside = 4.5 * mesh.points[:, 0] - 0.5, wide * (mesh.points[:, 1] - 0.5)
+    ahead = np.column_stack([np.cos(t), np.cos(2 * t)])
+    ahead /= np.hypot(*ahead.T)[:, None]
+    line = np.column_stack([np.sin(t), 0.5 * np.sin(2 * t)])
+    return Mesh(line + beside[:, None] * np.column_stack([-ahead[:, 1], ahead[:, 0]]), mesh.elements, {})
+
+
+def test_elements_that_overlap_are_refused_with_the_place():
+    strip = rectangle((0.0, 0.0), (1.0, 1.0), (30, 4))
+    assert around(strip, 359.9).element_area.sum() == pytest.approx(np.radians(359.9) * 2.5, rel=1e-4)
+    with pytest.raises(InputError, match=r"overlap: its boundary crosses itself at \[1\.99954, 0\.0349"):
+        around(strip, 361, inward=0.05)
+    with pytest.raises(InputError, match=r"overlap: its boundary crosses itself at"):
+        around(strip, 500, inward=0.7)
+    assert around(strip, 500, inward=1.5).size > 4  # a spiral
+    with pytest.raises(InputError, match=r"overlap: its boundary crosses itself at \[0\.01\d+, 6\.\d+e-05\]"):
+        eight(rectangle((0.0, 0.0), (1.0, 1.0), (30, 1)))
+
+
 def test_a_midside_that_is_a_neighbours_corner_hangs():
     points = np.vstack([SQUARE, [[3, 1], [3, 2], [2.5, 1], [3, 1.5], [2.5, 2], [2, 1.5]]])
     neighbour = [5, 8, 9, 2, 10, 11, 12, 13]

@@ -106,7 +106,7 @@ def test_triangles_of_q8r_are_refused(tmp_path):
         support=[{"edge": "boundary", "fix": "clamped"}],
         load=[{"pressure": 1}],
     )
-    with pytest.raises(InputError, match=r'triangles, and q8r is a quadrilateral alone.* "mitc9"'):
+    with pytest.raises(InputError, match=r'triangles, and q8r is a quadrilateral alone.* "mitc9" has both\. Or mesh'):
         discretise(model)
 
 

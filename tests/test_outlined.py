@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from models import rectangular
 
 from signorini import InputError, Model
 from signorini.analysis.check import check
+from signorini.discretise.meshing import to_follow
 from signorini.mesh.outlined import outlined
 from signorini.mesh.quality import Quality
 from signorini.shapes import Polyline
@@ -148,6 +150,19 @@ def test_q8r_takes_quadrilaterals_alone():
         InputError, match=r"plate.element: The mesh has \d+ triangles, and q8r is a quadrilateral alone"
     ):
         meshed(model(plate={"element": "q8r", "points": [[0, 0], [8, 0], [3, 7]]}, support=[{"edge": "edge 1"}]))
+    disc = {"shape": "disc", "radius": 3, "thickness": 0.2, "element": "q8r"}
+    support, load = [{"edge": "rim", "fix": "simple"}], [{"pressure": 1e3}]
+    refine = [{"at": [2, 1], "size": 0.1}]
+    assert not meshed(rectangular(plate=disc, mesh={}, support=support, load=load)).triangles.any()
+    with pytest.raises(InputError, match=r"nor have discs and annuli without holes and mesh\.refine\.$"):
+        meshed(rectangular(plate=disc, mesh={"refine": refine}, support=support, load=load))
+
+
+def test_q8r_is_told_to_be_left_out_where_its_rows_do_not_follow_alone():
+    disc = {"shape": "disc", "radius": 3, "thickness": 0.2, "element": "q8r"}
+    in_rows = rectangular(plate=disc, mesh={}, support=[{"edge": "rim"}], load=[{"pressure": 1e3}])
+    assert to_follow(in_rows) == "Leave element out: q8r has rows alone."
+    assert to_follow(model(plate={"element": "q8r"})) == "Take smaller elements there."
 
 
 def test_areas_pass_over_holes_and_lines_do_not():

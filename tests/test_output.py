@@ -688,21 +688,23 @@ def test_an_envelope_has_pictures_of_its_largest_and_smallest_values_in_one_scal
             yield b"drawn"
 
     monkeypatch.setattr("signorini.plot.drawn_as_png", kept)
-    wanted = [{"name": f"c{i}", "group": "ULS", "factors": {"G": 1, "W": 0.01 * i}} for i in range(3)]
+    groups = ("ULS", "ULS", "SLS")
+    wanted = [{"name": f"c{i}", "group": groups[i], "factors": {"G": 1, "W": 0.01 * i}} for i in range(3)]
     asked = {"combinations": "table", "fields": "none", "envelope": ["deflection", "mx", "qx", "qy"]}
     results = signorini.solve(model(combination=wanted, output=asked, mesh={"divisions": [4, 4], "error": False}))
     write(results, tmp_path / "out")
     files = results_json(results)["files"]
     named = [(one["kind"], one["file"]) for one in files if one["file"].startswith("envelope")]
     kinds = {"envelope": ".vtu", "picture": ".png", "moments": "-moments.png", "shears": "-shears.png"}
-    assert named == [(kind, of + ending) for of in ("envelope", "envelope-uls") for kind, ending in kinds.items()]
+    of_all = ("envelope", "envelope-uls", "envelope-sls")
+    assert named == [(kind, of + ending) for of in of_all for kind, ending in kinds.items()]
     assert {path.name for path in (tmp_path / "out").iterdir()} == {one["file"] for one in files}
-    titles = ("Table, with a comma, envelope of 3 combinations", "Table, with a comma, envelope of ULS")
-    assert {title for title, _ in drawn} == set(titles)
-    for title in titles:
+    found = {"3 combinations": results.envelope, **results.groups}
+    assert {title for title, _ in drawn} == {f"Table, with a comma, envelope of {what}" for what in found}
+    for what, envelope in found.items():
+        title = f"Table, with a comma, envelope of {what}"
         high, low = (drawn[title, f"{side} moment mx [kN m/m]"] for side in ("largest", "smallest"))
-        of = results.envelope.fields["mx"]
-        peak = results.envelope.peaks
+        of, peak = envelope.fields["mx"], envelope.peaks
         most, least = float(peak.extremes.largest[1]), float(peak.extremes.smallest[1])
         assert high.limits == low.limits == (least, most)
         assert np.array_equal(high.values, results.discretisation.stress_nodes.spread(of.largest))

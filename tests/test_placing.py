@@ -8,7 +8,8 @@ from signorini import Model, solve
 from signorini.discretise import discretise
 from signorini.discretise.places import region
 from signorini.errors import InputError
-from signorini.mesh import Mesh
+from signorini.formats.vtk import write_vtu
+from signorini.mesh import Mesh, meshers
 from signorini.shapes import Polyline, Ring
 
 PLATE = {
@@ -151,7 +152,7 @@ TURNED = 2 * np.pi * (np.arange(8) + 0.3) / 8
 ON_RING = np.column_stack([5 + 3 * np.cos(TURNED), 4 + 3 * np.sin(TURNED)]).tolist()
 
 
-@pytest.mark.parametrize(
+ALL_BUT_TOUCHING = pytest.mark.parametrize(
     ("exact", "rounded"),
     [
         ([{"line": [[2, 0], [7, 6]], "resists": "down"}], [{"line": [[2, 1e-3], [7, 6]], "resists": "down"}]),
@@ -168,6 +169,9 @@ ON_RING = np.column_stack([5 + 3 * np.cos(TURNED), 4 + 3 * np.sin(TURNED)]).toli
         ([], [{"line": [[1e-6, 0], [0, 8]], "resists": "down"}]),
     ],
 )
+
+
+@ALL_BUT_TOUCHING
 def test_what_all_but_touches_an_edge_or_a_wall_does(exact, rounded) -> None:
     """Apart by a thousandth of the thickness, rigid supports would pry with up to 1e8 times the load."""
     plate = {"shape": "rectangle", "size": [10, 8], "thickness": 0.3}
@@ -176,11 +180,42 @@ def test_what_all_but_touches_an_edge_or_a_wall_does(exact, rounded) -> None:
         model = rectangular(plate=plate, mesh={"size": 0.7}, support=[EDGES, *support], load=[{"pressure": 1e4}])
         return solve(model)["all"]
 
-    wanted, found = solved(exact), solved(rounded)
+    assert_alike(solved(rounded), solved(exact), exact)
+
+
+def assert_alike(found, wanted, exact) -> None:
     assert found.deflection.max() == pytest.approx(wanted.deflection.max(), rel=2e-3)
     others = [list(one.reactions.values())[1:] for one in (found, wanted)]
     assert others[0] == pytest.approx(others[1], rel=5e-3) if exact else max(map(abs, others[0])) < 5e4
     assert not [words for words in found.warnings if "pry" in words]
+
+
+@ALL_BUT_TOUCHING
+def test_what_all_but_touches_an_edge_of_a_mesh_from_a_file_does(tmp_path, exact, rounded) -> None:
+    found, wanted = (solve(on_a_file(tmp_path, [], support))["all"] for support in (rounded, exact))
+    assert_alike(found, wanted, exact)
+
+
+def on_a_file(tmp_path, followed, support) -> Model:
+    """The same plate read from a file, whose mesh follows some supports."""
+    drawn, load = {"shape": "rectangle", "size": [10, 8], "thickness": 0.3}, [{"pressure": 1e4}]
+    mesh = discretise(rectangular(plate=drawn, mesh={"size": 0.7}, support=[EDGES, *followed], load=load)).mesh
+    plate = {"shape": "mesh", "file": written(tmp_path / "plate.vtu", mesh), "thickness": 0.3}
+    held = [{"name": "edges", "edge": "boundary", "fix": "simple"}, *support]
+    return rectangular(plate=plate, mesh={}, support=held, load=load)
+
+
+def test_a_wall_that_all_but_ends_at_a_node_of_a_mesh_from_a_file_does(tmp_path) -> None:
+    """It goes askew across the edge: its nearest place there would be off the sides that follow it."""
+    exact = {"line": [[2, 0], [7, 6]], "resists": "down"}
+    found = discretise(on_a_file(tmp_path, [exact], [exact | {"line": [[2, 1e-3], [7, 6]]}]))
+    assert found.model.support[1].line == ((2.0, 0.0), (7.0, 6.0))
+    assert found.mesh.edges_along(Polyline(((2.0, 0.0), (7.0, 6.0)))) is not None
+
+
+def written(file, mesh):
+    write_vtu(file, mesh.points, mesh.elements, {"w": np.zeros(mesh.node_count)})
+    return str(file)
 
 
 @pytest.mark.parametrize("held", [{"fix": "simple"}, {"resists": "both"}])
@@ -215,6 +250,26 @@ def test_a_circle_that_all_but_is_the_rim_is_the_rim() -> None:
     stiff = 30e9 * 0.3**3 / 12 / (1 - 0.2**2)
     bent = 1e4 * 5**4 * 5.2 / (64 * 1.2 * stiff) + 1e4 * 5**2 / (4 * 5 / 6 * 30e9 / 2.4 * 0.3)
     assert solve(model)["all"].deflection.max() == pytest.approx(bent, rel=1e-3)
+
+
+@pytest.mark.parametrize("radius", [5, 4.9999999, 4.9995])
+def test_what_all_but_is_on_a_round_edge_of_a_mesh_from_a_file_is_there(tmp_path, radius) -> None:
+    """A ring wall that all but is the rim, a wall that ends beside it, and points on it, between nodes."""
+    file = written(tmp_path / "disc.vtu", meshers.disc((0.0, 0.0), 5.0, (4, 24)))
+    plate = {"shape": "mesh", "file": file, "thickness": 0.3}
+    rim = {"name": "rim", "edge": "boundary", "fix": "simple"}
+    ring = {"circle": {"center": [0, 0], "radius": radius}, "resists": "down"}
+    wall = {"line": [[0, 0], [radius * np.cos(0.2), radius * np.sin(0.2)]], "fix": "simple"}
+    on = {"at": (radius * np.column_stack([np.cos(TURNED), np.sin(TURNED)])).tolist(), "resists": "both"}
+
+    def solved(*support):
+        return solve(rectangular(plate=plate, mesh={}, support=support, load=[{"pressure": 1e4}]))["all"]
+
+    alone, with_wall = solved(rim), solved(rim, wall | {"line": [[0, 0], [5 * np.cos(0.2), 5 * np.sin(0.2)]]})
+    for support, wanted in (((rim, ring), alone), ((rim, on), alone), ((rim, wall), with_wall)):
+        found = solved(*support)
+        assert found.deflection.max() == pytest.approx(wanted.deflection.max(), rel=1e-3)
+        assert not [words for words in found.warnings if "pry" in words]
 
 
 def test_small_circles_are_not_followed_with_many_small_elements() -> None:

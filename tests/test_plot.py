@@ -34,7 +34,7 @@ from signorini.plot import (
     save,
     supports,
 )
-from signorini.plot.marks import legend_words
+from signorini.plot.marks import draw_support, legend_words
 from signorini.results.marks import case_totals, edge_marks, load_marks, singular_marks
 from signorini.results.panels import support_marks
 from signorini.shapes.tessellation import tessellate
@@ -190,6 +190,17 @@ def test_lines_tell_clamped_from_hinged_from_symmetry_and_elastic_from_rigid() -
     assert len(rigid.lines[0].get_xydata()) == 3 < 20 < len(elastic.lines[0].get_xydata())
     off = elastic.lines[0].get_xydata()[:5, 1]
     assert (np.sign(off[1:4]) == [-1, 1, -1]).all() or (np.sign(off[1:4]) == [1, -1, 1]).all()
+
+
+def test_the_legend_tells_areas_from_lines_and_elastic_from_rigid() -> None:
+    def sample(style, elastic):
+        axes = contour(POINTS, ELEMENTS, POINTS[:, 0])
+        first = draw_support(SupportMark("s", "down", PADS.positions, style=style, elastic=elastic), axes)[1][0]
+        marker = first.get_marker()
+        return marker if isinstance(marker, str) else marker.vertices.tolist()
+
+    samples = [sample(style, elastic) for style in ("line", "area") for elastic in (False, True)]
+    assert all(a != b for i, a in enumerate(samples) for b in samples[:i])
 
 
 def test_of_a_line_that_lets_go_the_open_part_is_hollow() -> None:
@@ -541,7 +552,7 @@ def test_the_check_picture_names_edges_values_of_loads_their_sums_and_places_wit
     assert written.count("60 kN") == 2 and {"5 kN/m²", "[0, 4.5] kN m"} < set(written)
     legend = [entry.get_text().replace("\n", " ") for entry in axes.get_legend().get_texts()]
     assert {"G: pressure, 5 kN/m²", "G: force, upward, 60 kN", "G: 80 kN up in all"} < set(legend)
-    assert "T: couple [0, 4.5] kN m in all" in legend
+    assert "T: moment [0, 4.5] kN m in all" in legend
     (named,) = (words for words in legend if words.startswith("no limit"))
     assert "Force at a point of load[2]" in named and "Couple at a point of load[3]" in named
     rings = [line for line in axes.lines if line.get_markersize() == 13.0]
@@ -560,13 +571,27 @@ def test_values_of_loads_are_those_where_they_act() -> None:
     assert [mark.value for mark in load_marks(discretise(model))] == ["10 to 30", "0 to 40", "10 to 20", "2 to 6"]
 
 
+def test_couples_read_as_they_are_written_and_their_sum_as_a_moment() -> None:
+    written = [
+        ({"moment": [2, 3]}, "A: moment, [2, 3] kN m", "moment [2, 3] kN m"),
+        ({"couple_about": {"x": 3, "y": -2}}, "A: couple, about x 3, y −2 kN m", "moment [2, 3] kN m"),
+        ({"couple_about": {"y": -4}}, "A: couple, about y −4 kN m", "moment [4, 0] kN m"),
+    ]
+    for load, label, total in written:
+        held = [{"edge": "left", "fix": "clamped"}]
+        units, at = {"length": "m", "force": "kN"}, [3, 3]
+        found = discretise(rectangular(units=units, support=held, load=[{"case": "A", "at": at, **load}]))
+        (mark,) = load_marks(found)
+        assert (mark.label, case_totals(found)) == (label, {"A": total})
+
+
 def test_a_case_of_couples_alone_has_its_couple_in_all() -> None:
     wind = {"case": "W", "line_load": "x - 2", "edge": "bottom"}
     model = rectangular(
         units={"length": "m", "force": "kN"}, load=[wind, {"case": "T", "moment": [0, 3], "at": [1, 1]}]
     )
     totals = case_totals(discretise(model))
-    assert totals == {"W": "couple [5.333, 0] kN m", "T": "couple [0, 3] kN m"}
+    assert totals == {"W": "moment [5.333, 0] kN m", "T": "moment [0, 3] kN m"}
 
 
 def test_borders_of_zones_are_no_outline_in_results() -> None:

@@ -51,6 +51,18 @@ def result() -> Result:
     return solve(slab())["all"]
 
 
+@pytest.mark.parametrize("divisions", [[8, 8], [10, 6], [16, 16]])
+def test_shears_alike_on_both_sides_of_a_wall_are_of_the_same_side_on_every_mesh(divisions: list[int]) -> None:
+    """Rounding picked the side on each, and the half-width was as wide as both are apart, times what grew of it."""
+    support = [{"edge": EDGES[:2], "fix": "simple"}, {"line": [[4, 0], [4, 4]], "fix": "simple"}]
+    probe = [{"at": [[4, 2], [4, 1.3]]}]
+    model = rectangular(size=(8, 4), divisions=divisions, support=support, load=[{"pressure": 1e3}], probe=probe)
+    found = solve(model)["all"]
+    for at, width in zip(found.probes, found.plus_minus["probes"], strict=True):
+        assert at.shear[0] > 0
+        assert width["shear"][0] < 0.1 * at.shear[0]
+
+
 def same_shape(value: Any, width: Any) -> bool:
     """Whether a tree of half-widths is built like that of the numbers."""
     match value:

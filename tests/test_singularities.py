@@ -345,6 +345,39 @@ def test_circles_lines_and_areas_far_smaller_than_an_element_are_named_as_unreso
     assert "0.2 wide, acts as a point on this mesh" in str(one)
 
 
+@pytest.mark.parametrize("fix", ["symmetry", "hard", "clamped"])
+@pytest.mark.parametrize(
+    "place",
+    [{"circle": {"center": [2, 2], "radius": 0.7}}, {"line": [[0.3, 0.3], [3.6, 3.1]]}],
+    ids=["circle", "line"],
+)
+def test_lines_that_hold_slopes_within_elements_are_named_unless_the_mesh_follows_them(fix, place):
+    held = {"name": "held", **place, "fix": fix}
+    (kind,) = place
+    pads = {"at": [[1, 1], [3, 1], [1, 3], [3, 3]], "resists": "both", "radius": 0.3}
+    inside = {}
+    for mesh in ({"divisions": [8, 8]}, {"size": 0.4}):
+        found = discretise(rectangular(mesh=mesh, support=[pads, held], load=[PRESSURE]))
+        inside["divisions" in mesh] = [one for one in singularities(found) if "within" in one.what]
+    assert not inside[False]
+    (one,) = inside[True]
+    assert (one.numbers, one.source, one.within, one.limited) == (("moment", "shear"), "held", 0.0, False)
+    assert one.what.startswith(f"The {kind} of held within ") and "Give mesh.size, not divisions." in one.advice
+    x, y = np.array(one.where).T
+    off_circle, off_line = np.hypot(x - 2, y - 2) - 0.7, (2.8 * (x - 0.3) - 3.3 * (y - 0.3)) / np.hypot(2.8, 3.3)
+    away = np.abs(off_circle if kind == "circle" else off_line)
+    assert away.max() <= np.hypot(0.5, 0.5)
+    loose = rectangular(mesh={"divisions": [8, 8]}, support=[pads, {**place, "resists": "both"}], load=[PRESSURE])
+    assert not [one for one in singularities(discretise(loose)) if "within" in one.what]
+
+
+def test_a_line_along_sides_but_for_a_piece_is_named_for_the_elements_of_that_piece_alone():
+    held = {"line": [[1, 0], [1, 3], [1.7, 4]], "fix": "clamped"}
+    found = discretise(rectangular(divisions=[8, 8], support=[held], load=[PRESSURE]))
+    (one,) = (one for one in singularities(found) if "within" in one.what)
+    assert min(y for _, y in one.where) == 3 and max(x for x, _ in one.where) == 2
+
+
 def test_wheels_with_small_prints_are_named_as_unresolved():
     truck = {"case": "truck", "line": [[0.5, 2], [3.5, 2]], "step": 1.0, "axles": [[0, 1e4]], "patch": [0.05, 0.1]}
     combination = [{"name": "traffic", "generate": "positions", "factors": {"truck": 1}}]

@@ -22,6 +22,7 @@ import meshio
 import numpy as np
 
 from signorini.mesh.meshers import rectangle
+from signorini.mesh.meshfile import read
 
 FORMATS = {
     "gmsh22": (".msh", {"binary": False}),
@@ -40,14 +41,19 @@ load = [{{ pressure = 5 }}]
 """
 _NUMBER = re.compile(rb"-?\d+(\.\d+)?(e[+-]?\d+)?")
 _NUMBERS = [b"0", b"-1", b"1", b"2", b"7", b"3.5", b"999999", b"nan", b"inf", b"1e300", b"1e-300", b"1e61", b"9" * 23]
+_GRID = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 15)] * 2), axis=-1).reshape(-1, 2)
 _PIECES = [b"\xff\xfe", b"\0", b"$EndNodes\n", b"<", b">", b"*NODE\n", b"1 ", b"x", b"\n"]
 
 
 @functools.cache
-def written(kind: str) -> bytes:
-    """A plate of four elements with the group ``wall``, as a file of a kind."""
-    plate = rectangle((0.0, 0.0), (4.0, 4.0), (2, 2))
-    points, wall = np.column_stack([plate.points, np.zeros(len(plate.points))]), plate.edges["left"]
+def written(kind: str, degrees: int = 0) -> bytes:
+    """A plate of four elements with the group ``wall``, as a file of a kind; or a strip, bent so far around."""
+    plate = rectangle((0.0, 0.0), (4.0, 4.0), (12, 1) if degrees else (2, 2))
+    x, y = plate.points.T
+    if degrees:
+        angle, radius = np.radians(degrees) * x / 4.0, 8.0 - y - 0.4 * x
+        x, y = radius * np.cos(angle), radius * np.sin(angle)
+    points, wall = np.column_stack([x, y, np.zeros(len(x))]), plate.edges["left"]
     cells, sets = [("quad8", plate.elements)], {"point_sets": {"wall": np.unique(wall)}}
     if kind != "gmsh":
         cells.append(("line3", wall[:, [0, 2, 1]]))
@@ -63,7 +69,7 @@ def written(kind: str) -> bytes:
 def file(rng: Random) -> tuple[str, bytes]:
     """Draw a mesh file: its name and what is in it."""
     kind = rng.choice(sorted(FORMATS))
-    content = written(kind)
+    content = written(kind, rng.choice([0, 0, 0, rng.choice([200, 350, 380, 400])]))
     for _ in range(rng.choice([0, 1, 1, 1, 2, 5])):
         content = rng.choice([_number, _number, _number, _line, _bytes])(rng, content)
     return f"plate{FORMATS[kind][0]}", content
@@ -86,6 +92,13 @@ def _bytes(rng: Random, content: bytes) -> bytes:
     return content[:at] + put + content[at + drop :]
 
 
+def _overlaps(file: Path) -> bool:
+    """Whether points well inside an element are in another one too."""
+    mesh = read(file)
+    inside = mesh.spread(np.arange(len(mesh.elements)), _GRID, 0.9)
+    return bool((np.bincount(mesh.holding(inside.reshape(-1, 2))[0]) > 1).any())
+
+
 def one(seed: int) -> tuple[Counter[str], list[str]]:
     """Draw and solve one plate: its outcome and its faults."""
     rng = Random(seed)
@@ -94,6 +107,8 @@ def one(seed: int) -> tuple[Counter[str], list[str]]:
         Path(directory, name).write_bytes(content)
         model = MODEL.format(file=name, edge=rng.choice(["wall", "boundary"]))
         code, _, wrong = inputs.ended(model.encode(), "solve", Path(directory), pictures=False)
+        if code == 0 and _overlaps(Path(directory, name)):
+            wrong.append("elements overlap")
     return Counter({f"exit {code}": 1}), wrong
 
 

@@ -109,7 +109,7 @@ def print_check(console: Console, check: Check) -> None:
     largest = size_of([resultant.force for resultant in check.resultants])
     listed = [r for number, r in enumerate(check.resultants) if number < ASKED or r.message]
     for resultant in listed[: 2 * ASKED]:
-        at = point(resultant.at, found.mesh.size) if resultant.at else f"couple {point(resultant.couple)}"
+        at = point(resultant.at, found.mesh.size) if resultant.at else f"moment {point(resultant.couple)}"
         verdict = Text("no", style="bold red") if resultant.message else Text("just" if resultant.brink else "yes")
         limit = f"{resultant.limit[0]} at {resultant.limit[1]:.4g}" if resultant.limit else "none"
         loads.add(resultant.name, number(resultant.force, largest), at, verdict, limit)

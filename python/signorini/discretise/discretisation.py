@@ -31,7 +31,6 @@ from signorini.discretise.sections.acting import Acting
 from signorini.discretise.stressnodes import Sides, StressNodes, stress_nodes_of
 from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
 from signorini.discretise.thickness import Thickness, thickness_of
-from signorini.discretise.touching import touching
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems
 from signorini.mesh import Location, Mesh
@@ -201,7 +200,7 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     """
     made_by(model, Model, _advice(model), "model")
     begun = time.perf_counter()
-    mesh, model = mesh_of(touching(model), mesh)
+    mesh, model = mesh_of(model, mesh)
     meshed = time.perf_counter()
     problems = Problems()
     supports = placed(model, mesh, problems)

@@ -11,6 +11,7 @@ import numpy as np
 from signorini.base.memory import require_memory
 from signorini.discretise.borders import arcs_of, room
 from signorini.discretise.places import region
+from signorini.discretise.touching import touching
 from signorini.errors import InputError, Place, Problems
 from signorini.expression import Expression
 from signorini.expression.levels import Drawing
@@ -43,9 +44,9 @@ _MOST = 1e7
 
 
 def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
-    """Mesh the model's plate, or read its mesh; in the model nodes that it names by number have become points.
+    """Mesh the model's plate, or read its mesh; a mesh that is given is taken as it is.
 
-    A mesh that is given is taken as it is.
+    In the model nodes that it names by number have become points, and rigid supports are where they touch.
 
     Raises
     ------
@@ -54,7 +55,9 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
     """
     plate = model.plate
     if isinstance(plate, MeshPlate):
-        return _read(model, plate, mesh)
+        mesh, model = _read(model, plate, mesh)
+        return mesh, touching(model, mesh)
+    model = touching(model)
     if mesh is not None:
         return mesh, model
     divisions = model.divisions
@@ -74,7 +77,7 @@ def to_follow(model: Model) -> str:
     """Say what to do for a mesh to follow what it goes across."""
     if isinstance(model.plate, MeshPlate):
         return "Make the mesh with sides along it."
-    if model.plate.element == "q8r":
+    if model.plate.element == "q8r" and model.divisions is not None:
         return "Leave element out: q8r has rows alone."
     return "Take smaller elements there." if model.mesh.divisions is None else "Give mesh.size, not divisions."
 
@@ -99,10 +102,16 @@ def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Mode
 
 
 def _require_element(plate: MeshPlate | OutlinedPlate, mesh: Mesh) -> None:
-    if plate.element == "q8r" and mesh.triangles.any():
+    count = int(mesh.triangles.sum())
+    if plate.element == "q8r" and count:
+        without = (
+            "Or mesh the plate with quadrilaterals alone."
+            if isinstance(plate, MeshPlate)
+            else "Rectangles without holes have no triangles, nor have discs and annuli without holes and mesh.refine."
+        )
         raise InputError(
-            f"The mesh has {int(mesh.triangles.sum())} triangles, and q8r is a quadrilateral alone. Leave the key out, "
-            'or take "mitc9".',
+            f"The mesh has {count} triangle{'s' if count > 1 else ''}, and q8r is a quadrilateral alone. "
+            f'Leave element out: "mitc9" has both. {without}',
             place=("plate", "element"),
         )
 
@@ -158,7 +167,8 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     for drawing, (x0, y0, x1, y1) in _steps(model, plate.outline.bounds):
         lines.append(np.array([[x, y0, x, y1] for x in drawing.x_lines]).reshape(-1, 4))
         lines.append(np.array([[x0, y, x1, y] for y in drawing.y_lines]).reshape(-1, 4))
-    lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model)]
+    walls = _walls(model)
+    lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model) if shape not in walls]
     refined = [rows for number, part in enumerate(model.mesh.refine) for rows in _refined(plate, part, number)]
     if _area(plate) <= _MOST * size**2:
         refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
@@ -171,7 +181,7 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
             np.concatenate([np.zeros((0, 4)), *lines]),
             np.array(points).reshape(-1, 2),
             np.array([arc for border in borders for arc in arcs_of(border)]).reshape(-1, 6),
-            np.concatenate([np.zeros((0, 4)), *(wall.outline.segments.reshape(-1, 4) for wall in _walls(model))]),
+            np.concatenate([np.zeros((0, 4)), *(wall.outline.segments.reshape(-1, 4) for wall in walls)]),
         )
     except OutlineError as error:
         raise InputError(error.message, place=_place_of(plate, error)) from None
@@ -229,10 +239,10 @@ def _borders(model: Model) -> tuple[Region, ...]:
     return tuple(zone.region for zone in model.zone)
 
 
-def _walls(model: Model) -> Iterator[Polyline]:
+def _walls(model: Model) -> tuple[Polyline, ...]:
     """Lines along which supports and loads are."""
     items: list[Support | Load] = [*model.support, *model.load]
-    yield from (along for item in items if isinstance(along := curve(item), Polyline))
+    return tuple(along for item in items if isinstance(along := curve(item), Polyline))
 
 
 def _rings(model: Model, size: float) -> tuple[Ring, ...]:

@@ -20,6 +20,8 @@ _BESIDE = 1e-3
 """How far beside a side of an element its thickness is looked up, and at twice that, of the way to its middle."""
 _SAME = 1e-6
 """Part of the thickness below which it does not jump: of a smooth one that is less than what its curvature makes."""
+_ALIKE = 1e-9
+"""Part of a number by which that of another side differs in size by rounding, which picks another on every mesh."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +34,8 @@ class Sides:
     def larger(self, values: Floats) -> Floats:
         """Of numbers (..., k, f) of every side the largest in size of each point: (..., q, f).
 
+        Of two that are alike in size, but for rounding, it is the positive one.
+
         Examples
         --------
         >>> nowhere = Location(np.zeros(3, np.int64), np.zeros((3, 2)))
@@ -43,7 +47,7 @@ class Sides:
         if len(first) == len(self.point):
             return values
         high, low = (extreme.reduceat(values, first, axis=-2) for extreme in (np.maximum, np.minimum))
-        return np.where(high >= -low, high, low)
+        return np.where(high >= -(1.0 - _ALIKE) * low, high, low)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise, product
+
 import numpy as np
 import numpy.typing as npt
 
@@ -19,6 +21,7 @@ from signorini.mesh.isoparametric import (
     real_sides,
     side_boxes,
 )
+from signorini.mesh.sides import onto
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -29,6 +32,11 @@ _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _
 _STATIONS = np.vstack([CORNERS, _GAUSS])
 _TRIANGLE_STATIONS = np.vstack([TRIANGLE_CORNERS, folded(_GAUSS)])
 _COINCIDENT = 1e-9
+_STRAIGHT = 1e-9
+"""Rise of a side over its chord below which it is straight."""
+_CHORDS = 32
+"""Chords of a curved side, off it by a thousandth of its rise."""
+_SLANTED = np.array([0.79, 0.61])
 
 
 def name_element(points: Floats, elements: Ints, index: int) -> str:
@@ -127,14 +135,7 @@ def check_boundary_nodes(points: Floats, boundary: Ints) -> None:
     node = nodes[node]
     other = (boundary[side] != node[:, None]).all(axis=1)
     node, side = node[other], side[other]
-    a, middle, b = np.moveaxis(sides[side], 1, 0)
-    slope, bend = 0.5 * (b - a), 0.5 * (a + b) - middle
-    t = np.clip(((points[node] - middle) * slope).sum(axis=1) / (slope**2).sum(axis=1), -1.0, 1.0)[:, None]
-    for _ in range(8):
-        tangent = slope + 2.0 * bend * t
-        miss = points[node] - (middle + slope * t + bend * t**2)
-        t = np.clip(t + ((miss * tangent).sum(axis=1) / (tangent**2).sum(axis=1))[:, None], -1.0, 1.0)
-    miss = points[node] - (middle + slope * t + bend * t**2)
+    miss = points[node] - onto(sides[side], points[node])
     on = np.hypot(*miss.T) <= tolerance
     if on.any():
         at = int(np.argmax(on))
@@ -143,6 +144,60 @@ def check_boundary_nodes(points: Floats, boundary: Ints) -> None:
             f"with nodes {', '.join(map(str, boundary[side[at]]))} without belonging to it. Merge coincident nodes; "
             "elements must meet along whole sides."
         )
+
+
+def check_overlap(points: Floats, boundary: Ints) -> None:
+    """Check that the boundary of a mesh in one piece crosses itself nowhere; elements overlap if and only if it does.
+
+    Elements that turn the same way and meet along whole sides cover every point as often as the boundary winds around
+    it, and a boundary of one piece that crosses itself nowhere winds around no point twice.
+    """
+    sides = points[boundary]
+    one, other = _near_each_other(side_boxes(sides))
+    apart = (boundary[one][:, :, None] != boundary[other][:, None, :]).all(axis=(1, 2))
+    one, other = one[apart], other[apart]
+    a, middle, b = np.moveaxis(sides, 1, 0)
+    curved = np.hypot(*(0.5 * (a + b) - middle).T) > _STRAIGHT * np.hypot(*(b - a).T)
+    either = curved[one] | curved[other]
+    for pairs, count in ((~either, 1), (either, _CHORDS)):
+        t = np.linspace(-1.0, 1.0, count + 1)[:, None, None]
+        chains = 0.5 * t * (t - 1.0) * a + (1.0 - t * t) * middle + 0.5 * t * (t + 1.0) * b
+        first, second = chains[:, one[pairs]], chains[:, other[pairs]]
+        for (begin, end), beside in product(pairwise(first), pairwise(second)):
+            part = _crossing(begin, end, *beside)
+            if not np.isnan(part).all():
+                at = int(np.nanargmin(part))
+                place = begin[at] + part[at] * (end[at] - begin[at])
+                nodes = [", ".join(map(str, boundary[which[pairs][at]])) for which in (one, other)]
+                raise InputError(
+                    f"Elements of the mesh overlap: its boundary crosses itself at {point(place)}, where the side with "
+                    f"nodes {nodes[0]} meets the one with nodes {nodes[1]}. Elements may only lie beside each other."
+                )
+
+
+def _near_each_other(boxes: Floats) -> tuple[Ints, Ints]:
+    """Pairs of boxes (k, 4) that meet."""
+    # Along a slanted direction, for the sides of a straight edge to be apart.
+    least, most = boxes[:, :2] @ _SLANTED, boxes[:, 2:] @ _SLANTED
+    order = np.argsort(least, kind="stable")
+    count = np.searchsorted(least[order], most[order], side="right") - np.arange(1, len(order) + 1)
+    one = np.repeat(np.arange(len(order)), count)
+    other = one + 1 + np.arange(len(one)) - np.repeat(np.cumsum(count) - count, count)
+    one, other = order[one], order[other]
+    meet = (boxes[one, :2] <= boxes[other, 2:]).all(axis=1) & (boxes[other, :2] <= boxes[one, 2:]).all(axis=1)
+    return one[meet], other[meet]
+
+
+def _crossing(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
+    """At which part (k,) of their length segments from a to b cross those from c to d, (k, 2) each; NaN if nowhere."""
+
+    def turn(p: Floats, q: Floats, r: Floats) -> Floats:
+        u, v = (q - p).T, (r - p).T
+        return np.asarray(u[0] * v[1] - u[1] * v[0])
+
+    begin, end = turn(c, d, a), turn(c, d, b)
+    crossed = (turn(a, b, c) * turn(a, b, d) < 0.0) & (begin * end < 0.0)
+    return np.asarray(np.where(crossed, begin / np.where(crossed, begin - end, 1.0), np.nan))
 
 
 def check_one_piece(points: Floats, elements: Ints) -> None:

@@ -83,7 +83,7 @@ class Mesh(Remade):
     ------
     InputError
         If an element is turned inside out or badly distorted, or nodes hang, coincide or are not used, or the
-        mesh is in several pieces, or an edge is not made of element sides.
+        mesh is in several pieces or overlaps itself, or an edge is not made of element sides.
 
     Examples
     --------
@@ -114,6 +114,7 @@ class Mesh(Remade):
         mesh_checks.check_sides(points, elements)
         mesh_checks.check_boundary_nodes(points, self.boundary)
         mesh_checks.check_one_piece(points, elements)
+        mesh_checks.check_overlap(points, self.boundary)
         for name, triples in edges.items():
             mesh_checks.check_edge(name, triples, self.sides.reshape(-1, 3))
 

@@ -23,7 +23,7 @@ _KEYS: dict[Generate | None, tuple[str, ...]] = {
 }
 
 
-class Named(Mapping[str, Value], Generic[Value]):
+class FrozenMapping(Mapping[str, Value], Generic[Value]):
     """An immutable mapping from names, hashable where its values are."""
 
     __slots__ = ("_of",)
@@ -52,7 +52,7 @@ class Named(Mapping[str, Value], Generic[Value]):
         return f"{type(self).__name__}({self._of})"
 
 
-class Factors(Named[float]):
+class Factors(FrozenMapping[float]):
     """Factor of each load case: an immutable mapping."""
 
 
@@ -86,9 +86,7 @@ Values = Annotated[
     BeforeValidator(_values),
     WithJsonSchema({"anyOf": [_Number, {"type": "array", "items": _Number, "minItems": 1}]}),
 ]
-ByCase = Annotated[
-    Mapping[Text, Values], Field(min_length=1), AfterValidator(Named), PlainSerializer(lambda named: dict(named))
-]
+ByCase = Annotated[Mapping[Text, Values], Field(min_length=1), AfterValidator(FrozenMapping), PlainSerializer(dict)]
 
 
 def _row(value: object) -> object:
@@ -96,9 +94,7 @@ def _row(value: object) -> object:
 
 
 Row = Annotated[tuple[Number, ...], BeforeValidator(_row)]
-Rows = Annotated[
-    Mapping[Text, Row], Field(min_length=1), AfterValidator(Named), PlainSerializer(lambda named: dict(named))
-]
+Rows = Annotated[Mapping[Text, Row], Field(min_length=1), AfterValidator(FrozenMapping), PlainSerializer(dict)]
 
 
 class Combination(Table):

@@ -176,9 +176,17 @@ class RectanglePlate(_PatternedPlate):
         yield from _too_far("origin", self.origin, min(self.size))
 
 
-def _around(center: Point, border: Region | Curve) -> bool:
-    """Whether it is a circle around a centre along which something is; for borders of zones rows seldom have room."""
-    return isinstance(border, Ring) and bool(border.radii(center))
+class _RoundPlate(_PatternedPlate):
+    """A plate between circles around a center, in rows around it."""
+
+    center: Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+
+    def follows(self, border: Region | Curve) -> bool:
+        """Whether rows can have a border or curve for their lines: circles around the center, but of zones no borders.
+
+        Rows seldom have room for these.
+        """
+        return isinstance(border, Ring) and bool(border.radii(self.center))
 
 
 def _quarters(sector: float) -> float:
@@ -187,12 +195,11 @@ def _quarters(sector: float) -> float:
     return sector
 
 
-class DiscPlate(_PatternedPlate):
+class DiscPlate(_RoundPlate):
     """A full, half or quarter disc; a sector starts at the x axis and turns towards y."""
 
     shape: Literal["disc"] = Field(default="disc", description=_SHAPES)
     radius: Positive = Field(description="Radius of the disc.")
-    center: Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
     sector: Annotated[float, AfterValidator(_quarters), BeforeValidator(number)] = Field(
         default=360.0,
         description="Degrees from the x axis: 90, 180 or 360.",
@@ -206,10 +213,6 @@ class DiscPlate(_PatternedPlate):
             return circle(self.center, self.radius, "rim")
         return sector(self.center, 0.0, self.radius, self.sector, ("start", "rim", "end", ""))
 
-    def follows(self, border: Region | Curve) -> bool:
-        """Whether rows can have a border or curve for their lines."""
-        return _around(self.center, border)
-
     def _lengths(self) -> tuple[float, float]:
         return self.radius, math.radians(self.sector) * self.radius
 
@@ -217,13 +220,12 @@ class DiscPlate(_PatternedPlate):
         yield from _too_far("center", self.center, self.radius)
 
 
-class AnnulusPlate(_PatternedPlate):
+class AnnulusPlate(_RoundPlate):
     """A ring or a sector of one; a sector starts at the x axis and turns towards y."""
 
     shape: Literal["annulus"] = Field(default="annulus", description=_SHAPES)
     inner: Positive = Field(description="Inner radius.")
     outer: Positive = Field(description="Outer radius.")
-    center: Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
     sector: Annotated[float, Field(gt=0, le=360), BeforeValidator(number)] = Field(
         default=360.0, description="Degrees from the x axis; default 360."
     )
@@ -245,10 +247,6 @@ class AnnulusPlate(_PatternedPlate):
     def fewest(self) -> tuple[int, int]:
         """Least numbers of elements: sides of more than a quarter of the circumference would not be round."""
         return 1, math.ceil(self.sector / 90)
-
-    def follows(self, border: Region | Curve) -> bool:
-        """Whether rows can have a border or curve for their lines."""
-        return _around(self.center, border)
 
     def _lengths(self) -> tuple[float, float]:
         return self.outer - self.inner, math.radians(self.sector) * self.outer

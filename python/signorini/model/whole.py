@@ -28,7 +28,7 @@ _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
 _MOST_POSITIONS = 2000
 
-Named = TypeVar("Named", Support, Combination, Section, Strip)
+_HasName = TypeVar("_HasName", Support, Combination, Section, Strip)
 
 
 class Units(Table):
@@ -59,7 +59,7 @@ class Solver(Table):
     )
 
 
-def _named(tables: tuple[Named, ...]) -> tuple[Named, ...]:
+def _named(tables: tuple[_HasName, ...]) -> tuple[_HasName, ...]:
     """Give every table that has no name its default one."""
     return tuple(
         table if table.name else table.model_copy(update={"name": f"{type(table).__name__.lower()} {position}"})

@@ -17,7 +17,7 @@ from signorini.discretise.rows import Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.formats.vtk import write_vtu
 from signorini.mesh import Mesh
-from signorini.output.names import TABLE, envelope_files
+from signorini.output.names import TABLE, envelope_file
 from signorini.results.columns import Layout
 from signorini.results.envelope import NONE, Envelope, Extremes
 from signorini.results.result import FIELDS
@@ -107,7 +107,7 @@ def _envelope(results: Results, combined: Combined, mesh: Mesh, group: str) -> d
         fields[field] = _ends(name, extremes, (points, points), high, low)
     layout = combined.layout
     return {
-        "file": envelope_files(results).get(group),
+        "file": envelope_file(results, group),
         "fields": fields,
         "supports": [_support(name, envelope, layout, index) for index in range(len(layout.supports))],
         "probes": [_probe(name, envelope, layout, index) for index in range(len(layout.probes))],

@@ -61,12 +61,17 @@ def expected_names(model: Model) -> Iterator[str]:
 
 
 def envelope_files(results: Results) -> dict[str, str]:
-    """Name the files of the envelopes by group, that of all combinations by no name."""
+    """Name the files of the envelopes by group, that of all combinations by no name; a group of all has no other."""
     if not (results.model.tabulated and results.envelope.fields):
         return {}
-    groups = ("", *results.model.effective_combinations.groups)
+    groups = ("", *_parts(results.model))
     found = zip(groups, unique_slugs(_envelopes(results.model)), strict=True)
     return {group: f"{slug}.vtu" for group, slug in found if not group or group in results.groups}
+
+
+def envelope_file(results: Results, group: str) -> str | None:
+    """Name the file that has the envelope of a group, None where there is none."""
+    return envelope_files(results).get(group if group in _parts(results.model) else "")
 
 
 def envelope_pictures(results: Results, file: str) -> dict[str, str]:
@@ -91,7 +96,13 @@ def _taken(model: Model) -> list[str]:
 
 
 def _envelopes(model: Model) -> list[str]:
-    return ["envelope", *(f"envelope {group}" for group in model.effective_combinations.groups)]
+    return ["envelope", *(f"envelope {group}" for group in _parts(model))]
+
+
+def _parts(model: Model) -> list[str]:
+    """Groups that hold some of the combinations and not all."""
+    combinations = model.effective_combinations
+    return [group for group, count in combinations.groups.items() if count < len(combinations)]
 
 
 def slugs(results: Results) -> Iterator[tuple[Result, str]]:

@@ -54,6 +54,8 @@ _BAR = np.array([[-0.5, 0.85], [0.5, 0.85]])
 _DETAILED = 5.0
 """Points from which on a mark is large enough for its spring and its bar."""
 _WAVY = Path(np.column_stack([np.linspace(-1, 1, 9), [0, 0.22, -0.22, 0.22, -0.22, 0.22, -0.22, 0.22, 0]]))
+_BOX = Path(np.array([[-1, -0.55], [1, -0.55], [1, 0.55], [-1, 0.55], [-1, -0.55]]))
+_WAVY_BOX = Path(np.asarray(_BOX.interpolated(4).vertices) * (1.0 + 0.14 * (-1.0) ** np.arange(17))[:, None])
 
 Entry = tuple[str, tuple[Artist, ...]]
 """A line of the legend: its words and its samples."""
@@ -257,10 +259,11 @@ def _draw_line(
         opened += [piece[start : end + 1] for start, end in _runs(~shut) if end > start]
     for piece in opened:
         axes.plot(*piece.T, zorder=4.1, **core)
-    if not mark.elastic:
+    if mark.style == "line" and not mark.elastic:
         return [Line2D([], [], **look)]
-    wave: dict[str, Any] = {"marker": _WAVY, "markersize": 20.0, "markeredgecolor": INK, "markerfacecolor": "none"}
-    return [Line2D([], [], linestyle="none", **wave)]
+    shape, size = (_WAVY, 20.0) if mark.style == "line" else (_WAVY_BOX if mark.elastic else _BOX, 12.0)
+    sample: dict[str, Any] = {"marker": shape, "markersize": size, "markeredgewidth": look["linewidth"]}
+    return [Line2D([], [], linestyle="none", markeredgecolor=INK, markerfacecolor="none", **sample)]
 
 
 def _fitting(positions: NDArray[np.float64], per_unit: float) -> float:

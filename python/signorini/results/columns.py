@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from signorini.base.named import Named as ByName
+from signorini.base.named import Named
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -28,7 +28,7 @@ _MOST_BEARINGS = 100
 _OF_AREAS = ("max_pressure", "contact_area")
 
 Column = Sequence[str] | Floats | Ints
-Named = Iterable[tuple[str, Column]]
+NamedColumns = Iterable[tuple[str, Column]]
 
 
 @dataclass(frozen=True)
@@ -298,7 +298,7 @@ class Block:
         own = np.searchsorted(layout.around_areas, np.flatnonzero(area.on_nodes))
         return self.on_areas[np.ix_(rows, own)]
 
-    def columns(self, layout: Layout, keys: Named, loads: Named = ()) -> Iterator[tuple[str, Column]]:
+    def columns(self, layout: Layout, keys: NamedColumns, loads: NamedColumns = ()) -> Iterator[tuple[str, Column]]:
         """Yield every column (k,) with its name.
 
         ``keys`` are the columns that tell the rows apart, ``loads`` those that say what is on the plate.
@@ -337,13 +337,13 @@ class Block:
             yield f"certificate:{name}", self.certificate[:, index]
 
 
-def together(blocks: Iterable[Named]) -> Mapping[str, Column]:
+def together(blocks: Iterable[NamedColumns]) -> Mapping[str, Column]:
     """Join the columns of consecutive blocks, texts as lists, numbers as arrays nobody writes into."""
     found: dict[str, list[Column]] = {}
     for block in blocks:
         for name, values in block:
             found.setdefault(name, []).append(values)
-    return ByName({name: _joined(parts) for name, parts in found.items()}, "column", "This table")
+    return Named({name: _joined(parts) for name, parts in found.items()}, "column", "This table")
 
 
 def _joined(parts: Sequence[Column]) -> Column:

@@ -164,7 +164,8 @@ def load_marks(found: Discretisation) -> list[LoadMark]:
         varies = not isinstance(value, float) and not value.is_constant
         sizes = np.asarray(value if isinstance(value, float) else value(*_under(found.mesh, load).T))
         upward = bool(sizes.max() <= 0.0 and sizes.min() < 0.0)
-        name = load.kind.replace("_", " ") + (" by its formula" if varies else "") + (", upward" if upward else "")
+        kind = "couple" if load.couple_about is not None else load.kind.replace("_", " ")
+        name = kind + (" by its formula" if varies else "") + (", upward" if upward else "")
         style: Literal["points", "line", "area"] = "area"
         if load.at is not None:
             style, places = "points", np.array(load.at)
@@ -205,7 +206,10 @@ def _under(mesh: Mesh, load: Load) -> Floats:
 def _value(load: Load, sizes: Floats, units: Units) -> str:
     """Write how much a load is, with its unit; without a sign, which its mark has."""
     unit = units.force_by_length({"pressure": -2, "line_load": -1, "force": 0}.get(load.kind, 1))
-    if load.couple is not None:
+    if load.couple_about is not None:
+        axes = ((axis, getattr(load.couple_about, axis)) for axis in ("x", "y"))
+        text = "about " + ", ".join(f"{axis} {plain(size, 4)}" for axis, size in axes if size is not None)
+    elif load.couple is not None:
         text = f"[{', '.join(plain(part, 4) for part in load.couple)}]"
     elif load.curvature is not None:
         text, unit = f"[{', '.join(plain(part, 4) for part in load.curvature)}]", units.length and f"1/{units.length}"
@@ -218,7 +222,7 @@ def _value(load: Load, sizes: Floats, units: Units) -> str:
 
 
 def case_totals(found: Discretisation) -> dict[str, str]:
-    """Sums of the forces of load cases that stay where they are, or of their couples if that is all, in words."""
+    """Sums of the forces of load cases that stay where they are, or of their couples as moments if that is all."""
     unit, sums = found.model.units.force, {}
     couples = found.model.units.force_by_length(1)
     for case in dict.fromkeys(load.case for load in found.model.load):
@@ -231,7 +235,7 @@ def case_totals(found: Discretisation) -> dict[str, str]:
         couple = weighing @ turns
         couple = np.where(np.abs(couple) > _NO_FORCE * (np.abs(weighing) @ np.abs(turns)), couple, 0.0)
         if couple.any():
-            sums[case] = f"couple [{', '.join(plain(float(part), 4) for part in couple)}] {couples}".rstrip()
+            sums[case] = f"moment [{', '.join(plain(float(part), 4) for part in couple)}] {couples}".rstrip()
     return sums
 
 

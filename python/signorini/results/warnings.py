@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, pairwise
 from weakref import WeakKeyDictionary
 
@@ -17,6 +17,7 @@ from signorini.discretise.places import region
 from signorini.discretise.quadrature import curve_quadrature
 from signorini.discretise.rows import Floats
 from signorini.errors import point
+from signorini.mesh.sides import Sides
 from signorini.model import Load, Model, OutlinedPlate, Support
 from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
@@ -204,7 +205,7 @@ def _prying(found: Discretisation) -> Iterator[str]:
     prying = [one for one in rigid if not one.given(FOOTPRINT) and (one.at is not None or one.line is not None)]
     if not prying:
         return
-    of_edges = _edges(found, {name for one in rigid for name in one.edge or ()})
+    of_edges = _edges(found, {name for one in rigid for name in one.edge or ()}, thickness)
     edges = [(f"the edge {name}", one, of_edges[name]) for one in rigid for name in one.edge or ()]
     lines = [(f"the {one.place}", one, _along(line)) for one in rigid if (line := curve(one)) is not None]
     for support in prying:
@@ -242,12 +243,12 @@ def _couples(found: Discretisation) -> Iterator[str]:
                     )
 
 
-def _edges(found: Discretisation, names: set[str]) -> dict[str, Targets]:
-    """Edges as they are drawn; of a mesh from a file their sides' chords."""
+def _edges(found: Discretisation, names: set[str], within: float) -> Mapping[str, Targets | Sides]:
+    """Edges as they are drawn; of a mesh from a file its sides, and how far from them it is looked."""
     if isinstance(found.model.plate, OutlinedPlate):
         return edges_of(found.model.plate.contours, names)
     mesh = found.mesh
-    return {name: Targets.of(sides=mesh.points[mesh.edges[name][:, [0, 2]]].tolist()) for name in names}
+    return {name: Sides(mesh.points[mesh.edges[name]], within) for name in names}
 
 
 def _along(line: Curve) -> Targets:

@@ -13,6 +13,7 @@ from signorini.discretise.places import quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
+from signorini.mesh.sides import onto
 from signorini.model import Load, Support
 from signorini.model.curve import curve
 from signorini.singularities.corners import Slopes, moments_grow, shears_grow, slopes_held
@@ -28,8 +29,6 @@ _OFF_ROUND = 0.1
 _NEAR, _NONE = 1e-4, 1e-6
 """Part of the plate's size over which the slope of a settlement is taken, and of that slope or the prescribed one what
 their difference is at least: the first by its square, of curves, stays below the second."""
-_STEPS = 8
-"""Steps of Gauss and Newton to the nearest point of a side, of which straight ones take one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,15 +140,11 @@ class Boundary:
 
     def at(self, point: Floats) -> Ints:
         """Sides that a point (2,) is on: none inside, two at a node between them."""
-        a, middle, b = (self.mesh.points[self.sides[:, i]] for i in range(3))
-        slope, bend = 0.5 * (b - a), 0.5 * (a + b) - middle
-        t = np.zeros((len(a), 1))
-        for _ in range(_STEPS):
-            off, along = point - (middle + t * (slope + t * bend)), slope + 2 * t * bend
-            t = np.clip(t + (off * along).sum(axis=1, keepdims=True) / (along**2).sum(axis=1, keepdims=True), -1, 1)
-        distance = np.hypot(*(point - (middle + t * (slope + t * bend))).T)
+        sides = self.mesh.points[self.sides]
+        distance = np.hypot(*(point - onto(sides, point)).T)
+        rise = np.hypot(*(0.5 * (sides[:, 0] + sides[:, 2]) - sides[:, 1]).T)
         # Ends of lines are on true circles, sides on their parabolas.
-        return np.flatnonzero(distance <= np.maximum(_ON_EDGE * self.mesh.size, _OFF_ROUND * np.hypot(*bend.T)))
+        return np.flatnonzero(distance <= np.maximum(_ON_EDGE * self.mesh.size, _OFF_ROUND * rise))
 
     def tangent(self, side: int) -> Floats:
         """Direction (2,) of a side, from end to end."""

@@ -9,7 +9,6 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from signorini.discretise import Discretisation
-from signorini.discretise.meshing import to_follow
 from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.errors import point
@@ -21,10 +20,9 @@ from signorini.singularities.boundary import boundary_of
 from signorini.singularities.corners import shears_grow
 from signorini.singularities.ends import ends_of_line, ends_of_load
 from signorini.singularities.singularity import Singularity, as_places
+from signorini.singularities.unfollowed import of_cut_elements, of_held_slopes
 
 _FOOTPRINT = "Give it a footprint, patch or radius."
-_NEITHER_SIDE = "They are those of a laminate of both sides there; take values from beside these elements."
-_AS_ZONE = "Or say it with a zone, whose border the mesh follows."
 _AROUND = 1e-5
 """Part of the plate's size at which it is looked around a corner of a zone."""
 _ALIKE = 1e-3
@@ -66,7 +64,7 @@ def singularities_of(found: Discretisation, case: str | None = None) -> tuple[Si
     if case not in known:
         if case is None:
             measured = _measured(found, (*_of_supports(found), *_of_corners(found), *_of_zones(found)))
-            known[case] = (*measured, *_of_cut_elements(found))
+            known[case] = (*measured, *of_cut_elements(found), *of_held_slopes(found))
         else:
             known[case] = _measured(found, _of_loads(found, case))
     return known[case]
@@ -270,21 +268,6 @@ def _of_zones(found: Discretisation) -> Iterator[Singularity]:
         if len(at):
             what = f"Corner of the border of zone {number} at {_listed_places(as_places(at), mesh.size)}"
             yield Singularity(as_places(at), what, ("moment", "shear"), "Take values from beside it.", "plate")
-
-
-def _of_cut_elements(found: Discretisation) -> Iterator[Singularity]:
-    """Nodes of elements inside which thickness or stiffness jump: their moments are of neither side."""
-    mesh, zones = found.mesh, found.zones
-    cut = found.thickness.layered[0] if found.thickness.layered is not None else np.zeros(0, np.int64)
-    parted = zones.parted[:, cut]
-    borders = {f"Border of zone {number}": mine for number, mine in enumerate(parted, 1)}
-    for what, mine in (borders | {"Jump of the thickness": ~parted.any(axis=0)}).items():
-        if mine.any():
-            elements = mesh.elements[cut[mine]]
-            count = f"{len(elements)} element{'s' if len(elements) > 1 else ''}"
-            where = as_places(mesh.points[np.unique(elements)])
-            advice = f"{_NEITHER_SIDE} {to_follow(found.model) if what in borders else _AS_ZONE}"
-            yield Singularity(where, f"{what} within {count}", ("moment", "shear"), advice, "plate")
 
 
 def _determinate(found: Discretisation) -> bool:
