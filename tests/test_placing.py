@@ -252,10 +252,36 @@ def test_a_circle_that_all_but_is_the_rim_is_the_rim() -> None:
     assert solve(model)["all"].deflection.max() == pytest.approx(bent, rel=1e-3)
 
 
+def rounded_disc(digits):
+    """A disc of radius 5 whose coordinates have so many digits."""
+    mesh = meshers.disc((0.0, 0.0), 5.0, (4, 24))
+    points = np.array([[float(f"{x:.{digits}g}") for x in point] for point in mesh.points])
+    return Mesh(points, mesh.elements, {})
+
+
+@pytest.mark.parametrize("radius", [4.9999999, 5.0000001, 5.0001, 5.003])
+@pytest.mark.parametrize("digits", [8, 17])
+def test_a_ring_that_all_but_is_a_round_edge_is_divided_as_its_sides_are(tmp_path, radius, digits) -> None:
+    """No side of an element crosses what runs just outside the nodes, and one piece of it went through several."""
+    file = written(tmp_path / "disc.vtu", rounded_disc(digits))
+    read = {"shape": "mesh", "file": file, "thickness": 0.3}
+    ring = {"circle": {"center": [0, 0], "radius": radius}, "stiffness": 1e8}
+    drawn = {"shape": "disc", "radius": 5, "thickness": 0.3}
+    for plate, options in ((read, {}), (drawn, {"size": 1.0})):
+        made = [
+            rectangular(plate=plate, mesh=options, support=[held], load=[{"pressure": 1e4}])
+            for held in (ring, {"edge": "boundary" if plate is read else "rim", "stiffness": 1e8})
+        ]
+        found, wanted = (solve(model)["all"] for model in made)
+        assert found.deflection.max() == pytest.approx(wanted.deflection.max(), rel=5e-3)
+        assert len(discretise(made[0]).springs) == len(discretise(made[1]).springs)
+
+
 @pytest.mark.parametrize("radius", [5, 4.9999999, 4.9995])
-def test_what_all_but_is_on_a_round_edge_of_a_mesh_from_a_file_is_there(tmp_path, radius) -> None:
+@pytest.mark.parametrize("digits", [8, 17])
+def test_what_all_but_is_on_a_round_edge_of_a_mesh_from_a_file_is_there(tmp_path, radius, digits) -> None:
     """A ring wall that all but is the rim, a wall that ends beside it, and points on it, between nodes."""
-    file = written(tmp_path / "disc.vtu", meshers.disc((0.0, 0.0), 5.0, (4, 24)))
+    file = written(tmp_path / "disc.vtu", rounded_disc(digits))
     plate = {"shape": "mesh", "file": file, "thickness": 0.3}
     rim = {"name": "rim", "edge": "boundary", "fix": "simple"}
     ring = {"circle": {"center": [0, 0], "radius": radius}, "resists": "down"}

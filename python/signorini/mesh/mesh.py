@@ -345,6 +345,18 @@ class Mesh(Remade):
         found = edges_on_ring(self.points, triples, curve, tolerance)
         return np.zeros((0, 3), np.int64) if found is None else found.triples
 
+    def boundary_beside(self, ring: Ring) -> Ints:
+        """Find the sides (k, 3) of the boundary that a circle runs along: it all but is the one that they stand for.
+
+        It is on the plate then, as far beyond them as points count as inside.
+        """
+        element, side = np.nonzero(self.on_boundary & self._curved & (self.sagitta > 0.0))
+        triples = self.sides[element, side]
+        beyond = ring.radius - np.hypot(*np.moveaxis(self.points[triples] - ring.center, 2, 0))
+        most = (self._reach * self._depth)[element, side]
+        near = (beyond >= -_OF_RISE * self.sagitta[element, side, None]) & (beyond <= most[:, None])
+        return np.asarray(triples[near.all(axis=1)])
+
     def find_sides(self, triples: Ints) -> tuple[Ints, Ints, Bools]:
         """Find the element and side of node triples (k, 3), and whether they run with the element on the left.
 

@@ -18,6 +18,7 @@ Floats = npt.NDArray[np.float64]
 _SAME = 1e-13
 _TOUCHED = 1e-6
 """Part of an arc that counts as one point: where a side only touches a circle, rounding finds it to half the digits."""
+_NONE = np.zeros((0, 2))
 
 
 class Arc(ABC):
@@ -36,9 +37,13 @@ class Arc(ABC):
     def crossings(self, sides: Floats) -> Floats:
         """Find the arc lengths (r,) at which sides (k, 3, 2) meet the arc, in any order, some of them twice."""
 
-    def breaks(self, sides: Floats) -> Floats:
-        """Divide the arc where sides (k, 3, 2) meet it: increasing arc lengths, once along it."""
-        s, least = self.crossings(sides), _TOUCHED * self.length
+    @abstractmethod
+    def nearest(self, points: Floats) -> Floats:
+        """The arc lengths (q,) of the places nearest to points (q, 2)."""
+
+    def breaks(self, sides: Floats, beside: Floats = _NONE) -> Floats:
+        """Divide the arc where sides (k, 3, 2) meet it, and beside points (q, 2): increasing, once along it."""
+        s, least = np.concatenate([self.crossings(sides), self.nearest(beside)]), _TOUCHED * self.length
         s = np.sort(s[(s > least) & (s < self.length - least)])
         s = np.concatenate([[0.0], s, [self.length]])
         return np.asarray(s[np.append(np.diff(s) > least, True)])
@@ -66,6 +71,10 @@ class Segment(Arc):
         segment = np.stack([self.begin, self.end])[None]
         near, _, _, _ = touched(side_boxes(sides), Outline(segments=segment), _margin(sides))
         _, points = with_segments(quadratics(sides[near]), np.repeat(segment, len(near), axis=0))
+        return self.nearest(points)
+
+    def nearest(self, points: Floats) -> Floats:
+        """The arc lengths (q,) of the places nearest to points (q, 2), on the line through both ends."""
         return np.asarray((points - self.begin) @ (self.end - self.begin) / self.length)
 
 
@@ -92,12 +101,16 @@ class FullCircle(Arc):
         circle = np.array([[*self.center, self.radius]])
         _, _, near, _ = touched(side_boxes(sides), Outline(circles=circle), _margin(sides))
         _, points = with_circles(quadratics(sides[near]), np.repeat(circle, len(near), axis=0))
+        return self.nearest(points)
+
+    def nearest(self, points: Floats) -> Floats:
+        """The arc lengths (q,) of the places nearest to points (q, 2)."""
         angle = np.arctan2(points[:, 1] - self.center[1], points[:, 0] - self.center[0])
         return np.asarray(np.mod(angle, 2.0 * np.pi) * self.radius)
 
-    def breaks(self, sides: Floats) -> Floats:
-        """Divide it where sides (k, 3, 2) meet it, and nowhere else: it begins and ends at the first of them."""
-        s = np.sort(self.crossings(sides))
+    def breaks(self, sides: Floats, beside: Floats = _NONE) -> Floats:
+        """Divide it where sides (k, 3, 2) meet it, and beside points (q, 2): it begins and ends at the first place."""
+        s = np.sort(np.concatenate([self.crossings(sides), self.nearest(beside)]))
         least = _TOUCHED * self.length
         s = s[np.append(True, np.diff(s) > least)[: len(s)]]
         if len(s) > 1 and s[0] + self.length - s[-1] <= least:

@@ -69,12 +69,14 @@ def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0,
     >>> print(f"{along.total:.12f}")
     3.750000000000
     """
-    sides, parts = mesh.unique_sides, []
+    sides, parts, beside = mesh.unique_sides, [], np.zeros((0, 3), np.int64)
     if isinstance(curve, Ring):
         # Parabolas along it cross it at midside nodes too, into more pieces than their deflection has dofs.
-        sides = sides[~np.isin(sides[:, 1], mesh.sides_on(curve)[:, 1])]
+        along, beside = mesh.sides_on(curve), mesh.boundary_beside(curve)
+        beside = beside[~np.isin(beside[:, 1], along[:, 1])]
+        sides = sides[~np.isin(sides[:, 1], np.concatenate([along, beside])[:, 1])]
     for arc in arcs_of(curve):
-        breaks = arc.breaks(mesh.points[sides])
+        breaks = arc.breaks(mesh.points[sides], mesh.points[beside[:, [0, 2]].ravel()])
         inside = mesh.locate(arc.at(0.5 * (breaks[1:] + breaks[:-1]))[0]).elements
         on = inside >= 0
         piece, begin, end = divided(breaks[:-1][on], breaks[1:][on], partial(_along, arc), levels)
