@@ -4,6 +4,7 @@ import json
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from models import rectangular
 
@@ -221,6 +222,41 @@ def test_a_weight_in_another_unit(weight: float, said: bool) -> None:
 def test_a_rigid_point_beside_an_edge_that_is_held(x: float, said: bool) -> None:
     wall, prop = {"edge": "left", "fix": "clamped"}, {"name": "prop", "at": [x, 2], "resists": "down"}
     assert any("pry against" in warning for warning in check(model(support=[wall, prop])).warnings) == said
+
+
+RING = {"circle": {"center": [2, 2], "radius": 1}, "fix": "simple"}
+TURNS = np.linspace(0.0, 2.0 * np.pi, 81)
+CHORDS = (2 + np.column_stack([np.cos(TURNS), np.sin(TURNS)])).tolist()
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "said"),
+    [
+        (RING, {"line": [[0.5, 3.001], [3.5, 3.001]], "fix": "simple"}, True),
+        (RING, {"line": [[0.5, 2.5], [3.5, 2.5]], "fix": "simple"}, False),
+        (RING, {"line": [[0.5, 2], [1, 2]], "fix": "simple"}, False),
+        (RING, {"line": CHORDS, "fix": "simple"}, True),
+        (RING, {"circle": {"center": [2, 2], "radius": 1.005}, "resists": "down"}, True),
+        (RING, {"circle": {"center": [2.005, 2], "radius": 1}, "resists": "both"}, True),
+        (RING, {"circle": {"center": [2, 2], "radius": 1.5}, "resists": "both"}, False),
+        (RING, {"circle": {"center": [2, 2], "radius": 1.1}, "resists": "both", "stiffness": 1e6}, False),
+        (
+            RING | {"fix": None, "resists": "down"},
+            {"circle": {"center": [2, 2], "radius": 1.1}, "resists": "down"},
+            False,
+        ),
+        (RING | {"fix": None, "resists": "up"}, {"circle": {"center": [2, 2], "radius": 1.1}, "resists": "down"}, True),
+        ({"edge": "left", "fix": "simple"}, {"circle": {"center": [1.1, 2], "radius": 1}, "fix": "simple"}, True),
+        ({"line": [[1, 1], [3, 3]], "fix": "simple"}, {"line": [[1, 3], [3, 1]], "fix": "simple"}, False),
+        ({"at": [[1, 1], [3, 2]], "resists": "both"}, {"at": [[2, 2], [3.001, 2]], "resists": "down"}, True),
+        ({"at": [[1, 1], [3, 2]], "resists": "down"}, {"at": [[2, 2], [3.001, 2]], "resists": "down"}, False),
+        ({"at": [[1, 1], [3, 2]], "resists": "both"}, {"at": [[2, 2], [3.1, 2]], "resists": "both"}, False),
+    ],
+)
+def test_rigid_supports_that_run_near_each_other(one: dict, other: dict, said: bool) -> None:
+    supports = [{key: value for key, value in support.items() if value is not None} for support in (one, other)]
+    warnings = check(model(support=supports, mesh={"size": 0.5})).warnings
+    assert any("pry against" in warning for warning in warnings) == said
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from signorini.shapes.contours import Contour
 from signorini.shapes.nearest import Targets, sides_of
 from signorini.shapes.outlines import Point
 
-_TOUCHING = 2e-4
+TOUCHING = 2e-4
 """Part of the plate's size within which things touch: coordinates are written to four digits, drawings are made to a
 millimetre in ten metres. Held rigidly at such distances a plate is pried apart by 1e5 times its load."""
 _ON = 1e-10
@@ -53,7 +53,7 @@ class _Outline:
     @classmethod
     def meshed(cls, mesh: Mesh, held: set[str], rings: Iterable[Ring]) -> Self:
         """Take the boundary of a mesh, of whose nodes any may be a corner, and those of its circles that are sought."""
-        near = _TOUCHING * mesh.size
+        near = TOUCHING * mesh.size
         named = [np.zeros((0, 3), np.int64), *(mesh.edges[name] for name in held & mesh.edges.keys())]
         sides, of_held = (Sides(mesh.points[of], near) for of in (mesh.boundary, np.concatenate(named)))
         corners = Targets.of(points=mesh.points[mesh.boundary[:, 0]])
@@ -131,7 +131,7 @@ def _circles(rings: Mapping[int, Ring], outline: _Outline) -> dict[int, tuple[Po
             (math.dist(center, ring.center) + abs(radius - ring.radius), center, radius) for center, radius in known
         )
         least = min(apart, default=(math.inf, ring.center, ring.radius))
-        near = _ON * outline.extent < least[0] <= _TOUCHING * outline.extent
+        near = _ON * outline.extent < least[0] <= TOUCHING * outline.extent
         found[index] = (least[1], least[2]) if near else (ring.center, ring.radius)
         known.append(found[index])
     return found
@@ -162,7 +162,7 @@ def _onto(at: Line, targets: Sequence[Targets | Sides], extent: float) -> Line:
     open_ = np.ones(len(places), np.bool_)
     for those in targets:
         found, apart = those.nearest(places)
-        near = open_ & (apart <= _TOUCHING * extent)
+        near = open_ & (apart <= TOUCHING * extent)
         places = np.where((near & (apart > _ON * extent))[:, None], found, places)
         open_ &= ~near
     return tuple((float(x), float(y)) for x, y in places)

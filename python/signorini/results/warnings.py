@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations, pairwise
+from collections.abc import Iterator, Sequence
+from itertools import combinations
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -17,17 +17,15 @@ from signorini.discretise.places import region
 from signorini.discretise.quadrature import curve_quadrature
 from signorini.discretise.rows import Floats
 from signorini.errors import point
-from signorini.mesh.sides import Sides
-from signorini.model import Load, Model, OutlinedPlate, Support
+from signorini.model import Load, Model, Support
 from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.model.zone import KEYS
+from signorini.results.prying import prying
 from signorini.results.support_points import SupportPoints
 from signorini.results.unit_slips import unit_slips
-from signorini.shapes import Curve, Ring
 from signorini.shapes.depths import depth
 from signorini.shapes.distances import distances
-from signorini.shapes.nearest import Targets, edges_of
 
 _FOLLOWED = 0.5
 """Part of a line on the plate that is on sides of elements, from which on a mesh follows it."""
@@ -61,7 +59,7 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
             *_one_place(found),
             *_overlaps(found),
             *_never_act(found),
-            *_prying(found),
+            *prying(found),
             *_couples(found),
         )
         of_plate = *_one_element(found), *_unrefined(found), *_unfollowed(found), *_zones(found)
@@ -163,9 +161,11 @@ def _unfollowed(found: Discretisation) -> Iterator[str]:
         begin, _, end = mesh.points[mesh.sides_on(along)].transpose(1, 0, 2)
         if np.hypot(*(end - begin).T).sum() < _FOLLOWED * curve_quadrature(mesh, along, order=1).total:
             what = "circle" if item.line is None else "line"
+            shared = isinstance(item, Support) and item.is_rigid
+            near = ", and near other supports its reaction may miss by more than its ±" if shared else ""
             yield (
                 f"The mesh does not follow the {what} of {name}: in the elements that it cuts, moments and shears are "
-                f"means of both sides. {to_follow(model)}"
+                f"means of both sides{near}. {to_follow(model)}"
             )
 
 
@@ -198,31 +198,6 @@ def _one_place(found: Discretisation) -> Iterator[str]:
             )
 
 
-def _prying(found: Discretisation) -> Iterator[str]:
-    """Rigid points, and ends of rigid lines, that pry against an edge or another line."""
-    model, mesh, thickness = found.model, found.mesh, float(found.thickness.max())
-    rigid = [support for support in model.support if support.is_rigid]
-    prying = [one for one in rigid if not one.given(FOOTPRINT) and (one.at is not None or one.line is not None)]
-    if not prying:
-        return
-    of_edges = _edges(found, {name for one in rigid for name in one.edge or ()}, thickness)
-    edges = [(f"the edge {name}", one, of_edges[name]) for one in rigid for name in one.edge or ()]
-    lines = [(f"the {one.place}", one, _along(line)) for one in rigid if (line := curve(one)) is not None]
-    for support in prying:
-        places = np.array(support.at if support.at is not None else support.line)
-        for what, holding, those in (*edges, *lines):
-            if holding is support:
-                continue
-            apart = those.nearest(places)[1]
-            if len(near := np.flatnonzero((SAME_PLACE * mesh.size < apart) & (apart < thickness))):
-                yield (
-                    f"{support.name} holds the plate rigidly at {point(places[near[0]].tolist())}, "
-                    f"{apart[near[0]]:.3g} from {what} that {holding.name} holds, less than the thickness: they pry "
-                    "against each other, and their reactions are not those of a plate. Leave it out, or give it a "
-                    "stiffness."
-                )
-
-
 def _couples(found: Discretisation) -> Iterator[str]:
     """Couples that an edge of symmetry takes."""
     model, mesh = found.model, found.mesh
@@ -241,20 +216,6 @@ def _couples(found: Discretisation) -> Iterator[str]:
                         f"The couple of load[{index + 1}] at {point(load.at[lost[0]])} turns the plate across the edge "
                         f"{name}, where {holding.name} holds the slope: that part of it does nothing."
                     )
-
-
-def _edges(found: Discretisation, names: set[str], within: float) -> Mapping[str, Targets | Sides]:
-    """Edges as they are drawn; of a mesh from a file its sides, and how far from them it is looked."""
-    if isinstance(found.model.plate, OutlinedPlate):
-        return edges_of(found.model.plate.contours, names)
-    mesh = found.mesh
-    return {name: Sides(mesh.points[mesh.edges[name]], within) for name in names}
-
-
-def _along(line: Curve) -> Targets:
-    if isinstance(line, Ring):
-        return Targets.of(arcs=[(*line.center, line.radius, 0.0, math.tau)])
-    return Targets.of(sides=list(pairwise(line.points)))
 
 
 def _overlaps(found: Discretisation) -> Iterator[str]:

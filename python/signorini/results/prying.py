@@ -1,0 +1,137 @@
+"""Rigid supports that all but touch, and pry the plate apart between them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+
+from signorini.discretise import Discretisation
+from signorini.discretise.placed import SAME_PLACE
+from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.touching import TOUCHING
+from signorini.errors import point
+from signorini.mesh.boxtree import BoxTree
+from signorini.mesh.sides import Sides
+from signorini.model import OutlinedPlate, Support
+from signorini.model.curve import curve
+from signorini.model.footprint import KEYS as FOOTPRINT
+from signorini.shapes import Curve, Ring
+from signorini.shapes.nearest import Targets, edges_of
+
+_ALONG = 0.2
+"""Slope of the distance between two lines up to which one runs along the other: an angle of twelve degrees."""
+_NEIGHBOURS = 0.1
+"""Part of the thickness within which two points pry. What a plate does between them falls with the square of it."""
+_PIECES = (4, 1000)
+"""Pieces of a line or circle that are looked at, at least and about at most."""
+
+_Holding: TypeAlias = tuple[str, Support, Targets | Sides]
+
+
+def prying(found: Discretisation) -> Iterator[str]:
+    """Rigid points, and rigid lines and circles, less than the thickness from an edge or line that is held rigidly."""
+    model, mesh, thickness = found.model, found.mesh, float(found.thickness.max())
+    rigid = [one for one in model.support if one.is_rigid and not one.given(FOOTPRINT)]
+    if all(one.place in ("edge", "area") for one in rigid):
+        return
+    of_edges = _edges(found, {name for one in rigid for name in one.edge or ()}, thickness)
+    holding: list[_Holding] = [(f"the edge {name}", one, of_edges[name]) for one in rigid for name in one.edge or ()]
+    holding += [(f"the {one.place}", one, _targets(line)) for one in rigid if (line := curve(one)) is not None]
+    told = set[tuple[int, int]]()
+    for support in (one for one in rigid if one.place not in ("edge", "area")):
+        for what, other, those in holding:
+            pair = min(id(support), id(other)), max(id(support), id(other))
+            if other is support or pair in told or _let_go(support, other):
+                continue
+            if (at := _nearest(support, those, mesh.size, thickness)) is not None:
+                told.add(pair)
+                yield _words(support, at[0], at[1], f"{what} that {other.name} holds, less than the thickness")
+    points = [one for one in rigid if one.at is not None]
+    yield from _pairs(points, SAME_PLACE * mesh.size, _NEIGHBOURS * thickness)
+
+
+def _pairs(rigid: list[Support], least: float, most: float) -> Iterator[str]:
+    """Points near another one, the first of each two supports."""
+    points = np.array([at for one in rigid for at in one.at or ()]).reshape(-1, 2)
+    if not len(points):
+        return
+    of = np.repeat(np.arange(len(rigid)), [len(one.at or ()) for one in rigid])
+    near, others = BoxTree.build(np.tile(points, 2) + most * np.array([-1.0, -1.0, 1.0, 1.0])).pairs(points)
+    apart = np.hypot(*(points[near] - points[others]).T)
+    told = set[tuple[int, int]]()
+    for one, other, far in zip(near.tolist(), others.tolist(), apart.tolist(), strict=True):
+        first, second = int(of[one]), int(of[other])
+        if one < other and least < far < most and (first, second) not in told:
+            told.add((first, second))
+            if not _let_go(rigid[first], rigid[second]):
+                what = f"the point {point(points[other].tolist())} of {rigid[second].name}, little of the thickness"
+                yield _words(rigid[first], points[one], far, what)
+
+
+def _words(support: Support, at: Floats, apart: float, what: str) -> str:
+    return (
+        f"{support.name} holds the plate rigidly at {point(at.tolist())}, {apart:.3g} from {what}: they pry "
+        "against each other, and their reactions are not those of a plate. Leave it out, or give it a stiffness."
+    )
+
+
+def _let_go(one: Support, other: Support) -> bool:
+    """Whether both hold one way, and the same: one of them then lets go."""
+    return one.fix is None and other.fix is None and one.resists == other.resists in ("down", "up")
+
+
+def _nearest(support: Support, those: Targets | Sides, size: float, most: float) -> tuple[Floats, float] | None:
+    """A point of a support that is near, and how far: at a point or an end, else where it runs along them."""
+    along, least = curve(support), SAME_PLACE * size
+    if along is None or not isinstance(along, Ring):
+        places = np.array(support.at if along is None else along.points)
+        apart = those.nearest(places)[1]
+        if len(first := np.flatnonzero((least < apart) & (apart < most))[:1]):
+            return places[first[0]], float(apart[first[0]])
+    # Sides of a mesh are parabolas where what runs along them is an arc.
+    least = TOUCHING * size if isinstance(those, Sides) else least
+    for places in () if along is None else _pieces(along, most):
+        apart = those.nearest(places)[1]
+        near = (least < apart) & (apart < most)
+        if (beside := near & _runs_along(places, np.minimum(apart, 2.0 * most))).any():
+            closest = int(np.where(beside, apart, np.inf).argmin())
+            return places[closest], float(apart[closest])
+    return None
+
+
+def _runs_along(places: Floats, apart: Floats) -> Bools:
+    """Where a distance hardly changes from one place to the next, on both sides."""
+    flat = np.abs(np.diff(apart)) <= _ALONG * np.hypot(*np.diff(places, axis=0).T)
+    return np.asarray(np.append(flat, True) & np.insert(flat, 0, True))
+
+
+def _pieces(line: Curve, step: float) -> Iterator[Floats]:
+    """Points along each side of a line, or around a circle, about half a step apart."""
+    fewest, most = _PIECES
+    step = max(0.5 * step, line.length / most)
+    if isinstance(line, Ring):
+        count = max(16 * fewest, math.ceil(line.length / step))
+        angle = np.linspace(0.0, math.tau, count + 1)
+        yield line.center + line.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+        return
+    for begin, end in pairwise(np.array(line.points)):
+        count = max(fewest, math.ceil(math.dist(begin, end) / step))
+        yield begin + np.linspace(0.0, 1.0, count + 1)[:, None] * (end - begin)
+
+
+def _edges(found: Discretisation, names: set[str], within: float) -> Mapping[str, Targets | Sides]:
+    """Edges as they are drawn; of a mesh from a file its sides, and how far from them it is looked."""
+    if isinstance(found.model.plate, OutlinedPlate):
+        return edges_of(found.model.plate.contours, names)
+    mesh = found.mesh
+    return {name: Sides(mesh.points[mesh.edges[name]], within) for name in names}
+
+
+def _targets(line: Curve) -> Targets:
+    if isinstance(line, Ring):
+        return Targets.of(arcs=[(*line.center, line.radius, 0.0, math.tau)])
+    return Targets.of(sides=list(pairwise(line.points)))
