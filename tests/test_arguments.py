@@ -59,6 +59,8 @@ def slab() -> SimpleNamespace:
         (lambda s: path(s.model, "G", None), "add: found None; it must be the name of the load that grows"),
         (lambda s: path(s.model, "G", {}), "add: found {}; it must be the name"),
         (lambda s: path(s.model, "G", "Q", until="3"), "until: found '3'; it must be a number"),
+        (lambda s: path(s.model, "G", "Q", until=True), "until: found True; it must be a number"),
+        (lambda s: signorini.lemke([[1.0]], np.array([-1j])), "q: found array([-0.-1.j]); it must be one of numbers"),
         (lambda s: path(s.model, "G", "Q", until=[]), "until: found []; it must be a number"),
         (lambda s: path(s.model, "G", "Q", until=NAN), "until: found nan; it must be a finite number"),
         (lambda s: path(s.model, "G", "Q", until=10**400), "until: found inf; it must be a finite number"),

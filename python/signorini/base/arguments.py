@@ -26,7 +26,7 @@ def number(value: object, place: str) -> float:
     """
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
-    if not isinstance(value, int | float | np.integer | np.floating):
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         raise InputError(f"found {reprlib.repr(value)}; it must be a number.", place=place)
     try:
         return float(value)
@@ -141,8 +141,9 @@ def made_by(value: object, kind: type, advice: str, place: str) -> None:
 
 
 def _array(value: object) -> NDArray[np.float64] | None:
-    """Numbers as an array, or None where there are others."""
+    """Real numbers as an array, or None where there are others."""
     try:
-        return np.asarray(value, dtype=np.float64)
+        found = np.asarray(value)
+        return None if found.dtype.kind == "c" else np.asarray(found, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         return None

@@ -60,15 +60,16 @@ def _pairs(rigid: list[Support], least: float, most: float) -> Iterator[str]:
     if not len(points):
         return
     of = np.repeat(np.arange(len(rigid)), [len(one.at or ()) for one in rigid])
-    near, others = BoxTree.build(np.tile(points, 2) + most * np.array([-1.0, -1.0, 1.0, 1.0])).pairs(points)
-    apart = np.hypot(*(points[near] - points[others]).T)
+    one_of, others = BoxTree.build(np.tile(points, 2) + most * np.array([-1.0, -1.0, 1.0, 1.0])).pairs(points)
+    apart = np.hypot(*(points[one_of] - points[others]).T)
     told = set[tuple[int, int]]()
-    for one, other, far in zip(near.tolist(), others.tolist(), apart.tolist(), strict=True):
+    for one, other, far in zip(one_of.tolist(), others.tolist(), apart.tolist(), strict=True):
         first, second = int(of[one]), int(of[other])
         if one < other and least < far < most and (first, second) not in told:
             told.add((first, second))
             if not _let_go(rigid[first], rigid[second]):
-                what = f"the point {point(points[other].tolist())} of {rigid[second].name}, little of the thickness"
+                near = f"the point {point(points[other].tolist())} of {rigid[second].name}"
+                what = f"{near}, less than a tenth of the thickness"
                 yield _words(rigid[first], points[one], far, what)
 
 
