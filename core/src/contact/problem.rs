@@ -1,7 +1,7 @@
 //! A plate on its supports, factored once.
 
 use super::condense::{Condensed, WideSprings, picks_single_dofs, pins};
-use super::points::ActivePoints;
+use super::points::{ActivePoints, Constraints};
 use super::scale::Scale;
 use crate::assembly::{Assembly, HELD, Numbering};
 use crate::cholesky::{Analysis, Factor, FactorError};
@@ -11,22 +11,6 @@ use crate::plate::Plate;
 use crate::residual::{Rows, Springs};
 use std::sync::Arc;
 use std::time::Instant;
-
-/// Contact points: row_i·u + gap_i − compliance_i·reaction_i = distance_i.
-#[derive(Clone, Debug, Default)]
-pub struct Constraints {
-    pub rows: Rows,
-    /// Free travel before the point acts.
-    pub distance: Vec<f64>,
-    /// Inverse stiffness of the support; 0 is rigid.
-    pub compliance: Vec<f64>,
-    /// An equation rather than an inequality.
-    pub two_sided: Vec<bool>,
-    /// Stiffness that the factor carries at the point so that K̃ is regular; 0 for most.
-    pub regularization: Vec<f64>,
-    /// Rigid motions over all dofs that springs, held dofs and two-sided points leave free.
-    pub free_motions: Vec<Vec<f64>>,
-}
 
 /// Positions, in the caller's order, of the points that are condensed and of those of the active set.
 #[derive(Clone, Debug, Default)]
@@ -256,12 +240,10 @@ impl ContactProblem {
         Ok(self.scatter(&ordered))
     }
 
-    /// Adds Gᵀ·factor to a nodal vector.
-    pub fn spread(&self, factor: &[f64], vector: &mut [f64]) {
-        for (i, &value) in factor.iter().enumerate() {
-            if value != 0.0 {
-                self.constraints.rows.scatter(&self.plate, i, value, vector);
-            }
+    /// Takes what the condensed points' reactions do, Gᵀ·reaction, off a nodal vector.
+    pub(super) fn take_off(&self, reaction: &[f64], vector: &mut [f64]) {
+        for (i, &reaction) in reaction.iter().enumerate().filter(|(_, reaction)| **reaction != 0.0) {
+            self.constraints.rows.scatter(&self.plate, i, -reaction, vector);
         }
     }
 }
@@ -352,13 +334,8 @@ impl Parts<'_> {
         };
         let rows = &constraints.rows;
         let moves = |motion: &Vec<f64>| (0..rows.len()).map(|row| rows.dot(plate, row, motion)).collect();
-        let condensed = Condensed::new(
-            constraints.regularization.clone(),
-            constraints.compliance.clone(),
-            constraints.two_sided.clone(),
-            &constraints.free_motions.iter().map(moves).collect::<Vec<_>>(),
-        )
-        .on(&factor, trailing, &self.by_column(rows), wide.as_ref())?;
+        let moves: Vec<Vec<f64>> = constraints.free_motions.iter().map(moves).collect();
+        let condensed = Condensed::on(&factor, trailing, constraints, &self.by_column(rows), &moves, wide.as_ref())?;
         self.seconds.condense += clock.elapsed().as_secs_f64();
         Ok(Factored { factor, wide, condensed, carried, firmer: way == Way::Firmer })
     }

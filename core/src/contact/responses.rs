@@ -154,8 +154,7 @@ impl ContactProblem {
         let mut out =
             if moved { residual(&self.plate, draft.springs, &draft.force, displacement) } else { draft.force.clone() };
         if self.imposed() {
-            let downward: Vec<f64> = reaction.iter().map(|r| -r).collect();
-            self.spread(&downward, &mut out);
+            self.take_off(reaction, &mut out);
             let target = |i: usize| f64::from(draft.point == Some(i));
             let left = |i: usize| -self.constraints.rows.beyond(&self.plate, i, displacement, target(i));
             draft.remaining = (0..reaction.len()).map(left).collect();

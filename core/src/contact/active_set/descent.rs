@@ -41,11 +41,9 @@ impl Descent<'_> {
                 points.scatter(&problem.plate, i, factor, &mut loss);
             }
         }
-        let steps: Vec<f64> = direction.reaction.iter().map(|r| -length * r).collect();
-        problem.spread(&steps, &mut loss);
-        for (total, increment) in self.solution.reaction.iter_mut().zip(&direction.reaction) {
-            *total += length * increment;
-        }
+        let steps: Vec<f64> = direction.reaction.iter().map(|r| length * r).collect();
+        problem.take_off(&steps, &mut loss);
+        self.solution.reaction.iter_mut().zip(&steps).for_each(|(total, step)| *total += step);
         problem.release_held(&mut loss);
         for (value, loss) in self.residual.imbalance.iter_mut().zip(&loss) {
             *value += loss;
@@ -70,9 +68,8 @@ impl Descent<'_> {
         if !problem.constraints.rows.is_empty() {
             let (with, state) = (self.factor.factored(), &self.factor.state);
             let mut interface = Interface { problem, with, state, reduced: None };
-            if let Some(correction) = interface.correction(self.load, &self.residual, &self.solution)? {
-                self.solution.follow(problem, &correction, 1.0);
-            }
+            let correction = interface.correction(&self.residual)?;
+            self.solution.follow(problem, &correction, 1.0);
             self.balance();
         }
         self.rounding = None;
@@ -113,7 +110,7 @@ impl Descent<'_> {
             all.closed.push(stretch > 0.0);
             all.gap.push(if stretch > 0.0 { 0.0 } else { factor.penalty.series[i] * multiplier[i] - stretch });
         }
-        problem.in_order(all)
+        problem.solution_in_order(all)
     }
 
     pub(super) fn pushing(&self, i: usize) -> f64 {

@@ -1,7 +1,7 @@
 //! The contact problem as a quadratic program, and what proves that it has no solution.
 
-use super::super::problem::Constraints;
 use crate::assembly::{Assembly, HELD, Numbering};
+use crate::contact::points::Constraints;
 use crate::contact::scale::largest;
 use crate::contact::tolerances;
 use crate::plate::Plate;

@@ -75,7 +75,7 @@ impl<'a> ActiveFactor<'a> {
     }
 
     /// Whether the next residual goes to a factor that others ask too.
-    pub(crate) fn shares(&self) -> bool {
+    pub(super) fn shares(&self) -> bool {
         self.shares && self.own.is_none()
     }
 
@@ -135,21 +135,20 @@ impl<'a> ActiveFactor<'a> {
     }
 
     /// What K̃⁻¹ times a residual, in elimination order, moves; there are no two-sided points.
-    pub(crate) fn moved(&self, residual: &[f64], solved: &[f64]) -> Direction {
+    pub(super) fn moved(&self, residual: &[f64], solved: &[f64]) -> Direction {
         let (nodal, force) = (self.problem.scatter(solved), residual.to_vec());
         Direction { nodal, force, reaction: Vec::new(), free: false }
     }
 
     /// The motion under an imbalance by the factor, with what is left of the two-sided points' gaps taken up, and the force
     /// it has for that.
-    pub(crate) fn response(&self, imbalance: &[f64], remaining: &[f64]) -> Result<Direction, FactorError> {
+    pub(super) fn response(&self, imbalance: &[f64], remaining: &[f64]) -> Result<Direction, FactorError> {
         let problem = self.problem;
         let with = self.factored();
         let reduced = problem.reduced(with, imbalance, remaining, with.condensed.better_form())?;
         let Correction { nodal, reaction, .. } = problem.respond(with, &self.state, reduced)?;
         let mut force = imbalance.to_vec();
-        let back: Vec<f64> = reaction.iter().map(|r| -r).collect();
-        problem.spread(&back, &mut force);
+        problem.take_off(&reaction, &mut force);
         problem.release_held(&mut force);
         Ok(Direction { nodal, force, reaction, free: false })
     }

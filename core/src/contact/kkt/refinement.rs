@@ -19,13 +19,14 @@ const LAST: usize = 10;
 
 /// A solver of one contact set's equations.
 pub(crate) trait KktSolver {
-    /// What a residual asks for; `None` where the set does not hold the plate.
-    fn correction(
-        &mut self,
-        load: &[f64],
-        step: &Residual,
-        solution: &ContactSolution,
-    ) -> Result<Option<Correction>, FactorError>;
+    /// What a residual asks for; nothing where the set does not hold the plate.
+    fn correction(&mut self, step: &Residual) -> Result<Correction, FactorError>;
+
+    /// Where no dof holds the plate, the rigid motion that a residual asks for, and the increments of reaction that go with
+    /// it: made first, and added exactly.
+    fn rigid(&self, _step: &Residual) -> Option<Correction> {
+        None
+    }
 
     /// Whether what is left of the gaps is rounding in the forces too that the next correction would make of it.
     fn is_settled(&self, _step: &Residual, _force: f64) -> bool {
@@ -49,8 +50,25 @@ struct Taken {
 }
 
 impl ContactProblem {
-    /// Refines a solution on its contact set, from its residual on, and returns what is left; `None` where the set does
-    /// not hold the plate. Forces far below `least` are rounding.
+    /// What a residual asks for: a rigid motion, if one comes first, and then what a solver makes of what that leaves.
+    pub(crate) fn correction(
+        &self,
+        load: &[f64],
+        solver: &mut dyn KktSolver,
+        step: &Residual,
+        solution: &ContactSolution,
+    ) -> Result<Correction, FactorError> {
+        let Some(mut rigid) = solver.rigid(step) else { return solver.correction(step) };
+        let mut afloat = solution.clone();
+        afloat.follow(self, &rigid, 1.0);
+        let rest = solver.correction(&self.residual(load, &afloat))?;
+        rigid.nodal = rest.nodal;
+        rigid.reaction.iter_mut().zip(&rest.reaction).for_each(|(total, increment)| *total += increment);
+        Ok(rigid)
+    }
+
+    /// Refines a solution on its contact set, from its residual on, and returns what is left. Forces far below `least` are
+    /// rounding.
     pub(crate) fn refine(
         &self,
         load: &[f64],
@@ -58,16 +76,13 @@ impl ContactProblem {
         solver: &mut dyn KktSolver,
         mut step: Residual,
         solution: &mut ContactSolution,
-    ) -> Result<Option<Residual>, FactorError> {
+    ) -> Result<Residual, FactorError> {
         let mut sizes = None;
         let mut lengths = Vec::new();
         let mut taken: Vec<Taken> = Vec::new();
         let mut rounding = None;
         for _ in 0..CORRECTIONS {
-            let Some(mut direction) = solver.correction(load, &step, solution)? else {
-                // What rests already need not be held.
-                return Ok(self.rests(load, &step, solution, least).then_some(step));
-            };
+            let mut direction = self.correction(load, solver, &step, solution)?;
             let mut trial = solution.clone();
             trial.follow(self, &direction, 1.0);
             let next = self.residual(load, &trial);
@@ -128,7 +143,7 @@ impl ContactProblem {
                 break;
             }
         }
-        Ok(Some(step))
+        Ok(step)
     }
 }
 

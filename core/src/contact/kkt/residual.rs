@@ -43,8 +43,7 @@ impl ContactProblem {
     pub fn imbalance(&self, load: &[f64], displacement: &Displacement, reaction: &[f64]) -> Vec<f64> {
         let mut out = residual(&self.plate, &self.springs, load, displacement);
         let (condensed, active) = reaction.split_at(self.constraints.rows.len());
-        let downward: Vec<f64> = condensed.iter().map(|r| -r).collect();
-        self.spread(&downward, &mut out);
+        self.take_off(condensed, &mut out);
         for (i, reaction) in active.iter().enumerate().filter(|(_, reaction)| **reaction != 0.0) {
             self.active.scatter(&self.plate, i, -reaction, &mut out);
         }
@@ -156,15 +155,6 @@ impl ContactProblem {
             step.imbalance.chunks(3).flat_map(|f| [f[0] / sizes.force, f[1] / sizes.couple, f[2] / sizes.couple]);
         let closed = (0..step.remaining.len()).filter(|&i| closed[i]);
         forces.chain(closed.map(|i| step.remaining[i] / sizes.gap[i])).collect()
-    }
-
-    /// Whether no more is out of balance, or left of closed gaps, than a settled set leaves.
-    pub(super) fn rests(&self, load: &[f64], step: &Residual, solution: &ContactSolution, least: f64) -> bool {
-        let force = self.largest_force(load, &solution.reaction).max(least);
-        let lengths = self.lengths(solution);
-        let meets = |i: usize| step.remaining[i].abs() <= tolerances::newton::SETTLED * lengths[i];
-        step.worst <= tolerances::newton::SETTLED * force
-            && (0..step.remaining.len()).all(|i| !solution.closed[i] || meets(i))
     }
 
     /// Length of what is out of balance and left of closed gaps.

@@ -89,13 +89,13 @@ impl ContactProblem {
             how.own = own.or(given);
             left
         };
-        let Some(left) = left.flatten() else {
-            return Ok((self.in_order(solution).failed(Outcome::Unsolved), f64::INFINITY));
+        let Some(left) = left else {
+            return Ok((self.solution_in_order(solution).failed(Outcome::Unsolved), f64::INFINITY));
         };
         solution.leave_open(&left.remaining);
         let length = self.length(load, &left, &solution, how.least);
         let satisfied = self.satisfies(load, &left, &solution, how.least);
-        let found = self.in_order(solution);
+        let found = self.solution_in_order(solution);
         Ok(if satisfied { (found.solved(), length) } else { (found.failed(Outcome::Unsolved), f64::INFINITY) })
     }
 }

@@ -7,7 +7,7 @@
 
 mod subproblem;
 
-use super::kkt::{Correction, KktSolver, Regularized, Residual, Uncondensed};
+use super::kkt::{Correction, Regularized, Residual, Uncondensed};
 use super::problem::ContactProblem;
 use super::solution::{ContactSolution, Outcome, Progress};
 use crate::cholesky::FactorError;
@@ -86,9 +86,7 @@ impl Steps<'_> {
             if problem.release_open(&mut near) {
                 step = problem.residual(load, &near);
             }
-            let Some(direction) = equations.correction(load, &step, &near)? else {
-                return Ok(near.failed(Outcome::Unsolved));
-            };
+            let direction = problem.correction(load, equations, &step, &near)?;
             near.follow(problem, &direction, 1.0);
             let mut next = problem.residual(load, &near);
             if same {
@@ -123,9 +121,7 @@ impl Steps<'_> {
     ) -> Result<OnSet, FactorError> {
         let (problem, load) = (self.problem, self.load);
         let mut solution = near.clone();
-        let Some(left) = problem.refine(load, 0.0, equations, from.clone(), &mut solution)? else {
-            return Ok(OnSet { solution: solution.failed(Outcome::Unsolved), within_rounding: false });
-        };
+        let left = problem.refine(load, 0.0, equations, from.clone(), &mut solution)?;
         solution.leave_open(&left.remaining);
         let within_rounding = problem.satisfies(load, &left, &solution, 0.0);
         Ok(OnSet { solution: solution.solved(), within_rounding })
