@@ -130,7 +130,6 @@ impl ContactProblem {
             numbering: &numbering,
             scale: &scale,
             way: Way::Apart,
-            analysis: None,
             room,
             seconds: Seconds { order: ordering, ..Seconds::default() },
         };
@@ -138,26 +137,19 @@ impl ContactProblem {
         // found apart from it, exactly, and solves with care take back what it adds. Beside held dofs they would be rounded,
         // and elements with motions of their own that nothing resists are no such plate.
         let may_float = plate.kind == Kind::Mitc9 && !held.contains(&true);
-        let mut ways = Vec::new();
-        if plate.kind == Kind::Mitc9 && parts.has_wide_springs() {
-            ways.push(Way::Apart);
-        }
-        ways.push(Way::Whole);
-        if may_float {
-            ways.push(Way::Firmer);
-        }
+        let apart = plate.kind == Kind::Mitc9 && parts.has_wide_springs();
         let mut base = Err(FactorError::NotPositiveDefinite { column: 0 });
-        for way in ways {
-            (parts.way, parts.analysis) = (way, None);
-            base = parts.factored(all_closed.clone());
+        for (_, way) in
+            [(apart, Way::Apart), (true, Way::Whole), (may_float, Way::Firmer)].into_iter().filter(|way| way.0)
+        {
+            parts.way = way;
+            base = parts.factored(all_closed.clone(), None);
             if !matches!(base, Err(FactorError::NotPositiveDefinite { .. })) {
                 break;
             }
         }
-        let base = base?;
-        let Parts { analysis: Some(analysis), seconds, way, .. } = parts else {
-            unreachable!("a factor has its analysis")
-        };
+        let (base, analysis) = base?;
+        let Parts { seconds, way, .. } = parts;
         let levers = (0..constraints.rows.len()).map(|row| scale.lever(&constraints.rows, row)).collect();
         Ok(Self {
             plate,
@@ -187,11 +179,10 @@ impl ContactProblem {
             numbering: &self.numbering,
             scale: &self.scale,
             way: self.way,
-            analysis: Some(self.analysis.clone()),
             room: usize::MAX,
             seconds: Seconds::default(),
         };
-        parts.factored(carried)
+        Ok(parts.factored(carried, Some(&self.analysis))?.0)
     }
 
     /// Every contact point, in the caller's order; the factor's part left out.
@@ -268,8 +259,6 @@ struct Parts<'a> {
     numbering: &'a Numbering,
     scale: &'a Scale,
     way: Way,
-    /// Of the first factor, for those after it.
-    analysis: Option<Analysis>,
     room: usize,
     seconds: Seconds,
 }
@@ -291,7 +280,8 @@ impl Parts<'_> {
         (0..rows.len()).map(|row| entries(row).filter(|entry| entry.0 != HELD).collect()).collect()
     }
 
-    fn factored(&mut self, carried: Vec<f64>) -> Result<Factored, FactorError> {
+    /// The factor, with the analysis of one before it if there is one, and that.
+    fn factored(&mut self, carried: Vec<f64>, known: Option<&Analysis>) -> Result<(Factored, Analysis), FactorError> {
         let &mut Self { plate, constraints, numbering, way, .. } = self;
         let clock = Instant::now();
         let bedding = self.active.stiffness_by_element(plate, &carried);
@@ -310,11 +300,7 @@ impl Parts<'_> {
         }
         let firmer = if way == Way::Firmer { tolerances::FIRMER } else { 0.0 };
         let matrix = Assembly::new(plate, &springs, &bedding, numbering).firmer(firmer);
-        let known = match self.analysis.take() {
-            Some(known) => known,
-            None => Analysis::new(&matrix)?,
-        };
-        let analysis = self.analysis.insert(known);
+        let analysis = known.cloned().map_or_else(|| Analysis::new(&matrix), Ok)?;
         analysis.require_room(self.room)?;
         let factor = analysis.factorize(&matrix)?;
         // Elements of q8r bend in some shapes without resistance, and not all supports hold them.
@@ -337,7 +323,7 @@ impl Parts<'_> {
         let moves: Vec<Vec<f64>> = constraints.free_motions.iter().map(moves).collect();
         let condensed = Condensed::on(&factor, trailing, constraints, &self.by_column(rows), &moves, wide.as_ref())?;
         self.seconds.condense += clock.elapsed().as_secs_f64();
-        Ok(Factored { factor, wide, condensed, carried, firmer: way == Way::Firmer })
+        Ok((Factored { factor, wide, condensed, carried, firmer: way == Way::Firmer }, analysis))
     }
 }
 

@@ -56,14 +56,13 @@ impl ContactProblem {
             let settled = closed == solution.closed && solution.corrections > 0;
             solution.closed = closed;
             if !settled {
-                let Some(state) = self.base.condensed.state(solution.closed.clone())? else {
+                let Some(state) = with.condensed.state(solution.closed.clone())? else {
                     return Ok(solution.failed(Outcome::Unsolved));
                 };
                 if self.release_open(&mut solution) {
                     step = self.residual(load, &solution);
                     reduced = self.reduced(with, &step.imbalance, &step.remaining, form)?;
                 }
-                let with = &self.base;
                 let mut interface = Interface { problem: self, with, state: &state, reduced: Some(reduced) };
                 step = self.refine(load, 0.0, &mut interface, step, &mut solution)?;
             }

@@ -86,7 +86,7 @@ impl<'a> Newton<'a> {
                 Some(mut gradients) => {
                     let Descent { problem, factor, residual, .. } = &mut self.descent;
                     let Some(direction) = factor.direction(&mut gradients, &residual.imbalance, answer.take())? else {
-                        let asked = problem.gather(gradients.residual());
+                        let asked = problem.gather(&gradients.residual);
                         self.gradients = Some(gradients);
                         return Ok(Next::Solve(asked));
                     };

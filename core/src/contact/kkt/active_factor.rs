@@ -39,7 +39,8 @@ pub(crate) struct ActiveFactor<'a> {
     pub(crate) limit: f64,
     pub(crate) penalty: Penalty,
     given: &'a Factored,
-    own: Option<Factored>,
+    /// That of its own set, if it has come to one.
+    pub(super) own: Option<Factored>,
     /// Two-sided points, held.
     pub(crate) state: ContactState,
     /// Whether others ask the factor that it was given too; there are no two-sided points then.
@@ -67,11 +68,6 @@ impl<'a> ActiveFactor<'a> {
 
     pub(crate) fn factored(&self) -> &Factored {
         self.own.as_ref().unwrap_or(self.given)
-    }
-
-    /// The factor of its own set, if it has come to one.
-    pub(super) fn into_own(self) -> Option<Factored> {
-        self.own
     }
 
     /// Whether the next residual goes to a factor that others ask too.
@@ -132,12 +128,6 @@ impl<'a> ActiveFactor<'a> {
         }
         self.problem.release_held(&mut out);
         out
-    }
-
-    /// What K̃⁻¹ times a residual, in elimination order, moves; there are no two-sided points.
-    pub(super) fn moved(&self, residual: &[f64], solved: &[f64]) -> Direction {
-        let (nodal, force) = (self.problem.scatter(solved), residual.to_vec());
-        Direction { nodal, force, reaction: Vec::new(), free: false }
     }
 
     /// The motion under an imbalance by the factor, with what is left of the two-sided points' gaps taken up, and the force

@@ -21,19 +21,13 @@ pub(crate) struct ConjugateGradients {
     patient: bool,
     most: usize,
     steps: usize,
-    residual: Vec<f64>,
+    /// What is to be preconditioned next.
+    pub(crate) residual: Vec<f64>,
     total: Direction,
     ahead: Direction,
     deflated: Option<Deflated>,
     /// Of the last residual and its preconditioned one.
     product: f64,
-}
-
-impl ConjugateGradients {
-    /// What is to be preconditioned next.
-    pub(crate) fn residual(&self) -> &[f64] {
-        &self.residual
-    }
 }
 
 /// The direction before the first, the force that the present set has for it, and its curvature.
@@ -110,7 +104,12 @@ impl ActiveFactor<'_> {
     ) -> Result<Option<Direction>, FactorError> {
         loop {
             let along = match answer.take() {
-                Some(solved) => self.moved(&gradients.residual, &solved),
+                // Beside two-sided points no factor is shared.
+                Some(solved) => Direction {
+                    nodal: self.problem.scatter(&solved),
+                    force: gradients.residual.clone(),
+                    ..Direction::default()
+                },
                 None if self.shares() => return Ok(None),
                 None => self.response(&gradients.residual, &vec![0.0; self.problem.constraints.rows.len()])?,
             };

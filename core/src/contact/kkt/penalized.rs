@@ -11,7 +11,7 @@ use crate::contact::tolerances;
 
 /// The factor with conjugate gradients, and one set of the active points.
 pub(super) struct Penalized<'a> {
-    factor: ActiveFactor<'a>,
+    pub(super) factor: ActiveFactor<'a>,
     closed: Vec<bool>,
     held: Option<Held>,
 }
@@ -32,10 +32,6 @@ impl<'a> Penalized<'a> {
         let alone = problem.constraints.rows.is_empty();
         let held = if alone { Held::by(problem, &compliance, closed) } else { None };
         Ok(Some(Self { factor, closed: closed[problem.constraints.rows.len()..].to_vec(), held }))
-    }
-
-    pub(super) fn into_own(self) -> Option<Factored> {
-        self.factor.into_own()
     }
 }
 

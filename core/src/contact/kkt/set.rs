@@ -78,14 +78,11 @@ impl ContactProblem {
             interface.map(|mut interface| refine(&mut interface)).transpose()?
         } else {
             let given = how.own.take();
-            let mut own = None;
-            let mut left = None;
-            if let Some(mut penalized) =
-                Penalized::of(self, given.as_ref().unwrap_or(&self.base), &self.in_place(closed))?
-            {
-                left = Some(refine(&mut penalized)?);
-                own = penalized.into_own();
-            }
+            let penalized = Penalized::of(self, given.as_ref().unwrap_or(&self.base), &self.in_place(closed))?;
+            let (left, own) = match penalized {
+                Some(mut penalized) => (Some(refine(&mut penalized)?), penalized.factor.own),
+                None => (None, None),
+            };
             how.own = own.or(given);
             left
         };

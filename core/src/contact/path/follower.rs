@@ -23,15 +23,6 @@ pub(super) struct Follower<'a> {
 }
 
 impl<'a> Follower<'a> {
-    pub fn new(
-        problem: &'a ContactProblem,
-        load: &'a PathLoad<'a>,
-        watch: &'a mut dyn FnMut(Progress) -> bool,
-    ) -> Self {
-        let how = OnSet { uncondensed: load.proximal, ..OnSet::default() };
-        Self { problem, load, how, watch, interrupted: false, lines: 0 }
-    }
-
     /// Whether to go on.
     pub fn goes_on(&mut self, now: Progress) -> bool {
         self.interrupted = self.interrupted || !(self.watch)(now);
@@ -155,7 +146,8 @@ impl ContactProblem {
         visit: &mut dyn FnMut(Stop) -> bool,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<PathEnd, FactorError> {
-        let mut follower = Follower::new(self, load, watch);
+        let how = OnSet { uncondensed: load.proximal, ..OnSet::default() };
+        let mut follower = Follower { problem: self, load, how, watch, interrupted: false, lines: 0 };
         let end = follower.follow(visit)?;
         Ok(if follower.interrupted { PathEnd::Interrupted } else { end })
     }
