@@ -188,25 +188,24 @@ impl ContactProblem {
     /// Every contact point, in the caller's order; the factor's part left out.
     pub fn all_constraints(&self) -> Constraints {
         let (rest, active) = (&self.constraints, &self.active);
-        let m = self.order.condensed.len() + self.order.active.len();
-        let mut from = vec![(false, 0); m];
-        self.order.condensed.iter().enumerate().for_each(|(at, &i)| from[i] = (false, at));
-        self.order.active.iter().enumerate().for_each(|(at, &i)| from[i] = (true, at));
-        let mut all = Constraints { free_motions: rest.free_motions.clone(), ..Constraints::default() };
-        for (is_active, at) in from {
-            if is_active {
-                active.push_row(at, &mut all.rows);
-                all.distance.push(active.distance[at]);
-                all.compliance.push(active.compliance[at]);
-            } else {
-                all.rows.push_from(&rest.rows, at);
-                all.distance.push(rest.distance[at]);
-                all.compliance.push(rest.compliance[at]);
+        let (condensed, count) = (rest.rows.len(), rest.rows.len() + active.len());
+        let mut rows = Rows::default();
+        for at in self.in_order(&(0..count).collect::<Vec<_>>()) {
+            match at.checked_sub(condensed) {
+                Some(at) => active.push_row(at, &mut rows),
+                None => rows.push_from(&rest.rows, at),
             }
-            all.two_sided.push(!is_active && rest.two_sided[at]);
-            all.regularization.push(0.0);
         }
-        all
+        let mut two_sided = rest.two_sided.clone();
+        two_sided.resize(count, false);
+        Constraints {
+            rows,
+            distance: self.in_order(&[&rest.distance[..], &active.distance].concat()),
+            compliance: self.in_order(&[&rest.compliance[..], &active.compliance].concat()),
+            two_sided: self.in_order(&two_sided),
+            regularization: vec![0.0; count],
+            free_motions: rest.free_motions.clone(),
+        }
     }
 
     /// A nodal load in elimination order, without the dofs held.
