@@ -5,8 +5,8 @@ use super::tolerances;
 use crate::double_double::DoubleDouble;
 use crate::plate::Plate;
 
-/// The motions w, w + x and w + y about a centre, over a size, as nodal vectors.
-pub(super) fn rigid_motions(plate: &Plate, centre: [f64; 2], size: f64) -> [Vec<f64>; 3] {
+/// The motions w, w + x and w + y about the middle, over the plate's size, as nodal vectors.
+pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) -> [Vec<f64>; 3] {
     let motion = |k: usize| -> Vec<f64> {
         let of_node = |node: usize| {
             let [x, y] = plate.point(node);

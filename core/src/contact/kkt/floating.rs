@@ -29,7 +29,7 @@ impl Floating {
             return None;
         }
         let plate = &problem.plate;
-        let nodal = rigid_motions(plate, problem.scale.centre, problem.scale.size);
+        let nodal = rigid_motions(plate, &problem.scale);
         let rows = &problem.constraints.rows;
         let condensed = (0..rows.len()).map(|i| [0, 1, 2].map(|k| rows.dot(plate, i, &nodal[k])));
         let active = (0..problem.active.len()).map(|i| [0, 1, 2].map(|k| problem.active.dot(plate, i, &nodal[k])));
