@@ -1,6 +1,5 @@
 //! Contact points as rows, and one-sided ones in any number as piecewise linear springs.
 
-use crate::double_double::DoubleDouble;
 use crate::element::{DOFS, packed};
 use crate::plate::Plate;
 use crate::residual::{Displacement, Rows, Springs};
@@ -99,16 +98,21 @@ impl ActivePoints {
     #[inline(always)]
     fn overlap_from(&self, first: usize, plate: &Plate, displacement: &Displacement, out: &mut [f64]) {
         for (i, out) in (first..).zip(out) {
-            let mut sum = DoubleDouble { hi: -self.distance[i], lo: 0.0 };
+            let (mut high, mut low) = (-self.distance[i], 0.0);
             let mut add = |element: usize, values: &[f64; 8]| {
                 for (&node, &value) in plate.elements()[element].iter().zip(values) {
-                    sum.add_product_fused(displacement.hi[3 * node], value);
-                    sum.lo += displacement.lo[3 * node] * value;
+                    let (hi, lo) = (displacement.hi[3 * node], displacement.lo[3 * node]);
+                    let product = hi * value;
+                    let error = hi.mul_add(value, -product);
+                    let sum = high + product;
+                    let part = sum - high;
+                    low += (high - (sum - part)) + (product - part) + error + lo * value;
+                    high = sum;
                 }
             };
             add(self.element[i], &self.value[i]);
             self.elsewhere(i).for_each(|(element, values)| add(*element, values));
-            *out = sum.hi + sum.lo;
+            *out = high + low;
         }
     }
 
