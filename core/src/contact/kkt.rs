@@ -26,7 +26,7 @@ pub(super) use active_factor::{ActiveFactor, Direction};
 pub(super) use conjugate_gradients::ConjugateGradients;
 pub(super) use floating::Floating;
 pub(super) use interface::{Interface, Reduced};
-pub(super) use refinement::{Correction, KktSolver};
+pub(super) use refinement::Correction;
 pub(super) use residual::Residual;
 pub(super) use saddle::{Regularized, Saddle, TOGETHER};
 pub(super) use set::OnSet;

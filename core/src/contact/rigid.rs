@@ -43,7 +43,7 @@ pub(super) fn eliminated(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleD
     let mut order = Vec::new();
     let mut largest = 0.0_f64;
     let mut least = f64::INFINITY;
-    while order.len() < 3 {
+    loop {
         let left = (0..3).filter(|i| !order.contains(i));
         let Some(pivot) = left.max_by(|&a, &b| matrix[a][a].hi.total_cmp(&matrix[b][b].hi)) else { break };
         largest = largest.max(matrix[pivot][pivot].hi);

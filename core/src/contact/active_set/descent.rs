@@ -1,7 +1,7 @@
 //! A solution on its way: where the plate and its points are, and what is out of balance there.
 
 use crate::cholesky::FactorError;
-use crate::contact::kkt::{ActiveFactor, Direction, Floating, Interface, KktSolver, Residual};
+use crate::contact::kkt::{ActiveFactor, Correction, Direction, Floating, Residual};
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::{ContactSolution, Reference};
 use crate::double_double::DoubleDouble;
@@ -66,10 +66,8 @@ impl Descent<'_> {
         self.balance();
         let problem = self.problem;
         if !problem.constraints.rows.is_empty() {
-            let (with, state) = (self.factor.factored(), &self.factor.state);
-            let mut interface = Interface { problem, with, state, reduced: None };
-            let correction = interface.correction(&self.residual)?;
-            self.solution.follow(problem, &correction, 1.0);
+            let found = self.factor.response(&self.residual.imbalance, &self.residual.remaining)?;
+            self.solution.follow(problem, &Correction::of(found.nodal, found.reaction), 1.0);
             self.balance();
         }
         self.rounding = None;

@@ -42,7 +42,7 @@ pub(crate) struct ActiveFactor<'a> {
     /// That of its own set, if it has come to one.
     pub(super) own: Option<Factored>,
     /// Two-sided points, held.
-    pub(crate) state: ContactState,
+    state: ContactState,
     /// Whether others ask the factor that it was given too; there are no two-sided points then.
     shares: bool,
     /// The last direction that this factor has found, unless it shares.
@@ -132,7 +132,7 @@ impl<'a> ActiveFactor<'a> {
 
     /// The motion under an imbalance by the factor, with what is left of the two-sided points' gaps taken up, and the force
     /// it has for that.
-    pub(super) fn response(&self, imbalance: &[f64], remaining: &[f64]) -> Result<Direction, FactorError> {
+    pub(crate) fn response(&self, imbalance: &[f64], remaining: &[f64]) -> Result<Direction, FactorError> {
         let problem = self.problem;
         let with = self.factored();
         let reduced = problem.reduced(with, imbalance, remaining, with.condensed.better_form())?;

@@ -7,7 +7,7 @@
 use super::residual::Residual;
 use crate::cholesky::FactorError;
 use crate::contact::problem::ContactProblem;
-use crate::contact::scale::dot;
+use crate::contact::scale::{dot, norm};
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 use crate::residual::Displacement;
@@ -166,7 +166,7 @@ impl ContactSolution {
 
 impl Correction {
     /// Without a rigid motion apart.
-    pub(super) fn of(nodal: Vec<f64>, reaction: Vec<f64>) -> Self {
+    pub(crate) fn of(nodal: Vec<f64>, reaction: Vec<f64>) -> Self {
         Self { rigid: [0.0; 3], nodal, reaction }
     }
 
@@ -191,10 +191,6 @@ impl Correction {
 
 fn is_within(scaled: &[f64], limit: f64) -> bool {
     scaled.iter().all(|value| value.abs() <= limit)
-}
-
-fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
 }
 
 fn subtract(from: &mut [f64], part: f64, what: &[f64]) {

@@ -4,7 +4,7 @@
 
 use crate::contact::condense::Work;
 use crate::contact::problem::ContactProblem;
-use crate::contact::scale::dot;
+use crate::contact::scale::norm;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 use crate::residual::{Displacement, internal_magnitudes, residual};
@@ -159,8 +159,7 @@ impl ContactProblem {
 
     /// Length of what is out of balance and left of closed gaps.
     pub(crate) fn length(&self, load: &[f64], step: &Residual, solution: &ContactSolution, least: f64) -> f64 {
-        let scaled = self.scaled(step, &self.sizes(load, solution, least), &solution.closed);
-        dot(&scaled, &scaled).sqrt()
+        norm(&self.scaled(step, &self.sizes(load, solution, least), &solution.closed))
     }
 
     /// Whether a residual is that of a solution of its set's equations; where nothing acts there is nothing to miss.
