@@ -64,7 +64,10 @@ impl ContactProblem {
                     reduced = self.reduced(with, &step.imbalance, &step.remaining, form)?;
                 }
                 let mut interface = Interface { problem: self, with, state: &state, reduced: Some(reduced) };
-                step = self.refine(load, 0.0, &mut interface, step, &mut solution)?;
+                let Some(left) = self.refine(load, 0.0, &mut interface, step, &mut solution)? else {
+                    return Ok(solution.failed(Outcome::Unsolved));
+                };
+                step = left;
             }
             solution.leave_open(&step.remaining);
             if settled || self.signs_hold(load, tolerances::RESIDUAL * travel, &solution) {

@@ -22,7 +22,7 @@ pub(crate) struct Interface<'a> {
 }
 
 impl KktSolver for Interface<'_> {
-    fn correction(&mut self, step: &Residual) -> Result<Correction, FactorError> {
+    fn correction(&mut self, step: &Residual) -> Result<Option<Correction>, FactorError> {
         let reduced = match self.reduced.take() {
             Some(reduced) => reduced,
             None => {
@@ -30,7 +30,7 @@ impl KktSolver for Interface<'_> {
                 self.problem.reduced(self.with, &step.imbalance, &step.remaining, form)?
             }
         };
-        self.problem.respond(self.with, self.state, reduced)
+        self.problem.respond(self.with, self.state, reduced).map(Some)
     }
 }
 

@@ -36,7 +36,7 @@ impl<'a> Penalized<'a> {
 }
 
 impl KktSolver for Penalized<'_> {
-    fn correction(&mut self, step: &Residual) -> Result<Correction, FactorError> {
+    fn correction(&mut self, step: &Residual) -> Result<Option<Correction>, FactorError> {
         let Self { factor, closed, .. } = self;
         let (problem, points) = (factor.problem, &factor.problem.active);
         let (two_sided, left) = step.remaining.split_at(problem.constraints.rows.len());
@@ -58,7 +58,7 @@ impl KktSolver for Penalized<'_> {
         let found = factor.direction(&mut gradients, &imbalance, None)?;
         let direction = found.expect("no one else asks the factor");
         if direction.free {
-            return Ok(Correction::of(vec![0.0; imbalance.len()], vec![0.0; step.remaining.len()]));
+            return Ok(None);
         }
         all.nodal.iter_mut().zip(&direction.nodal).for_each(|(total, part)| *total += part);
         all.reaction.iter_mut().zip(&direction.reaction).for_each(|(total, part)| *total += part);
@@ -66,7 +66,7 @@ impl KktSolver for Penalized<'_> {
         for &i in &pushing {
             all.reaction[two_sided.len() + i] = factor.penalty.stiffness[i] * (moved[i] - left[i]);
         }
-        Ok(all)
+        Ok(Some(all))
     }
 
     fn rigid(&self, step: &Residual) -> Option<Correction> {

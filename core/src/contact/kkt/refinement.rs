@@ -19,8 +19,8 @@ const LAST: usize = 10;
 
 /// A solver of one contact set's equations.
 pub(crate) trait KktSolver {
-    /// What a residual asks for; nothing where the set does not hold the plate.
-    fn correction(&mut self, step: &Residual) -> Result<Correction, FactorError>;
+    /// What a residual asks for; `None` where the set does not hold the plate.
+    fn correction(&mut self, step: &Residual) -> Result<Option<Correction>, FactorError>;
 
     /// Where no dof holds the plate, the rigid motion that a residual asks for, and the increments of reaction that go with
     /// it: made first, and added exactly.
@@ -57,18 +57,18 @@ impl ContactProblem {
         solver: &mut dyn KktSolver,
         step: &Residual,
         solution: &ContactSolution,
-    ) -> Result<Correction, FactorError> {
+    ) -> Result<Option<Correction>, FactorError> {
         let Some(mut rigid) = solver.rigid(step) else { return solver.correction(step) };
         let mut afloat = solution.clone();
         afloat.follow(self, &rigid, 1.0);
-        let rest = solver.correction(&self.residual(load, &afloat))?;
+        let Some(rest) = solver.correction(&self.residual(load, &afloat))? else { return Ok(None) };
         rigid.nodal = rest.nodal;
         rigid.reaction.iter_mut().zip(&rest.reaction).for_each(|(total, increment)| *total += increment);
-        Ok(rigid)
+        Ok(Some(rigid))
     }
 
-    /// Refines a solution on its contact set, from its residual on, and returns what is left. Forces far below `least` are
-    /// rounding.
+    /// Refines a solution on its contact set, from its residual on, and returns what is left; `None` where the set does
+    /// not hold the plate. Forces far below `least` are rounding.
     pub(crate) fn refine(
         &self,
         load: &[f64],
@@ -76,13 +76,17 @@ impl ContactProblem {
         solver: &mut dyn KktSolver,
         mut step: Residual,
         solution: &mut ContactSolution,
-    ) -> Result<Residual, FactorError> {
+    ) -> Result<Option<Residual>, FactorError> {
         let mut sizes = None;
         let mut lengths = Vec::new();
         let mut taken: Vec<Taken> = Vec::new();
         let mut rounding = None;
         for _ in 0..CORRECTIONS {
-            let mut direction = self.correction(load, solver, &step, solution)?;
+            let Some(mut direction) = self.correction(load, solver, &step, solution)? else {
+                // What rests already need not be held.
+                let left = self.scaled(&step, &self.sizes(load, solution, least), &solution.closed);
+                return Ok(is_within(&left, tolerances::newton::SETTLED).then_some(step));
+            };
             let mut trial = solution.clone();
             trial.follow(self, &direction, 1.0);
             let next = self.residual(load, &trial);
@@ -143,7 +147,7 @@ impl ContactProblem {
                 break;
             }
         }
-        Ok(step)
+        Ok(Some(step))
     }
 }
 

@@ -86,7 +86,7 @@ impl ContactProblem {
             how.own = own.or(given);
             left
         };
-        let Some(left) = left else {
+        let Some(left) = left.flatten() else {
             return Ok((self.solution_in_order(solution).failed(Outcome::Unsolved), f64::INFINITY));
         };
         solution.leave_open(&left.remaining);

@@ -25,8 +25,8 @@ impl<'a> Regularized<'a> {
 }
 
 impl KktSolver for Uncondensed<'_> {
-    fn correction(&mut self, step: &Residual) -> Result<Correction, FactorError> {
-        Ok(self.saddle.response(self.problem, &step.imbalance, &step.remaining))
+    fn correction(&mut self, step: &Residual) -> Result<Option<Correction>, FactorError> {
+        Ok(Some(self.saddle.response(self.problem, &step.imbalance, &step.remaining)))
     }
 
     /// By its resultants where nothing holds the plate firmly, else by the equations.

@@ -86,7 +86,9 @@ impl Steps<'_> {
             if problem.release_open(&mut near) {
                 step = problem.residual(load, &near);
             }
-            let direction = problem.correction(load, equations, &step, &near)?;
+            let Some(direction) = problem.correction(load, equations, &step, &near)? else {
+                return Ok(near.failed(Outcome::Unsolved));
+            };
             near.follow(problem, &direction, 1.0);
             let mut next = problem.residual(load, &near);
             if same {
@@ -121,7 +123,9 @@ impl Steps<'_> {
     ) -> Result<OnSet, FactorError> {
         let (problem, load) = (self.problem, self.load);
         let mut solution = near.clone();
-        let left = problem.refine(load, 0.0, equations, from.clone(), &mut solution)?;
+        let Some(left) = problem.refine(load, 0.0, equations, from.clone(), &mut solution)? else {
+            return Ok(OnSet { solution: solution.failed(Outcome::Unsolved), within_rounding: false });
+        };
         solution.leave_open(&left.remaining);
         let within_rounding = problem.satisfies(load, &left, &solution, 0.0);
         Ok(OnSet { solution: solution.solved(), within_rounding })
