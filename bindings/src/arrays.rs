@@ -64,6 +64,11 @@ pub fn indices(what: &str, array: &PyReadonlyArray1<'_, i64>, size: usize) -> Py
         .collect()
 }
 
+/// The rows of a matrix.
+pub fn rows(matrix: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
+    matrix.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
+}
+
 /// (elements (m + q,), rows (m + q, 24), further (q,)) as m rows over elements; the last q are what the rows `further`
 /// have in further elements.
 pub fn element_rows(

@@ -1,4 +1,4 @@
-use crate::arrays::{invalid, matrix, rows_of, sized};
+use crate::arrays::{invalid, matrix, rows, rows_of, sized};
 use crate::contact::{ContactProblem, failed};
 use crate::plate::Plate;
 use crate::threads::{interruptible, released};
@@ -66,10 +66,6 @@ type Combined<'py> = (
     Bound<'py, PyArray2<bool>>,
     Bound<'py, PyArray1<i64>>,
 );
-
-fn rows(array: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
-    array.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
-}
 
 /// A response without its displacement, which the contact points do not read.
 fn at_points(response: &Response) -> contact::Response {

@@ -1,4 +1,4 @@
-use crate::arrays::{SpringArrays, element_rows, flags, invalid, matrix, sized, springs};
+use crate::arrays::{SpringArrays, element_rows, flags, invalid, matrix, rows, sized, springs};
 use crate::plate::Plate;
 use crate::solution::{ContactSolution, Reference};
 use crate::threads::{released, told};
@@ -35,10 +35,6 @@ type ConstraintArrays<'py> = (
 type PosedLcp<'py> =
     (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<bool>>);
 
-pub fn rows_of(matrix: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
-    matrix.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
-}
-
 pub fn failed(error: FactorError) -> PyErr {
     match error {
         FactorError::OutOfMemory | FactorError::TooLarge { .. } => PyMemoryError::new_err(error.to_string()),
@@ -55,6 +51,22 @@ fn form_of(name: &str) -> PyResult<Form> {
 }
 
 impl ContactProblem {
+    /// A nodal load and what held dofs are held at, over all dofs.
+    fn load_and_held(
+        &self,
+        load: &PyReadonlyArray1<'_, f64>,
+        held_value: &PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<(Vec<f64>, Vec<f64>)> {
+        let dofs = self.inner.plate.dof_count();
+        Ok((sized("the load", load, dofs)?, sized("held_value", held_value, dofs)?))
+    }
+
+    /// Refuses what asks for an LCP of all points.
+    fn require_condensed(&self) -> PyResult<()> {
+        let condensed = self.inner.order.active.is_empty();
+        if condensed { Ok(()) } else { Err(invalid("points of an active set are not condensed")) }
+    }
+
     /// Refuses what another problem has made: equal sizes would hide it.
     pub fn require_own(&self, of: &Arc<contact::ContactProblem>, what: &str) -> PyResult<()> {
         if Arc::ptr_eq(of, &self.inner) { Ok(()) } else { Err(invalid(format!("{what} is of another problem"))) }
@@ -107,16 +119,16 @@ impl ContactProblem {
         let count = plate.inner.elements().len();
         let held = flags("held", &held, plate.inner.dof_count())?;
         let springs = springs(&spring_arrays, count)?;
-        let (elements, rows, further, distance, compliance, two_sided, regularization) = &constraint_arrays;
-        let rows = element_rows(elements, rows, further, count)?;
-        let m = rows.len();
+        let (elements, coefficients, further, distance, compliance, two_sided, regularization) = &constraint_arrays;
+        let own = element_rows(elements, coefficients, further, count)?;
+        let m = own.len();
         let constraints = Constraints {
-            rows,
+            rows: own,
             distance: sized("distance", distance, m)?,
             compliance: sized("compliance", compliance, m)?,
             two_sided: flags("two_sided", two_sided, m)?,
             regularization: sized("regularization", regularization, m)?,
-            free_motions: free_motions.map_or(Vec::new(), |motions| rows_of(&motions)),
+            free_motions: free_motions.map_or(Vec::new(), |motions| rows(&motions)),
         };
         if constraints.free_motions.iter().any(|motion| motion.len() != held.len()) {
             return Err(invalid(format!("free_motions must have {} columns", held.len())));
@@ -148,9 +160,7 @@ impl ContactProblem {
         form: Option<&str>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<ContactSolution> {
-        let dofs = self.inner.plate.dof_count();
-        let load = sized("the load", &load, dofs)?;
-        let held_value = sized("held_value", &held_value, dofs)?;
+        let (load, held_value) = self.load_and_held(&load, &held_value)?;
         let form = form.map(form_of).transpose()?;
         let inner = watched(py, progress, |watch| self.inner.solve(&load, &held_value, form, watch))?;
         Ok(self.solution(inner))
@@ -169,13 +179,10 @@ impl ContactProblem {
         closed: Option<PyReadonlyArray1<'_, bool>>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<ContactSolution> {
-        let (dofs, points) = (self.inner.plate.dof_count(), self.inner.order.condensed.len());
-        let load = sized("the load", &load, dofs)?;
-        let held_value = sized("held_value", &held_value, dofs)?;
+        let (load, held_value) = self.load_and_held(&load, &held_value)?;
+        let points = self.inner.order.condensed.len();
         let closed = closed.map(|closed| flags("closed", &closed, points)).transpose()?;
-        if !self.inner.order.active.is_empty() {
-            return Err(invalid("points of an active set are not condensed"));
-        }
+        self.require_condensed()?;
         if !(part > 0.0 && part.is_finite()) {
             return Err(invalid("part must be positive and finite"));
         }
@@ -195,9 +202,7 @@ impl ContactProblem {
         held_value: PyReadonlyArray1<'_, f64>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<ContactSolution> {
-        let dofs = self.inner.plate.dof_count();
-        let load = sized("the load", &load, dofs)?;
-        let held_value = sized("held_value", &held_value, dofs)?;
+        let (load, held_value) = self.load_and_held(&load, &held_value)?;
         self.require_own(&reference.of, "the reference")?;
         let near = &reference.inner;
         let inner = watched(py, progress, |watch| self.inner.solve_near(near, &load, &held_value, watch))?;
@@ -214,9 +219,7 @@ impl ContactProblem {
         held_value: PyReadonlyArray1<'_, f64>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Option<Reference>> {
-        let dofs = self.inner.plate.dof_count();
-        let load = sized("the load", &load, dofs)?;
-        let held_value = sized("held_value", &held_value, dofs)?;
+        let (load, held_value) = self.load_and_held(&load, &held_value)?;
         let found = watched(py, progress, |watch| self.inner.reference(&load, &held_value, watch))?;
         Ok(found.map(|inner| Reference { inner, of: self.inner.clone() }))
     }
@@ -231,9 +234,7 @@ impl ContactProblem {
         held_value: PyReadonlyArray1<'_, f64>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<ContactSolution> {
-        let dofs = self.inner.plate.dof_count();
-        let load = sized("the load", &load, dofs)?;
-        let held_value = sized("held_value", &held_value, dofs)?;
+        let (load, held_value) = self.load_and_held(&load, &held_value)?;
         let inner = watched(py, progress, |watch| self.inner.solve_by_interior_point(&load, &held_value, watch))?;
         Ok(self.solution(inner))
     }
@@ -246,9 +247,7 @@ impl ContactProblem {
         held_value: PyReadonlyArray1<'_, f64>,
         closed: PyReadonlyArray1<'_, bool>,
     ) -> PyResult<ContactSolution> {
-        let dofs = self.inner.plate.dof_count();
-        let load = sized("the load", &load, dofs)?;
-        let held_value = sized("held_value", &held_value, dofs)?;
+        let (load, held_value) = self.load_and_held(&load, &held_value)?;
         let points = self.inner.order.condensed.len() + self.inner.order.active.len();
         let closed = flags("closed", &closed, points)?;
         let inner = released(py, || self.inner.solve_on(&load, &held_value, &closed))?.map_err(failed)?;
@@ -278,8 +277,8 @@ impl ContactProblem {
         let start = sized("the load", &start, dofs)?;
         let add = sized("the load to be added", &add, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        if proximal && !self.inner.order.active.is_empty() {
-            return Err(invalid("points of an active set are not condensed"));
+        if proximal {
+            self.require_condensed()?;
         }
         let load = PathLoad { start: &start, add: &add, held_value: &held_value, end, proximal };
         let hear = |py: Python<'_>, news: News| match news {
@@ -314,9 +313,7 @@ impl ContactProblem {
         held_value: PyReadonlyArray1<'_, f64>,
         form: Option<&str>,
     ) -> PyResult<PosedLcp<'py>> {
-        let dofs = self.inner.plate.dof_count();
-        let load = sized("the load", &load, dofs)?;
-        let held_value = sized("held_value", &held_value, dofs)?;
+        let (load, held_value) = self.load_and_held(&load, &held_value)?;
         let form = form.map(form_of).transpose()?;
         let posed = released(py, || self.inner.lcp(&load, &held_value, form))?.map_err(failed)?;
         let size = posed.q.len();

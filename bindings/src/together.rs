@@ -1,6 +1,6 @@
-use crate::arrays::{invalid, sized};
+use crate::arrays::{invalid, rows, sized};
 use crate::combinations::stresses;
-use crate::contact::{ContactProblem, failed, rows_of};
+use crate::contact::{ContactProblem, failed};
 use crate::plate::Plate;
 use crate::solution::{ContactSolution, Reference};
 use crate::threads::told;
@@ -31,7 +31,7 @@ pub fn solve_together(
     if let Some(reference) = reference {
         problem.require_own(&reference.of, "the reference")?;
     }
-    let (loads, reference) = (rows_of(&loads), reference.map(|reference| &reference.inner));
+    let (loads, reference) = (rows(&loads), reference.map(|reference| &reference.inner));
     let tell = |py: Python<'_>, (): ()| match &progress {
         Some(progress) => progress.call0(py).map(|_| ()),
         None => py.check_signals(),

@@ -7,13 +7,13 @@
 mod on_set;
 
 use super::condense::{Form, FreeMotions, InterfaceResidual, PosedLcp, Work};
-use super::lcp::in_memory;
+use super::lcp::{ended, in_memory};
 use super::problem::ContactProblem;
 use super::responses::Response;
 use super::solution::Outcome;
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
-use crate::lcp::{Lcp, LcpBasis, LcpFamily, LcpStatus};
+use crate::lcp::{Lcp, LcpBasis, LcpFamily};
 use on_set::OnSet;
 use rayon::prelude::*;
 
@@ -115,12 +115,8 @@ impl ContactProblem {
         let Some(LcpBasis { status, basis, mut pivots }) = found else {
             return self.on_basis(shared, &sum, Err(Outcome::Unsolved), 0);
         };
-        let ended = match status {
-            LcpStatus::Solved => Ok(&basis[..]),
-            LcpStatus::Ray => Err(Outcome::NoEquilibrium),
-            LcpStatus::PivotLimit | LcpStatus::Interrupted => Err(Outcome::Unsolved),
-        };
-        let combined = self.on_basis(shared, &sum, ended, pivots)?;
+        let ended = ended(status);
+        let combined = self.on_basis(shared, &sum, ended.map(|()| &basis[..]), pivots)?;
         if ended.is_err() || combined.outcome == Outcome::Solved {
             return Ok(combined);
         }
@@ -173,10 +169,8 @@ impl ContactProblem {
             let moved = moved / self.lever(i);
             (tolerances::SIGN * moved.max(distance[i].abs())).max(tolerances::RESIDUAL * travel / self.lever(i))
         };
-        let holds =
-            |i: usize| self.constraints.two_sided[i] || (reaction[i] >= -force * self.lever(i) && gap[i] >= -length(i));
         let finite = reaction.iter().chain(gap).all(|value| value.is_finite());
-        finite && (0..reaction.len()).all(holds)
+        finite && self.push_and_open(reaction, gap, force, length)
     }
 }
 

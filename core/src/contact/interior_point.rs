@@ -7,7 +7,8 @@
 
 mod program;
 
-use super::problem::{Constraints, ContactProblem};
+use super::points::Constraints;
+use super::problem::ContactProblem;
 use super::solution::{ContactSolution, Outcome, Progress, Start, held_at};
 use crate::assembly::Numbering;
 use crate::cholesky::FactorError;

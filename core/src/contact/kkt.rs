@@ -23,10 +23,10 @@ mod shears;
 mod uncondensed;
 
 pub(super) use active_factor::{ActiveFactor, Direction};
-pub(super) use conjugate_gradients::{ConjugateGradients, Followed};
+pub(super) use conjugate_gradients::ConjugateGradients;
 pub(super) use floating::Floating;
 pub(super) use interface::{Interface, Reduced};
-pub(super) use refinement::{Correction, KktSolver};
+pub(super) use refinement::Correction;
 pub(super) use residual::Residual;
 pub(super) use saddle::{Regularized, Saddle, TOGETHER};
 pub(super) use set::OnSet;

@@ -25,12 +25,7 @@ impl ContactProblem {
         let solved = Lcp::new(&posed.matrix, &posed.q).and_then(|lcp| lemke_watched(&lcp, &options, basis, &mut tell));
         let Some(found) = in_memory(solved)? else { return Ok(Err(Outcome::Unsolved)) };
         *pivots += found.pivots;
-        Ok(match found.status {
-            LcpStatus::Solved => Ok(found.basis),
-            LcpStatus::Ray => Err(Outcome::NoEquilibrium),
-            LcpStatus::PivotLimit => Err(Outcome::Unsolved),
-            LcpStatus::Interrupted => Err(Outcome::Interrupted),
-        })
+        Ok(ended(found.status).map(|()| found.basis))
     }
 
     /// A covering vector (k,) for rows of points, of which w is the reaction where z is the gap: a force and the length
@@ -44,6 +39,16 @@ impl ContactProblem {
             if *gap_is_z { root * lever } else { 1.0 / (root * lever) }
         })
         .collect()
+    }
+}
+
+/// Whether an LCP ended at a basis, or what else it is.
+pub(super) fn ended(status: LcpStatus) -> Result<(), Outcome> {
+    match status {
+        LcpStatus::Solved => Ok(()),
+        LcpStatus::Ray => Err(Outcome::NoEquilibrium),
+        LcpStatus::PivotLimit => Err(Outcome::Unsolved),
+        LcpStatus::Interrupted => Err(Outcome::Interrupted),
     }
 }
 

@@ -1,4 +1,4 @@
-//! One-sided points in any number, as piecewise linear springs.
+//! Contact points as rows, and one-sided ones in any number as piecewise linear springs.
 
 use crate::element::{DOFS, packed};
 use crate::plate::Plate;
@@ -6,6 +6,22 @@ use crate::residual::{Displacement, Rows, Springs};
 use crate::vectorized::vectorized;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+
+/// Contact points: row_i·u + gap_i − compliance_i·reaction_i = distance_i.
+#[derive(Clone, Debug, Default)]
+pub struct Constraints {
+    pub rows: Rows,
+    /// Free travel before the point acts.
+    pub distance: Vec<f64>,
+    /// Inverse stiffness of the support; 0 is rigid.
+    pub compliance: Vec<f64>,
+    /// An equation rather than an inequality.
+    pub two_sided: Vec<bool>,
+    /// Stiffness that the factor carries at the point so that K̃ is regular; 0 for most.
+    pub regularization: Vec<f64>,
+    /// Rigid motions over all dofs that springs, held dofs and two-sided points leave free.
+    pub free_motions: Vec<Vec<f64>>,
+}
 
 /// One-sided points: force δ⟨s⟩₊ against their row, with s = w(point) − distance + series·multiplier.
 ///

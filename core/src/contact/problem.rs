@@ -1,7 +1,7 @@
 //! A plate on its supports, factored once.
 
 use super::condense::{Condensed, WideSprings, picks_single_dofs, pins};
-use super::points::ActivePoints;
+use super::points::{ActivePoints, Constraints};
 use super::scale::Scale;
 use crate::assembly::{Assembly, HELD, Numbering};
 use crate::cholesky::{Analysis, Factor, FactorError};
@@ -11,22 +11,6 @@ use crate::plate::Plate;
 use crate::residual::{Rows, Springs};
 use std::sync::Arc;
 use std::time::Instant;
-
-/// Contact points: row_i·u + gap_i − compliance_i·reaction_i = distance_i.
-#[derive(Clone, Debug, Default)]
-pub struct Constraints {
-    pub rows: Rows,
-    /// Free travel before the point acts.
-    pub distance: Vec<f64>,
-    /// Inverse stiffness of the support; 0 is rigid.
-    pub compliance: Vec<f64>,
-    /// An equation rather than an inequality.
-    pub two_sided: Vec<bool>,
-    /// Stiffness that the factor carries at the point so that K̃ is regular; 0 for most.
-    pub regularization: Vec<f64>,
-    /// Rigid motions over all dofs that springs, held dofs and two-sided points leave free.
-    pub free_motions: Vec<Vec<f64>>,
-}
 
 /// Positions, in the caller's order, of the points that are condensed and of those of the active set.
 #[derive(Clone, Debug, Default)]
@@ -146,7 +130,6 @@ impl ContactProblem {
             numbering: &numbering,
             scale: &scale,
             way: Way::Apart,
-            analysis: None,
             room,
             seconds: Seconds { order: ordering, ..Seconds::default() },
         };
@@ -154,26 +137,19 @@ impl ContactProblem {
         // found apart from it, exactly, and solves with care take back what it adds. Beside held dofs they would be rounded,
         // and elements with motions of their own that nothing resists are no such plate.
         let may_float = plate.kind == Kind::Mitc9 && !held.contains(&true);
-        let mut ways = Vec::new();
-        if plate.kind == Kind::Mitc9 && parts.has_wide_springs() {
-            ways.push(Way::Apart);
-        }
-        ways.push(Way::Whole);
-        if may_float {
-            ways.push(Way::Firmer);
-        }
+        let apart = plate.kind == Kind::Mitc9 && parts.has_wide_springs();
         let mut base = Err(FactorError::NotPositiveDefinite { column: 0 });
-        for way in ways {
-            (parts.way, parts.analysis) = (way, None);
-            base = parts.factored(all_closed.clone());
+        for (_, way) in
+            [(apart, Way::Apart), (true, Way::Whole), (may_float, Way::Firmer)].into_iter().filter(|way| way.0)
+        {
+            parts.way = way;
+            base = parts.factored(all_closed.clone(), None);
             if !matches!(base, Err(FactorError::NotPositiveDefinite { .. })) {
                 break;
             }
         }
-        let base = base?;
-        let Parts { analysis: Some(analysis), seconds, way, .. } = parts else {
-            unreachable!("a factor has its analysis")
-        };
+        let (base, analysis) = base?;
+        let Parts { seconds, way, .. } = parts;
         let levers = (0..constraints.rows.len()).map(|row| scale.lever(&constraints.rows, row)).collect();
         Ok(Self {
             plate,
@@ -203,35 +179,33 @@ impl ContactProblem {
             numbering: &self.numbering,
             scale: &self.scale,
             way: self.way,
-            analysis: Some(self.analysis.clone()),
             room: usize::MAX,
             seconds: Seconds::default(),
         };
-        parts.factored(carried)
+        Ok(parts.factored(carried, Some(&self.analysis))?.0)
     }
 
     /// Every contact point, in the caller's order; the factor's part left out.
     pub fn all_constraints(&self) -> Constraints {
         let (rest, active) = (&self.constraints, &self.active);
-        let m = self.order.condensed.len() + self.order.active.len();
-        let mut from = vec![(false, 0); m];
-        self.order.condensed.iter().enumerate().for_each(|(at, &i)| from[i] = (false, at));
-        self.order.active.iter().enumerate().for_each(|(at, &i)| from[i] = (true, at));
-        let mut all = Constraints { free_motions: rest.free_motions.clone(), ..Constraints::default() };
-        for (is_active, at) in from {
-            if is_active {
-                active.push_row(at, &mut all.rows);
-                all.distance.push(active.distance[at]);
-                all.compliance.push(active.compliance[at]);
-            } else {
-                all.rows.push_from(&rest.rows, at);
-                all.distance.push(rest.distance[at]);
-                all.compliance.push(rest.compliance[at]);
+        let (condensed, count) = (rest.rows.len(), rest.rows.len() + active.len());
+        let mut rows = Rows::default();
+        for at in self.in_order(&(0..count).collect::<Vec<_>>()) {
+            match at.checked_sub(condensed) {
+                Some(at) => active.push_row(at, &mut rows),
+                None => rows.push_from(&rest.rows, at),
             }
-            all.two_sided.push(!is_active && rest.two_sided[at]);
-            all.regularization.push(0.0);
         }
-        all
+        let mut two_sided = rest.two_sided.clone();
+        two_sided.resize(count, false);
+        Constraints {
+            rows,
+            distance: self.in_order(&[&rest.distance[..], &active.distance].concat()),
+            compliance: self.in_order(&[&rest.compliance[..], &active.compliance].concat()),
+            two_sided: self.in_order(&two_sided),
+            regularization: vec![0.0; count],
+            free_motions: rest.free_motions.clone(),
+        }
     }
 
     /// A nodal load in elimination order, without the dofs held.
@@ -256,12 +230,10 @@ impl ContactProblem {
         Ok(self.scatter(&ordered))
     }
 
-    /// Adds Gᵀ·factor to a nodal vector.
-    pub fn spread(&self, factor: &[f64], vector: &mut [f64]) {
-        for (i, &value) in factor.iter().enumerate() {
-            if value != 0.0 {
-                self.constraints.rows.scatter(&self.plate, i, value, vector);
-            }
+    /// Takes what the condensed points' reactions do, Gᵀ·reaction, off a nodal vector.
+    pub(super) fn take_off(&self, reaction: &[f64], vector: &mut [f64]) {
+        for (i, &reaction) in reaction.iter().enumerate().filter(|(_, reaction)| **reaction != 0.0) {
+            self.constraints.rows.scatter(&self.plate, i, -reaction, vector);
         }
     }
 }
@@ -286,8 +258,6 @@ struct Parts<'a> {
     numbering: &'a Numbering,
     scale: &'a Scale,
     way: Way,
-    /// Of the first factor, for those after it.
-    analysis: Option<Analysis>,
     room: usize,
     seconds: Seconds,
 }
@@ -309,7 +279,8 @@ impl Parts<'_> {
         (0..rows.len()).map(|row| entries(row).filter(|entry| entry.0 != HELD).collect()).collect()
     }
 
-    fn factored(&mut self, carried: Vec<f64>) -> Result<Factored, FactorError> {
+    /// The factor, with the analysis of one before it if there is one, and that.
+    fn factored(&mut self, carried: Vec<f64>, known: Option<&Analysis>) -> Result<(Factored, Analysis), FactorError> {
         let &mut Self { plate, constraints, numbering, way, .. } = self;
         let clock = Instant::now();
         let bedding = self.active.stiffness_by_element(plate, &carried);
@@ -328,11 +299,7 @@ impl Parts<'_> {
         }
         let firmer = if way == Way::Firmer { tolerances::FIRMER } else { 0.0 };
         let matrix = Assembly::new(plate, &springs, &bedding, numbering).firmer(firmer);
-        let known = match self.analysis.take() {
-            Some(known) => known,
-            None => Analysis::new(&matrix)?,
-        };
-        let analysis = self.analysis.insert(known);
+        let analysis = known.cloned().map_or_else(|| Analysis::new(&matrix), Ok)?;
         analysis.require_room(self.room)?;
         let factor = analysis.factorize(&matrix)?;
         // Elements of q8r bend in some shapes without resistance, and not all supports hold them.
@@ -352,15 +319,10 @@ impl Parts<'_> {
         };
         let rows = &constraints.rows;
         let moves = |motion: &Vec<f64>| (0..rows.len()).map(|row| rows.dot(plate, row, motion)).collect();
-        let condensed = Condensed::new(
-            constraints.regularization.clone(),
-            constraints.compliance.clone(),
-            constraints.two_sided.clone(),
-            &constraints.free_motions.iter().map(moves).collect::<Vec<_>>(),
-        )
-        .on(&factor, trailing, &self.by_column(rows), wide.as_ref())?;
+        let moves: Vec<Vec<f64>> = constraints.free_motions.iter().map(moves).collect();
+        let condensed = Condensed::on(&factor, trailing, constraints, &self.by_column(rows), &moves, wide.as_ref())?;
         self.seconds.condense += clock.elapsed().as_secs_f64();
-        Ok(Factored { factor, wide, condensed, carried, firmer: way == Way::Firmer })
+        Ok((Factored { factor, wide, condensed, carried, firmer: way == Way::Firmer }, analysis))
     }
 }
 

@@ -47,13 +47,8 @@ struct Draft<'a> {
 impl ContactProblem {
     /// The response to no load, with the held dofs at `held_value` (3n,) and the springs on their bases.
     pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, FactorError> {
-        let springs = self.springs_of_responses(true);
-        let draft = |_| {
-            let mut draft = self.draft(vec![0.0; self.plate.dof_count()], &springs);
-            draft.response.displacement = held_at(&self.held, held_value);
-            draft
-        };
-        Ok(self.responses(1, draft, &mut || true)?.remove(0))
+        let begin = |_, draft: &mut Draft| draft.response.displacement = held_at(&self.held, held_value);
+        Ok(self.responses(1, true, begin, &mut || true)?.remove(0))
     }
 
     /// The responses to nodal loads (3n,) each. `watch` is asked now and then and ends it by returning false; then
@@ -63,14 +58,12 @@ impl ContactProblem {
         loads: &[Vec<f64>],
         watch: &mut dyn FnMut() -> bool,
     ) -> Result<Vec<Response>, FactorError> {
-        let springs = self.springs_of_responses(false);
-        let draft = |i: usize| {
-            let mut draft = self.draft(loads[i].clone(), &springs);
+        let begin = |i: usize, draft: &mut Draft| {
+            draft.force.clone_from(&loads[i]);
             draft.acting = self.scale.largest(&loads[i]);
             draft.response.work = self.work(&loads[i]);
-            draft
         };
-        self.responses(loads.len(), draft, watch)
+        self.responses(loads.len(), false, begin, watch)
     }
 
     /// The responses of some contact points; `watch` as for [`ContactProblem::load_responses`].
@@ -79,17 +72,14 @@ impl ContactProblem {
         points: std::ops::Range<usize>,
         watch: &mut dyn FnMut() -> bool,
     ) -> Result<Vec<Response>, FactorError> {
-        let springs = self.springs_of_responses(false);
-        let draft = |i: usize| {
-            let mut draft = self.draft(vec![0.0; self.plate.dof_count()], &springs);
+        let begin = |i: usize, draft: &mut Draft| {
             draft.point = Some(points.start + i);
             if !self.imposed() {
                 draft.acting = 1.0;
                 self.constraints.rows.scatter(&self.plate, points.start + i, 1.0, &mut draft.force);
             }
-            draft
         };
-        self.responses(points.len(), draft, watch)
+        self.responses(points.len(), false, begin, watch)
     }
 
     /// Whether x is the points' displacement.
@@ -97,31 +87,35 @@ impl ContactProblem {
         self.base.condensed.better_form() == Form::Stiffness
     }
 
-    /// Springs on their bases, or with these at zero.
-    fn springs_of_responses(&self, on_bases: bool) -> Springs {
+    /// Refined from what they begin with, with springs on their bases, or with these at zero.
+    fn responses(
+        &self,
+        count: usize,
+        on_bases: bool,
+        begin: impl Fn(usize, &mut Draft) + Sync,
+        watch: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<Response>, FactorError> {
         let mut springs =
             if self.imposed() { self.springs.clone() } else { with_regularization(&self.springs, &self.constraints) };
         springs.base.iter_mut().filter(|_| !on_bases).for_each(|base| *base = 0.0);
-        springs
-    }
-
-    fn draft<'a>(&self, force: Vec<f64>, springs: &'a Springs) -> Draft<'a> {
-        let response = Response {
-            displacement: Displacement::zeros(force.len()),
-            reaction: vec![0.0; self.constraints.rows.len()],
-            moved: Vec::new(),
-            work: self.work(&[]),
+        let dofs = self.plate.dof_count();
+        let draft = |i: usize| {
+            let reaction = vec![0.0; self.constraints.rows.len()];
+            let (displacement, work) = (Displacement::zeros(dofs), self.work(&[]));
+            let mut draft = Draft {
+                force: vec![0.0; dofs],
+                acting: 0.0,
+                springs: &springs,
+                point: None,
+                response: Response { displacement, reaction, moved: Vec::new(), work },
+                imbalance: Vec::new(),
+                remaining: Vec::new(),
+                worst: 0.0,
+                settled: false,
+            };
+            begin(i, &mut draft);
+            draft
         };
-        let (imbalance, remaining) = (Vec::new(), Vec::new());
-        Draft { force, acting: 0.0, springs, point: None, response, imbalance, remaining, worst: 0.0, settled: false }
-    }
-
-    fn responses<'a>(
-        &self,
-        count: usize,
-        draft: impl Fn(usize) -> Draft<'a> + Sync,
-        watch: &mut dyn FnMut() -> bool,
-    ) -> Result<Vec<Response>, FactorError> {
         let mut found = Vec::with_capacity(count);
         while found.len() < count && watch() {
             let last = count.min(found.len() + TOGETHER * rayon::current_num_threads());
@@ -154,8 +148,7 @@ impl ContactProblem {
         let mut out =
             if moved { residual(&self.plate, draft.springs, &draft.force, displacement) } else { draft.force.clone() };
         if self.imposed() {
-            let downward: Vec<f64> = reaction.iter().map(|r| -r).collect();
-            self.spread(&downward, &mut out);
+            self.take_off(reaction, &mut out);
             let target = |i: usize| f64::from(draft.point == Some(i));
             let left = |i: usize| -self.constraints.rows.beyond(&self.plate, i, displacement, target(i));
             draft.remaining = (0..reaction.len()).map(left).collect();

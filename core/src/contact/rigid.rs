@@ -5,8 +5,8 @@ use super::tolerances;
 use crate::double_double::DoubleDouble;
 use crate::plate::Plate;
 
-/// The motions w, w + x and w + y about a centre, over a size, as nodal vectors.
-pub(super) fn rigid_motions(plate: &Plate, centre: [f64; 2], size: f64) -> [Vec<f64>; 3] {
+/// The motions w, w + x and w + y about the middle, over the plate's size, as nodal vectors.
+pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) -> [Vec<f64>; 3] {
     let motion = |k: usize| -> Vec<f64> {
         let of_node = |node: usize| {
             let [x, y] = plate.point(node);
@@ -43,7 +43,7 @@ pub(super) fn eliminated(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleD
     let mut order = Vec::new();
     let mut largest = 0.0_f64;
     let mut least = f64::INFINITY;
-    while order.len() < 3 {
+    loop {
         let left = (0..3).filter(|i| !order.contains(i));
         let Some(pivot) = left.max_by(|&a, &b| matrix[a][a].hi.total_cmp(&matrix[b][b].hi)) else { break };
         largest = largest.max(matrix[pivot][pivot].hi);

@@ -122,16 +122,17 @@ impl ContactProblem {
         self.order.condensed.iter().chain(&self.order.active).map(|&i| values[i]).collect()
     }
 
+    /// Values of every point, given in the problem's order, in the caller's.
+    pub(super) fn in_order<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        let mut ordered = values.to_vec();
+        self.order.condensed.iter().chain(&self.order.active).zip(values).for_each(|(&i, &value)| ordered[i] = value);
+        ordered
+    }
+
     /// A solution of every point in the caller's order.
-    pub(super) fn in_order(&self, found: ContactSolution) -> ContactSolution {
-        if self.active.is_empty() {
-            return found;
-        }
-        let mut all = found.clone();
-        for (at, &i) in self.order.condensed.iter().chain(&self.order.active).enumerate() {
-            (all.reaction[i], all.gap[i], all.closed[i]) = (found.reaction[at], found.gap[at], found.closed[at]);
-        }
-        all
+    pub(super) fn solution_in_order(&self, found: ContactSolution) -> ContactSolution {
+        let (reaction, gap) = (self.in_order(&found.reaction), self.in_order(&found.gap));
+        ContactSolution { reaction, gap, closed: self.in_order(&found.closed), ..found }
     }
 
     /// Takes back the reactions of points that are open now.

@@ -56,14 +56,13 @@ impl ContactProblem {
             let settled = closed == solution.closed && solution.corrections > 0;
             solution.closed = closed;
             if !settled {
-                let Some(state) = self.base.condensed.state(solution.closed.clone())? else {
+                let Some(state) = with.condensed.state(solution.closed.clone())? else {
                     return Ok(solution.failed(Outcome::Unsolved));
                 };
                 if self.release_open(&mut solution) {
                     step = self.residual(load, &solution);
                     reduced = self.reduced(with, &step.imbalance, &step.remaining, form)?;
                 }
-                let with = &self.base;
                 let mut interface = Interface { problem: self, with, state: &state, reduced: Some(reduced) };
                 let Some(left) = self.refine(load, 0.0, &mut interface, step, &mut solution)? else {
                     return Ok(solution.failed(Outcome::Unsolved));
@@ -125,10 +124,20 @@ impl ContactProblem {
             load => load,
         };
         let force = tolerances::SIGN * self.largest_force(&[], &solution.reaction).max(load);
-        let length = self.lengths(solution);
-        let pushes = |i: usize| solution.reaction[i] >= -force * self.lever(i);
-        let opens = |i: usize| solution.gap[i] >= -(tolerances::SIGN * length[i]).max(nil / self.lever(i));
-        let mut one_sided = (0..solution.reaction.len()).filter(|&i| c.two_sided.get(i) != Some(&true));
-        one_sided.all(|i| pushes(i) && opens(i))
+        let lengths = self.lengths(solution);
+        let length = |i: usize| (tolerances::SIGN * lengths[i]).max(nil / self.lever(i));
+        self.push_and_open(&solution.reaction, &solution.gap, force, length)
+    }
+
+    /// Whether no one-sided point pulls by more than a force, or overlaps by more than its length.
+    pub(super) fn push_and_open(
+        &self,
+        reaction: &[f64],
+        gap: &[f64],
+        force: f64,
+        length: impl Fn(usize) -> f64,
+    ) -> bool {
+        let mut one_sided = (0..reaction.len()).filter(|&i| self.constraints.two_sided.get(i) != Some(&true));
+        one_sided.all(|i| reaction[i] >= -force * self.lever(i) && gap[i] >= -length(i))
     }
 }

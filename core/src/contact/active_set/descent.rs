@@ -1,7 +1,7 @@
 //! A solution on its way: where the plate and its points are, and what is out of balance there.
 
 use crate::cholesky::FactorError;
-use crate::contact::kkt::{ActiveFactor, Direction, Floating, Interface, KktSolver, Residual};
+use crate::contact::kkt::{ActiveFactor, Correction, Direction, Floating, Residual};
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::{ContactSolution, Reference};
 use crate::double_double::DoubleDouble;
@@ -41,11 +41,9 @@ impl Descent<'_> {
                 points.scatter(&problem.plate, i, factor, &mut loss);
             }
         }
-        let steps: Vec<f64> = direction.reaction.iter().map(|r| -length * r).collect();
-        problem.spread(&steps, &mut loss);
-        for (total, increment) in self.solution.reaction.iter_mut().zip(&direction.reaction) {
-            *total += length * increment;
-        }
+        let steps: Vec<f64> = direction.reaction.iter().map(|r| length * r).collect();
+        problem.take_off(&steps, &mut loss);
+        self.solution.reaction.iter_mut().zip(&steps).for_each(|(total, step)| *total += step);
         problem.release_held(&mut loss);
         for (value, loss) in self.residual.imbalance.iter_mut().zip(&loss) {
             *value += loss;
@@ -68,25 +66,21 @@ impl Descent<'_> {
         self.balance();
         if !self.problem.constraints.rows.is_empty() {
             let (solution, residual) = (self.solution.clone(), self.residual.clone());
-            self.correct(&residual)?;
+            self.correct(&residual.imbalance, &residual.remaining)?;
             if !(self.residual.worst <= residual.worst) {
                 // The factor's set is another one: only the gaps then, what is out of balance is for the directions.
                 self.solution = solution;
-                let imbalance = vec![0.0; self.load.len()];
-                self.correct(&Residual { imbalance, worst: 0.0, ..residual })?;
+                self.correct(&vec![0.0; self.load.len()], &residual.remaining)?;
             }
         }
         self.rounding = None;
         Ok(())
     }
 
-    /// Follows what the factor has for a residual.
-    fn correct(&mut self, residual: &Residual) -> Result<(), FactorError> {
-        let (problem, with, state) = (self.problem, self.factor.factored(), &self.factor.state);
-        let mut interface = Interface { problem, with, state, reduced: None };
-        if let Some(correction) = interface.correction(self.load, residual, &self.solution)? {
-            self.solution.follow(problem, &correction, 1.0);
-        }
+    /// Follows what the factor has for an imbalance and for what is left of two-sided points' gaps.
+    fn correct(&mut self, imbalance: &[f64], remaining: &[f64]) -> Result<(), FactorError> {
+        let found = self.factor.response(imbalance, remaining)?;
+        self.solution.follow(self.problem, &Correction::of(found.nodal, found.reaction), 1.0);
         self.balance();
         Ok(())
     }
@@ -125,7 +119,7 @@ impl Descent<'_> {
             all.closed.push(stretch > 0.0);
             all.gap.push(if stretch > 0.0 { 0.0 } else { factor.penalty.series[i] * multiplier[i] - stretch });
         }
-        problem.in_order(all)
+        problem.solution_in_order(all)
     }
 
     pub(super) fn pushing(&self, i: usize) -> f64 {

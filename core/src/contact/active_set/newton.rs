@@ -3,7 +3,7 @@
 
 use super::descent::Descent;
 use crate::cholesky::FactorError;
-use crate::contact::kkt::{ConjugateGradients, Direction, Followed};
+use crate::contact::kkt::{ConjugateGradients, Direction};
 use crate::contact::solution::{ContactSolution, Outcome, Progress};
 use crate::contact::tolerances;
 
@@ -84,30 +84,13 @@ impl<'a> Newton<'a> {
         loop {
             let direction = match self.gradients.take() {
                 Some(mut gradients) => {
-                    let along = match answer.take() {
-                        Some(solved) => self.descent.factor.moved(gradients.residual(), &solved),
-                        None if self.descent.factor.shares() => {
-                            let asked = self.descent.problem.gather(gradients.residual());
-                            self.gradients = Some(gradients);
-                            return Ok(Next::Solve(asked));
-                        }
-                        None => {
-                            let still = vec![0.0; self.descent.problem.constraints.rows.len()];
-                            self.descent.factor.response(gradients.residual(), &still)?
-                        }
+                    let Descent { problem, factor, residual, .. } = &mut self.descent;
+                    let Some(direction) = factor.direction(&mut gradients, &residual.imbalance, answer.take())? else {
+                        let asked = problem.gather(&gradients.residual);
+                        self.gradients = Some(gradients);
+                        return Ok(Next::Solve(asked));
                     };
-                    match self.descent.factor.follow(&mut gradients, along) {
-                        Followed::On => {
-                            self.gradients = Some(gradients);
-                            continue;
-                        }
-                        Followed::Impatient => {
-                            let imbalance = self.descent.residual.imbalance.clone();
-                            self.gradients = Some(self.descent.factor.refactored(gradients, imbalance)?);
-                            continue;
-                        }
-                        Followed::Found(direction) => direction,
-                    }
+                    direction
                 }
                 None => match self.begin_step() {
                     Some(end) => return Ok(Next::End(end)),

@@ -4,6 +4,7 @@ use super::forward_rows::ForwardRows;
 use super::schur::Schur;
 use super::wide_springs::WideSprings;
 use crate::cholesky::{Factor, FactorError};
+use crate::contact::points::Constraints;
 use crate::dense::{Cholesky, Lu, OutOfMemory};
 use faer::Mat;
 use std::collections::HashSet;
@@ -91,36 +92,36 @@ pub(super) enum StateFactor {
 }
 
 impl Condensed {
-    /// `moves` is how each free rigid motion moves the points; the plate is yet to come.
-    pub(crate) fn new(
-        regularization: Vec<f64>,
-        compliance: Vec<f64>,
-        two_sided: Vec<bool>,
-        moves: &[Vec<f64>],
-    ) -> Self {
-        let moves = Mat::from_fn(compliance.len(), moves.len(), |i, k| moves[k][i]);
-        Self { regularization, compliance, two_sided, moves, stiffness: None, flexibility: OnceLock::new() }
-    }
-
-    /// On a factor that ends with the block `trailing`, `rows` the contact rows by its columns, `springs` what K̃ has beside it.
+    /// Of constraints on a factor that ends with the block `trailing`: `rows` are theirs by its columns, `moves` how each
+    /// free rigid motion moves them, `springs` what K̃ has beside the factor.
     pub(crate) fn on(
-        mut self,
         factor: &Factor,
         trailing: Mat<f64>,
+        constraints: &Constraints,
         rows: &[Vec<(usize, f64)>],
+        moves: &[Vec<f64>],
         springs: Option<&WideSprings>,
     ) -> Result<Self, FactorError> {
+        let flexibility = OnceLock::new();
+        let mut stiffness = None;
         if picks_single_dofs(rows) {
-            self.stiffness = Some(Schur::of(factor.len(), trailing, rows, &self.regularization)?);
-            return Ok(self);
+            stiffness = Some(Schur::of(factor.len(), trailing, rows, &constraints.regularization)?);
+        } else {
+            let rows = ForwardRows::of(factor, &trailing, rows)?;
+            let mut matrix = rows.products(&rows)?;
+            if let Some(springs) = springs {
+                matrix -= springs.held(&rows)?;
+            }
+            flexibility.get_or_init(|| Flexibility { rows, matrix });
         }
-        let rows = ForwardRows::of(factor, &trailing, rows)?;
-        let mut matrix = rows.products(&rows)?;
-        if let Some(springs) = springs {
-            matrix -= springs.held(&rows)?;
-        }
-        self.flexibility.get_or_init(|| Flexibility { rows, matrix });
-        Ok(self)
+        Ok(Self {
+            regularization: constraints.regularization.clone(),
+            compliance: constraints.compliance.clone(),
+            two_sided: constraints.two_sided.clone(),
+            moves: Mat::from_fn(rows.len(), moves.len(), |i, k| moves[k][i]),
+            stiffness,
+            flexibility,
+        })
     }
 
     pub fn len(&self) -> usize {

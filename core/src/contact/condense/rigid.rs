@@ -39,6 +39,9 @@ impl Condensed {
         }
         let gram = n.transpose() * &n;
         let dual = gram.partial_piv_lu().solve(n.transpose()).transpose().to_owned();
+        if !projected {
+            return Ok(FreeMotions { moves: n, dual, held, projected });
+        }
 
         let mut within = dense::matrix(inside, inside, |r, c| lcp.matrix[r * order + c])?;
         let before: Vec<f64> = (0..inside).map(|r| within[(r, r)].abs()).collect();
@@ -63,7 +66,7 @@ impl Condensed {
             }
         }
         for r in 0..inside {
-            for c in (0..inside).filter(|_| projected) {
+            for c in 0..inside {
                 let even = 0.5 * (within[(r, c)] + within[(c, r)]);
                 lcp.matrix[r * order + c] = if loose[r] || loose[c] { 0.0 } else { even };
             }

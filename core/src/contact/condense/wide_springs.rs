@@ -82,7 +82,7 @@ impl WideSprings {
 
 /// Springs at single dofs that hold the motions which held dofs leave free.
 pub(crate) fn pins(plate: &Plate, numbering: &Numbering, scale: &Scale) -> Springs {
-    let motions = rigid_motions(plate, scale.centre, scale.size);
+    let motions = rigid_motions(plate, scale);
     let of_dof = |dof: usize| [0, 1, 2].map(|k| motions[k][dof] * if dof % 3 == 0 { 1.0 } else { scale.size });
     let product = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut known: Vec<[f64; 3]> = Vec::new();

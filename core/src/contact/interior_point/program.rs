@@ -1,7 +1,7 @@
 //! The contact problem as a quadratic program, and what proves that it has no solution.
 
-use super::super::problem::Constraints;
 use crate::assembly::{Assembly, HELD, Numbering};
+use crate::contact::points::Constraints;
 use crate::contact::scale::largest;
 use crate::contact::tolerances;
 use crate::plate::Plate;
@@ -40,10 +40,10 @@ impl Program {
         for (j, at) in lower().filter(|&(j, at)| matrix.row[at] == j && matrix.value[at] > 0.0) {
             unit[j] = 1.0 / matrix.value[at].sqrt();
         }
-        let (mut p, mut a) = (Triplets::default(), Triplets::default());
+        let (mut p, mut a) = (Vec::new(), Vec::new());
         for (j, at) in lower() {
             let i = matrix.row[at];
-            p.push(j, i, unit[i] * unit[j] * matrix.value[at]);
+            p.push((j, i, unit[i] * unit[j] * matrix.value[at]));
         }
 
         let equations = constraints.two_sided.iter().filter(|&&two| two).count();
@@ -66,10 +66,10 @@ impl Program {
             if square > 0.0 {
                 norms[row] = square.sqrt();
             }
-            entries().for_each(|(column, c)| a.push(row, column, c / norms[row]));
+            entries().for_each(|(column, c)| a.push((row, column, c / norms[row])));
             if compliance > 0.0 {
-                p.push(columns, columns, 1.0);
-                a.push(row, columns, -compliance.sqrt() / norms[row]);
+                p.push((columns, columns, 1.0));
+                a.push((row, columns, -compliance.sqrt() / norms[row]));
                 columns += 1;
             }
             right[row] = -constraints.rows.beyond(plate, i, held, constraints.distance[i]) / norms[row];
@@ -81,9 +81,9 @@ impl Program {
         let size = [largest(&linear), largest(&right), 1.0].into_iter().find(|&size| size > 0.0).unwrap_or(1.0);
         linear.iter_mut().chain(&mut right).for_each(|value| *value /= size);
         Self {
-            quadratic: p.compressed(columns, columns),
+            quadratic: compressed(columns, columns, &p),
             linear,
-            rows: a.compressed(m, columns),
+            rows: compressed(m, columns, &a),
             right,
             equations,
             row_of,
@@ -125,10 +125,7 @@ impl Program {
             }
             size = size.max(terms);
         }
-        let terms = || self.right.iter().zip(z).map(|(b, z)| b * z);
-        let scale: f64 = terms().map(f64::abs).sum();
-        largest(&sum) <= tolerances::interior_point::PROOF * size
-            && terms().sum::<f64>() < -tolerances::interior_point::MARGIN * scale
+        largest(&sum) <= tolerances::interior_point::PROOF * size && is_negative(&self.right, z)
     }
 
     /// Whether x is a motion that neither the plate nor a row resists and on which the load works: Px = 0, Ax ≤ 0, qᵀx < 0.
@@ -147,30 +144,21 @@ impl Program {
         }
         let against = |(row, &t): (usize, &f64)| if row < self.equations { t.abs() } else { t };
         let closing = self.travel(x).iter().enumerate().map(against).fold(0.0, f64::max);
-        let terms = || self.linear.iter().zip(x).map(|(q, x)| q * x);
-        let scale: f64 = terms().map(f64::abs).sum();
         largest(&force) <= tolerances::interior_point::PROOF * largest(&force_size)
             && closing <= tolerances::interior_point::PROOF * largest(x)
-            && terms().sum::<f64>() < -tolerances::interior_point::MARGIN * scale
+            && is_negative(&self.linear, x)
     }
 }
 
-/// Entries of a sparse matrix, in any order.
-#[derive(Default)]
-struct Triplets {
-    row: Vec<usize>,
-    column: Vec<usize>,
-    value: Vec<f64>,
+/// The sparse matrix of entries, each with its row and column, in any order.
+fn compressed(rows: usize, columns: usize, entries: &[(usize, usize, f64)]) -> CscMatrix<f64> {
+    let (row, column) = entries.iter().map(|entry| (entry.0, entry.1)).unzip();
+    CscMatrix::new_from_triplets(rows, columns, row, column, entries.iter().map(|entry| entry.2).collect())
 }
 
-impl Triplets {
-    fn push(&mut self, row: usize, column: usize, value: f64) {
-        self.row.push(row);
-        self.column.push(column);
-        self.value.push(value);
-    }
-
-    fn compressed(self, rows: usize, columns: usize) -> CscMatrix<f64> {
-        CscMatrix::new_from_triplets(rows, columns, self.row, self.column, self.value)
-    }
+/// Whether a product of two vectors is negative, by more than residuals could undo.
+fn is_negative(a: &[f64], b: &[f64]) -> bool {
+    let terms = || a.iter().zip(b).map(|(a, b)| a * b);
+    let scale: f64 = terms().map(f64::abs).sum();
+    terms().sum::<f64>() < -tolerances::interior_point::MARGIN * scale
 }

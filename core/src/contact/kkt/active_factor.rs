@@ -39,9 +39,10 @@ pub(crate) struct ActiveFactor<'a> {
     pub(crate) limit: f64,
     pub(crate) penalty: Penalty,
     given: &'a Factored,
-    own: Option<Factored>,
+    /// That of its own set, if it has come to one.
+    pub(super) own: Option<Factored>,
     /// Two-sided points, held.
-    pub(crate) state: ContactState,
+    state: ContactState,
     /// Whether others ask the factor that it was given too; there are no two-sided points then.
     shares: bool,
     /// The last direction that this factor has found, unless it shares.
@@ -69,13 +70,8 @@ impl<'a> ActiveFactor<'a> {
         self.own.as_ref().unwrap_or(self.given)
     }
 
-    /// The factor of its own set, if it has come to one.
-    pub(super) fn into_own(self) -> Option<Factored> {
-        self.own
-    }
-
     /// Whether the next residual goes to a factor that others ask too.
-    pub(crate) fn shares(&self) -> bool {
+    pub(super) fn shares(&self) -> bool {
         self.shares && self.own.is_none()
     }
 
@@ -134,12 +130,6 @@ impl<'a> ActiveFactor<'a> {
         out
     }
 
-    /// What K̃⁻¹ times a residual, in elimination order, moves; there are no two-sided points.
-    pub(crate) fn moved(&self, residual: &[f64], solved: &[f64]) -> Direction {
-        let (nodal, force) = (self.problem.scatter(solved), residual.to_vec());
-        Direction { nodal, force, reaction: Vec::new(), free: false }
-    }
-
     /// The motion under an imbalance by the factor, with what is left of the two-sided points' gaps taken up, and the force
     /// it has for that.
     pub(crate) fn response(&self, imbalance: &[f64], remaining: &[f64]) -> Result<Direction, FactorError> {
@@ -148,8 +138,7 @@ impl<'a> ActiveFactor<'a> {
         let reduced = problem.reduced(with, imbalance, remaining, with.condensed.better_form())?;
         let Correction { nodal, reaction, .. } = problem.respond(with, &self.state, reduced)?;
         let mut force = imbalance.to_vec();
-        let back: Vec<f64> = reaction.iter().map(|r| -r).collect();
-        problem.spread(&back, &mut force);
+        problem.take_off(&reaction, &mut force);
         problem.release_held(&mut force);
         Ok(Direction { nodal, force, reaction, free: false })
     }

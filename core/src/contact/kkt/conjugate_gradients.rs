@@ -21,19 +21,13 @@ pub(crate) struct ConjugateGradients {
     patient: bool,
     most: usize,
     steps: usize,
-    residual: Vec<f64>,
+    /// What is to be preconditioned next.
+    pub(crate) residual: Vec<f64>,
     total: Direction,
     ahead: Direction,
     deflated: Option<Deflated>,
     /// Of the last residual and its preconditioned one.
     product: f64,
-}
-
-impl ConjugateGradients {
-    /// What is to be preconditioned next.
-    pub(crate) fn residual(&self) -> &[f64] {
-        &self.residual
-    }
 }
 
 /// The direction before the first, the force that the present set has for it, and its curvature.
@@ -44,7 +38,7 @@ struct Deflated {
 }
 
 /// What a step of conjugate gradients came to.
-pub(crate) enum Followed {
+enum Followed {
     On,
     /// There have been too many; a factor of the set would be better.
     Impatient,
@@ -101,38 +95,39 @@ impl ActiveFactor<'_> {
         gradients.deflated = Some(Deflated { direction, force, curvature });
     }
 
-    /// Begins anew with a factor of their set, as far as that can be factored.
-    pub(crate) fn refactored(
+    /// Goes on to the direction under an imbalance, at first with what a shared factor has answered; `None` where that is to
+    /// be asked. The set is factored if it takes long.
+    pub(crate) fn direction(
         &mut self,
-        gradients: ConjugateGradients,
-        imbalance: Vec<f64>,
-    ) -> Result<ConjugateGradients, FactorError> {
-        self.refactor(&gradients.closed)?;
-        let anew = self.gradients(&gradients.closed, imbalance, 0.0, gradients.enough);
-        Ok(ConjugateGradients { patient: false, most: GRADIENTS, ..anew })
-    }
-
-    /// The direction that leaves `tolerance` of an imbalance; the set is factored if that takes long.
-    pub(super) fn direction(
-        &mut self,
-        closed: &[bool],
+        gradients: &mut ConjugateGradients,
         imbalance: &[f64],
-        tolerance: f64,
-    ) -> Result<Direction, FactorError> {
-        let still = vec![0.0; self.problem.constraints.rows.len()];
-        let mut gradients = self.gradients(closed, imbalance.to_vec(), tolerance, 0.0);
+        mut answer: Option<Vec<f64>>,
+    ) -> Result<Option<Direction>, FactorError> {
         loop {
-            let along = self.response(&gradients.residual, &still)?;
-            match self.follow(&mut gradients, along) {
+            let along = match answer.take() {
+                // Beside two-sided points no factor is shared.
+                Some(solved) => Direction {
+                    nodal: self.problem.scatter(&solved),
+                    force: gradients.residual.clone(),
+                    ..Direction::default()
+                },
+                None if self.shares() => return Ok(None),
+                None => self.response(&gradients.residual, &vec![0.0; self.problem.constraints.rows.len()])?,
+            };
+            match self.follow(gradients, along) {
                 Followed::On => {}
-                Followed::Impatient => gradients = self.refactored(gradients, imbalance.to_vec())?,
-                Followed::Found(direction) => return Ok(direction),
+                Followed::Impatient => {
+                    self.refactor(&gradients.closed)?;
+                    let anew = self.gradients(&gradients.closed, imbalance.to_vec(), 0.0, gradients.enough);
+                    *gradients = ConjugateGradients { patient: false, most: GRADIENTS, ..anew };
+                }
+                Followed::Found(direction) => return Ok(Some(direction)),
             }
         }
     }
 
     /// One step of conjugate gradients, with the motion that the factor has for the residual.
-    pub(crate) fn follow(&mut self, gradients: &mut ConjugateGradients, mut along: Direction) -> Followed {
+    fn follow(&mut self, gradients: &mut ConjugateGradients, mut along: Direction) -> Followed {
         gradients.steps += 1;
         self.gradients += 1;
         if gradients.differing.is_empty() {

@@ -6,10 +6,8 @@
 
 use super::refinement::Correction;
 use super::residual::Residual;
-use crate::cholesky::FactorError;
 use crate::contact::problem::ContactProblem;
 use crate::contact::rigid::{eliminated, rigid_motions};
-use crate::contact::solution::ContactSolution;
 use crate::double_double::DoubleDouble;
 
 type Matrix = [[DoubleDouble; 3]; 3];
@@ -31,7 +29,7 @@ impl Floating {
             return None;
         }
         let plate = &problem.plate;
-        let nodal = rigid_motions(plate, problem.scale.centre, problem.scale.size);
+        let nodal = rigid_motions(plate, &problem.scale);
         let rows = &problem.constraints.rows;
         let condensed = (0..rows.len()).map(|i| [0, 1, 2].map(|k| rows.dot(plate, i, &nodal[k])));
         let active = (0..problem.active.len()).map(|i| [0, 1, 2].map(|k| problem.active.dot(plate, i, &nodal[k])));
@@ -112,20 +110,4 @@ impl Held {
         let reaction = compliance.iter().enumerate().map(push).collect();
         Correction { rigid: floating.motion(amount), nodal: vec![0.0; step.imbalance.len()], reaction }
     }
-}
-
-/// A rigid motion, then what a solver makes of what it leaves.
-pub(super) fn after_rigid(
-    problem: &ContactProblem,
-    load: &[f64],
-    mut rigid: Correction,
-    solution: &ContactSolution,
-    solver: impl FnOnce(&Residual) -> Result<Option<Correction>, FactorError>,
-) -> Result<Option<Correction>, FactorError> {
-    let mut afloat = solution.clone();
-    afloat.follow(problem, &rigid, 1.0);
-    let Some(rest) = solver(&problem.residual(load, &afloat))? else { return Ok(None) };
-    rigid.nodal = rest.nodal;
-    rigid.reaction.iter_mut().zip(&rest.reaction).for_each(|(total, increment)| *total += increment);
-    Ok(Some(rigid))
 }

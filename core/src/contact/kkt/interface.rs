@@ -5,7 +5,6 @@ use super::residual::Residual;
 use crate::cholesky::FactorError;
 use crate::contact::condense::{ContactState, Form, InterfaceResidual};
 use crate::contact::problem::{ContactProblem, Factored};
-use crate::contact::solution::ContactSolution;
 
 /// An imbalance after forward substitution, and what it does at the contact points.
 pub(crate) struct Reduced {
@@ -23,12 +22,7 @@ pub(crate) struct Interface<'a> {
 }
 
 impl KktSolver for Interface<'_> {
-    fn correction(
-        &mut self,
-        _: &[f64],
-        step: &Residual,
-        _: &ContactSolution,
-    ) -> Result<Option<Correction>, FactorError> {
+    fn correction(&mut self, step: &Residual) -> Result<Option<Correction>, FactorError> {
         let reduced = match self.reduced.take() {
             Some(reduced) => reduced,
             None => {

@@ -2,17 +2,16 @@
 //! (Rockafellar 1976) takes the excess of back.
 
 use super::active_factor::ActiveFactor;
-use super::floating::{Held, after_rigid};
+use super::floating::Held;
 use super::refinement::{Correction, KktSolver};
 use super::residual::Residual;
 use crate::cholesky::FactorError;
 use crate::contact::problem::{ContactProblem, Factored};
-use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
 /// The factor with conjugate gradients, and one set of the active points.
 pub(super) struct Penalized<'a> {
-    factor: ActiveFactor<'a>,
+    pub(super) factor: ActiveFactor<'a>,
     closed: Vec<bool>,
     held: Option<Held>,
 }
@@ -34,12 +33,10 @@ impl<'a> Penalized<'a> {
         let held = if alone { Held::by(problem, &compliance, closed) } else { None };
         Ok(Some(Self { factor, closed: closed[problem.constraints.rows.len()..].to_vec(), held }))
     }
+}
 
-    pub(super) fn into_own(self) -> Option<Factored> {
-        self.factor.into_own()
-    }
-
-    fn eliminated(&mut self, step: &Residual) -> Result<Option<Correction>, FactorError> {
+impl KktSolver for Penalized<'_> {
+    fn correction(&mut self, step: &Residual) -> Result<Option<Correction>, FactorError> {
         let Self { factor, closed, .. } = self;
         let (problem, points) = (factor.problem, &factor.problem.active);
         let (two_sided, left) = step.remaining.split_at(problem.constraints.rows.len());
@@ -49,44 +46,31 @@ impl<'a> Penalized<'a> {
             points.scatter(&problem.plate, i, factor.penalty.stiffness[i] * left[i], &mut imbalance);
         }
         problem.release_held(&mut imbalance);
-        let mut all = Correction::of(vec![0.0; imbalance.len()], vec![0.0; two_sided.len()]);
+        let mut all = Correction::of(vec![0.0; imbalance.len()], vec![0.0; step.remaining.len()]);
         if !two_sided.is_empty() {
             let first = factor.response(&imbalance, two_sided)?;
             imbalance = factor.difference(&factor.differing(closed), &first.nodal);
             imbalance.iter_mut().for_each(|force| *force = -*force);
-            (all.nodal, all.reaction) = (first.nodal, first.reaction);
+            all.nodal = first.nodal;
+            all.reaction[..two_sided.len()].copy_from_slice(&first.reaction);
         }
-        let direction = factor.direction(closed, &imbalance, tolerances::newton::TIGHT)?;
+        let mut gradients = factor.gradients(closed, imbalance.clone(), tolerances::newton::TIGHT, 0.0);
+        let found = factor.direction(&mut gradients, &imbalance, None)?;
+        let direction = found.expect("no one else asks the factor");
         if direction.free {
             return Ok(None);
         }
         all.nodal.iter_mut().zip(&direction.nodal).for_each(|(total, part)| *total += part);
         all.reaction.iter_mut().zip(&direction.reaction).for_each(|(total, part)| *total += part);
         let moved = points.change(&problem.plate, &all.nodal);
-        all.reaction.resize(two_sided.len() + closed.len(), 0.0);
         for &i in &pushing {
             all.reaction[two_sided.len() + i] = factor.penalty.stiffness[i] * (moved[i] - left[i]);
         }
         Ok(Some(all))
     }
-}
 
-impl KktSolver for Penalized<'_> {
-    fn correction(
-        &mut self,
-        load: &[f64],
-        step: &Residual,
-        solution: &ContactSolution,
-    ) -> Result<Option<Correction>, FactorError> {
-        match self.held.take() {
-            None => self.eliminated(step),
-            Some(held) => {
-                let problem = self.factor.problem;
-                let found = after_rigid(problem, load, held.response(step), solution, |rest| self.eliminated(rest));
-                self.held = Some(held);
-                found
-            }
-        }
+    fn rigid(&self, step: &Residual) -> Option<Correction> {
+        self.held.as_ref().map(|held| held.response(step))
     }
 
     fn is_settled(&self, step: &Residual, force: f64) -> bool {

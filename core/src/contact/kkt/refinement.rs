@@ -7,7 +7,7 @@
 use super::residual::Residual;
 use crate::cholesky::FactorError;
 use crate::contact::problem::ContactProblem;
-use crate::contact::scale::dot;
+use crate::contact::scale::{dot, norm};
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 use crate::residual::Displacement;
@@ -20,12 +20,13 @@ const LAST: usize = 10;
 /// A solver of one contact set's equations.
 pub(crate) trait KktSolver {
     /// What a residual asks for; `None` where the set does not hold the plate.
-    fn correction(
-        &mut self,
-        load: &[f64],
-        step: &Residual,
-        solution: &ContactSolution,
-    ) -> Result<Option<Correction>, FactorError>;
+    fn correction(&mut self, step: &Residual) -> Result<Option<Correction>, FactorError>;
+
+    /// Where no dof holds the plate, the rigid motion that a residual asks for, and the increments of reaction that go with
+    /// it: made first, and added exactly.
+    fn rigid(&self, _step: &Residual) -> Option<Correction> {
+        None
+    }
 
     /// Whether what is left of the gaps is rounding in the forces too that the next correction would make of it.
     fn is_settled(&self, _step: &Residual, _force: f64) -> bool {
@@ -49,6 +50,23 @@ struct Taken {
 }
 
 impl ContactProblem {
+    /// What a residual asks for: a rigid motion, if one comes first, and then what a solver makes of what that leaves.
+    pub(crate) fn correction(
+        &self,
+        load: &[f64],
+        solver: &mut dyn KktSolver,
+        step: &Residual,
+        solution: &ContactSolution,
+    ) -> Result<Option<Correction>, FactorError> {
+        let Some(mut rigid) = solver.rigid(step) else { return solver.correction(step) };
+        let mut afloat = solution.clone();
+        afloat.follow(self, &rigid, 1.0);
+        let Some(rest) = solver.correction(&self.residual(load, &afloat))? else { return Ok(None) };
+        rigid.nodal = rest.nodal;
+        rigid.reaction.iter_mut().zip(&rest.reaction).for_each(|(total, increment)| *total += increment);
+        Ok(Some(rigid))
+    }
+
     /// Refines a solution on its contact set, from its residual on, and returns what is left; `None` where the set does
     /// not hold the plate. Forces far below `least` are rounding.
     pub(crate) fn refine(
@@ -64,9 +82,10 @@ impl ContactProblem {
         let mut taken: Vec<Taken> = Vec::new();
         let mut rounding = None;
         for _ in 0..CORRECTIONS {
-            let Some(mut direction) = solver.correction(load, &step, solution)? else {
+            let Some(mut direction) = self.correction(load, solver, &step, solution)? else {
                 // What rests already need not be held.
-                return Ok(self.rests(load, &step, solution, least).then_some(step));
+                let left = self.scaled(&step, &self.sizes(load, solution, least), &solution.closed);
+                return Ok(is_within(&left, tolerances::newton::SETTLED).then_some(step));
             };
             let mut trial = solution.clone();
             trial.follow(self, &direction, 1.0);
@@ -151,7 +170,7 @@ impl ContactSolution {
 
 impl Correction {
     /// Without a rigid motion apart.
-    pub(super) fn of(nodal: Vec<f64>, reaction: Vec<f64>) -> Self {
+    pub(crate) fn of(nodal: Vec<f64>, reaction: Vec<f64>) -> Self {
         Self { rigid: [0.0; 3], nodal, reaction }
     }
 
@@ -176,10 +195,6 @@ impl Correction {
 
 fn is_within(scaled: &[f64], limit: f64) -> bool {
     scaled.iter().all(|value| value.abs() <= limit)
-}
-
-fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
 }
 
 fn subtract(from: &mut [f64], part: f64, what: &[f64]) {

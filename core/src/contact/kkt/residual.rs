@@ -4,7 +4,7 @@
 
 use crate::contact::condense::Work;
 use crate::contact::problem::ContactProblem;
-use crate::contact::scale::dot;
+use crate::contact::scale::norm;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 use crate::residual::{Displacement, internal_magnitudes, residual};
@@ -43,8 +43,7 @@ impl ContactProblem {
     pub fn imbalance(&self, load: &[f64], displacement: &Displacement, reaction: &[f64]) -> Vec<f64> {
         let mut out = residual(&self.plate, &self.springs, load, displacement);
         let (condensed, active) = reaction.split_at(self.constraints.rows.len());
-        let downward: Vec<f64> = condensed.iter().map(|r| -r).collect();
-        self.spread(&downward, &mut out);
+        self.take_off(condensed, &mut out);
         for (i, reaction) in active.iter().enumerate().filter(|(_, reaction)| **reaction != 0.0) {
             self.active.scatter(&self.plate, i, -reaction, &mut out);
         }
@@ -158,19 +157,9 @@ impl ContactProblem {
         forces.chain(closed.map(|i| step.remaining[i] / sizes.gap[i])).collect()
     }
 
-    /// Whether no more is out of balance, or left of closed gaps, than a settled set leaves.
-    pub(super) fn rests(&self, load: &[f64], step: &Residual, solution: &ContactSolution, least: f64) -> bool {
-        let force = self.largest_force(load, &solution.reaction).max(least);
-        let lengths = self.lengths(solution);
-        let meets = |i: usize| step.remaining[i].abs() <= tolerances::newton::SETTLED * lengths[i];
-        step.worst <= tolerances::newton::SETTLED * force
-            && (0..step.remaining.len()).all(|i| !solution.closed[i] || meets(i))
-    }
-
     /// Length of what is out of balance and left of closed gaps.
     pub(crate) fn length(&self, load: &[f64], step: &Residual, solution: &ContactSolution, least: f64) -> f64 {
-        let scaled = self.scaled(step, &self.sizes(load, solution, least), &solution.closed);
-        dot(&scaled, &scaled).sqrt()
+        norm(&self.scaled(step, &self.sizes(load, solution, least), &solution.closed))
     }
 
     /// Whether a residual is that of a solution of its set's equations; where nothing acts there is nothing to miss.

@@ -78,24 +78,21 @@ impl ContactProblem {
             interface.map(|mut interface| refine(&mut interface)).transpose()?
         } else {
             let given = how.own.take();
-            let mut own = None;
-            let mut left = None;
-            if let Some(mut penalized) =
-                Penalized::of(self, given.as_ref().unwrap_or(&self.base), &self.in_place(closed))?
-            {
-                left = Some(refine(&mut penalized)?);
-                own = penalized.into_own();
-            }
+            let penalized = Penalized::of(self, given.as_ref().unwrap_or(&self.base), &self.in_place(closed))?;
+            let (left, own) = match penalized {
+                Some(mut penalized) => (Some(refine(&mut penalized)?), penalized.factor.own),
+                None => (None, None),
+            };
             how.own = own.or(given);
             left
         };
         let Some(left) = left.flatten() else {
-            return Ok((self.in_order(solution).failed(Outcome::Unsolved), f64::INFINITY));
+            return Ok((self.solution_in_order(solution).failed(Outcome::Unsolved), f64::INFINITY));
         };
         solution.leave_open(&left.remaining);
         let length = self.length(load, &left, &solution, how.least);
         let satisfied = self.satisfies(load, &left, &solution, how.least);
-        let found = self.in_order(solution);
+        let found = self.solution_in_order(solution);
         Ok(if satisfied { (found.solved(), length) } else { (found.failed(Outcome::Unsolved), f64::INFINITY) })
     }
 }

@@ -23,15 +23,6 @@ pub(super) struct Follower<'a> {
 }
 
 impl<'a> Follower<'a> {
-    pub fn new(
-        problem: &'a ContactProblem,
-        load: &'a PathLoad<'a>,
-        watch: &'a mut dyn FnMut(Progress) -> bool,
-    ) -> Self {
-        let how = OnSet { uncondensed: load.proximal, ..OnSet::default() };
-        Self { problem, load, how, watch, interrupted: false, lines: 0 }
-    }
-
     /// Whether to go on.
     pub fn goes_on(&mut self, now: Progress) -> bool {
         self.interrupted = self.interrupted || !(self.watch)(now);
@@ -104,11 +95,7 @@ impl<'a> Follower<'a> {
 
     /// What the gap of every point is measured by, in the caller's order.
     fn lengths(&self, solution: &ContactSolution) -> Vec<f64> {
-        let order = &self.problem.order;
-        let placed = self.problem.lengths(solution);
-        let mut lengths = vec![0.0; placed.len()];
-        order.condensed.iter().chain(&order.active).zip(placed).for_each(|(&i, length)| lengths[i] = length);
-        lengths
+        self.problem.in_order(&self.problem.lengths(solution))
     }
 
     /// The solution on a set at one end of a line.
@@ -128,6 +115,15 @@ impl<'a> Follower<'a> {
         self.how.least = f64::max(scale.largest(&loads[0]), scale.largest(&loads[1]));
         let found = self.problem.solve_on_set(&loads[end], self.load.held_value, closed, start, &mut self.how)?;
         Ok((found.outcome == Outcome::Solved).then_some(found))
+    }
+
+    /// Ends the path on its last line: at the t asked for, or where there is none, at `far`.
+    pub fn end_on(&self, line: &Line, far: f64, trail: &mut Trail) -> PathEnd {
+        let (last, end) = match self.load.end.is_finite() {
+            true => (self.load.end, PathEnd::Reached),
+            false => (far, PathEnd::Unbounded),
+        };
+        trail.end(last, Some(&line.at(last)), end)
     }
 
     /// Contact points that may open, in the caller's order.
@@ -150,7 +146,8 @@ impl ContactProblem {
         visit: &mut dyn FnMut(Stop) -> bool,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<PathEnd, FactorError> {
-        let mut follower = Follower::new(self, load, watch);
+        let how = OnSet { uncondensed: load.proximal, ..OnSet::default() };
+        let mut follower = Follower { problem: self, load, how, watch, interrupted: false, lines: 0 };
         let end = follower.follow(visit)?;
         Ok(if follower.interrupted { PathEnd::Interrupted } else { end })
     }

@@ -38,11 +38,8 @@ impl Follower<'_> {
                 let within = tolerances::path::MOVED * (far - t) + tolerances::path::SEEN * span;
                 line.root(&leaving, far, within).unwrap_or(far).max(t)
             });
-            if next.is_some()
-                && line
-                    .as_ref()
-                    .is_some_and(|line| line.travel(t, to) <= tolerances::path::SAME_PLACE * line.deflection)
-            {
+            let stays = |line: &Line| line.travel(t, to) <= tolerances::path::SAME_PLACE * line.deflection;
+            if next.is_some() && line.as_ref().is_some_and(stays) {
                 continue;
             }
             // An event that rounding alone brings is none, nor are those that pivots find beyond it.
@@ -56,15 +53,8 @@ impl Follower<'_> {
                 return Ok(PathEnd::Interrupted);
             }
             t = to;
-            if segment.to.is_infinite() {
-                let (last, end) = match load.end.is_finite() {
-                    true => (load.end, PathEnd::Reached),
-                    false => (t, PathEnd::Unbounded),
-                };
-                return Ok(trail.end(last, Some(&line.at(last)), end));
-            }
-            if t >= load.end {
-                return Ok(trail.end(load.end, Some(&line.at(load.end)), PathEnd::Reached));
+            if segment.to.is_infinite() || t >= load.end {
+                return Ok(self.end_on(&line, t, trail));
             }
             trail.arrive(&line, t);
         }

@@ -39,11 +39,7 @@ impl Follower<'_> {
                 }
             }
             if to >= load.end {
-                let (last, end) = match load.end.is_finite() {
-                    true => (load.end, PathEnd::Reached),
-                    false => (line.at[1], PathEnd::Unbounded),
-                };
-                return Ok(trail.end(last, Some(&line.at(last)), end));
+                return Ok(self.end_on(&line, line.at[1], trail));
             }
             trail.arrive(&line, to);
             closed.clone_from(&trail.here().closed);

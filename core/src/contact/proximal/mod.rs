@@ -7,7 +7,7 @@
 
 mod subproblem;
 
-use super::kkt::{Correction, KktSolver, Regularized, Residual, Uncondensed};
+use super::kkt::{Correction, Regularized, Residual, Uncondensed};
 use super::problem::ContactProblem;
 use super::solution::{ContactSolution, Outcome, Progress};
 use crate::cholesky::FactorError;
@@ -86,7 +86,7 @@ impl Steps<'_> {
             if problem.release_open(&mut near) {
                 step = problem.residual(load, &near);
             }
-            let Some(direction) = equations.correction(load, &step, &near)? else {
+            let Some(direction) = problem.correction(load, equations, &step, &near)? else {
                 return Ok(near.failed(Outcome::Unsolved));
             };
             near.follow(problem, &direction, 1.0);
