@@ -770,6 +770,26 @@ def test_stops_far_away_hide_no_events(method) -> None:
     assert events({"at": [1, 1], "resists": "up", "gap": 1e9}) == pytest.approx(events(), rel=1e-9)
 
 
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_soil_far_softer_than_the_plate_has_the_events_of_the_deflection_alone(method) -> None:
+    """Beside the reactions of its props those of the soil were rounding, and it had no events."""
+
+    def events(stiffness: float) -> list[float]:
+        model = rectangular(
+            support=[
+                {"at": [[0.1, 0.3], [0.1, 3.7], [3.9, 0.3], [3.9, 3.7]], "resists": "both"},
+                {"area": {"rectangle": [1, 0, 3, 4]}, "resists": "down", "stiffness": stiffness},
+            ],
+            load=[{"case": "G", "pressure": 1e3}, {"case": "Q", "pressure": "-1e3*(x + 0.2*y)"}],
+            solver={"method": method},
+        )
+        return [stop.t for stop in signorini.path(model, "G", "Q").stops[:-1]]
+
+    harder = events(10.0)
+    assert len(harder) > 90
+    assert events(1e-6) == pytest.approx(harder, rel=1e-5)
+
+
 def test_where_rounding_leads_a_path_round_at_one_t_it_stops() -> None:
     """Stops at 1e7 m and a load without a resultant: at t = 1e12 one point opened and closed 100,000 times."""
     edges = {"edge": ["inner", "outer"], "resists": "down"}
