@@ -840,3 +840,23 @@ def test_supports_that_share_by_the_sign_are_linear_between_stops(ways) -> None:
     direct = signorini.solve(model)["both"]
     for support, other in zip(found.at(0.5).supports, direct.supports, strict=True):
         assert support.reactions == pytest.approx(other.reactions, abs=1e-8 * np.abs(other.reactions).max(initial=1))
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_so_are_those_of_which_one_holds_both_ways_with_a_gap_that_is_none_in_places(method) -> None:
+    model = rectangular(
+        mesh={"divisions": [3, 3], "error": False},
+        support=[
+            {"edge": ["left", "top"], "resists": "both", "gap": "1e-4*x"},
+            {"edge": ["left", "top"], "resists": "down"},
+            {"at": [3.9, 0.1], "resists": "both"},
+        ],
+        load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": -1e5, "at": [3.5, 2.5]}],
+        solver={"method": method},
+    )
+    found = signorini.path(model, "G", "Q")
+    for segment in found.segments:
+        middle = found.at(0.5 * (segment.begin.t + segment.end.t))
+        shown = np.array(list(middle.reactions.values()))
+        between = 0.5 * (segment.begin.reactions + segment.end.reactions)
+        assert shown == pytest.approx(between, abs=1e-9 * np.abs(shown).max())

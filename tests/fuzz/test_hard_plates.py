@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from extreme_models import held_at_points
 
-from signorini import solve, validate
+from signorini import SupportResult, solve, validate
 from signorini.discretise import discretise
 
 PLATES = sorted((Path(__file__).parent / "hard_plates").glob("*.json"))
@@ -65,3 +65,28 @@ def test_supports_at_one_place_are_an_equation_only_where_they_hold_it_from_both
     contacts = discretise(validate(tables)).contacts
     held = {frozenset(ways) == {"down", "up"}}
     assert set(contacts.two_sided[contacts.support < 3].tolist()) == held and not contacts.two_sided[-1]
+
+
+def test_a_gap_both_ways_that_is_none_in_places_is_an_equation_there() -> None:
+    """Each of its points has what it has where the gap is next to none there."""
+
+    def supports(gap: str) -> list[SupportResult]:
+        tables = {
+            "material": {"E": 30e9, "nu": 0.2},
+            "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+            "mesh": {"divisions": [4, 4]},
+            "support": [
+                {"edge": ["top", "left"], "resists": "both", "gap": gap},
+                {"at": [[3.9, 0.1], [3.0, 2.1]], "resists": "both", "gap": "1e-4*where(x > 3.5, 1, 0)"},
+            ],
+            "load": [{"pressure": 5e3}, {"force": -2e5, "at": [3.5, 2.5]}],
+        }
+        model = validate(tables)
+        contacts = discretise(model).contacts
+        assert contacts.two_sided[contacts.support == 0].any() == (gap == "1e-4*x")
+        return solve(model)["all"].supports
+
+    for exact, near in zip(supports("1e-4*x"), supports("1e-4*x + 1e-13"), strict=True):
+        assert near.positions.tolist() == exact.positions.tolist()
+        assert exact.reactions == pytest.approx(near.reactions, abs=1e-5 * np.abs(near.reactions).max())
+        assert exact.gaps == pytest.approx(near.gaps, abs=1e-10)

@@ -100,9 +100,7 @@ def _held_from_both_sides(mesh: Mesh, contacts: ContactPoints, held: Held) -> tu
     """Make one equation of rigid points that hold the plate from both sides at one place and level."""
     none = Repeated(contacts.pick(np.zeros(0, np.int64)), csr_array((0, len(contacts))))
     up = contacts.direction > 0
-    # Rows of a support with travel both ways go in pairs.
-    paired = np.intersect1d(contacts.support[up], contacts.support[~up])
-    free = (contacts.compliance == 0) & ~contacts.slope & ~np.isin(contacts.support, paired)
+    free = (contacts.compliance == 0) & ~contacts.slope
     one_way = contacts.one_way & free
     if not one_way.any() or not ((free & ~one_way).any() or ((one_way & up).any() and (one_way & ~up).any())):
         return contacts, none
