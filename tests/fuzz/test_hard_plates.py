@@ -90,3 +90,24 @@ def test_a_gap_both_ways_that_is_none_in_places_is_an_equation_there() -> None:
         assert near.positions.tolist() == exact.positions.tolist()
         assert exact.reactions == pytest.approx(near.reactions, abs=1e-5 * np.abs(near.reactions).max())
         assert exact.gaps == pytest.approx(near.gaps, abs=1e-10)
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set", "interior_point"])
+def test_a_plate_that_cannot_deflect_touches_what_it_stands_on(method: str) -> None:
+    """Its gaps are rounding, whatever the deflection is."""
+    tables = {
+        "material": {"E": 30e9, "nu": 0.0},
+        "plate": {"shape": "rectangle", "size": [1.0, 0.5], "thickness": 0.2},
+        "mesh": {"divisions": [1, 5], "error": False},
+        "support": [
+            {"edge": ["left", "top", "right"], "resists": "both"},
+            {"area": "all", "resists": "down"},
+            {"line": [[0.5, 0.0], [0.2724507481388333, 0.20502431841163238]], "fix": "clamped"},
+        ],
+        "load": [{"pressure": "2e4*x"}, {"pressure": 2.4e5, "area": {"rectangle": [0.43, 0.11, 0.57, 0.25]}}],
+        "solver": {"method": method},
+    }
+    result = solve(validate(tables))["all"]
+    assert len(result.not_unique) == 1 and "support 2, support 3" in str(result.not_unique[0])
+    # The least of all that balance the load, whatever the method came to.
+    assert list(result.reactions.values()) == pytest.approx([-454.635592, 6488.409313, 3670.226279], rel=1e-8)
