@@ -49,7 +49,10 @@ class Repeated:
         shares = np.concatenate([reaction, np.zeros(len(self))])
         pulling = np.flatnonzero(contacts.two_sided & contacts.one_way & (reaction < 0.0))
         if len(pulling):
-            against = self.follows[:, pulling].tocsc()
+            # Those that follow from others, too, would have a part in these.
+            alone = np.diff(self.follows.indptr) == 1
+            against = csr_array(self.follows[:, pulling] * alone[:, None]).tocsc()
+            against.eliminate_zeros()
             for column, leader in enumerate(pulling.tolist()):
                 own = slice(*against.indptr[column : column + 2])
                 other = int(np.argmin(against.data[own]))
