@@ -38,7 +38,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
 sys.path.insert(0, str(Path(__file__).parent))
 import campaign
 import random_models
-from random_plates import reactions_exist
+from random_plates import MOVES, reactions_exist
 
 from signorini import InputError, NoEquilibriumError, NotCertifiedError, path, solve, validate
 from signorini.contact.dependence import Dependence
@@ -136,6 +136,11 @@ def extreme(rng, tables):
             support["gap"] = size * 10.0 ** rng.uniform(-3, 12)
 
 
+def at_start(found, start):
+    """The load at t = 0."""
+    return 0.0 * found.cases["G"] if start is None else found.cases["G"] + (start == "both") * found.cases["Q"]
+
+
 def balanced(found, load):
     return reactions_exist(found, load.nodal)
 
@@ -154,15 +159,17 @@ def judged(seed):
     except InputError as error:
         # Of which one is an element's, by design.
         floats = "rest anywhere" in str(error)
-        moves = "motion" in str(error) or "bends in some shapes without resistance" in str(error)
-        kind = "floats" if floats else "mechanism" if moves else "refused path"
-        return Counter({kind: 1}), [] if floats or moves else [str(error)]
+        moves = any(words in str(error) for words in MOVES)
+        on_mesh = (
+            "not at the contact points of this mesh" in str(error) and balanced(plate, at_start(plate, start)) is False
+        )
+        kind = "floats" if floats else "mechanism" if moves else "no start on the mesh" if on_mesh else "refused path"
+        return Counter({kind: 1}), [] if floats or moves or on_mesh else [str(error)]
     except NotCertifiedError as error:
         wrong = not wild and alone(model, start)
         return Counter({"not certified": 1}), [f"not certified: {error}"] if wrong else []
     except NoEquilibriumError as error:
-        load = 0.0 * plate.cases["G"] if start is None else plate.cases["G"] + (start == "both") * plate.cases["Q"]
-        wrong = balanced(plate, load) is True and "contradict" not in str(error)
+        wrong = balanced(plate, at_start(plate, start)) is True and "contradict" not in str(error)
         return Counter({"no start": 1}), [f"start refused: {error}"] if wrong else []
     outcomes = Counter({found.ending: 1, "events": len(found.events), "segments": len(found.segments)})
     many = len(steps) > _MOST_STEPS * (1 + len(found.stops))
