@@ -8,7 +8,7 @@ The models are those of tests/fuzz/random_models.py, with loads of two cases. Of
 - that inside of every segment the direct solution, by Lemke's algorithm, of many points by the interior point method,
   or the active set in turn, is certified and has the same deflections, where these are unique;
 - that at every event some point that opens or closes pressed before or presses after, or is apart;
-- that where the plate moves at one t, from one answer to another, deflections or reactions change;
+- that where the plate moves at one t, from one answer to another, deflections or reactions change, of points too;
 - that between two stops the supports' reactions are linear, where no more than places repeat each other;
 - that it takes no more than some hundred steps a stop;
 - that at stops the direct solution has the same extremes of deflection, where these are unique, and that the supports'
@@ -195,9 +195,10 @@ def faults(found, until, wild):
         yield f"stopped at {found.end:.9g}, limit {found.limit:.9g}"
     if not found.certificate.passed:
         yield f"certificate {found.certificate}"
-    if any(a > b for a, b in itertools.pairwise(times)) or any(
-        a == c for a, c in zip(times[:-2], times[2:], strict=True)
-    ):
+    # A plate that has fallen by more than its size may move twice at one t: its gaps have the rounding of the fall.
+    fallen = wild and max(abs(w) for stop in found.stops for w in (stop.largest, stop.smallest)) > plate.mesh.size
+    twice = any(a == c for a, c in zip(times[:-2], times[2:], strict=True))
+    if any(a > b for a, b in itertools.pairwise(times)) or (twice and not fallen):
         yield f"t does not grow: {times}"
     if found.ending == "until" and found.end != until:
         yield f"ends at {found.end} instead of {until}"
@@ -341,8 +342,8 @@ def idle(found):
 
 
 def still(found):
-    """Jumps at which nothing moves."""
-    for before, after in itertools.pairwise(found.stops):
+    """Jumps at which nothing moves, no force at a point either."""
+    for k, (before, after) in enumerate(itertools.pairwise(found.stops)):
         if before.t != after.t:
             continue
         moved = [
@@ -352,6 +353,13 @@ def still(found):
                 (before.reactions, after.reactions),
             )
         ]
+        around = [found.segments[at].closed for at in (k - 1, k + 1) if 0 <= at < len(found.segments)]
+        at_points = [
+            one.reaction for one in (solved_on(found, before.t, closed) for closed in around) if one is not None
+        ]
+        if len(at_points) == 2:
+            old, new = at_points
+            moved.append(np.abs(new - old).max() > _STAYS * max(np.abs(new).max(), np.abs(old).max()))
         if not any(moved):
             yield f"at t = {before.t:.9g} the plate is said to move, but stays"
 
