@@ -212,6 +212,26 @@ def test_where_nothing_pushes_rounding_is_no_fault(supports) -> None:
     assert answer(supports, [{"pressure": 0.0}]).judged().passed
 
 
+@pytest.mark.parametrize("method", ["lemke", "active_set", "interior_point"])
+@pytest.mark.parametrize("pressure", [0.0, 1e-2])
+def test_where_slopes_alone_are_held_elsewhere_their_rounding_is_no_penetration(method, pressure) -> None:
+    """Every node is on an edge that stays where it is; only slopes turn."""
+    model = rectangular(
+        size=[1.0, 0.5],
+        divisions=[1, 3],
+        support=[
+            {"edge": ["top", "left", "right"], "fix": ["slope", "w"], "rotation": [0.001, 0.0]},
+            {"at": [[0.3, 0.375], [0.5, 0.05], [0.67, 0.24]], "resists": "both"},
+            {"at": [[0.15, 0.44], [0.5, 0.0], [0.12, 0.375]], "resists": "down"},
+            {"at": [[0.07, 0.3], [0.5, 0.125], [0.75, 0.4], [0.93, 0.2]], "resists": "up", "stiffness": 1e8},
+        ],
+        load=[{"pressure": pressure}],
+        solver={"method": method},
+    )
+    result = solve(model)["all"]
+    assert result.certificate.passed and np.abs(result.deflection).max() < 1e-12
+
+
 def test_supports_that_push_against_each_other_are_judged_by_the_rounding_of_their_forces() -> None:
     near = [{"at": [[2.0, 2.0]], "resists": "both"}, {"at": [[2.001, 2.0]], "resists": "both", "settlement": 0.02}]
     right = answer([*MODELS["wall and prop"], *near], loads=[{"pressure": 1e-6}])

@@ -770,6 +770,26 @@ def test_stops_far_away_hide_no_events(method) -> None:
     assert events({"at": [1, 1], "resists": "up", "gap": 1e9}) == pytest.approx(events(), rel=1e-9)
 
 
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_soil_far_softer_than_the_plate_has_the_events_of_the_deflection_alone(method) -> None:
+    """Beside the reactions of its props those of the soil were rounding, and it had no events."""
+
+    def events(stiffness: float) -> list[float]:
+        model = rectangular(
+            support=[
+                {"at": [[0.1, 0.3], [0.1, 3.7], [3.9, 0.3], [3.9, 3.7]], "resists": "both"},
+                {"area": {"rectangle": [1, 0, 3, 4]}, "resists": "down", "stiffness": stiffness},
+            ],
+            load=[{"case": "G", "pressure": 1e3}, {"case": "Q", "pressure": "-1e3*(x + 0.2*y)"}],
+            solver={"method": method},
+        )
+        return [stop.t for stop in signorini.path(model, "G", "Q").stops[:-1]]
+
+    harder = events(10.0)
+    assert len(harder) > 90
+    assert events(1e-6) == pytest.approx(harder, rel=1e-5)
+
+
 def test_where_rounding_leads_a_path_round_at_one_t_it_stops() -> None:
     """Stops at 1e7 m and a load without a resultant: at t = 1e12 one point opened and closed 100,000 times."""
     edges = {"edge": ["inner", "outer"], "resists": "down"}
@@ -820,3 +840,23 @@ def test_supports_that_share_by_the_sign_are_linear_between_stops(ways) -> None:
     direct = signorini.solve(model)["both"]
     for support, other in zip(found.at(0.5).supports, direct.supports, strict=True):
         assert support.reactions == pytest.approx(other.reactions, abs=1e-8 * np.abs(other.reactions).max(initial=1))
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_so_are_those_of_which_one_holds_both_ways_with_a_gap_that_is_none_in_places(method) -> None:
+    model = rectangular(
+        mesh={"divisions": [3, 3], "error": False},
+        support=[
+            {"edge": ["left", "top"], "resists": "both", "gap": "1e-4*x"},
+            {"edge": ["left", "top"], "resists": "down"},
+            {"at": [3.9, 0.1], "resists": "both"},
+        ],
+        load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": -1e5, "at": [3.5, 2.5]}],
+        solver={"method": method},
+    )
+    found = signorini.path(model, "G", "Q")
+    for segment in found.segments:
+        middle = found.at(0.5 * (segment.begin.t + segment.end.t))
+        shown = np.array(list(middle.reactions.values()))
+        between = 0.5 * (segment.begin.reactions + segment.end.reactions)
+        assert shown == pytest.approx(between, abs=1e-9 * np.abs(shown).max())

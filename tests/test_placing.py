@@ -321,3 +321,11 @@ def test_far_too_small_elements_in_an_area_are_refused_before_they_take_memory()
     model = rectangular(plate=disc, mesh={"refine": refine}, support=[{"edge": "rim"}], load=[{"pressure": 1e3}])
     with pytest.raises(InputError, match=r"size: found 1e-07; there would be more than 1e\+07 elements"):
         discretise(model)
+
+
+def test_a_small_circle_in_a_large_element_holds_the_plate() -> None:
+    for ways in ({"resists": "both"}, {"resists": "down"}, {"fix": "simple"}):
+        support = {"circle": {"center": [2.3, 1.7], "radius": 0.1}, **ways}
+        model = rectangular(divisions=[1, 1], support=[support], load=[{"force": 1e3, "at": [2.32, 1.7]}])
+        (held,) = solve(model)["all"].supports
+        assert held.reaction == pytest.approx(1e3)

@@ -21,6 +21,8 @@ from models import rectangular
 import signorini
 from signorini import Progress, _core
 from signorini.cli import progress
+from signorini.contact import strategy
+from signorini.contact.certificate import certified
 
 SLAB = """
 material = { E = 30e9, nu = 0.2 }
@@ -56,6 +58,7 @@ def test_every_stage_and_every_step_of_the_active_set_is_told(slab: Path) -> Non
         assert [now.step for now in part] == list(range(len(part)))
         assert len(part) - 1 == results[name].iterations
         assert part[-1].residual < 1e-9
+        assert {now.method for now in part[1:]} == {"the active set"}
     assert max(now.changing for now in parts["everything [bold]at once[/bold] with a long name"]) > 0
 
 
@@ -100,6 +103,38 @@ def on_a_terminal(command: list[str]) -> tuple[str, str]:
     os.close(ours)
     assert process.returncode == 0
     return printed.decode(), shown.decode()
+
+
+@pytest.mark.parametrize("method", ["active_set", "interior_point"])
+def test_a_combination_without_load_is_out_of_balance_by_a_number(method: str) -> None:
+    """Also with soil all over, of which the active set closes points with nothing to press them."""
+    model = rectangular(
+        support=[{"area": "all", "resists": "down", "stiffness": 3e7}, {"at": [2, 2], "resists": "up", "gap": 1e-3}],
+        load=[{"case": "G", "pressure": 1e3}],
+        combination=[{"name": "none", "factors": {"G": 0.0}}, {"name": "all", "factors": {"G": 1.0}}],
+        solver={"method": method},
+        output={"combinations": "table"},
+    )
+    told: list[Progress] = []
+    signorini.solve(model, told.append)
+    assert any(now.step for now in told) and np.isfinite([now.residual for now in told]).all()
+
+
+def test_ways_that_take_over_say_their_names(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every answer is judged by a larger load, so that none is certified."""
+    problem = signorini.contact_problem(props("active_set"))
+    told: list[tuple[str, int]] = []
+    monkeypatch.setattr(strategy, "certified", lambda found, load, *others: certified(found, 1.01 * load, *others))
+    tried = strategy.answered(problem, problem.discretisation.cases["Q"], lambda *now: told.append(now[:2]))
+    assert not tried.passed
+    every = [list(part) for _, part in groupby(told, lambda now: now[0])]
+    assert list(dict.fromkeys(now[0] for now in told)) == [
+        "the active set",
+        "Lemke's algorithm",
+        "proximal steps",
+        "the interior point method",
+    ]
+    assert all(part[0][1] == 0 for part in every[1:]) and every[0][0][1] == 1
 
 
 @pytest.mark.parametrize("method", ["lemke", "interior_point"])

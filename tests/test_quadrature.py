@@ -426,3 +426,15 @@ def test_left_and_right_of_a_line_are_the_whole(name, ends, region):
     for half, line in zip(halves, (points, points[::-1]), strict=True):
         assert (CutLine(line, 1e-9).near(half.positions).side <= 0).all()
         assert region is None or region.contains(half.positions).all()
+
+
+@pytest.mark.parametrize("center", [(2.3, 1.7), (2.0, 1.7), (2.05, 1.7)])
+@pytest.mark.parametrize("order", [2, 3])
+def test_circles_in_one_or_two_elements_prefer_no_direction(center: tuple[float, float], order: int) -> None:
+    """As lengths about a circle, and squares of the coordinates: both slopes are held alike."""
+    mesh = rectangle((0.0, 0.0), (4.0, 4.0), (2, 1))
+    along = curve_quadrature(mesh, Ring(center, 0.1), order)
+    x, y = (along.positions - center).T / 0.1
+    moments = [1.0, x, y, x * y, x**2, y**2]
+    found = [float((along.weights * values).sum()) / along.total for values in moments]
+    assert found == pytest.approx([1.0, 0.0, 0.0, 0.0, 0.5, 0.5], abs=0.01)

@@ -19,7 +19,7 @@ from extreme_models import Extreme, Tables, close, deflections
 from signorini import NoEquilibriumError, Result, validate
 from signorini.analysis.single import solve_one
 from signorini.contact.problem import contact_problem
-from signorini.discretise import discretise
+from signorini.discretise import Discretisation, discretise
 from signorini.mesh import Mesh
 from signorini.shapes.contours import Contour, along_side
 
@@ -27,6 +27,8 @@ _ROUNDING = 1e-6
 """Part of the largest deflection, or force, by which the two may differ."""
 _CURVED = 1e-4
 """The same of parts of lines and areas that end inside elements with curved sides."""
+_HARDLY = 1e-4
+"""Part of the deflection by which a load scales on the plate, below which deflections count as that much."""
 _CUT = 1e-3
 """The same where borders, jumps and springs cut coarse elements, which rules of their own integrate."""
 
@@ -63,20 +65,23 @@ def _compared(
     solved, same = (one if one is not None and one.status == "solved" else None for one in (result, twin))
     if solved is None or same is None:
         return [] if solved is same else [f"an equilibrium said {'one way' if solved else 'the other way'} alone"]
-    least = max(float(np.abs(solved.deflection).max()), 1e-9 * solved.mesh.size)
+    # What stands under the load keeps a plate from deflecting: what integrals of its parts differ by does deflect it.
+    found = discretise(validate(tables), solved.mesh)
+    force = _force(found, solved)
+    loaded = force * found.mesh.size**2 / (found.model.young * float(found.thickness.max()) ** 3 / 12)
+    least = max(float(np.abs(solved.deflection).max()), 1e-9 * solved.mesh.size, _HARDLY * loaded)
     wrong = deflections(solved, [probe.deflection for probe in same.probes], part, least)
     of_ours, of_twin = ([support.reaction for support in one.supports] for one in (solved, same))
     if len(of_ours) == len(of_twin):
         apart = np.abs(np.subtract(of_ours, of_twin)).max(initial=0.0)
-        if apart > part * _force(tables, solved):
+        if apart > part * force:
             wrong.append(f"reactions {of_ours} and {of_twin}")
     return wrong
 
 
-def _force(tables: Tables, result: Result) -> float:
+def _force(found: Discretisation, result: Result) -> float:
     """What forces are compared with: those of loads and reactions."""
-    model = validate(tables)
-    loads = discretise(model, result.mesh).load(model.effective_combinations[0]).nodal.reshape(-1, 3)
+    loads = found.load(found.model.effective_combinations[0]).nodal.reshape(-1, 3)
     of_loads = float(np.abs(loads[:, 0]).sum() + np.abs(loads[:, 1:]).sum() / result.mesh.size)
     return of_loads + sum(float(np.abs(support.reactions).sum()) for support in result.supports)
 
@@ -99,7 +104,7 @@ def both_sides(rng: Random, tables: Tables) -> Extreme:
     def judge(result: Result | None) -> list[str]:
         if result is None or result.status != "solved":
             return []
-        wrong, force, arm = [], _force(tables, result), result.mesh.size
+        wrong, force, arm = [], _force(discretise(validate(tables), result.mesh), result), result.mesh.size
         count = len(sections)
         for given, there, back in zip(sections, result.sections[:count], result.sections[count:], strict=True):
             line = given["line"]

@@ -19,7 +19,7 @@ from signorini.contact.answer import Answer
 from signorini.contact.certificate import Certificate
 from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.contact.refusal import uncertain
-from signorini.contact.strategy import ways_along
+from signorini.contact.strategy import BY_PROXIMAL_STEPS, WORDS, ways_along
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Ints
 from signorini.equilibrium.imbalance import imbalance
@@ -165,6 +165,7 @@ def _trace(
     """
     found = problem.discretisation
     judge, at = PathJudge(problem, loads), list[float]()
+    method = BY_PROXIMAL_STEPS if proximal else WORDS[problem.method]
 
     def visit(t: float, points: Ints, solution: _core.ContactSolution) -> None:
         judge.take(t, points, Answer.of(found, solution))
@@ -173,7 +174,7 @@ def _trace(
 
     def show(step: int, changing: int, residual: float) -> None:
         where = f"after t = {at[-1]:.6g}" if at else "t = 0"
-        watcher(Progress(where, step, changing, residual))
+        watcher(Progress(where, step, changing, residual, method=method))
 
     limit, asked = limits[0], np.inf if until is None else until
     end = min(*limits, asked)

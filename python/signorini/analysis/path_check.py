@@ -54,8 +54,8 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
     """
     found, load = problem.discretisation, loads[0] + stop.t * loads[1]
 
-    def steps(step: int, changing: int, residual: float) -> None:
-        watcher(Progress(f"t = {stop.t:.6g} by itself", step, changing, residual))
+    def steps(method: str, step: int, changing: int, residual: float) -> None:
+        watcher(Progress(f"t = {stop.t:.6g}, solved anew", step, changing, residual, method=method))
 
     tried = answered(problem, load, steps, proximal=False)
     if not tried.passed:

@@ -46,8 +46,8 @@ def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -
     found = problem.discretisation
     load = found.load(combination)
 
-    def steps(step: int, changing: int, residual: float) -> None:
-        watcher(Progress(combination.name, step, changing, residual))
+    def steps(method: str, step: int, changing: int, residual: float) -> None:
+        watcher(Progress(combination.name, step, changing, residual, method=method))
 
     begun = time.perf_counter()
     message = explain(found, imbalance_of(found, problem.freedom, combination))

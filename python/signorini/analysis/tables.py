@@ -20,6 +20,7 @@ from signorini.analysis.twins.leaves import Path
 from signorini.base.arguments import watching
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import ContactProblem
+from signorini.contact.strategy import WORDS
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError, NoEquilibriumError
 from signorini.model import Combination
@@ -36,7 +37,7 @@ def solve_rows(problem: ContactProblem, watcher: Watcher, sink: Sink | None = No
     """Solve every combination as a row."""
 
     def show(step: int, changing: int, residual: float) -> None:
-        watcher(Progress("the mean", step, changing, residual))
+        watcher(Progress("the mean", step, changing, residual, method=WORDS[problem.method]))
 
     problem = problem.near(mean_load(problem.discretisation), show)
 

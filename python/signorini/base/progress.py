@@ -32,11 +32,14 @@ class Progress:
         Where an accuracy is asked for, how far the mesh before this one came: "mesh 3, ± 0.12 on 400 elements"; before
         the second mesh empty. At the end of a mesh how far it came itself, of which number, and about how many elements
         and how much memory reaching the accuracy would take.
+    method : str
+        What is at work, such as "the active set"; empty before the first step. Where one way to an answer takes over
+        from another, the step is 0 once more.
 
     Examples
     --------
-    >>> str(Progress("ULS", 3, 120, 2.5e-4)), str(Progress(stage="mesh"))
-    ('ULS: step 3, 120 contact points changing, imbalance 2.5e-04', 'meshing')
+    >>> str(Progress("ULS", 3, 120, 2.5e-4, method="the active set")), str(Progress(stage="mesh"))
+    ('ULS by the active set: step 3, 120 contact points changing, imbalance 2.5e-04', 'meshing')
     """
 
     combination: str = ""
@@ -46,6 +49,7 @@ class Progress:
     stage: Literal["mesh", "factor", "contact", "refined"] = "contact"
     twin: str = ""
     reached: str = ""
+    method: str = ""
 
     def __str__(self) -> str:
         """Say it in a line."""
@@ -58,10 +62,11 @@ class Progress:
     def _said(self) -> str:
         if self.stage != "contact":
             return {"mesh": "meshing", "factor": "assembling and factoring"}[self.stage]
+        by = f" by {self.method}" if self.method else ""
         if self.step == 0:
-            return f"{self.combination}: solving"
+            return f"{self.combination}: solving{by}"
         points = f"{self.changing} contact point{'s' if self.changing != 1 else ''} changing"
-        return f"{self.combination}: step {self.step}, {points}, imbalance {self.residual:.1e}"
+        return f"{self.combination}{by}: step {self.step}, {points}, imbalance {self.residual:.1e}"
 
 
 Watcher: TypeAlias = Callable[[Progress], object]

@@ -44,8 +44,8 @@ class Certificate:
     ----------
     penetration : float
         Deepest penetration, or largest violation of a held deflection, over the largest deflection, or, where supports
-        leave none, a millionth of the deflection F a²/D by which the load F scales on a plate of size a. Violations of
-        held slopes count over the largest slope, or that deflection over a.
+        leave none, a millionth of the deflection F a²/D by which the load F scales on a plate of size a, or 10⁻⁷ of the
+        slopes that are given times a. Violations of held slopes count over the largest slope, or this deflection by a.
     tension : float
         Largest reaction of the wrong sign over the largest reaction or nodal load.
     complementarity : float
@@ -170,12 +170,19 @@ def certify_each(
         force = np.where(contacts.slope, reaction / size, reaction)
         slip = np.where(held.dofs, hi + lo - held.values, 0.0)
         # Travel counts by its rounding, and at its own point: a stop far away must not excuse what happens at others.
-        travel, idle = _UNSEEN * np.abs(contacts.distance), ~nodal.any(axis=1)
+        lever = np.where(contacts.slope, size, 1.0)
+        travel, idle = _UNSEEN * lever * np.abs(contacts.distance), ~nodal.any(axis=1)
+        # Slopes that are given deflect the plate between nodes that are held.
+        turned = max(
+            float(np.abs(held.values.reshape(-1, 3)[:, 1:]).max(initial=0.0)),
+            float(np.abs(contacts.distance[contacts.slope]).max(initial=0.0)),
+        )
         deflection, slopes = hi[:, ::3], hi.reshape(len(hi), -1, 3)[:, :, 1:]
         length = _most(
             _largest(deflection),
             _NIL * _loaded_deflection(found, nodal),
             _UNSEEN * deflected,
+            _UNSEEN * turned * size,
             idle * travel.max(initial=0.0),
             idle * _UNSEEN * np.abs(found.springs.base).max(initial=0.0),
         )
@@ -191,9 +198,7 @@ def certify_each(
         bending = _rigidity(found, found.thickness.max()) * bent / size**2
         rest = _most(_UNSEEN * bending, _CANCELLED * reached)
         shear = found.model.young * found.thickness.max()
-        rest = np.where(
-            idle, _most(rest, _UNSEEN * shear * _most(length, np.abs(contacts.distance).max(initial=0.0))), rest
-        )
+        rest = np.where(idle, _most(rest, shear * _most(_UNSEEN * length, travel.max(initial=0.0))), rest)
         by_load = _by_force(nodal, across)
         by_supports = _most(_by_force(at_holds, across), _largest(force))
         scale = _most(np.where(by_load != 0.0, by_load, by_supports), rest)

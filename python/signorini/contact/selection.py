@@ -24,6 +24,8 @@ from signorini.equilibrium.balance import RigidFreedom, describe_motion
 
 _NIL = 1e-11
 """Part of the largest force, or deflection, below which solvers take one for rounding."""
+_HARDLY = 1e-6
+"""Part of the deflection by which reactions scale on the plate below which none counts: supports leave it none."""
 _STILL = 1e-12
 """Part of a motion by which a pushing point moves that is rounding: points on a line hold nothing about it."""
 _MOVED = 1e-9
@@ -79,9 +81,8 @@ def doubtful(found: Discretisation, freedom: RigidFreedom, reaction: Floats, gap
     dependence = Dependence.of(found)
     if len(dependence.points):
         # Where every point is closed gaps are rounding, of what the reactions bend the plate by.
-        rigidity = found.model.young * found.thickness.max() ** 3 / 12 / found.mesh.size**2
-        bent = np.abs(reaction).sum(axis=1) / rigidity
-        travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(found.contacts.distance).max() + bent
+        travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(found.contacts.distance).max()
+        travel += _bending(found, reaction)
         touching = gap[:, dependence.points] <= _DOUBTFUL * travel[:, None]
         groups = np.zeros((len(dependence.points), len(dependence.even)))
         groups[np.arange(len(groups)), dependence.group] = 1.0
@@ -123,8 +124,15 @@ def _touching(found: Discretisation, answer: Answer, dependence: Dependence) -> 
     """Whether the plate is at each point of a dependence (p,)."""
     gap = np.append(answer.gap, np.zeros(len(found.repeated)))[dependence.points]
     distance = np.abs(found.points.distance[dependence.points])
-    near = gap <= _NIL * np.maximum(float(np.abs(answer.hi[::3]).max()), distance)
+    largest = max(float(np.abs(answer.hi[::3]).max()), _HARDLY * float(_bending(found, answer.reaction)))
+    near = gap <= _NIL * np.maximum(largest, distance)
     return np.asarray(near | found.points.two_sided[dependence.points])
+
+
+def _bending(found: Discretisation, reaction: Floats) -> Floats:
+    """Deflections (...,) by which reactions (..., m) scale on the plate."""
+    rigidity = found.model.young * found.thickness.max() ** 3 / 12 / found.mesh.size**2
+    return np.asarray(np.abs(reaction).sum(axis=-1) / rigidity)
 
 
 def _closed_together(answer: Answer, dependence: Dependence, touching: Bools) -> Answer:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from functools import partial
+from typing import NamedTuple, TypeAlias
 
 from signorini.base.memory import fits, needed_by_interior_point, needed_by_proximal_steps
 from signorini.contact.answer import Answer
@@ -22,6 +23,18 @@ _FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "interior_point")
 _YIELDING = (1e-6, 1e-9, 1e-11, 1e-13, 1e-15)
 """Parts of the plate's own compliance that are tried, each from the contact set of the one before; see `Attempt`."""
 
+WORDS: dict[Method, str] = {
+    "lemke": "Lemke's algorithm",
+    "active_set": "the active set",
+    "interior_point": "the interior point method",
+}
+"""What methods are called where they tell how far they are."""
+
+BY_PROXIMAL_STEPS = "proximal steps"
+
+Told: TypeAlias = Callable[[str, int, int, float], object]
+"""Called with what is at work, in words, and what `Steps` are called with; what it raises ends it."""
+
 _MOST_DOFS = 200_000
 """Dofs up to which proximal steps are tried: one step took 14 s on 59,000 dofs."""
 
@@ -36,6 +49,11 @@ class Attempt(NamedTuple):
     form: Form = "auto"
     part: float | None = None
     near: bool = False
+
+    @property
+    def words(self) -> str:
+        """What is at work."""
+        return WORDS[self.problem.method] if self.part is None else BY_PROXIMAL_STEPS
 
     def solve(self, load: CaseLoad, progress: Steps | None = None, closed: Bools | None = None) -> Answer:
         """Solve a load; where rounding decides, beginning with a contact set (m,) if there is one."""
@@ -135,7 +153,7 @@ def _may_take_steps(found: Discretisation) -> bool:
 def answered(
     problem: ContactProblem,
     load: CaseLoad,
-    progress: Steps | None = None,
+    progress: Told | None = None,
     proximal: bool = True,
     beside: Sequence[CaseLoad] = (),
 ) -> Tried:
@@ -158,7 +176,12 @@ def answered(
             if steps in stepped:
                 continue
             stepped.add(steps)
-        answer = attempt.solve(load, progress, closed)
+        watch = None
+        if progress is not None:
+            watch = partial(progress, attempt.words)
+            if first is not None:
+                watch(0, 0, 1.0)
+        answer = attempt.solve(load, watch, closed)
         certificate = None
         if answer.status == "solved":
             answer, certificate = certified(found, load, answer, beside)

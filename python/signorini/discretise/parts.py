@@ -41,11 +41,22 @@ def parts_of(count: int, held: Held, springs: Springs, points: ContactPoints) ->
     )
     found = []
     for holding, own, mine in columns:
-        # A point with travel both ways has two rows: first all those that push up, then all that hold down.
-        rows = mine.reshape(2 if len(mine) and np.ptp(points.direction[mine]) > 0 else 1, -1)
+        rows = _by_ways(mine, points)
         given = np.concatenate([held.numbers[holding], springs.numbers[own], points.numbers[rows[0]]])
         found.append(Parts(held.holders[holding, 0], own, rows, np.argsort(given, kind="stable")))
     return tuple(found)
+
+
+def _by_ways(mine: Ints, points: ContactPoints) -> Ints:
+    """Rows (ways, c) of a support: where it has travel both ways, one behind the other those of one point."""
+    up = points.direction[mine] > 0
+    if up.all() or not up.any():
+        return mine.reshape(1, -1)
+    rows = np.stack([mine[up], mine[~up]])
+    # They need not go in one order: where they are one equation, those that follow from others stand behind.
+    first, second = (np.lexsort((*points.positions[way].T, points.numbers[way])) for way in rows)
+    rows[1, first] = rows[1, second]
+    return rows
 
 
 def _grouped(owner: Ints, count: int) -> list[Ints]:

@@ -49,7 +49,10 @@ class Repeated:
         shares = np.concatenate([reaction, np.zeros(len(self))])
         pulling = np.flatnonzero(contacts.two_sided & contacts.one_way & (reaction < 0.0))
         if len(pulling):
-            against = self.follows[:, pulling].tocsc()
+            # Those that follow from others, too, would have a part in these.
+            alone = np.diff(self.follows.indptr) == 1
+            against = csr_array(self.follows[:, pulling] * alone[:, None]).tocsc()
+            against.eliminate_zeros()
             for column, leader in enumerate(pulling.tolist()):
                 own = slice(*against.indptr[column : column + 2])
                 other = int(np.argmin(against.data[own]))
@@ -100,9 +103,7 @@ def _held_from_both_sides(mesh: Mesh, contacts: ContactPoints, held: Held) -> tu
     """Make one equation of rigid points that hold the plate from both sides at one place and level."""
     none = Repeated(contacts.pick(np.zeros(0, np.int64)), csr_array((0, len(contacts))))
     up = contacts.direction > 0
-    # Rows of a support with travel both ways go in pairs.
-    paired = np.intersect1d(contacts.support[up], contacts.support[~up])
-    free = (contacts.compliance == 0) & ~contacts.slope & ~np.isin(contacts.support, paired)
+    free = (contacts.compliance == 0) & ~contacts.slope
     one_way = contacts.one_way & free
     if not one_way.any() or not ((free & ~one_way).any() or ((one_way & up).any() and (one_way & ~up).any())):
         return contacts, none

@@ -185,7 +185,9 @@ impl<'a> Newton<'a> {
         if !worst.is_finite() {
             return Ok(Some(Outcome::Unsolved));
         }
-        if !watch(Progress { step: self.step, changing, residual: worst / force }) {
+        // Where nothing acts nothing is out of balance.
+        let residual = if worst == 0.0 { 0.0 } else { worst / force };
+        if !watch(Progress { step: self.step, changing, residual }) {
             return Ok(Some(Outcome::Interrupted));
         }
         if !settling || self.descent.factor.limit != tolerances::newton::STIFFEST {

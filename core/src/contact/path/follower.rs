@@ -72,16 +72,18 @@ impl<'a> Follower<'a> {
         let ends = [from, to];
         let deflection = ends.iter().flat_map(|end| end.displacement.hi.iter().step_by(3));
         let deflection = deflection.fold(least, |most, w| most.max(w.abs()));
-        let lengths = self.lengths(&ends[0]).into_iter().map(|length| length.max(deflection)).collect();
-        Ok(Some(Line { at, ends, force, lengths, deflection }))
+        let lengths: Vec<f64> = self.lengths(&ends[0]).into_iter().map(|length| length.max(deflection)).collect();
+        let forces = self.forces(force, &lengths);
+        Ok(Some(Line { at, ends, forces, lengths, deflection }))
     }
 
     /// The solution with another contact set, if it stands on that too: points that differ neither press nor part.
     pub fn standing_on(&self, solution: &ContactSolution, set: &[bool]) -> Option<ContactSolution> {
-        let (force, lengths) = (largest(&solution.reaction), self.lengths(solution));
+        let lengths = self.lengths(solution);
+        let forces = self.forces(largest(&solution.reaction), &lengths);
         let idle = |&i: &usize| {
             let nothing = tolerances::path::NOTHING;
-            solution.reaction[i].abs() <= nothing * force && solution.gap[i].abs() <= nothing * lengths[i]
+            solution.reaction[i].abs() <= nothing * forces[i] && solution.gap[i].abs() <= nothing * lengths[i]
         };
         let differing = differing(&solution.closed, set);
         differing.iter().all(idle).then(|| {
@@ -96,6 +98,15 @@ impl<'a> Follower<'a> {
     /// What the gap of every point is measured by, in the caller's order.
     fn lengths(&self, solution: &ContactSolution) -> Vec<f64> {
         self.problem.in_order(&self.problem.lengths(solution))
+    }
+
+    /// What the reaction of every point is measured by, in the caller's order: the largest, or, of a spring too soft for
+    /// that, what presses it by its length. Its gap and its reaction then tell alike when it opens and closes.
+    fn forces(&self, force: f64, lengths: &[f64]) -> Vec<f64> {
+        let (constraints, active) = (&self.problem.constraints, &self.problem.active);
+        let compliance = self.problem.in_order(&[&constraints.compliance[..], &active.compliance].concat());
+        let of = |(length, compliance): (&f64, f64)| if *length > 0.0 { force.min(length / compliance) } else { force };
+        lengths.iter().zip(compliance).map(of).collect()
     }
 
     /// The solution on a set at one end of a line.

@@ -7,8 +7,8 @@ use crate::contact::tolerances;
 pub(super) struct Line {
     pub at: [f64; 2],
     pub ends: [ContactSolution; 2],
-    /// Sizes of reactions, of the gap of every point and of deflections.
-    pub force: f64,
+    /// Sizes of the reaction and of the gap of every point, and of deflections.
+    pub forces: Vec<f64>,
     pub lengths: Vec<f64>,
     pub deflection: f64,
 }
@@ -17,8 +17,11 @@ impl Line {
     /// What counts for a point: its reaction where closed, else its gap, at an end and over what it is measured by.
     pub fn value(&self, end: usize, i: usize) -> f64 {
         let solution = &self.ends[end];
-        let (value, size) =
-            if solution.closed[i] { (solution.reaction[i], self.force) } else { (solution.gap[i], self.lengths[i]) };
+        let (value, size) = if solution.closed[i] {
+            (solution.reaction[i], self.forces[i])
+        } else {
+            (solution.gap[i], self.lengths[i])
+        };
         if size > 0.0 { value / size } else { 0.0 }
     }
 

@@ -8,7 +8,7 @@ use crate::contact::tolerances;
 /// Where the last line has come to, and its sizes.
 struct Arrival {
     solution: ContactSolution,
-    force: f64,
+    forces: Vec<f64>,
     lengths: Vec<f64>,
 }
 
@@ -22,8 +22,8 @@ pub(super) struct Trail<'a> {
 impl<'a> Trail<'a> {
     /// Begins with the solution at t = 0.
     pub fn new(first: ContactSolution, visit: &'a mut dyn FnMut(Stop) -> bool) -> Self {
-        let lengths = vec![0.0; first.gap.len()];
-        Self { visit, arrived: Arrival { solution: first, force: 0.0, lengths }, begun: false }
+        let none = vec![0.0; first.gap.len()];
+        Self { visit, arrived: Arrival { solution: first, forces: none.clone(), lengths: none }, begun: false }
     }
 
     /// What holds where the last line has come to.
@@ -33,7 +33,7 @@ impl<'a> Trail<'a> {
 
     /// Comes to the end of a line.
     pub fn arrive(&mut self, line: &Line, t: f64) {
-        self.arrived = Arrival { solution: line.at(t), force: line.force, lengths: line.lengths.clone() };
+        self.arrived = Arrival { solution: line.at(t), forces: line.forces.clone(), lengths: line.lengths.clone() };
     }
 
     /// Shows where a line leaves from: the beginning, an event, or both ends of a jump; whether to go on.
@@ -70,10 +70,9 @@ impl Arrival {
     ///
     /// Points that stay apart, or without a force, are open or closed all the way.
     fn jump_to(&self, begin: &ContactSolution, line: &Line) -> Option<Vec<bool>> {
-        let force = self.force.max(line.force);
         let largest = |a: f64, b: f64, size: f64| if size > 0.0 { a.abs().max(b.abs()) / size } else { 0.0 };
         let here = &self.solution;
-        let presses = |i: usize| largest(here.reaction[i], begin.reaction[i], force);
+        let presses = |i: usize| largest(here.reaction[i], begin.reaction[i], self.forces[i].max(line.forces[i]));
         let parts = |i: usize| largest(here.gap[i], begin.gap[i], self.lengths[i].max(line.lengths[i]));
         let jumps = |&i: &usize| presses(i).max(parts(i)) > tolerances::path::JUMP;
         differing(&here.closed, &begin.closed).iter().any(jumps).then(|| {

@@ -109,13 +109,19 @@ class FullCircle(Arc):
         return np.asarray(np.mod(angle, 2.0 * np.pi) * self.radius)
 
     def breaks(self, sides: Floats, beside: Floats = _NONE) -> Floats:
-        """Divide it where sides (k, 3, 2) meet it, and beside points (q, 2): it begins and ends at the first place."""
+        """Divide it where sides (k, 3, 2) meet it, and beside points (q, 2): it begins and ends at the first place.
+
+        And so that each piece is a third of it at most: Gauss points on three of one length prefer no direction.
+        """
         s = np.sort(np.concatenate([self.crossings(sides), self.nearest(beside)]))
         least = _TOUCHED * self.length
         s = s[np.append(True, np.diff(s) > least)[: len(s)]]
         if len(s) > 1 and s[0] + self.length - s[-1] <= least:
             s = s[:-1]
-        return np.append(s, s[0] + self.length) if len(s) else np.array([0.0, self.length])
+        s = np.append(s, s[0] + self.length) if len(s) else np.array([0.0, self.length])
+        parts = np.maximum(np.ceil(3.0 * np.diff(s) / self.length - _SAME), 1.0).astype(np.int64)
+        pieces = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(s[:-1], s[1:], parts, strict=True)]
+        return np.append(np.concatenate(pieces), s[-1])
 
 
 def arcs_of(curve: Curve) -> list[Arc]:
