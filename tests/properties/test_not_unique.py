@@ -178,7 +178,7 @@ def least_reactions(problem, answer):
     force[found.held.dofs] = imbalance[found.held.dofs]
     touching = np.append(answer.gap, np.zeros(len(found.repeated))) < 1e-12
     power = np.array([{"at": 0, "area": 2}.get(one.place, 1) for one in found.model.support])
-    weights = points.weights / found.mesh.size ** power[points.support]
+    weights = points.weights / np.sqrt(found.mesh.element_area.sum()) ** power[points.support]
     weights = np.append(weights, np.ones(len(at_holds)))
     lowest = np.where(points.two_sided, -np.inf, 0.0)
     highest = np.where(touching, np.inf, 0.0)

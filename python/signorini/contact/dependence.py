@@ -32,7 +32,7 @@ class Dependence:
     ties : (g, k) array
         Independent combinations of the groups' rows that are zero.
     weights : (p,) array
-        What their forces count by: 1 at a point, else length or area over the plate's size, to its power.
+        What their forces count by: 1 at a point, else length over the root of the plate's area, or area over that.
     even : (g,) array
         Whether rows of a group are parallel where dofs are held, too.
     held_together : tuple of frozenset
@@ -98,7 +98,7 @@ def _dependence(found: Discretisation) -> Dependence:
         group,
         scale,
         ties[kept],
-        points.weights[rigid[mine]] / found.mesh.size**power,
+        points.weights[rigid[mine]] / np.sqrt(found.mesh.element_area.sum()) ** power,
         even,
         _held_together(found),
     )
