@@ -48,6 +48,10 @@ class Arc(ABC):
         s = np.concatenate([[0.0], s, [self.length]])
         return np.asarray(s[np.append(np.diff(s) > least, True)])
 
+    def pieces(self, breaks: Floats) -> Floats:
+        """Divide it further where Gauss points on its pieces would prefer a direction."""
+        return breaks
+
 
 @dataclass(frozen=True, eq=False)
 class Segment(Arc):
@@ -109,19 +113,19 @@ class FullCircle(Arc):
         return np.asarray(np.mod(angle, 2.0 * np.pi) * self.radius)
 
     def breaks(self, sides: Floats, beside: Floats = _NONE) -> Floats:
-        """Divide it where sides (k, 3, 2) meet it, and beside points (q, 2): it begins and ends at the first place.
-
-        And so that each piece is a third of it at most: Gauss points on three of one length prefer no direction.
-        """
+        """Divide it where sides (k, 3, 2) meet it, and beside points (q, 2): it begins and ends at the first place."""
         s = np.sort(np.concatenate([self.crossings(sides), self.nearest(beside)]))
         least = _TOUCHED * self.length
         s = s[np.append(True, np.diff(s) > least)[: len(s)]]
         if len(s) > 1 and s[0] + self.length - s[-1] <= least:
             s = s[:-1]
-        s = np.append(s, s[0] + self.length) if len(s) else np.array([0.0, self.length])
-        parts = np.maximum(np.ceil(3.0 * np.diff(s) / self.length - _SAME), 1.0).astype(np.int64)
-        pieces = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(s[:-1], s[1:], parts, strict=True)]
-        return np.append(np.concatenate(pieces), s[-1])
+        return np.append(s, s[0] + self.length) if len(s) else np.array([0.0, self.length])
+
+    def pieces(self, breaks: Floats) -> Floats:
+        """Divide what is longer than a third of it: Gauss points on three pieces of one length prefer no direction."""
+        parts = np.maximum(np.ceil(3.0 * np.diff(breaks) / self.length - _SAME), 1.0).astype(np.int64)
+        ends = zip(breaks[:-1], breaks[1:], parts, strict=True)
+        return np.append(np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in ends]), breaks[-1])
 
 
 def arcs_of(curve: Curve) -> list[Arc]:

@@ -76,7 +76,7 @@ def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0,
         beside = beside[~np.isin(beside[:, 1], along[:, 1])]
         sides = sides[~np.isin(sides[:, 1], np.concatenate([along, beside])[:, 1])]
     for arc in arcs_of(curve):
-        breaks = arc.breaks(mesh.points[sides], mesh.points[beside[:, [0, 2]].ravel()])
+        breaks = arc.pieces(arc.breaks(mesh.points[sides], mesh.points[beside[:, [0, 2]].ravel()]))
         inside = mesh.locate(arc.at(0.5 * (breaks[1:] + breaks[:-1]))[0]).elements
         on = inside >= 0
         piece, begin, end = divided(breaks[:-1][on], breaks[1:][on], partial(_along, arc), levels)
