@@ -140,6 +140,16 @@ def test_a_rigid_circle_that_the_mesh_follows_in_part_is_answered_at_once() -> N
     assert answer.status == "solved" and certify(found, load, answer.hi, answer.lo, answer.reaction).passed
 
 
+def test_proximal_steps_come_after_pivots_and_active_sets_and_before_the_interior_point_method() -> None:
+    def ways(method: str) -> list[str]:
+        problem = contact_problem(plate(CLAMPED, PROPS, method=method))
+        return list(dict.fromkeys("steps" if way.part else way.problem.method for way in attempts(problem)))
+
+    assert ways("lemke") == ["lemke", "active_set", "steps", "interior_point"]
+    assert ways("active_set") == ["active_set", "lemke", "steps", "interior_point"]
+    assert ways("interior_point") == ["interior_point", "active_set", "lemke", "steps"]
+
+
 def test_a_path_is_followed_once_with_each_core() -> None:
     def ways(method: str) -> list[tuple[str, bool]]:
         problem = contact_problem(plate(CLAMPED, PROPS, method=method))

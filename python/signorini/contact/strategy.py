@@ -85,18 +85,22 @@ def attempts(problem: ContactProblem, proximal: bool = True) -> Iterator[Attempt
     """
     if problem.reference is not None:
         yield Attempt(problem)
-    condensed = None
+    condensed: ContactProblem | None = None
+    parts: Sequence[float] = _YIELDING
     for way in _methods(replace(problem, reference=None)):
         if way.method == "lemke":
             condensed = way
             yield from (Attempt(way, form) for form in _forms(way))
-            if proximal:
-                yield from _proximal(way, _YIELDING)
-        elif proximal or way.method == "active_set":
+        elif way.method == "active_set":
+            yield Attempt(way)
+        elif proximal:
+            if condensed is not None:
+                yield from _proximal(condensed, parts)
+                # What is left imprecise by what comes next.
+                parts = _YIELDING[1:]
             yield Attempt(way)
     if proximal and condensed is not None:
-        # What another method has left imprecise.
-        yield from _proximal(condensed, _YIELDING[1:])
+        yield from _proximal(condensed, parts)
 
 
 def ways_along(problem: ContactProblem) -> Iterator[tuple[ContactProblem, bool]]:
