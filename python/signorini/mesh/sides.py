@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from signorini.mesh.boxtree import BoxTree
 from signorini.mesh.isoparametric import side_boxes
+from signorini.shapes.outlines import Box
 
 Floats = npt.NDArray[np.float64]
 
@@ -30,6 +31,13 @@ class Sides:
 
     nodes: Floats
     within: float
+
+    @property
+    def bounds(self) -> Box:
+        """A box xmin, ymin, xmax, ymax around them."""
+        boxes = side_boxes(self.nodes)
+        (x0, y0), (x1, y1) = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
+        return x0, y0, x1, y1
 
     def nearest(self, at: Floats) -> tuple[Floats, Floats]:
         """The nearest places (q, 2) of these to some (q, 2), and how far they are: infinitely if not within."""

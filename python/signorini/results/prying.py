@@ -19,8 +19,9 @@ from signorini.mesh.sides import Sides
 from signorini.model import OutlinedPlate, Support
 from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
-from signorini.shapes import Curve, Ring
+from signorini.shapes import Curve, Polyline, Ring
 from signorini.shapes.nearest import Targets, edges_of
+from signorini.shapes.outlines import bounds_of
 
 _ALONG = 0.2
 """Slope of the distance between two lines up to which one runs along the other: an angle of twelve degrees."""
@@ -41,9 +42,10 @@ def prying(found: Discretisation) -> Iterator[str]:
     of_edges = _edges(found, {name for one in rigid for name in one.edge or ()}, thickness)
     holding: list[_Holding] = [(f"the edge {name}", one, of_edges[name]) for one in rigid for name in one.edge or ()]
     holding += [(f"the {one.place}", one, _targets(line)) for one in rigid if (line := curve(one)) is not None]
+    boxes = np.array([those.bounds for *_, those in holding]).reshape(-1, 4)
     told = set[tuple[int, int]]()
     for support in (one for one in rigid if one.place not in ("edge", "area")):
-        for what, other, those in holding:
+        for what, other, those in (holding[at] for at in _reached(support, boxes, thickness)):
             pair = min(id(support), id(other)), max(id(support), id(other))
             if other is support or pair in told or _let_go(support, other):
                 continue
@@ -85,10 +87,19 @@ def _let_go(one: Support, other: Support) -> bool:
     return one.fix is None and other.fix is None and one.resists == other.resists in ("down", "up")
 
 
+def _reached(support: Support, boxes: Floats, within: float) -> list[int]:
+    """Which of some boxes (k, 4) the one around a support comes so near to."""
+    along = curve(support)
+    places = along.points if isinstance(along, Polyline) else support.at or ()
+    x0, y0, x1, y1 = along.bounds if isinstance(along, Ring) else bounds_of(places)
+    low, high = boxes[:, :2] - within, boxes[:, 2:] + within
+    return np.flatnonzero(((low <= [x1, y1]) & (high >= [x0, y0])).all(axis=1)).tolist()
+
+
 def _nearest(support: Support, those: Targets | Sides, size: float, most: float) -> tuple[Floats, float] | None:
     """A point of a support that is near, and how far: at a point or an end, else where it runs along them."""
     along, least = curve(support), SAME_PLACE * size
-    if along is None or not isinstance(along, Ring):
+    if not isinstance(along, Ring):
         places = np.array(support.at if along is None else along.points)
         apart = those.nearest(places)[1]
         if len(first := np.flatnonzero((least < apart) & (apart < most))[:1]):

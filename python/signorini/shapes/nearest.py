@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from signorini.shapes.contours import Contour, arc_through
-from signorini.shapes.outlines import Point
+from signorini.shapes.outlines import Box, Point, bounds_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -41,6 +41,13 @@ class Targets:
         """Gather them."""
         shaped = ((points, (-1, 2)), (sides, (-1, 2, 2)), (arcs, (-1, 5)))
         return cls(*(np.array([*those], dtype=float).reshape(shape) for those, shape in shaped))
+
+    @property
+    def bounds(self) -> Box:
+        """A box xmin, ymin, xmax, ymax around them, and around the whole circles of arcs."""
+        x, y, radius, _, _ = self.arcs.T
+        whole = np.concatenate([np.column_stack([x - radius, y - radius]), np.column_stack([x + radius, y + radius])])
+        return bounds_of(np.concatenate([self.points, self.sides.reshape(-1, 2), whole]).tolist())
 
     def nearest(self, at: Floats) -> tuple[Floats, Floats]:
         """The nearest places (q, 2) of these to some (q, 2), and how far they are."""
