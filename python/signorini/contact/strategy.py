@@ -42,13 +42,15 @@ _MOST_DOFS = 200_000
 class Attempt(NamedTuple):
     """A way to an answer: a method, the form of its LCP, and where rounding decides, what increments yield by.
 
-    ``near`` says that it begins with the contact set of the last answer, if there is one.
+    ``near`` says that it begins with the contact set of the last answer, if there is one; ``only_near``, that it is
+    left out if there is none.
     """
 
     problem: ContactProblem
     form: Form = "auto"
     part: float | None = None
     near: bool = False
+    only_near: bool = False
 
     @property
     def words(self) -> str:
@@ -91,6 +93,9 @@ def attempts(problem: ContactProblem, proximal: bool = True) -> Iterator[Attempt
         if way.method == "lemke":
             condensed = way
             yield from (Attempt(way, form) for form in _forms(way))
+            if proximal and _may_take_steps(way.discretisation):
+                # A set that is right but for rounding takes a step or two, and from rest each takes a factor.
+                yield Attempt(way, part=_YIELDING[0], near=True, only_near=True)
         elif way.method == "active_set":
             yield Attempt(way)
         elif proximal:
@@ -173,6 +178,8 @@ def answered(
     stepped = set[tuple[float, bytes | None]]()
     consistent = False
     for attempt in attempts(problem, proximal):
+        if attempt.only_near and near is None:
+            continue
         methods += () if attempt.problem.method in methods else (attempt.problem.method,)
         closed = near if attempt.near else None
         if attempt.part is not None:
