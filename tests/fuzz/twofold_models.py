@@ -26,7 +26,7 @@ from signorini.shapes.contours import Contour, along_side
 _ROUNDING = 1e-6
 """Part of the largest deflection, or force, by which the two may differ."""
 _CURVED = 1e-4
-"""The same of parts of lines and areas that end inside elements with curved sides."""
+"""The same of parts of lines and areas that end inside elements that are no parallelograms, where no rule is exact."""
 _HARDLY = 1e-4
 """Part of the deflection by which a load scales on the plate, below which deflections count as that much."""
 _CUT = 1e-3
@@ -192,7 +192,9 @@ def turned(rng: Random, tables: Tables) -> Extreme:
         mesh = discretise(validate(tables)).mesh if result is None else result.mesh
         contours = validate(tables).plate.contours
         other = motion.of_model(tables, contours)
-        part = _CUT if "zone" in tables or "where(" in repr(tables) else _ROUNDING
+        items = [*tables["support"], *tables["load"]]
+        parts = any(key in item for item in items for key in ("area", "patch", "radius"))
+        part = _CUT if "zone" in tables or "where(" in repr(tables) else _CURVED if parts else _ROUNDING
         return _compared(result, tables, other, motion.of_mesh(mesh, contours), part)
 
     return Extreme("turned", tables, judge, may_be_refused=True)
