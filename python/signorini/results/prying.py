@@ -19,7 +19,7 @@ from signorini.mesh.sides import Sides
 from signorini.model import OutlinedPlate, Support
 from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
-from signorini.shapes import Curve, Polyline, Ring
+from signorini.shapes import Curve, Ring
 from signorini.shapes.nearest import Targets, edges_of
 from signorini.shapes.outlines import bounds_of
 
@@ -27,8 +27,8 @@ _ALONG = 0.2
 """Slope of the distance between two lines up to which one runs along the other: an angle of twelve degrees."""
 _NEIGHBOURS = 0.1
 """Part of the thickness within which two points pry. What a plate does between them falls with the square of it."""
-_PIECES = (4, 1000)
-"""Pieces of a line or circle that are looked at, at least and about at most."""
+_OF_SIDE, _OF_CIRCLE, _MOST = 4, 64, 1000
+"""Pieces of a side of a line and of a circle that are looked at, at least, and of either, about at most."""
 
 _Holding: TypeAlias = tuple[str, Support, Targets | Sides]
 
@@ -90,8 +90,7 @@ def _let_go(one: Support, other: Support) -> bool:
 def _reached(support: Support, boxes: Floats, within: float) -> list[int]:
     """Which of some boxes (k, 4) the one around a support comes so near to."""
     along = curve(support)
-    places = along.points if isinstance(along, Polyline) else support.at or ()
-    x0, y0, x1, y1 = along.bounds if isinstance(along, Ring) else bounds_of(places)
+    x0, y0, x1, y1 = bounds_of(support.at or ()) if along is None else along.bounds
     low, high = boxes[:, :2] - within, boxes[:, 2:] + within
     return np.flatnonzero(((low <= [x1, y1]) & (high >= [x0, y0])).all(axis=1)).tolist()
 
@@ -123,15 +122,14 @@ def _runs_along(places: Floats, apart: Floats) -> Bools:
 
 def _pieces(line: Curve, step: float) -> Iterator[Floats]:
     """Points along each side of a line, or around a circle, about half a step apart."""
-    fewest, most = _PIECES
-    step = max(0.5 * step, line.length / most)
+    step = max(0.5 * step, line.length / _MOST)
     if isinstance(line, Ring):
-        count = max(16 * fewest, math.ceil(line.length / step))
+        count = max(_OF_CIRCLE, math.ceil(line.length / step))
         angle = np.linspace(0.0, math.tau, count + 1)
         yield line.center + line.radius * np.column_stack([np.cos(angle), np.sin(angle)])
         return
     for begin, end in pairwise(np.array(line.points)):
-        count = max(fewest, math.ceil(math.dist(begin, end) / step))
+        count = max(_OF_SIDE, math.ceil(math.dist(begin, end) / step))
         yield begin + np.linspace(0.0, 1.0, count + 1)[:, None] * (end - begin)
 
 
