@@ -59,6 +59,7 @@ POINTS = np.array(
     ]
 )
 ELEMENTS = np.array([[0, 1, 2, 3, 6, 7, 8, 9], [3, 5, 4, 0, 12, 11, 10, 9]])
+RING = {"center": [2.0, 2.0], "radius": 1.0}
 PLAN = Plan.of(POINTS, ELEMENTS)
 PADS = SupportMark("pads", "down", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), np.array([True, False, True]))
 
@@ -238,6 +239,16 @@ def test_the_legend_counts_closed_and_open_below_the_axes() -> None:
     assert words == legend_words([PADS, wall])
     assert legend.get_window_extent().y1 < axes.xaxis.label.get_window_extent().y0
     assert axes.get_xlabel() == "x [m]"
+
+
+def test_the_legend_counts_nothing_where_a_support_never_lets_go() -> None:
+    """Pieces of a line by which it is drawn are not its points."""
+    fixed = [{"name": "wall", "edge": "left", "fix": "simple"}, {"name": "ring", "circle": RING, "fix": "simple"}]
+    prop = {"name": "prop", "at": [3.5, 2.0], "resists": "down"}
+    result = solve(rectangular(support=[*fixed, prop], load=[{"pressure": 1e3}]))["all"]
+    marks = support_marks(result.mesh, result.model.support, result.supports)
+    assert [mark.label for mark in marks[:2]] == ["wall: edge, simple", "ring: circle, simple"]
+    assert marks[2].label.endswith((", 1 closed, 0 open", ", 0 closed, 1 open"))
 
 
 def test_a_support_that_acts_nowhere_is_in_the_legend() -> None:

@@ -49,7 +49,9 @@ def support_mark(
     from signorini.plot import SupportMark
 
     style: Literal["points", "line", "area"] = "points"
-    counts = None if closed is None or support.fix is not None else (int(closed.sum()), int((~closed).sum()))
+    if support.fix is not None:
+        closed = None  # it never lets go
+    counts = None if closed is None else (int(closed.sum()), int((~closed).sum()))
     places, states = positions, closed
     if support.place != "at":
         style, drawn = "line", path(mesh, support) if support.place != "area" else np.zeros((0, 2))
