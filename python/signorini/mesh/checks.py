@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise, product
-
 import numpy as np
 import numpy.typing as npt
 
@@ -36,6 +34,8 @@ _STRAIGHT = 1e-9
 """Rise of a side over its chord below which it is straight."""
 _CHORDS = 32
 """Chords of a curved side, off it by a thousandth of its rise."""
+_TOGETHER = 1 << 18
+"""Pairs of chords that are looked at together, for their arrays to stay in the processor's caches."""
 _SLANTED = np.array([0.79, 0.61])
 
 
@@ -159,16 +159,18 @@ def check_overlap(points: Floats, boundary: Ints) -> None:
     a, middle, b = np.moveaxis(sides, 1, 0)
     curved = np.hypot(*(0.5 * (a + b) - middle).T) > _STRAIGHT * np.hypot(*(b - a).T)
     either = curved[one] | curved[other]
-    for pairs, count in ((~either, 1), (either, _CHORDS)):
+    for pairs, count in ((np.flatnonzero(~either), 1), (np.flatnonzero(either), _CHORDS)):
         t = np.linspace(-1.0, 1.0, count + 1)[:, None, None]
         chains = 0.5 * t * (t - 1.0) * a + (1.0 - t * t) * middle + 0.5 * t * (t + 1.0) * b
-        first, second = chains[:, one[pairs]], chains[:, other[pairs]]
-        for (begin, end), beside in product(pairwise(first), pairwise(second)):
-            part = _crossing(begin, end, *beside)
+        for start in range(0, len(pairs), _TOGETHER // count**2):
+            some = pairs[start : start + _TOGETHER // count**2]
+            first, second = chains[:, None, one[some]], chains[None, :, other[some]]
+            begin, end = first[:-1], first[1:]
+            part = _crossing(begin, end, second[:, :-1], second[:, 1:])
             if not np.isnan(part).all():
-                at = int(np.nanargmin(part))
-                place = begin[at] + part[at] * (end[at] - begin[at])
-                nodes = [", ".join(map(str, boundary[which[pairs][at]])) for which in (one, other)]
+                chord, beside, at = np.unravel_index(np.nanargmin(part), part.shape)
+                place = begin[chord, 0, at] + part[chord, beside, at] * (end - begin)[chord, 0, at]
+                nodes = [", ".join(map(str, boundary[which[some[at]]])) for which in (one, other)]
                 raise InputError(
                     f"Elements of the mesh overlap: its boundary crosses itself at {point(place)}, where the side with "
                     f"nodes {nodes[0]} meets the one with nodes {nodes[1]}. Elements may only lie beside each other."
@@ -189,11 +191,11 @@ def _near_each_other(boxes: Floats) -> tuple[Ints, Ints]:
 
 
 def _crossing(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
-    """At which part (k,) of their length segments from a to b cross those from c to d, (k, 2) each; NaN if nowhere."""
+    """At which part of their length segments from a to b cross those from c to d, (…, 2) each; NaN if nowhere."""
 
     def turn(p: Floats, q: Floats, r: Floats) -> Floats:
-        u, v = (q - p).T, (r - p).T
-        return np.asarray(u[0] * v[1] - u[1] * v[0])
+        u, v = q - p, r - p
+        return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
 
     begin, end = turn(c, d, a), turn(c, d, b)
     crossed = (turn(a, b, c) * turn(a, b, d) < 0.0) & (begin * end < 0.0)
