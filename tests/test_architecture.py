@@ -191,6 +191,8 @@ CORE_LAYERS = (
     ("element",),
     ("plate",),
     ("cholesky",),
+    ("displacement",),
+    ("rows",),
     ("ordering", "assembly", "residual", "stress"),
     ("contact/tolerances", "contact/scale", "contact/condense", "contact/points", "contact/rigid"),
     ("contact/problem",),

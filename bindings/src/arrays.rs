@@ -4,7 +4,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArra
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use signorini_core::element::DOFS;
-use signorini_core::residual::{Rows, Springs};
+use signorini_core::rows::{Rows, Springs};
 use std::collections::BTreeMap;
 
 pub fn invalid(error: impl std::fmt::Display) -> PyErr {

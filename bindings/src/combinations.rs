@@ -8,8 +8,8 @@ use numpy::{
 };
 use pyo3::prelude::*;
 use signorini_core::contact::{self, Outcome};
+use signorini_core::displacement::Displacement;
 use signorini_core::plate;
-use signorini_core::residual::Displacement;
 use signorini_core::stress::{Strained, smoothed_together};
 use signorini_core::superposition::{self, Envelope, LeftOut};
 use std::sync::Arc;

@@ -6,9 +6,10 @@ use numpy::{
 };
 use pyo3::prelude::*;
 use signorini_core::assembly::{Assembly, Numbering};
+use signorini_core::displacement::Displacement;
 use signorini_core::element::{DOFS, Kind, Layered, Material, Materials, Section, Thickness};
 use signorini_core::plate::{self, StressNodes};
-use signorini_core::residual::{Displacement, internal_magnitudes, nodal_force, openings, residual};
+use signorini_core::residual::{internal_magnitudes, nodal_force, openings, residual};
 use signorini_core::stress;
 use std::sync::Arc;
 

@@ -4,7 +4,7 @@ use crate::cholesky::{Graph, Matrix, Reader};
 use crate::element::packed;
 use crate::ordering::nested_dissection;
 use crate::plate::Plate;
-use crate::residual::Springs;
+use crate::rows::Springs;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;

@@ -6,10 +6,10 @@
 //! triangles moments are sampled at three points, and carried on by the linear function through them; shear is the
 //! element's mean.
 
+use crate::displacement::Displacement;
 use crate::element::quadrature::GAUSS_2;
 use crate::element::{self, ALL_DOFS, DOFS, Kind, Section, StrainMatrix, mitc7, shape::NODES};
 use crate::plate::Plate;
-use crate::residual::Displacement;
 use rayon::prelude::*;
 
 /// [mx, my, mxy, qx, qy] at a point: moments sag positive, M = −D(κ − κ⁰), Q = S(∇w − θ).

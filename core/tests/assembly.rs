@@ -6,7 +6,7 @@ use signorini_core::cholesky::{Analysis, FactorError};
 use signorini_core::element::{DOFS, Kind, Layered, Material, Thickness, packed};
 use signorini_core::ordering::nested_dissection;
 use signorini_core::plate::Plate;
-use signorini_core::residual::Springs;
+use signorini_core::rows::Springs;
 
 /// A grid of nx × ny squares, its nodes turned a little at random and in frames of their own.
 fn plate(nx: usize, ny: usize, seed: u64) -> Plate {

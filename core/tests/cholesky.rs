@@ -4,7 +4,7 @@ use signorini_core::assembly::{Assembly, LowerTriangle, Numbering};
 use signorini_core::cholesky::{Analysis, Factor, FactorError, Graph, Matrix, Reader};
 use signorini_core::element::{Kind, Material, Thickness};
 use signorini_core::plate::Plate;
-use signorini_core::residual::{Rows, Springs};
+use signorini_core::rows::{Rows, Springs};
 
 /// A matrix whose entries are all there.
 struct Stored {

@@ -2,9 +2,10 @@
 use proptest::prelude::*;
 use signorini_core::contact::interior_point::interior_point;
 use signorini_core::contact::{Constraints, ContactProblem, ContactSolution, Form, Outcome};
+use signorini_core::displacement::Displacement;
 use signorini_core::element::{Kind, Material, Thickness};
 use signorini_core::plate::Plate;
-use signorini_core::residual::{Displacement, Springs};
+use signorini_core::rows::Springs;
 use std::sync::Arc;
 
 const SIZE: usize = 3;

@@ -1,9 +1,11 @@
 //! Plates: what arrays they refuse, what they leave unstrained, and the arithmetic underneath.
 use proptest::prelude::*;
+use signorini_core::displacement::Displacement;
 use signorini_core::double_double::DoubleDouble;
 use signorini_core::element::{Kind, Layered, Material, Materials, Thickness};
 use signorini_core::plate::{Plate, PlateError, StressNodes};
-use signorini_core::residual::{Displacement, Springs, residual};
+use signorini_core::residual::residual;
+use signorini_core::rows::Springs;
 use signorini_core::stress::smoothed;
 
 const MATERIAL: Material = Material::isotropic(1000.0, 0.3, 5.0 / 6.0);

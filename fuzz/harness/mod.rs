@@ -3,7 +3,7 @@ use signorini_core::contact::{Constraints, ContactProblem, ContactSolution, Form
 use signorini_core::element::{Kind, Layered, Material, Thickness};
 use signorini_core::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from, parametric};
 use signorini_core::plate::Plate;
-use signorini_core::residual::{Rows, Springs};
+use signorini_core::rows::{Rows, Springs};
 use std::sync::Arc;
 
 /// Bytes read off one after the other; zeros where they end.

@@ -14,7 +14,7 @@ use crate::assembly::Numbering;
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
 use crate::plate::Plate;
-use crate::residual::Springs;
+use crate::rows::Springs;
 use clarabel::solver::implementations::default::{DefaultInfo, DefaultSolution};
 use clarabel::solver::{
     DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, SupportedConeT, ZeroConeT,

@@ -1,8 +1,9 @@
 //! Contact points as rows, and one-sided ones in any number as piecewise linear springs.
 
+use crate::displacement::Displacement;
 use crate::element::{DOFS, packed};
 use crate::plate::Plate;
-use crate::residual::{Displacement, Rows, Springs};
+use crate::rows::{Rows, Springs};
 use crate::vectorized::vectorized;
 use rayon::prelude::*;
 use std::collections::BTreeMap;

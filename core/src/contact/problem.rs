@@ -8,7 +8,7 @@ use crate::cholesky::{Analysis, Factor, FactorError};
 use crate::contact::tolerances;
 use crate::element::Kind;
 use crate::plate::Plate;
-use crate::residual::{Rows, Springs};
+use crate::rows::{Rows, Springs};
 use std::sync::Arc;
 use std::time::Instant;
 

@@ -9,7 +9,9 @@ use super::problem::{ContactProblem, Factored, with_regularization};
 use super::solution::held_at;
 use crate::cholesky::FactorError;
 use crate::contact::tolerances;
-use crate::residual::{Displacement, Springs, residual};
+use crate::displacement::Displacement;
+use crate::residual::residual;
+use crate::rows::Springs;
 use rayon::prelude::*;
 
 /// One term of the sum, refined with the double-double residual.

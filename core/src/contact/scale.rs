@@ -2,7 +2,7 @@
 //! numbering begins.
 
 use crate::plate::Plate;
-use crate::residual::Rows;
+use crate::rows::Rows;
 
 /// A plate's sizes.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! What a contact problem is answered with, and answers to begin with.
 
 use super::problem::{ContactProblem, Factored};
-use crate::residual::Displacement;
+use crate::displacement::Displacement;
 
 /// One step of a solve, to whoever watches.
 #[derive(Clone, Copy, Debug)]

@@ -11,7 +11,7 @@ use crate::contact::scale::Scale;
 use crate::contact::tolerances;
 use crate::dense::{self, Cholesky, OutOfMemory};
 use crate::plate::Plate;
-use crate::residual::Springs;
+use crate::rows::Springs;
 use faer::{Mat, MatMut};
 
 pub(crate) struct WideSprings {

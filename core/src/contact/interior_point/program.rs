@@ -4,8 +4,10 @@ use crate::assembly::{Assembly, HELD, Numbering};
 use crate::contact::points::Constraints;
 use crate::contact::scale::largest;
 use crate::contact::tolerances;
+use crate::displacement::Displacement;
 use crate::plate::Plate;
-use crate::residual::{Displacement, Springs, residual};
+use crate::residual::residual;
+use crate::rows::Springs;
 use clarabel::algebra::CscMatrix;
 
 /// The quadratic program min ½xᵀPx + qᵀx, Ax + s = b, in units in which P has the diagonal 1 and every row of A the norm 1.

@@ -10,7 +10,7 @@ use crate::contact::problem::ContactProblem;
 use crate::contact::scale::{dot, norm};
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
-use crate::residual::Displacement;
+use crate::displacement::Displacement;
 
 /// At most this many corrections.
 const CORRECTIONS: usize = 80;

@@ -7,7 +7,8 @@ use crate::contact::problem::ContactProblem;
 use crate::contact::scale::norm;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
-use crate::residual::{Displacement, internal_magnitudes, residual};
+use crate::displacement::Displacement;
+use crate::residual::{internal_magnitudes, residual};
 
 /// What is out of balance and what is left of the gaps.
 #[derive(Clone, Default)]

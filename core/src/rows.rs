@@ -1,0 +1,109 @@
+//! Rows over the nodes of elements, by which supports hold a plate, and the springs on them.
+
+use crate::displacement::Displacement;
+use crate::double_double::DoubleDouble;
+use crate::element::DOFS;
+use crate::plate::Plate;
+use std::collections::BTreeMap;
+
+/// Rows over single elements (elastic supports, contact points), in the nodes' frames.
+#[derive(Clone, Debug, Default)]
+pub struct Rows {
+    pub element: Vec<usize>,
+    pub coefficient: Vec<[f64; DOFS]>,
+    /// What rows, few of them, have in further elements: means over footprints. No dof stands twice in a row.
+    pub further: BTreeMap<usize, Vec<(usize, [f64; DOFS])>>,
+}
+
+impl Rows {
+    pub fn len(&self) -> usize {
+        self.element.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.element.is_empty()
+    }
+
+    /// Puts a row of another table behind the others.
+    pub fn push_from(&mut self, other: &Self, row: usize) {
+        if let Some(further) = other.further.get(&row) {
+            self.further.insert(self.len(), further.clone());
+        }
+        self.element.push(other.element[row]);
+        self.coefficient.push(other.coefficient[row]);
+    }
+
+    /// The dof and coefficient pairs of one row, zeros left out.
+    pub fn entries<'a>(&'a self, plate: &'a Plate, row: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let of_element = |element: usize, coefficient: &'a [f64; DOFS]| {
+            let nodes = &plate.elements()[element];
+            let entry = move |(j, &c): (usize, &f64)| (3 * nodes[j / 3] + j % 3, c);
+            coefficient.iter().enumerate().filter(|(_, c)| **c != 0.0).map(entry)
+        };
+        let further = self.further.get(&row).into_iter().flatten();
+        of_element(self.element[row], &self.coefficient[row]).chain(further.flat_map(move |(e, c)| of_element(*e, c)))
+    }
+
+    /// Row times displacement, minus `offset`, in double-double.
+    pub fn beyond(&self, plate: &Plate, row: usize, displacement: &Displacement, offset: f64) -> f64 {
+        let mut sum = DoubleDouble::from(-offset);
+        self.entries(plate, row).for_each(|(dof, c)| {
+            sum.add_product(c, displacement.hi[dof]);
+            sum.lo += c * displacement.lo[dof];
+        });
+        sum.value()
+    }
+
+    /// Row times a vector of doubles.
+    pub fn dot(&self, plate: &Plate, row: usize, vector: &[f64]) -> f64 {
+        self.entries(plate, row).map(|(dof, c)| c * vector[dof]).sum()
+    }
+
+    /// Adds `factor` times the row to a nodal vector.
+    pub fn scatter(&self, plate: &Plate, row: usize, factor: f64, vector: &mut [f64]) {
+        self.entries(plate, row).for_each(|(dof, c)| vector[dof] += factor * c);
+    }
+}
+
+/// Linear springs: stiffness k_i on row i, whose base sits at `base_i`.
+#[derive(Clone, Debug, Default)]
+pub struct Springs {
+    pub rows: Rows,
+    pub stiffness: Vec<f64>,
+    pub base: Vec<f64>,
+}
+
+impl Springs {
+    /// Puts a spring on a row of some table behind the others.
+    pub fn push(&mut self, rows: &Rows, row: usize, stiffness: f64, base: f64) {
+        self.rows.push_from(rows, row);
+        self.stiffness.push(stiffness);
+        self.base.push(base);
+    }
+
+    /// Puts a spring on a single dof behind the others.
+    pub fn push_at(&mut self, plate: &Plate, dof: usize, stiffness: f64) {
+        let place = |nodes: &[usize; 8]| nodes.iter().position(|&node| node == dof / 3);
+        let found = plate.elements().iter().enumerate().find_map(|(e, nodes)| Some((e, place(nodes)?)));
+        let (element, local) = found.expect("every node has an element");
+        let mut row = [0.0; DOFS];
+        row[3 * local + dof % 3] = 1.0;
+        self.rows.element.push(element);
+        self.rows.coefficient.push(row);
+        self.stiffness.push(stiffness);
+        self.base.push(0.0);
+    }
+
+    /// Those over single elements, and those over several that have a stiffness.
+    pub fn narrow_and_wide(&self) -> (Self, Self) {
+        let (mut narrow, mut wide) = (Self::default(), Self::default());
+        for (row, &stiffness) in self.stiffness.iter().enumerate() {
+            match self.rows.further.contains_key(&row) {
+                false => narrow.push(&self.rows, row, stiffness, self.base[row]),
+                true if stiffness > 0.0 => wide.push(&self.rows, row, stiffness, self.base[row]),
+                true => {}
+            }
+        }
+        (narrow, wide)
+    }
+}
