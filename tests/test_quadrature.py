@@ -284,6 +284,18 @@ def test_a_line_along_sides_and_through_nodes_is_exact(name):
     assert curve_quadrature(MESHES[name], line).total == pytest.approx(4.0, rel=1e-13)
 
 
+def test_a_line_along_sides_is_divided_where_they_end_however_it_is_turned():
+    """It ends within sides, so that the mesh does not follow it; where they cross it is not left to rounding."""
+    mesh, rng = rectangle((0.0, 0.0), (10.0, 5.0), (2, 4)), np.random.default_rng(5)
+    for _ in range(100):
+        begin, end, angle = *rng.uniform(5.1, 9.9, 2), rng.uniform(0.0, 6.3)
+        turn, shift = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]), rng.uniform(-5, 5, 2)
+        turned = Mesh(mesh.points @ turn + shift, mesh.elements, {})
+        ends = np.array([[begin, 1.25], [end, 1.25]]) @ turn + shift
+        points = curve_quadrature(turned, Polyline(tuple(map(tuple, ends))), order=2)
+        assert len(points.weights) == 2, (begin, end, angle, shift)
+
+
 def test_of_a_line_past_the_edge_the_part_on_the_plate_counts():
     line = Polyline(((0.0, 0.0), (3.0, 4.0)))
     q = curve_quadrature(SQUARE, line)

@@ -14,10 +14,13 @@ from signorini.shapes import Curve, Ring
 from signorini.shapes.outlines import Outline
 
 Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
 
 _SAME = 1e-13
 _TOUCHED = 1e-6
 """Part of an arc that counts as one point: where a side only touches a circle, rounding finds it to half the digits."""
+_STRAIGHT = 1e-9
+"""Part of its length that a side may be off a line on which it lies."""
 _NONE = np.zeros((0, 2))
 
 
@@ -74,8 +77,17 @@ class Segment(Arc):
         """Find the arc lengths (r,) at which sides (k, 3, 2) meet the segment, in any order, some of them twice."""
         segment = np.stack([self.begin, self.end])[None]
         near, _, _, _ = touched(side_boxes(sides), Outline(segments=segment), _margin(sides))
-        _, points = with_segments(quadratics(sides[near]), np.repeat(segment, len(near), axis=0))
-        return self.nearest(points)
+        sides = sides[near]
+        # Where a side crosses a line that it lies on is what rounding says.
+        along = self._holds(sides)
+        _, points = with_segments(quadratics(sides[~along]), np.repeat(segment, int((~along).sum()), axis=0))
+        return self.nearest(np.concatenate([points, sides[along][:, [0, 2]].reshape(-1, 2)]))
+
+    def _holds(self, sides: Floats) -> Bools:
+        """Tell which sides (k, 3, 2) lie on the line through both ends."""
+        x, y = (self.end - self.begin) / self.length
+        off = np.abs((sides - self.begin) @ np.array([-y, x])).max(axis=1, initial=0.0)
+        return np.asarray(off <= _STRAIGHT * np.hypot(*(sides[:, 2] - sides[:, 0]).T) + _margin(sides))
 
     def nearest(self, points: Floats) -> Floats:
         """The arc lengths (q,) of the places nearest to points (q, 2), on the line through both ends."""
@@ -136,4 +148,4 @@ def arcs_of(curve: Curve) -> list[Arc]:
 
 
 def _margin(sides: Floats) -> float:
-    return _SAME * float(np.abs(sides).max())
+    return _SAME * float(np.abs(sides).max(initial=0.0))
