@@ -6,7 +6,6 @@ three global balances from them. It reads no factor, no condensed matrix, and no
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -14,6 +13,21 @@ from typing import NamedTuple
 import numpy as np
 
 from signorini.contact.answer import Answer
+from signorini.contact.magnitudes import (
+    bending_force,
+    bending_part,
+    by_force,
+    forces_at_nodes,
+    largest_magnitudes,
+    loaded_deflection,
+    maximum,
+    push_magnitudes,
+    ratio,
+    reaching,
+    resultants_and_sizes,
+    rigidity,
+    scaled_motions,
+)
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.loads import CANCELLED
 from signorini.discretise.rows import Bools, Floats
@@ -158,7 +172,7 @@ def certify_each(
     beside = beside or [()] * len(loads)
     deflected, reached = (
         np.array([sum(float(of(found, part.nodal)) for part in parts) for parts in beside])
-        for of in (_loaded_deflection, _reaching)
+        for of in (loaded_deflection, reaching)
     )
     imbalance = imbalances(found, loads, hi, lo) if imbalance is None else imbalance
     with np.errstate(invalid="ignore"):
@@ -178,15 +192,15 @@ def certify_each(
             float(np.abs(contacts.distance[contacts.slope]).max(initial=0.0)),
         )
         deflection, slopes = hi[:, ::3], hi.reshape(len(hi), -1, 3)[:, :, 1:]
-        length = _most(
-            _largest(deflection),
-            _NIL * _loaded_deflection(found, nodal),
+        length = maximum(
+            largest_magnitudes(deflection),
+            _NIL * loaded_deflection(found, nodal),
             _UNSEEN * deflected,
             _UNSEEN * turned * size,
             idle * travel.max(initial=0.0),
             idle * _UNSEEN * np.abs(found.springs.base).max(initial=0.0),
         )
-        slope = _most(_largest(slopes), length / size)
+        slope = maximum(largest_magnitudes(slopes), length / size)
         lengths = np.where(contacts.slope, slope[:, None], np.maximum(travel, length[:, None]))
         lengths += length[:, None] == 0.0
         open_by = np.maximum(np.where(contacts.two_sided, np.abs(gap), -gap), 0.0)
@@ -194,36 +208,38 @@ def certify_each(
         across = float(np.sqrt(found.mesh.element_area.mean()))
         # Forces count from what bending to the deflection takes, less the rigid motion in it; under no load, from what
         # shearing to the travel does.
-        bent = np.where(idle, length, _largest(np.minimum(np.abs(_bent(found, deflection)), length[:, None])))
-        bending = _rigidity(found, found.thickness.max()) * bent / size**2
-        rest = _most(_UNSEEN * bending, _CANCELLED * reached)
+        bent = np.where(
+            idle, length, largest_magnitudes(np.minimum(np.abs(bending_part(found, deflection)), length[:, None]))
+        )
+        bending = rigidity(found, found.thickness.max()) * bent / size**2
+        rest = maximum(_UNSEEN * bending, _CANCELLED * reached)
         shear = found.model.young * found.thickness.max()
-        rest = np.where(idle, _most(rest, shear * _most(_UNSEEN * length, travel.max(initial=0.0))), rest)
-        by_load = _by_force(nodal, across)
-        by_supports = _most(_by_force(at_holds, across), _largest(force))
-        scale = _most(np.where(by_load != 0.0, by_load, by_supports), rest)
-        pressing = _most(scale, _largest(force))
+        rest = np.where(idle, maximum(rest, shear * maximum(_UNSEEN * length, travel.max(initial=0.0))), rest)
+        by_load = by_force(nodal, across)
+        by_supports = maximum(by_force(at_holds, across), largest_magnitudes(force))
+        scale = maximum(np.where(by_load != 0.0, by_load, by_supports), rest)
+        pressing = maximum(scale, largest_magnitudes(force))
         reacting, away = np.abs(force) / np.where(pressing != 0.0, pressing, 1.0)[:, None], np.abs(gap) / lengths
         both = np.max([np.minimum(reacting, away), *(np.where(those, away, reacting) for those in closed)], axis=0)
         pull = found.spring_forces(hi, lo)
         against = at_holds + (found.spring_rows.T @ pull.T).T + pushes
-        out_of_balance, total = _balance(found, nodal, against)
+        out_of_balance, total = resultants_and_sizes(found, nodal, against)
         by_name = {
-            "penetration": _most(
-                _largest(open_by / lengths),
-                _ratio(_largest(slip[:, ::3]), length),
-                _ratio(_largest(slip.reshape(slopes.shape[0], -1, 3)[:, :, 1:]), slope),
+            "penetration": maximum(
+                largest_magnitudes(open_by / lengths),
+                ratio(largest_magnitudes(slip[:, ::3]), length),
+                ratio(largest_magnitudes(slip.reshape(slopes.shape[0], -1, 3)[:, :, 1:]), slope),
             ),
-            "tension": _ratio(_largest(np.where(contacts.two_sided, 0.0, np.maximum(-force, 0.0))), pressing),
-            "complementarity": _largest(np.where(contacts.two_sided, 0.0, both)),
-            "equilibrium": _ratio(_by_force(at_free, across), scale),
-            "balance": _ratio(out_of_balance, _most(total, rest)),
+            "tension": ratio(largest_magnitudes(np.where(contacts.two_sided, 0.0, np.maximum(-force, 0.0))), pressing),
+            "complementarity": largest_magnitudes(np.where(contacts.two_sided, 0.0, both)),
+            "equilibrium": ratio(by_force(at_free, across), scale),
+            "balance": ratio(out_of_balance, maximum(total, rest)),
         }
         lost = [_lost(found, *one) for one in zip(loads, beside, against, at_holds, pull, reaction, strict=True)]
     certificates = []
     for row, load_lost in enumerate(lost):
         figures = {name: float(values[row]) for name, values in by_name.items()}
-        sizes = _Sizes(float(scale[row]), float(pressing[row]), float(_most(total, rest)[row]))
+        sizes = _Sizes(float(scale[row]), float(pressing[row]), float(maximum(total, rest)[row]))
         certificates.append(_judged(found, figures, load_lost, sizes, hi[row], lo[row], reaction[row]))
     return certificates
 
@@ -266,8 +282,8 @@ def _judged(
     many = np.sqrt(found.dof_count)
     resultant = many * left_by_rounding(np.ones_like(held.dofs))
     # Beside settlements a load may be nothing: what bends the plate, and what supports push with, count as well.
-    bending = float(_most(scale, _bending_force(found, hi)))
-    pushing = float(_most(size, _reaching(found, _pushes(found, hi, lo, reaction))))
+    bending = float(maximum(scale, bending_force(found, hi)))
+    pushing = float(maximum(size, reaching(found, push_magnitudes(found, hi, lo, reaction))))
     # A reaction that balances nothing but rounding may have either sign.
     limits = {
         "tension": (many * at_nodes, pressing, pressing),
@@ -277,16 +293,10 @@ def _judged(
     judged = [limits[name] for name in LIMITED if figures[name] > TOLERANCE]
     return Certificate(
         **figures,
-        **{f"{name}_limit": float(_ratio(rounding, loads)) for name, (rounding, loads, _) in limits.items()},
-        rounding=max(float(_ratio(rounding, acting)) for rounding, _, acting in judged),
+        **{f"{name}_limit": float(ratio(rounding, loads)) for name, (rounding, loads, _) in limits.items()},
+        rounding=max(float(ratio(rounding, acting)) for rounding, _, acting in judged),
         lost=lost,
     )
-
-
-def _bent(found: Discretisation, deflection: Floats) -> Floats:
-    """Deflections (k, n) of the nodes without the rigid motions nearest to them."""
-    motions = found.rigid_motions[::3]
-    return np.asarray(deflection - (motions @ np.linalg.lstsq(motions, deflection.T)[0]).T)
 
 
 def certified(
@@ -302,31 +312,7 @@ def certified(
 
 def least_deflection(found: Discretisation, load: CaseLoad) -> float:
     """Deflection below which that of a load is rounding."""
-    return _NIL * float(_loaded_deflection(found, load.nodal))
-
-
-def forces_at_nodes(
-    found: Discretisation, hi: Floats, lo: Floats, reaction: Floats, at: Bools | None = None
-) -> tuple[float, float]:
-    """Largest sum of what cancels at one of the dofs ``at`` (3n,): in the plate, and between its supports.
-
-    Their rounding is what arithmetic leaves out of balance. Without ``at`` the dofs are those that are free. Examples
-    are in `signorini.contact.refusal`.
-    """
-    at = ~found.held.dofs if at is None else at
-    across = float(np.sqrt(found.mesh.element_area.mean()))
-    internal = found.plate.internal_magnitude(~at, hi, lo)
-    pushes = np.where(at, _pushes(found, hi, lo, reaction), 0.0)
-    return float(internal), float(_by_force(pushes[None], across)[0])
-
-
-def _pushes(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
-    """Sums (3n,) of the magnitudes that supports push with.
-
-    Those that nearly repeat each other push against each other, and their forces are carried as doubles.
-    """
-    pull = np.abs(found.spring_forces(hi, lo))
-    return np.asarray(abs(found.contact_rows).T @ np.abs(reaction) + abs(found.spring_rows).T @ pull)
+    return _NIL * float(loaded_deflection(found, load.nodal))
 
 
 def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
@@ -334,19 +320,6 @@ def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Flo
     rows = contacts.rows.arrays
     open_by = [found.plate.openings(*rows, contacts.distance, *one) for one in zip(hi, lo, strict=True)]
     return np.asarray(contacts.compliance * reaction + np.array(open_by))
-
-
-def _balance(found: Discretisation, nodal: Floats, against: Floats) -> tuple[Floats, Floats]:
-    """Largest resultants (k,) of loads (k, 3n) and of what supports set against them, and the whole sizes."""
-    size = found.mesh.size
-    # Threads of a linear algebra library would cost more than these sums.
-    resultant = np.einsum("ij,ki->kj", found.rigid_motions, nodal - against) / np.array([1.0, size, size])
-    return _largest(resultant), _most(_reaching(found, nodal), _reaching(found, against))
-
-
-def _motions(found: Discretisation) -> Floats:
-    """Deflections of one (3n, 3) of the rigid motions about the middle, those that turn over the plate's size."""
-    return np.asarray(found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size]))
 
 
 def _lost(
@@ -365,15 +338,15 @@ def _lost(
     """
     if load.all_weighs or not load.weighing.any():
         return 0.0
-    (missing,), _ = _balance(found, load.weighing[None], against[None])
+    (missing,), _ = resultants_and_sizes(found, load.weighing[None], against[None])
     # Loads that cancel can miss the rounding of their parts.
-    of_parts = sum(float(_reaching(found, part.weighing)) for part in beside)
-    of_loads = max(float(_reaching(found, load.weighing)), _CANCELLED * of_parts)
+    of_parts = sum(float(reaching(found, part.weighing)) for part in beside)
+    of_loads = max(float(reaching(found, load.weighing)), _CANCELLED * of_parts)
     totals = np.abs(_totals(found, at_holds, pull, reaction)).max()
-    part = float(_ratio(missing, _most(of_loads, totals)))
+    part = float(ratio(missing, maximum(of_loads, totals)))
     if not part > 0.0:
         return part
-    motions, held = _motions(found), found.held.dofs
+    motions, held = scaled_motions(found), found.held.dofs
     # A couple counts as a force at the plate's size.
     slope = np.concatenate([np.flatnonzero(held) % 3 > 0, np.zeros(len(pull), np.bool_), found.contacts.slope])
     arm = np.where(slope, found.mesh.size, 1.0)
@@ -385,7 +358,7 @@ def _lost(
     making = np.linalg.lstsq(rows[acting].T, resultant)[0]
     # Of the loads at least half a mean share, since nodal forces of a pressure have both signs.
     most = np.abs(making).max(initial=0.0)
-    return max(part, float(_ratio(most, _most(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
+    return max(part, float(ratio(most, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
 
 
 def _totals(found: Discretisation, at_holds: Floats, pull: Floats, reaction: Floats) -> Floats:
@@ -398,53 +371,3 @@ def _totals(found: Discretisation, at_holds: Floats, pull: Floats, reaction: Flo
         + np.bincount(found.springs.support, pull, many)
         + np.bincount(contacts.support, forces, many)
     )
-
-
-def _reaching(found: Discretisation, nodal: Floats) -> Floats:
-    """Sums (...,) of the magnitudes that nodal forces (..., 3n) have in a resultant."""
-    moves = found.rigid_motions.T
-    turning = np.maximum(np.abs(moves[1]), np.abs(moves[2])) / found.mesh.size
-    return np.asarray((np.abs(nodal) * np.maximum(np.abs(moves[0]), turning)).sum(axis=-1))
-
-
-def _loaded_deflection(found: Discretisation, nodal: Floats) -> Floats:
-    """Deflections (...,) by which loads (..., 3n) scale on the plate."""
-    forces, *couples = np.moveaxis(np.abs(nodal.reshape(*nodal.shape[:-1], -1, 3)).sum(axis=-2), -1, 0)
-    size = found.mesh.size
-    return np.asarray((forces + sum(couples) / size) * size**2 / _rigidity(found, found.thickness.min()))
-
-
-def _bending_force(found: Discretisation, hi: Floats) -> float:
-    """Force that bends the plate as far as a deflection (3n,) is from a plane."""
-    motions = _motions(found)[::3]
-    deflection = hi[::3]
-    plane = motions @ np.linalg.lstsq(motions, deflection, rcond=None)[0]
-    area = float(found.mesh.element_area.sum())
-    bent = float(np.abs(deflection - plane).max())
-    return _rigidity(found, found.thickness.min()) * bent * area / found.mesh.size**4
-
-
-def _rigidity(found: Discretisation, thickness: float) -> float:
-    return found.model.young * float(thickness) ** 3 / 12
-
-
-def _by_force(nodal: Floats, across: float) -> Floats:
-    """Largest of nodal forces (k, 3n); couples count by the force they are at an element's size apart."""
-    return _largest(nodal.reshape(len(nodal), -1, 3) / [1.0, across, across])
-
-
-def _largest(values: Floats) -> Floats:
-    """Largest magnitudes (k,) of values (k, ...); NaN where there is one."""
-    return np.asarray(np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0))
-
-
-def _most(*sizes: Floats | float) -> Floats:
-    """The largest of each; NaN where there is one."""
-    return np.asarray(functools.reduce(np.maximum, sizes))
-
-
-def _ratio(error: Floats | float, size: Floats | float) -> Floats:
-    """Errors over sizes: none of no error, infinite of no size."""
-    error, size = np.asarray(error), np.asarray(size)
-    part = np.where(size > 0.0, error / np.where(size > 0.0, size, 1.0), np.inf)
-    return np.asarray(np.where(error == 0.0, 0.0, part))

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from signorini.contact.answer import Answer
-from signorini.contact.certificate import CERTIFIABLE, Certificate, forces_at_nodes
+from signorini.contact.certificate import CERTIFIABLE, Certificate
+from signorini.contact.magnitudes import forces_at_nodes
 from signorini.contact.slenderness import of_shape
 from signorini.contact.softness import softest
 from signorini.discretise import CaseLoad, Discretisation
