@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse import block_diag, csc_array, csr_array, diags_array, eye_array
+from scipy.sparse.linalg import splu
 
 from signorini import NoEquilibriumError, Result, contact_problem, solve, validate
 from signorini.discretise import discretise
@@ -323,21 +324,20 @@ def held_at_points(tables: Tables) -> Floats:
     each other.
     """
     found = discretise(validate(tables))
-    rows, stiffness = found.point_rows.toarray(), contact_problem(found).K.toarray()
+    rows, stiffness = found.point_rows.toarray(), csr_array(contact_problem(found).K)
     load = found.load(found.model.effective_combinations[0]).nodal
     touched = rows.any(axis=0)
     _, values, basis = np.linalg.svd(rows[:, touched])
     free = basis[int((values > _RANK * values[0]).sum()) :].T
-    motions = np.zeros((len(load), len(free.T) + int((~touched).sum())))
-    motions[touched, : len(free.T)] = free
-    motions[np.flatnonzero(~touched), np.arange(len(free.T), motions.shape[1])] = 1.0
+    order = np.argsort(np.concatenate([np.flatnonzero(touched), np.flatnonzero(~touched)]))
+    motions = csr_array(block_diag([free, eye_array(int((~touched).sum()))], format="csr")[order])
     reduced = motions.T @ stiffness @ motions
-    scale = 1.0 / np.sqrt(np.diagonal(reduced))
-    factor = cho_factor(scale[:, None] * reduced * scale)
-    moved = np.zeros(len(load))
+    scale = diags_array(1.0 / np.sqrt(reduced.diagonal()))
+    factor = splu(csc_array(scale @ reduced @ scale))
+    accurate, moved = stiffness.astype(np.longdouble), np.zeros(len(load))
     for _ in range(_CORRECTIONS):
-        left = (load - stiffness.astype(np.longdouble) @ moved).astype(np.float64)
-        moved += motions @ (scale * cho_solve(factor, scale * (motions.T @ left)))
+        left = (load - accurate @ moved).astype(np.float64)
+        moved += motions @ (scale @ factor.solve(scale @ (motions.T @ left)))
     return np.asarray(moved[::3])
 
 
