@@ -226,7 +226,8 @@ def rounded(rng: Random, tables: Tables) -> Extreme:
 
 def _goes_by_frame(support: Tables) -> bool:
     """Whether the mesh and the axes say where it holds: points on circles, and of what elements are cut to."""
-    return "circle" in support or ("area" in support and (support["resists"] != "both" or "stiffness" not in support))
+    lets_go = support.get("resists") != "both" or "gap" in support
+    return "circle" in support or ("area" in support and (lets_go or "stiffness" not in support))
 
 
 class Motion:
