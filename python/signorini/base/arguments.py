@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import reprlib
 from collections.abc import Callable, Collection
 from typing import TypeVar
@@ -32,6 +33,37 @@ def number(value: object, place: str) -> float:
         return float(value)
     except OverflowError:
         return math.inf if value > 0 else -math.inf
+
+
+def interval(value: object, place: str) -> tuple[float, float]:
+    """A lower and an upper limit.
+
+    Examples
+    --------
+    >>> interval([2, 1], "limits")
+    Traceback (most recent call last):
+    signorini.errors.InputError: limits: found [2, 1]; it must be two finite numbers, the lower one first.
+    """
+    found = _array(value)
+    if found is None or found.shape != (2,) or not np.isfinite(found).all() or found[0] >= found[1]:
+        raise InputError(
+            f"found {reprlib.repr(value)}; it must be two finite numbers, the lower one first.", place=place
+        )
+    return float(found[0]), float(found[1])
+
+
+def path(value: object, what: str, place: str) -> str:
+    """The path of something.
+
+    Examples
+    --------
+    >>> path(None, "a directory", "directory")
+    Traceback (most recent call last):
+    signorini.errors.InputError: directory: found None; it must be the path of a directory.
+    """
+    if not isinstance(value, str | os.PathLike):
+        raise InputError(f"found {reprlib.repr(value)}; it must be the path of {what}.", place=place)
+    return os.fspath(value)
 
 
 def points(value: object, place: str = "points") -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from signorini.base import arguments
 from signorini.base.rooms import alone_in, remove_left, room_beside, rooms_left
 
 _MOVES = "moves.json"
@@ -48,7 +49,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     ...     [entry.name for entry in pathlib.Path(directory).iterdir()]
     ['reactions.csv']
     """
-    target = Path(os.path.realpath(path))
+    target = Path(os.path.realpath(arguments.path(path, "a file", "path")))
     if target.exists() and not target.is_file():
         kind = errno.EISDIR if target.is_dir() else errno.EEXIST
         raise OSError(kind, "there is something else than a file of this name", str(path))

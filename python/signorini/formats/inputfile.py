@@ -11,6 +11,7 @@ from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema
 
+from signorini.base import arguments
 from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.expression import Expression
@@ -40,8 +41,7 @@ def load(path: str | os.PathLike[str]) -> Model:
     InputError
         If the file cannot be read or is not a model; every problem is named with its place and line.
     """
-    if not isinstance(path, str | os.PathLike):
-        raise InputError(f"found {path!r}; it must be the path of an input file.", place="path")
+    arguments.path(path, "an input file", "path")
     text = _read(path)
     source = os.path.basename(path)
     lines = functools.cache(lambda: Lines(text))

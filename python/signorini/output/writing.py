@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from signorini.analysis.solve import Results
-from signorini.base.arguments import made_by
+from signorini.base import arguments
 from signorini.base.files import replacing_together
 from signorini.base.forked import Forked
 from signorini.formats.vtk import Vtu
@@ -46,7 +46,8 @@ def write(found: Results | LoadPath, directory: str | os.PathLike[str]) -> list[
     Raises
     ------
     InputError
-        If the directory cannot be made or written to, or has a file of somebody else's with the name of one of ours.
+        If the directory is none, cannot be made or written to, or has a file of somebody else's with the name of one of
+        ours.
 
     Examples
     --------
@@ -64,9 +65,12 @@ def write(found: Results | LoadPath, directory: str | os.PathLike[str]) -> list[
     >>> [file.name for file in files if file.suffix in (".json", ".csv")]
     ['results.json', 'reactions.csv', 'path.json', 'path.csv']
     """
+    arguments.path(directory, "a directory", "directory")
     if isinstance(found, LoadPath):
         return write_path(found, directory)
-    made_by(found, Results, "signorini.solve(model) makes them, signorini.path(model, ...) a LoadPath.", "found")
+    arguments.made_by(
+        found, Results, "signorini.solve(model) makes them, signorini.path(model, ...) a LoadPath.", "found"
+    )
     return write_results(found, directory)
 
 

@@ -323,7 +323,7 @@ class Result(Remade):
         Raises
         ------
         InputError
-            If there is no field of that name, or no area whose pressure could be drawn.
+            If there is no field of that name, no area whose pressure could be drawn, or no interval in the limits.
         """
         from signorini.plot import Plan, draw_legend, draw_panel, field_picture
 
@@ -337,7 +337,7 @@ class Result(Remade):
         plan = Plan.of(nodes.points, nodes.elements)
         marks = support_marks(self.mesh, self.model.support, self.supports)
         widths = self.estimate.plus_minus if "estimate" in self.__dict__ else None
-        drawn = panel(field, self, widths, limits)
+        drawn = panel(field, self, widths, None if limits is None else arguments.interval(limits, "limits"))
         if ax is None:
             return field_picture(plan, [drawn], marks, title=self.heading, length=units.length).axes[0]
         draw_legend(ax, draw_panel(ax, plan, drawn, marks))
