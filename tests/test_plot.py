@@ -6,7 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.patches import PathPatch
@@ -283,6 +285,26 @@ def test_names_of_extremes_close_together_are_not_on_each_other() -> None:
     figure.draw_without_rendering()
     low, high = (text.get_window_extent() for text in figure.axes[0].texts if text.get_text()[:3] in ("max", "min"))
     assert not low.overlaps(high)
+
+
+def test_names_of_extremes_beside_each_other_stand_at_their_own() -> None:
+    places = {"max 119000 ± 12000": (0.1, 0.0), "min −112000 ± 15000": (-0.1, 0.0)}
+    figure = field_picture(PLAN, [Panel(POINTS[:, 0], extremes=list(places.items()))])
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    across = {name: axes.transData.transform(at)[0] for name, at in places.items()}
+    for text in (text for text in axes.texts if text.get_text() in places):
+        extent = text.get_window_extent()
+        middle = 0.5 * (extent.x0 + extent.x1)
+        assert min(across, key=lambda name: abs(across[name] - middle)) == text.get_text()
+
+
+def test_a_peak_beyond_the_scale_has_the_strongest_colour_of_its_sign() -> None:
+    """As beside a corner without a limit, which the extremes leave out."""
+    values = np.where(POINTS[:, 0] > 0.5, 59e3, np.where(POINTS[:, 0] < 0.0, -1000.0, 70.0))
+    figure = field_picture(PLAN, [Panel(values, colours="RdBu", limits=(-1000.0, 70.0))])
+    (bands,) = [one for one in figure.axes[0].collections if isinstance(one, TriContourSet) and one.filled]
+    assert bands.extend in ("max", "both") and to_hex(bands.get_facecolor()[-1]) == to_hex(colormaps["RdBu"](1.0))
 
 
 def test_a_long_title_is_wrapped_to_the_page() -> None:

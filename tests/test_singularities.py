@@ -495,3 +495,33 @@ def test_what_is_named_grows_with_every_finer_mesh(plate, number):
         peaks.append(np.abs(result.stress_nodes.spread(getattr(result, number))[near]).max())
     first, second = np.diff(peaks)
     assert second > 0.9 * first > 0
+
+
+@pytest.mark.parametrize("times", [3, 5, 6])
+def test_numbers_are_taken_for_a_peak_within_the_thickness_there_of_borders_the_thinner_side_s(times):
+    """A column's zone on a base plate, however thick it is, leaves the plate beside it among the extremes."""
+    column = {"area": {"rectangle": [-120, -120, 120, 120]}, "thickness": 40 * times}
+    model = Model(
+        material={"E": 210e3, "nu": 0.3},
+        plate={"shape": "rectangle", "size": [600, 400], "origin": [-300, -200], "thickness": 40},
+        mesh={"size": 20, "error": False},
+        zone=[column],
+        support=[{"name": "grout", "area": "all", "resists": "both", "stiffness": 800}],
+        load=[{"couple_about": {"y": -80e6}, "at": [0, 0], "patch": [240, 240]}],
+        section=[{"line": [[121, -200], [121, 200]]}],
+    )
+    found = discretise(model)
+    assert {one.within for one in singularities(found)} == {40.0}
+    (result,) = solve(model).values()
+    assert abs(result.sections[0].moment) / 400 < max(result.extremes["mx"].max, -result.extremes["mx"].min)
+    assert not result.warnings
+
+
+def test_a_plate_that_lies_beside_places_without_a_limit_is_warned_of():
+    pad = {"size": [1, 1], "thickness": 0.52, "shape": "rectangle"}
+    feet = {"name": "feet", "at": [[0.1, 0.1], [0.9, 0.1], [0.5, 0.9]], "resists": "both"}
+    heavy = {"at": [0.5, 0.5], "force": 1e3}
+    model = rectangular(plate=pad, support=[feet], load=[heavy], mesh={"divisions": [4, 4], "error": False})
+    (result,) = solve(model).values()
+    said = "All of the plate lies within its thickness of places where moments have no limit"
+    assert any(warning.startswith(said) for warning in result.warnings)

@@ -16,6 +16,7 @@ from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.cli.through import print_through
 from signorini.discretise import Discretisation
+from signorini.errors import length
 from signorini.model import Support
 from signorini.output.envelope_json import table_warnings
 from signorini.results.extremes import NUMBERS
@@ -276,7 +277,9 @@ def _print_extremes(console: Console, result: Result, largest: Mapping[str, floa
     if unsettled:
         say(console, UNSETTLED)
     for what, names in beside.items():
-        say(console, f"without a limit there, and left out: {', '.join(names)} at {what[0].lower()}{what[1:]}")
+        reach = max(one.within for one in result.singular if one.what == what)
+        where = f"within {length(reach)}{unit_of(units.length)} of" if reach else "at"
+        say(console, f"without a limit there, and left out: {', '.join(names)} {where} {what[0].lower()}{what[1:]}")
 
 
 def _print_probes(console: Console, result: Result, largest: Mapping[str, float]) -> None:

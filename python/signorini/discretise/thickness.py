@@ -55,6 +55,13 @@ class Thickness:
         """Return the least."""
         return float(self.at_points.min())
 
+    def least_at(self, mesh: Mesh, points: Floats) -> float:
+        """Return the least in all elements that some of the points (q, 2) are in; on borders the thinner side's."""
+        if self.at_points.size == 1 or not len(points):
+            return self.min()
+        _, where = mesh.holding(points)
+        return float(self.at_points[where.elements].min(initial=self.max()))
+
     @property
     def for_core(self) -> float | Floats:
         """The thickness as `_core.Plate` takes it."""

@@ -142,13 +142,19 @@ def checked_field(plan: Plan, values: ArrayLike) -> NDArray[np.float64]:
 
 def draw_field(axes: Axes, plan: Plan, field: NDArray[np.float64], scale: Scale) -> None:
     """Draw filled contours, some of them with their values, and the plate's outline."""
-    # Shape functions go a little beyond the nodes' values, and so beyond the scale.
-    fine = np.clip(plan.cut.interpolate(field), scale.bounds[0], scale.bounds[-1])
+    fine, (low, high) = plan.cut.interpolate(field), scale.bounds[[0, -1]]
+    # Shape functions go a little beyond the nodes' values, and so beyond the scale; peaks go farther.
+    little = 0.5 * (high - low) / (len(scale.bounds) - 1)
+    below, above = fine < low - little, fine > high + little
+    fine = np.where(below | above, fine, np.clip(fine, low, high))
     if not np.any(scale.bounds == 0):
         # Rounding on the other side of zero is no other sign.
         fine[np.abs(fine) < _NOISE * np.abs(fine).max(initial=0.0)] = 0.0
     draw_outlines(axes, plan, inner=0.16)
-    bands = axes.tricontourf(plan.triangles, fine, levels=scale.bounds, cmap=scale.colours, norm=scale.norm)
+    ends = (bool(below.any()), bool(above.any()))
+    extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get(ends, "neither")
+    colours = scale.colours.with_extremes(under=scale.colours(0.0), over=scale.colours(1.0))
+    bands = axes.tricontourf(plan.triangles, fine, levels=scale.bounds, cmap=colours, norm=scale.norm, extend=extend)
     bands.set(edgecolor=to_rgba(INK, 0.3), linewidth=0.3)
     label_contours(axes, plan.triangles, fine, scale.bounds)
 

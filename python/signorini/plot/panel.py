@@ -81,19 +81,27 @@ def draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Iterable[
         draw_pressure(axes, plan, panel.values, scale)
     if panel.extremes:
         places = np.array([at for _, at in panel.extremes], dtype=float)
-        ways = np.where(places > (plan.window[0] + plan.window[1]) / 2, -1, 1)
-        # Names that would lie on each other go apart.
-        if (np.ptp(places, axis=0) * inches_per_unit(axes) < _NAME).all():
-            ways[:, 1] = np.where(np.arange(len(places)) == places[:, 1].argmax(), 1, -1)
+        ways = _ways(places, plan, inches_per_unit(axes))
         for (words, _), at, way in zip(panel.extremes, places, ways, strict=True):
             _name_place(axes, words, at, way)
     return draw_supports(marks, axes)
 
 
+def _ways(places: NDArray[np.float64], plan: Plan, inches: float) -> NDArray[np.int64]:
+    """To which side of its place (k, 2) each name goes: to the middle, or where names would meet above and below."""
+    low, high = plan.window
+    ways = np.where(places > (low + high) / 2, -1, 1)
+    if (np.ptp(places, axis=0) * inches < _NAME).all():
+        ways[:, 1] = np.where(np.arange(len(places)) == places[:, 1].argmax(), 1, -1)
+        room = np.minimum(places - low, high - places)[:, 0] * inches
+        ways[room >= 0.5 * _NAME[0], 0] = 0
+    return np.asarray(ways, dtype=np.int64)
+
+
 def _name_place(axes: Axes, words: str, at: NDArray[np.float64], way: NDArray[np.int64]) -> None:
-    """Mark a place with a value, written to the right and above it, or the other way."""
+    """Mark a place with a value, written on one side of it."""
     halo = [withStroke(linewidth=2.5, foreground="white")]
     axes.plot(*at, marker="+", color=INK, markersize=8, markeredgewidth=1.2, path_effects=halo, zorder=6)
     look: dict[str, Any] = {"fontsize": 8.5, "color": INK, "bbox": PAPER, "zorder": 7}
-    look |= {"ha": "left" if way[0] > 0 else "right", "va": "bottom" if way[1] > 0 else "top"}
+    look |= {"ha": ("center", "left", "right")[way[0]], "va": "bottom" if way[1] > 0 else "top"}
     axes.annotate(words, (at[0], at[1]), xytext=(7.0 * way[0], 7.0 * way[1]), textcoords="offset points", **look)

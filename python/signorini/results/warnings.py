@@ -26,6 +26,8 @@ from signorini.results.support_points import SupportPoints
 from signorini.results.unit_slips import unit_slips
 from signorini.shapes.depths import depth
 from signorini.shapes.distances import distances
+from signorini.singularities.named import singularities
+from signorini.singularities.singularity import at_peaks, away_from
 
 _FOLLOWED = 0.5
 """Part of a line on the plate that is on sides of elements, from which on a mesh follows it."""
@@ -33,6 +35,9 @@ _INSIDE = 1e-6
 """Part of the plate's size by which a point of one area must be inside another: areas that touch do not overlap."""
 _NOTHING = 1e-9
 """Part of a couple that is rounding."""
+_MOST = 0.75
+"""Part of the plate beside places where moments have no limit, from which on the largest moments say little of it.
+Covers of flanges, thick and on many bolts, have half."""
 _NO_FORCE = 1e-12
 """Part of the forces that act below which their sum is rounding."""
 
@@ -62,7 +67,7 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
             *prying(found),
             *_couples(found),
         )
-        of_plate = *_one_element(found), *_unrefined(found), *_unfollowed(found), *_zones(found)
+        of_plate = *_one_element(found), *_unrefined(found), *_unfollowed(found), *_zones(found), *_left_out(found)
         _KNOWN[found] = (*unit_slips(found), *of_plate, *of_supports)
     return _KNOWN[found]
 
@@ -109,6 +114,21 @@ def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
             f"The deflection at [{x:.6g}, {y:.6g}], {deflection[node]:.4g}{unit}, is beyond the thickness, "
             f"{thickness[at]:.4g}{unit}: the theory is of small ones. Are E, thickness and loads in the same units?"
         )
+
+
+def _left_out(found: Discretisation) -> Iterator[str]:
+    """Whether most of the plate is so near to where moments or shears have no limit that extremes leave it out."""
+    mesh, named = found.mesh, singularities(found)
+    for number in ("moment", "shear"):
+        whole = at_peaks(mesh, named, number)[mesh.elements].all(axis=1)
+        part = float(mesh.element_area[whole].sum() / mesh.element_area.sum())
+        if part <= _MOST:
+            continue
+        where = f"lies within its thickness of places where {number}s have no limit"
+        if away_from(mesh, named, number).all():
+            yield f"All of the plate {where}: the largest {number}s named are at such places, and grow with the mesh."
+        else:
+            yield f"{100 * part:.0f} % of the plate {where}, and is left out of the largest {number}s."
 
 
 def _zones(found: Discretisation) -> Iterator[str]:

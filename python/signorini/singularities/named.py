@@ -71,8 +71,10 @@ def singularities_of(found: Discretisation, case: str | None = None) -> tuple[Si
 
 
 def _measured(found: Discretisation, named: Iterable[Singularity]) -> tuple[Singularity, ...]:
-    within = float(found.thickness.max())
-    return tuple(replace(one, within=within) for one in named)
+    def within(one: Singularity) -> float:
+        return found.thickness.least_at(found.mesh, np.array(one.where).reshape(-1, 2))
+
+    return tuple(replace(one, within=within(one)) for one in named)
 
 
 def _of_loads(found: Discretisation, case: str) -> Iterator[Singularity]:

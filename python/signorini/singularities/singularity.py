@@ -35,7 +35,8 @@ class Singularity:
     limited : bool
         Whether it has a limit, of which elements of this size know nothing: a footprint smaller than they are.
     within : float
-        How far from there numbers are taken for its peak: the plate's thickness; 0 of nodes of cut elements.
+        How far from there numbers are taken for its peak: the thickness there, of a zone's border the thinner side's; 0
+        of nodes of cut elements.
     """
 
     where: tuple[tuple[float, float], ...]
