@@ -18,7 +18,7 @@ from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import annulus, disc, rectangle
 from signorini.mesh.outlined import outlined
-from signorini.shapes import Circle, Polygon, Polyline, Rectangle, Ring
+from signorini.shapes import Circle, Hollow, Polygon, Polyline, Rectangle, Ring
 from signorini.shapes.contours import straight
 from signorini.shapes.cuts import CutLine, LeftOf
 
@@ -282,6 +282,29 @@ def test_integrals_along_a_line_are_exact_from_element_to_element():
 def test_a_line_along_sides_and_through_nodes_is_exact(name):
     line = Polyline(((-2.0, 0.0), (2.0, 0.0)))
     assert curve_quadrature(MESHES[name], line).total == pytest.approx(4.0, rel=1e-13)
+
+
+@pytest.mark.parametrize("away", [0.0, *(sign * 1.07 * 2.0**n for n in range(6, 24, 2) for sign in (1, -1))])
+@pytest.mark.parametrize("shape", ["circle", "ring", "square", "tilted"])
+def test_what_touches_mesh_lines_far_from_the_origin_keeps_its_area(away, shape):
+    """As at site coordinates: rounding must not tell a circle that touches a line from one that crosses it."""
+    rng = np.random.default_rng(7)
+    for _ in range(8):
+        origin = away * rng.uniform(0.5, 1.0, 2)
+        mesh, radius = rectangle(tuple(origin), (10.0, 6.0), (20, 12)), 0.5 * rng.integers(1, 4) - 0.3
+        x, y = origin + 0.5 * rng.integers(3, 8, 2) + radius * rng.choice([-1.0, 0.0, 1.0], 2)
+        corners = radius * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+        if shape == "tilted":
+            corners = radius * np.array([[-1.0, 0.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
+        region = {
+            "circle": Circle((x, y), radius),
+            "ring": Hollow(Circle((x, y), radius), (Circle((x, y), 0.5 * radius),)),
+        }.get(shape, Polygon(tuple(map(tuple, np.add(corners, [x, y])))))
+        found = area_quadrature(mesh, region)
+        rounding = 1e-12 + 100 * np.finfo(float).eps * np.abs(origin).max() / radius
+        assert found.total == pytest.approx(region.area, rel=rounding)
+        middle = found.weights @ (found.positions - [x, y]) / found.total
+        assert np.abs(middle).max() <= rounding * radius + 10 * np.finfo(float).eps * np.abs(origin).max()
 
 
 def test_a_line_along_sides_is_divided_where_they_end_however_it_is_turned():

@@ -179,13 +179,19 @@ def solid(rng: Random, tables: Tables) -> Extreme:
 
 
 def turned(rng: Random, tables: Tables) -> Extreme:
-    """A plate turned, mirrored and moved bends as before; every shape turned is a polygon."""
+    """A plate turned, mirrored and moved, some as far as sites are from the origin of surveyors, bends as before.
+
+    Every shape turned is a polygon.
+    """
     tables["support"] = [support for support in tables["support"] if not _goes_by_frame(support)]
     quarter = any("modifiers" in one for one in (tables["plate"], *tables.get("zone", [])))
     motion = Motion(
         rng.choice([90.0, 180.0, 270.0] if quarter else [90.0, 45.0, rng.uniform(0.0, 360.0)]),
         rng.choice([1.0, -1.0]),
-        [rng.uniform(-1.0, 1.0) * random_models.extent(tables["plate"]) for _ in range(2)],
+        [
+            rng.choice([1.0, 1.0, 1e4]) * rng.uniform(-1.0, 1.0) * random_models.extent(tables["plate"])
+            for _ in range(2)
+        ],
     )
 
     def judge(result: Result | None) -> list[str]:

@@ -26,7 +26,8 @@ Ints = npt.NDArray[np.int64]
 
 _THIN = 1e-13
 _ROUNDED = 8.0 * np.finfo(float).eps
-"""Width of a strip, over its coordinates, that is their rounding: ends of sides that meet may be so far apart."""
+"""Width of a strip, over the element's coordinates, that is their rounding: ends of sides that meet may be so far
+apart."""
 _SLIVER = 1e-12
 _ALONG = 1e-9
 """Part of the mesh's size within which nodes are on a circle that the mesh follows."""
@@ -109,14 +110,20 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool =
     centres = mesh.map(clear, mesh.inward(clear, np.zeros((len(clear), 2)), 0.0))
     whole, cut_elements = clear[region.contains(centres)], candidates[cut_]
     owners = (np.searchsorted(cut_, by_segment), np.searchsorted(cut_, by_circle))
-    pieces, breaks = _pieces(
-        mesh, cut_elements, owners, region.outline.segments[segment], region.outline.whole_circles[circle]
-    )
-    cells = _cells(pieces, _strips(*breaks, boxes[cut_elements]), region)
-    owner, positions, weights = _integrate(pieces, cells, boxes[cut_elements], region.area, order, rule)
+    # About the region: far from the origin rounding would tell which of two curves that touch is above the other.
+    origin = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)])
+    sides = mesh.points[mesh.sides[cut_elements]] - origin
+    segments, circles = region.outline.segments[segment] - origin, region.outline.whole_circles[circle]
+    pieces, breaks = _pieces(sides, owners, segments, circles - np.append(origin, 0.0))
+    local, rounding = boxes[cut_elements] - np.tile(origin, 2), _ROUNDED * np.abs(boxes[cut_elements]).max(axis=1)
+    cells = _cells(pieces, _strips(*breaks, local, rounding), region, origin)
+    owner, positions, weights = _integrate(pieces, cells, local, region.area, order, rule)
+    positions += origin
     area, covered = mesh.element_area[cut_elements], np.bincount(owner, weights, len(cut_elements))
     full = covered >= (1.0 - _SLIVER) * area
-    keep = (~full & (covered > _THIN * np.minimum(area, region.area)))[owner]
+    longest = np.minimum((local[:, 2:] - local[:, :2]).max(axis=1), max(x1 - x0, y1 - y0))
+    least = np.maximum(_THIN * np.minimum(area, region.area), rounding * longest)
+    keep = (~full & (covered > least))[owner]
     whole = np.sort(np.concatenate([whole, cut_elements[full]]))
     return Parts(whole, factors[whole], cut_elements[owner[keep]], positions[keep], weights[keep])
 
@@ -144,11 +151,11 @@ def _along_circles(mesh: Mesh, elements: Ints, circles: Floats) -> tuple[Bools, 
 
 
 def _pieces(
-    mesh: Mesh, cut_elements: Ints, owners: tuple[Ints, Ints], segments: Floats, circles: Floats
+    sides: Floats, owners: tuple[Ints, Ints], segments: Floats, circles: Floats
 ) -> tuple[Pieces, tuple[Ints, Floats]]:
-    """Collect the curves of every cut element, and where in x strips have to begin and end."""
+    """Collect the curves of every cut element, of sides (c, 4, 3, 2), and where in x strips have to begin and end."""
     by_segment, by_circle = owners
-    sides = straightened(quadratics(mesh.points[mesh.sides[cut_elements]].reshape(-1, 3, 2))).reshape(-1, 4, 2, 3)
+    sides = straightened(quadratics(sides.reshape(-1, 3, 2))).reshape(-1, 4, 2, 3)
     middles = 0.5 * (segments[:, :1] + segments[:, 1:])
     lines = quadratics(np.concatenate([segments[:, :1], middles, segments[:, 1:]], axis=1))
     lines[..., 2] = 0.0
@@ -166,18 +173,21 @@ def _pieces(
     return pieces, (owner, x)
 
 
-def _strips(owner: Ints, x: Floats, boxes: Floats) -> tuple[Ints, Floats]:
-    """Divide into strips, elements (s,) and ranges (s, 2), between neighbouring breaks within each element's box."""
+def _strips(owner: Ints, x: Floats, boxes: Floats, rounding: Floats) -> tuple[Ints, Floats]:
+    """Divide into strips, elements (s,) and ranges (s, 2), between neighbouring breaks within each element's box.
+
+    Breaks less apart than the rounding (c,) of an element's coordinates are one.
+    """
     x = np.clip(x, boxes[owner, 0], boxes[owner, 2])
     order = np.lexsort((x, owner))
     owner, x = owner[order], x[order]
     low, high = boxes[owner[:-1]][:, [0, 2]].T
-    least = np.maximum(_THIN * (high - low), _ROUNDED * np.maximum(-low, high))
+    least = np.maximum(_THIN * (high - low), rounding[owner[:-1]])
     wide = (owner[1:] == owner[:-1]) & (np.diff(x) > least)
     return owner[:-1][wide], np.column_stack([x[:-1], x[1:]])[wide]
 
 
-def _cells(pieces: Pieces, strips: tuple[Ints, Floats], region: Part) -> _Cells:
+def _cells(pieces: Pieces, strips: tuple[Ints, Floats], region: Part, origin: Floats) -> _Cells:
     """Stack the curves through each strip and keep what is between two of them, in the element and in the region."""
     owner, x = strips
     starts = np.searchsorted(pieces.owner, [owner, owner + 1])
@@ -195,7 +205,7 @@ def _cells(pieces: Pieces, strips: tuple[Ints, Floats], region: Part) -> _Cells:
     within = (crossed - crossed[first] + pieces.is_side[piece[first]]) % 2 == 1
     inside = (strip[1:] == strip[:-1]) & within[:-1] & (y[1:] > y[:-1])
     at = np.flatnonzero(inside)
-    at = at[region.contains(np.column_stack([middle[at], 0.5 * (y[at] + y[at + 1])]))]
+    at = at[region.contains(np.column_stack([middle[at], 0.5 * (y[at] + y[at + 1])]) + origin)]
     between = np.column_stack([piece[at], piece[at + 1]])
     ranges = x[strip[at]]
     reaches = np.abs(pieces.ends[between] - ranges[:, None]) <= 1e-12 * np.abs(np.diff(pieces.ends[between]))
