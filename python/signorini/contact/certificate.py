@@ -38,6 +38,9 @@ CERTIFIABLE = 1e-4
 in a random walk and loads add up plainly, so that an answer is wrong by hardly more; a larger part would excuse all."""
 _ROUNDINGS = 4.0
 """Units of rounding, of the internal and contact forces that cancel at a node, below which no imbalance can be seen."""
+_NO_LEVER = 1e-12
+"""Part of what supports have in one resultant below which they have none in another: couples have no force but for the
+rounding of their rows, some units of it times the shape functions' slopes."""
 _NIL = 1e-6
 """Deflections below this part of F a²/D are rounding of the elimination."""
 _UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
@@ -355,7 +358,7 @@ def _lost(
     largest = np.abs(forces).max(initial=0.0)
     acting = np.abs(forces) > _UNSEEN * largest
     resultant = np.einsum("ij,i->j", motions, load.weighing - against)
-    making = np.linalg.lstsq(rows[acting].T, resultant)[0]
+    making = np.linalg.lstsq(rows[acting].T, resultant, rcond=_NO_LEVER)[0]
     # Of the loads at least half a mean share, since nodal forces of a pressure have both signs.
     most = np.abs(making).max(initial=0.0)
     return max(part, float(ratio(most, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
