@@ -227,7 +227,7 @@ def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature, part: f
     -------
     float
         Zero where only rounding is missing, or of a region a strip of a millionth of the plate's size, or what lies
-        between the plate's round outline and the parabolas that the elements have for it.
+        between the plate's round outline there and the parabolas that the elements have for it.
 
     Examples
     --------
@@ -244,6 +244,6 @@ def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature, part: f
     else:
         x0, y0, x1, y1 = where.bounds
         apart = max(apart, _WRITTEN * mesh.size)
-        measure, slack = where.area, mesh.round_outline_area + apart * (x1 - x0 + y1 - y0)
+        measure, slack = where.area, mesh.round_outline_area(where.bounds) + apart * (x1 - x0 + y1 - y0)
     missing = part * measure - quadrature.total
     return missing if missing > _ON_PLATE * measure + slack else 0.0
