@@ -239,6 +239,26 @@ def test_rigid_points_on_a_rigid_circle_do_nothing(plate, held) -> None:
     assert found.moment == pytest.approx(wanted.moment, rel=1e-6, abs=1e-3)
 
 
+@pytest.mark.parametrize("off", [3e-4, 3e-3, -3e-3])
+def test_points_beside_arcs_of_the_mesh_stay_where_they_are(off) -> None:
+    """Where no circle is held, the mesh's own circles are nothing to be on: a plane stays a plane."""
+    plane = np.array([0.01, -0.01, 0.005])
+    at = (7 / 3 + off) * np.array([np.cos(0.07), np.sin(0.07)])
+    settlement = float(plane @ [1.0, *at])
+    held = {"at": at.tolist(), "fix": "clamped", "settlement": settlement, "rotation": plane[1:].tolist()}
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "annulus", "inner": 1.0, "outer": 3.0, "thickness": 0.05},
+        mesh={"size": 0.7, "error": False},
+        support=[held],
+        load=[{"pressure": 0.0}],
+    )
+    mesh = discretise(model).mesh
+    assert np.abs(np.hypot(*mesh.points.T) - 7 / 3).min() < 1e-9
+    found = solve(model)["all"].deflection
+    assert found == pytest.approx(plane[0] + mesh.points @ plane[1:], abs=1e-12)
+
+
 def test_a_circle_that_all_but_is_the_rim_is_the_rim() -> None:
     disc = {"shape": "disc", "radius": 5, "thickness": 0.3}
     rim = {"edge": "rim", "fix": "simple"}
