@@ -17,10 +17,10 @@ import signorini
 from signorini.analysis.check import check
 from signorini.base.numbers import estimated, number
 from signorini.cli import app
-from signorini.cli.cells import point
 from signorini.cli.events import print_path
 from signorini.cli.grid import Column, Grid, numbers
 from signorini.cli.tables import print_check, print_results
+from signorini.errors import point
 from signorini.output.envelope_json import envelope_json
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

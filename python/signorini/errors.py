@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
@@ -17,6 +18,8 @@ _NEAREST = 8
 """Names that a message lists of more."""
 _LONGEST = 60
 """Characters of a name that are compared with others."""
+_DIGITS = 15
+"""Of a number that a double keeps."""
 
 
 class SignoriniError(Exception):
@@ -159,14 +162,20 @@ def point(at: Iterable[float], size: float = 0.0) -> str:
 
 
 def length(value: float, size: float = 0.0) -> str:
-    """Write a length; beside a size, such as the plate's, without the digits that are rounding.
+    """Write a length; beside a size, such as the plate's, to a millionth of it, without the digits that are rounding.
 
     Examples
     --------
     >>> length(-1.3e-16, 4.0), length(0.1 + 0.2, 4.0), length(-2.5e-6, 1e-5)
     ('0', '0.3', '-2.5e-06')
+    >>> length(4500012.3456789, 10.0), length(4500012.3456789)
+    ('4500012.3457', '4500012.346')
     """
-    return f"{round(float(value) / size, 9) * size + 0.0 if size else float(value) + 0.0:.6g}"
+    rounded = round(float(value) / size, 9) * size if size else float(value)
+    # Far from the origin a place has more digits before those that tell it from others: one at 1000, or at ten sizes.
+    far = abs(rounded) / (10.0 * size or 1000.0)
+    farther = 1 + math.floor(math.log10(far)) if math.isfinite(far) and far >= 1.0 else 0
+    return f"{rounded + 0.0:.{min(6 + farther, _DIGITS)}g}"
 
 
 def unknown(kind: str, found: str, allowed: Iterable[str], owner: str = "This model") -> str:

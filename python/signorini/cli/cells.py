@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from signorini.base.numbers import ROUNDING, estimated, number
+from signorini.base.numbers import estimated, number
 
 UNKNOWN = "± ?"
 UNSETTLED = f"{UNKNOWN}: does not settle from mesh to mesh, near what is named below as singular or unresolved"
@@ -32,17 +32,6 @@ def cell(
     for part in path:
         found = found[part]
     return estimated(value, found, largest, digits)
-
-
-def point(at: Sequence[float], size: float = 0.0) -> str:
-    """Write a point of a plate of that size.
-
-    Examples
-    --------
-    >>> point([-5.7985, -1.4e-14], size=12.0)
-    '[-5.7985, 0]'
-    """
-    return f"[{', '.join('0' if abs(value) <= ROUNDING * size else f'{value:.6g}' for value in at)}]"
 
 
 def in_unit(unit: str) -> str:

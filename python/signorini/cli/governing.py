@@ -11,10 +11,11 @@ from rich.text import Text
 
 from signorini.analysis.solve import Results
 from signorini.base.numbers import compared, estimated, number, size_of
-from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, point, unit_of
+from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, unit_of
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.cli.through import print_enveloped
 from signorini.contact.certificate import FIGURES
+from signorini.errors import point
 from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import governing_reactions
 from signorini.output.names import GOVERNING, JSON

@@ -11,12 +11,12 @@ from signorini.analysis.check import ASKED, Check
 from signorini.analysis.solve import Results
 from signorini.analysis.twins.leaves import largest_of
 from signorini.base.numbers import compared, number, size_of
-from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, point, unit_of
+from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, unit_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.cli.through import print_through
 from signorini.discretise import Discretisation
-from signorini.errors import length
+from signorini.errors import length, point
 from signorini.model import Support
 from signorini.output.envelope_json import table_warnings
 from signorini.results.extremes import NUMBERS

@@ -9,8 +9,9 @@ from rich.console import Console
 
 from signorini.analysis.solve import Results
 from signorini.base.numbers import size_of
-from signorini.cli.cells import cell, in_unit, point
+from signorini.cli.cells import cell, in_unit
 from signorini.cli.grid import Column, Grid, numbers
+from signorini.errors import point
 from signorini.model import Units
 from signorini.results.result import Result
 

@@ -109,9 +109,9 @@ def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
     node = elements[at, int(np.abs(deflection[elements[at]]).argmax())]
     if abs(deflection[node]) > thickness[at]:
         unit = found.model.units.length and f" {found.model.units.length}"
-        x, y = found.mesh.points[node]
+        where = point(found.mesh.points[node], found.mesh.size)
         yield (
-            f"The deflection at [{x:.6g}, {y:.6g}], {deflection[node]:.4g}{unit}, is beyond the thickness, "
+            f"The deflection at {where}, {deflection[node]:.4g}{unit}, is beyond the thickness, "
             f"{thickness[at]:.4g}{unit}: the theory is of small ones. Are E, thickness and loads in the same units?"
         )
 
@@ -211,10 +211,9 @@ def _one_place(found: Discretisation) -> Iterator[str]:
     for (one, here), (other, there) in combinations(zip(rigid, places, strict=True), 2):
         near = (np.abs(here[:, None] - there) <= within).all(axis=-1).any(axis=-1)
         if near.any() and _alike(model.support[one], model.support[other]) and _as_large(found, one, other):
-            x, y = here[near][0]
             yield (
                 f"{model.support[one].name} and {model.support[other].name} both hold the plate rigidly at "
-                f"[{x:.6g}, {y:.6g}]: how they share its reaction is a convention."
+                f"{point(here[near][0], found.mesh.size)}: how they share its reaction is a convention."
             )
 
 
