@@ -48,6 +48,21 @@ def several(count, soil, **more):
     return rectangular(**ASKED | {"support": supports}, combination=combinations, **more)
 
 
+@pytest.mark.parametrize("off", [-1e-9, 1e-9, 3e-6])
+def test_a_line_that_all_but_ends_on_an_edge_ends_there_from_either_side(off):
+    def cut(y):
+        model = rectangular(
+            support=[{"edge": "left", "fix": "clamped"}],
+            load=[{"pressure": 1e3}],
+            mesh={"divisions": [5, 5], "error": False},
+            section=[{"line": [[1.3, y], [1.3, 4 + y]]}],
+        )
+        return solve(model)["all"].sections[0]
+
+    there, beside = cut(0.0), cut(off)
+    assert (beside.moment, beside.shear) == pytest.approx((there.moment, there.shear), rel=1e-9)
+
+
 @pytest.mark.parametrize("soil", [False, True])
 def test_a_table_and_its_envelope_have_what_each_combination_has_alone(soil):
     """By sums of responses, and side by side."""

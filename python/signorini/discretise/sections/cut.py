@@ -33,8 +33,9 @@ from signorini.shapes.outlines import Point
 
 _TOUCHING = 1e-9
 """Part of the plate's size within which nodes are on a line."""
-_BESIDE = 1e-6
-"""How far beyond an end, of the plate's size, it is asked whether the plate goes on: more than rounding."""
+BESIDE = 1e-6
+"""How far beyond an end, of the plate's size, it is asked whether the plate goes on, and before it whether it is there:
+more than rounding."""
 _PAST = 1e-7
 """How far past a side, in reference coordinates, is off the plate: points near curved edges are found inside."""
 _BEYOND = 2.0
@@ -159,7 +160,7 @@ class _Followed:
         self.inside = np.zeros(2, np.bool_)
         if not line.closed:
             outward = np.stack([-line.along[0], line.along[-1]])
-            where = mesh.locate(line.ends + _BESIDE * mesh.size * outward)
+            where = mesh.locate(line.ends + BESIDE * mesh.size * outward)
             triangles = where.inside & mesh.triangles[where.elements]
             (x, y), one = where.xi.T, 1.0 + _PAST
             past = (
@@ -168,7 +169,7 @@ class _Followed:
             self.inside = where.inside & ~past
         self.reach = _BEYOND * float(np.hypot(*(mesh.boxes[:, 2:] - mesh.boxes[:, :2]).T).max())
         # What ends short of an edge by less than that may miss nodes on it.
-        self.beyond = np.where(self.inside, self.reach, 0.0 if line.closed else _BESIDE * mesh.size)
+        self.beyond = np.where(self.inside, self.reach, 0.0 if line.closed else BESIDE * mesh.size)
 
     def near(self, points: Floats) -> Near:
         """Find where points (q, 2) are from the line."""

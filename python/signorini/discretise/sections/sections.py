@@ -27,7 +27,7 @@ from signorini.discretise.sections.acting import (
     of_spread,
     of_supports,
 )
-from signorini.discretise.sections.cut import Cut, cut
+from signorini.discretise.sections.cut import BESIDE, Cut, cut
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
@@ -165,7 +165,9 @@ def _lines(model: Model) -> Iterator[tuple[Sequence[Point], Place]]:
 def _require_on_plate(mesh: Mesh, points: Sequence[Point], place: Place) -> None:
     """Refuse a line whose end is off the plate; those across strips may end in a hole, not beyond the plate."""
     ends = np.array([points[0], points[-1]])
-    inside = mesh.locate(ends).inside
+    inward = np.array([points[1], points[-2]]) - ends
+    inward *= BESIDE * mesh.size / np.hypot(*inward.T)[:, None]
+    inside = mesh.locate(ends).inside | mesh.locate(ends + inward).inside
     if place[0] == "strip":
         away = 2.0 * mesh.size * (ends - ends[::-1]) / math.dist(*points)
         for end, outward in zip(np.flatnonzero(~inside), away[~inside], strict=True):
