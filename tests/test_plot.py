@@ -627,6 +627,17 @@ def test_a_case_of_couples_alone_has_its_couple_in_all() -> None:
     assert totals == {"W": "moment [5.333, 0] kN m", "T": "moment [0, 3] kN m"}
 
 
+@pytest.mark.parametrize("radius", [3.0, 5.0, 5.8])
+def test_forces_along_a_circle_that_cancel_are_a_couple(radius: float) -> None:
+    """Though parabolas stand for its arcs."""
+    tank = {"shape": "disc", "radius": 6, "thickness": 0.3, "holes": [{"circle": {"center": [2, 1], "radius": 0.5}}]}
+    wind = {"line_load": f"1000*x/(pi*{radius}**3)", "circle": {"radius": radius}}
+    model = rectangular(
+        units={"length": "m", "force": "kN"}, plate=tank, mesh={"size": 0.4}, load=[{"case": "W", **wind}]
+    )
+    assert case_totals(discretise(model)) == {"W": "moment [1000, 0] kN m"}
+
+
 def test_borders_of_zones_are_no_outline_in_results() -> None:
     plate = {"shape": "polygon", "points": [[0, 0], [4, 0], [4, 4], [0, 4]], "thickness": 0.2}
     zone = {"area": {"circle": {"center": [2, 2], "radius": 1}}, "thickness": 0.4}

@@ -13,7 +13,7 @@ import numpy as np
 from signorini.base.regular import open_regular
 from signorini.discretise import Discretisation, discretise
 from signorini.discretise.rows import Floats
-from signorini.equilibrium.balance import RigidFreedom, allowed_motions, rigid_freedom
+from signorini.equilibrium.balance import NO_FORCE, RigidFreedom, allowed_motions, rigid_freedom
 from signorini.equilibrium.imbalance import WORK, Imbalance
 from signorini.equilibrium.limits import imbalance_of, nearest_limit, on_the_brink
 from signorini.equilibrium.words import explain
@@ -33,7 +33,6 @@ from signorini.results.warnings import idle_cases, model_warnings, no_resultant
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
-_NO_FORCE = 1e-12
 _FORMATS = (".png", ".svg", ".pdf")
 _HEAD = 1000
 """Bytes of a picture within which its metadata are."""
@@ -267,7 +266,7 @@ def _of(
     brink: bool = False,
     limit: tuple[str, float] | None = None,
 ) -> Resultant:
-    least = _NO_FORCE * total * np.array([1.0, found.mesh.size, found.mesh.size])
+    least = NO_FORCE * total * np.array([1.0, found.mesh.size, found.mesh.size])
     force, mx, my = (float(part) for part in np.where(np.abs(resultant) > least, resultant, 0.0))
     at = None
     if force:

@@ -14,6 +14,9 @@ from signorini.shapes.hull import hull
 
 RANK = 1e-9
 """Rigid motions of unit size that move a support by less than this part of the plate's size do not move it."""
+NO_FORCE = 1e-6
+"""Part of the forces that act below which their sum is none: parabolas stand for arcs, and loads along them that cancel
+leave so much."""
 _MANY = 100
 """Points from which on their hull is taken."""
 

@@ -11,6 +11,7 @@ from signorini import shapes
 from signorini.base.plain import plain
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.equilibrium.balance import NO_FORCE
 from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
 from signorini.model import Area, Circle, Load, Model, Support
@@ -31,8 +32,6 @@ _MOST_EDGES = 40
 """Edges that have their names drawn; outlines of chords have hundreds."""
 _SAME = 1e-9
 """Part of the plate's size within which places are one above the other."""
-_NO_FORCE = 1e-12
-"""Part of forces below which their sum is rounding."""
 _ALONG = 200
 """Pieces of the longest part of a line, each as open or closed as the nearest contact point."""
 _BREAK = np.full((1, 2), np.nan)
@@ -230,12 +229,12 @@ def case_totals(found: Discretisation) -> dict[str, str]:
     for case in dict.fromkeys(load.case for load in found.model.load):
         forces = found.cases[case].weighing[::3]
         total = float(forces.sum())
-        if abs(total) > _NO_FORCE * float(np.abs(forces).sum()):
+        if abs(total) > NO_FORCE * float(np.abs(forces).sum()):
             sums[case] = f"{plain(abs(total), 4)} {unit}".rstrip() + (" up" if total < 0 else " down")
             continue
         weighing, turns = found.cases[case].weighing, found.rigid_motions[:, 1:]
         couple = weighing @ turns
-        couple = np.where(np.abs(couple) > _NO_FORCE * (np.abs(weighing) @ np.abs(turns)), couple, 0.0)
+        couple = np.where(np.abs(couple) > NO_FORCE * (np.abs(weighing) @ np.abs(turns)), couple, 0.0)
         if couple.any():
             sums[case] = f"moment [{', '.join(plain(float(part), 4) for part in couple)}] {couples}".rstrip()
     return sums

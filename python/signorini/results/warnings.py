@@ -16,6 +16,7 @@ from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import region
 from signorini.discretise.quadrature import curve_quadrature
 from signorini.discretise.rows import Floats
+from signorini.equilibrium.balance import NO_FORCE
 from signorini.errors import point
 from signorini.model import Load, Model, Support
 from signorini.model.curve import curve
@@ -38,8 +39,6 @@ _NOTHING = 1e-9
 _MOST = 0.75
 """Part of the plate beside places where moments have no limit, from which on the largest moments say little of it.
 Covers of flanges, thick and on many bolts, have half."""
-_NO_FORCE = 1e-12
-"""Part of the forces that act below which their sum is rounding."""
 
 
 def model_warnings(found: Discretisation) -> tuple[str, ...]:
@@ -94,7 +93,7 @@ def no_resultant(found: Discretisation, load: CaseLoad) -> Iterator[str]:
     moved = found.held.values.any() or found.springs.base.any() or found.points.settlement.any()
     forces = load.nodal[::3]
     total = float(np.abs(forces).sum())
-    cancel = total and abs(forces.sum()) <= _NO_FORCE * total
+    cancel = total and abs(forces.sum()) <= NO_FORCE * total
     if cancel and not any(one.couple is not None and one.given(FOOTPRINT) for one in found.model.load):
         yield "The load's resultant is zero: its forces cancel each other. Is each of the sign that is meant?"
     elif not load.nodal.any() and not moved:
