@@ -283,3 +283,12 @@ def test_a_load_case_that_acts_in_no_combination() -> None:
 def test_smaller_elements_off_the_plate(at: list[float], said: bool) -> None:
     given = model(mesh={"size": 1, "refine": [{"at": [at], "size": 0.3}]})
     assert any("not on the plate" in warning for warning in check(given).warnings) == said
+
+
+def test_places_off_the_plate_are_not_refined_and_said() -> None:
+    places = [{"at": [100, 1]}, {"area": {"rectangle": [50, 50, 60, 60]}}, {"line": [[-5, -5], [-3, -3]]}]
+    places += [{"circle": {"center": [20, 20], "radius": 2}}, {"at": [1, 1]}, {"line": [[-1, 1], [1, 1]]}]
+    refined = {"size": 1, "refine": [{**place, "size": 0.5} for place in places]}
+    found = [warning for warning in check(model(mesh=refined)).warnings if "nothing is refined for it" in warning]
+    kinds = ["point [100, 1]", "area", "line", "circle"]
+    assert [warning.split(" of refinement")[0] for warning in found] == [f"The {kind}" for kind in kinds]

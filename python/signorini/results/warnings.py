@@ -14,7 +14,7 @@ from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.meshing import to_follow
 from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import region
-from signorini.discretise.quadrature import curve_quadrature
+from signorini.discretise.quadrature import area_quadrature, curve_quadrature
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.errors import point
@@ -162,11 +162,17 @@ def _never_act(found: Discretisation) -> Iterator[str]:
 
 
 def _unrefined(found: Discretisation) -> Iterator[str]:
-    """Points at which smaller elements are asked for, and there is no plate."""
+    """Places at which smaller elements are asked for, and there is no plate."""
+    mesh = found.mesh
     for index, part in enumerate(found.model.mesh.refine, 1):
-        for at in part.at or ():
-            if not found.mesh.locate(np.array([at])).inside.all():
-                yield f"The point {point(at)} of refinement {index} is not on the plate, and nothing is refined for it."
+        off = [f"point {point(at)}" for at in part.at or () if not mesh.locate(np.array([at])).inside.all()]
+        along, area = curve(part), region(part.area)
+        if along is not None and not curve_quadrature(mesh, along, order=1).total:
+            off.append("line" if part.circle is None else "circle")
+        if area is not None and not area_quadrature(mesh, area, order=1).total:
+            off.append("area")
+        for what in off:
+            yield f"The {what} of refinement {index} is not on the plate, and nothing is refined for it."
 
 
 def _unfollowed(found: Discretisation) -> Iterator[str]:
