@@ -39,6 +39,8 @@ _NEAR = 1e-7
 """Part of the load within which the judge calls equilibrium marginal, and either verdict right."""
 _LOST = 1e-6
 """Part of loads and reactions that reported reactions may miss: a certificate allows 1e-4 of what rounding moves."""
+_EXACT = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+"""As exact as HiGHS can be: by default it takes an imbalance of 1e-7 for none."""
 MOVES = ("against this motion", "bends in some shapes without resistance")
 """What a plate is refused with that can move."""
 _EXTREME = 4
@@ -85,7 +87,9 @@ def reactions_exist(found, nodal):
     count = columns.shape[1]
     bounds = [(None if both else 0, None) for both in both_ways] + [(0, None)] * 6
     cost = np.append(np.zeros(count), np.ones(6))
-    least = linprog(cost, A_eq=np.hstack([columns, slack]), b_eq=wanted / total, bounds=bounds, method="highs")
+    least = linprog(
+        cost, A_eq=np.hstack([columns, slack]), b_eq=wanted / total, bounds=bounds, method="highs", options=_EXACT
+    )
     if least.x is None:
         return None
     return True if least.fun < 1e-12 else None if least.fun < _NEAR else False
@@ -107,7 +111,7 @@ def deflection_exists(found):
     limits = np.concatenate([distance, -distance[two]])
     bounds = [(v / scale, v / scale) if h else (None, None) for h, v in zip(held.dofs, held.values, strict=True)]
     cost = np.append(np.zeros(found.dof_count), 1.0)
-    least = linprog(cost, A_ub=both, b_ub=limits, bounds=[*bounds, (0, None)], method="highs")
+    least = linprog(cost, A_ub=both, b_ub=limits, bounds=[*bounds, (0, None)], method="highs", options=_EXACT)
     if least.x is None:
         return None
     return True if least.fun < 1e-9 else None if least.fun < 1e-6 else False

@@ -31,6 +31,8 @@ _HARDLY = 1e-4
 """Part of the deflection by which a load scales on the plate, below which deflections count as that much."""
 _CUT = 1e-3
 """The same where borders, jumps and springs cut coarse elements, which rules of their own integrate."""
+_LAMINATED = 3e-2
+"""The same where borders of zones that are stiff one way run inside elements, which are laminates then."""
 
 
 def twofold(rng: Random) -> Extreme:
@@ -201,6 +203,8 @@ def turned(rng: Random, tables: Tables) -> Extreme:
         items = [*tables["support"], *tables["load"]]
         parts = any(key in item for item in items for key in ("area", "patch", "radius"))
         part = _CUT if "zone" in tables or "where(" in repr(tables) else _CURVED if parts else _ROUNDING
+        if any("stiffness" in zone for zone in tables.get("zone", [])):
+            part = _LAMINATED
         return _compared(result, tables, other, motion.of_mesh(mesh, contours), part)
 
     return Extreme("turned", tables, judge, may_be_refused=True)
