@@ -36,6 +36,8 @@ Ints = npt.NDArray[np.int64]
 _T = TypeVar("_T")
 
 _SAME = 1e-9
+_FLAT = 1e-6
+"""Part of a plate's size by which its nodes may be off a plane: some files have seven digits."""
 _FARTHEST = 1e6
 """Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
 _LARGEST_FILE = 4_000_000_000
@@ -233,7 +235,7 @@ def _plane(points: Floats, elements: Ints) -> Floats:
             "finite number."
         )
     height = float(np.ptp(used[:, 2])) if points.shape[1] == 3 else 0.0
-    if not height <= _SAME * float(np.ptp(used[:, :2], axis=0).max()):
+    if not height <= _FLAT * float(np.ptp(used[:, :2], axis=0).max()):
         raise InputError(f"The mesh is not plane: z varies by {height:g}. A plate's nodes all need the same z.")
     return points[:, :2]
 
