@@ -38,9 +38,7 @@ def arcs_of(border: Line) -> Iterator[tuple[float, ...]]:
     [1.0, 0.0, 0.707, 0.707, 0.0, 1.0]
     """
     for x, y, radius in border.outline.circles.tolist():
-        drawn = circle((x, y), radius, "")
-        ends = (*drawn.corners[1:], drawn.corners[0])
-        for begin, through, end in zip(drawn.corners, drawn.through, ends, strict=True):
+        for begin, through, end in circle((x, y), radius, "").sides:
             assert through is not None  # a circle is of arcs
             yield (*begin, *through, *end)
     yield from (tuple(arc) for arc in border.outline.arcs.reshape(-1, 6).tolist())
@@ -98,9 +96,8 @@ def _sides_of(border: Line) -> Iterator[Floats]:
 
 def _sides_around(contour: Contour) -> Iterator[Floats]:
     """Yield the sides of a contour, arcs by their chords, (k, 2, 2)."""
-    ends = (*contour.corners[1:], contour.corners[0])
-    for a, m, b in zip(contour.corners, contour.through, ends, strict=True):
-        yield _chords(a, m, b)
+    for side in contour.sides:
+        yield _chords(*side)
 
 
 def _chords(a: Point, through: Point | None, b: Point) -> Floats:

@@ -328,7 +328,7 @@ class Mesh(Remade):
         """
         triples, tolerance = self.unique_sides, 1e-9 * self.size
         if not isinstance(curve, Ring):
-            return edges_on_polyline(self.points, triples, curve.outline.segments, tolerance)
+            return edges_on_polyline(self.points, triples, curve.sides, tolerance)
         found = edges_on_ring(self.points, triples, curve, tolerance)
         if found is None or self.locate(found.gaps).inside.any():
             return None
@@ -341,7 +341,7 @@ class Mesh(Remade):
         """
         triples, tolerance = self.unique_sides, 1e-9 * self.size
         if not isinstance(curve, Ring):
-            return sides_mostly_on(self.points, triples, curve.outline.segments, tolerance)
+            return sides_mostly_on(self.points, triples, curve.sides, tolerance)
         found = edges_on_ring(self.points, triples, curve, tolerance)
         return np.zeros((0, 3), np.int64) if found is None else found.triples
 
