@@ -171,3 +171,18 @@ def test_what_is_on_a_line_already_stays_as_it_is() -> None:
     beside = {"line": [[2.0, -2.0], [9.0, -2.0], [9.0, 3.0]], **HELD}
     model = given(SQUARE, EDGES, wall, beside)
     assert discretise(model).model == model
+
+
+@pytest.mark.parametrize("degrees", [0.0, 45.0, 71.3])
+@pytest.mark.parametrize(("off", "touches"), [(2.7e-3, True), (3.0e-3, False)])
+def test_how_the_plate_lies_does_not_tell_what_touches(degrees, off, touches) -> None:
+    """A square of 10, whose diameter is 14.1, and a wall that ends beside an edge."""
+    cos, sin = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    corners, wall = (
+        [[cos * x - sin * y, sin * x + cos * y] for x, y in points]
+        for points in ([(0, 0), (10, 0), (10, 10), (0, 10)], [(3, off), (4, 5)])
+    )
+    plate = {"shape": "polygon", "points": corners, "thickness": 0.3}
+    edges = {"edge": [f"edge {i}" for i in range(1, 5)], "fix": "simple"}
+    (end, _) = discretise(given(plate, edges, {"line": wall, **HELD})).model.support[1].line
+    assert (math.dist(end, wall[0]) > 1e-6) == touches

@@ -17,12 +17,14 @@ from signorini.model import Model, OutlinedPlate
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.shapes import Curve, Polyline, Ring
 from signorini.shapes.contours import Contour
+from signorini.shapes.hull import diameter
 from signorini.shapes.nearest import Targets, sides_of
 from signorini.shapes.outlines import Point, Side
 
 TOUCHING = 2e-4
-"""Part of the plate's size within which things touch: coordinates are written to four digits, drawings are made to a
-millimetre in ten metres. Held rigidly at such distances a plate is pried apart by 1e5 times its load."""
+"""Part of the plate's diameter within which things touch: coordinates are written to four digits, drawings are made to
+a millimetre in ten metres, of plates that are long and narrow too. Held rigidly at such distances a plate is pried
+apart by 1e5 times its load."""
 _ON = 1e-10
 """Part of it within which they do already."""
 
@@ -46,24 +48,24 @@ class _Outline:
     @classmethod
     def drawn(cls, contours: Sequence[Contour], held: set[str]) -> Self:
         """Take contours."""
-        x0, y0, x1, y1 = contours[0].bounds
+        extent = diameter(contours[0].points())
         along = [side for contour in contours for side in contour.sides]
         corners = Targets.of(points=[corner for contour in contours for corner in contour.corners])
         straight, arcs = sides_of(contours)
         circles = [((x, y), radius) for x, y, radius, *_ in arcs]
         sides, of_held = Targets.of((), straight, arcs), Targets.of((), *sides_of(contours, held))
-        return cls(max(x1 - x0, y1 - y0), along, corners, sides, of_held, circles)
+        return cls(extent, along, corners, sides, of_held, circles)
 
     @classmethod
     def meshed(cls, mesh: Mesh, held: set[str], rings: Iterable[Ring]) -> Self:
         """Take the boundary of a mesh, of whose nodes any may be a corner, and those of its circles that are sought."""
-        near = TOUCHING * mesh.size
+        near = TOUCHING * mesh.diameter
         named = [np.zeros((0, 3), np.int64), *(mesh.edges[name] for name in held & mesh.edges.keys())]
         sides, of_held = (Sides(mesh.points[of], near) for of in (mesh.boundary, np.concatenate(named)))
         corners = Targets.of(points=mesh.points[mesh.boundary[:, 0]])
         along = [(tuple(a), tuple(m), tuple(b)) for a, m, b in mesh.points[mesh.boundary].tolist()]
         found = (_circle_through(sides.nodes, ring, near) for ring in rings)
-        return cls(mesh.size, along, corners, sides, of_held, [circle for circle in found if circle is not None])
+        return cls(mesh.diameter, along, corners, sides, of_held, [circle for circle in found if circle is not None])
 
 
 def touching(model: Model, mesh: Mesh | None = None) -> Model:

@@ -47,7 +47,7 @@ def prying(found: Discretisation) -> Iterator[str]:
     for support in (one for one in rigid if one.place not in ("edge", "area")):
         reached = (holding[at] for at in _reached(support, boxes, thickness))
         beside = [(what, other, those) for what, other, those in reached if other is not support]
-        looked_at = _looked_at(support, [those for *_, those in beside], mesh.size, thickness)
+        looked_at = _looked_at(support, [those for *_, those in beside], mesh.diameter, thickness)
         for what, other, those in beside:
             pair = min(id(support), id(other)), max(id(support), id(other))
             if pair in told or _let_go(support, other):
@@ -56,7 +56,7 @@ def prying(found: Discretisation) -> Iterator[str]:
                 told.add(pair)
                 yield _words(support, at[0], at[1], f"{what} that {other.name} holds, less than the thickness")
     points = [one for one in rigid if one.at is not None]
-    yield from _pairs(points, SAME_PLACE * mesh.size, _NEIGHBOURS * thickness)
+    yield from _pairs(points, SAME_PLACE * mesh.diameter, _NEIGHBOURS * thickness)
 
 
 def _pairs(rigid: list[Support], least: float, most: float) -> Iterator[str]:
@@ -99,7 +99,7 @@ def _reached(support: Support, boxes: Floats, within: float) -> list[int]:
 
 
 def _looked_at(
-    support: Support, beside: Sequence[Targets | Sides], size: float, most: float
+    support: Support, beside: Sequence[Targets | Sides], diameter: float, most: float
 ) -> list[tuple[Floats, Bools, bool]]:
     """Points and ends of a support, then points along its line; whether they are free, and whether along a line.
 
@@ -113,10 +113,10 @@ def _looked_at(
     places += [] if along is None else list(_pieces(along, most))
     found = []
     for number, at in enumerate(places):
-        free = drawn.nearest(at)[1] > SAME_PLACE * size
+        free = drawn.nearest(at)[1] > SAME_PLACE * diameter
         for those in (those for those in beside if isinstance(those, Sides)):
             # Sides of a mesh are parabolas where what runs along them is an arc.
-            free &= those.nearest(at)[1] > TOUCHING * size
+            free &= those.nearest(at)[1] > TOUCHING * diameter
         if free.any():
             found.append((at, free, number >= ends))
     return found
