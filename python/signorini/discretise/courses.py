@@ -10,9 +10,9 @@ from typing import Self
 
 import numpy as np
 
-from signorini.discretise.quadrature.arcs import Arc, Segment, arc_of
+from signorini.discretise.quadrature.arcs import Arc, PartOfCircle, Segment, arc_of
 from signorini.discretise.rows import Floats
-from signorini.shapes import Curve, Polyline
+from signorini.shapes import Curve, Polyline, Ring
 from signorini.shapes.outlines import Point, Side, bounds_of
 
 _LOOKED_AT = np.linspace(0.0, 1.0, 17)
@@ -97,7 +97,7 @@ class Followed:
         found._boxes, found._sides = np.concatenate([self._boxes, found._boxes]), self._sides + found._sides
         return found
 
-    def course(self, sides: Sequence[Side], near: float, on: float) -> Polyline | None:
+    def course(self, sides: Sequence[Side], near: float, on: float) -> Curve | None:
         """Put sides, each of which begins where the last ended, onto these where they run along them.
 
         They do so from an end of either to the next one, if they are nowhere there farther apart than ``near``. What is
@@ -171,7 +171,7 @@ def _to_end(s: float, length: float, near: float) -> float:
     return end if abs(s - end) <= near else s
 
 
-def _joined(parts: list[_Part], is_closed: bool, on: float) -> Polyline | None:
+def _joined(parts: list[_Part], is_closed: bool, on: float) -> Curve | None:
     """Make one line of parts, those in a row on one side together; its own end where others begin."""
     if is_closed:
         # A line along one side from its end to its beginning goes on there.
@@ -201,4 +201,29 @@ def _joined(parts: list[_Part], is_closed: bool, on: float) -> Polyline | None:
             corners.append(corners[0])
             through.append(None)
         corners[-1] = corners[0]
-    return Polyline(tuple(corners), tuple(through))
+    return _smooth(Polyline(tuple(corners), tuple(through)).sides, on)
+
+
+def _smooth(sides: Sequence[Side], on: float) -> Curve:
+    """Join sides that follow each other on one circle, all around to the circle; it is divided as others on it are."""
+    found: list[tuple[Side, Arc]] = []
+    for side in sides:
+        arc = arc_of(side)
+        if found and _go_on(found[-1][1], arc, on):
+            (begin, _, _), before = found.pop()
+            assert isinstance(before, PartOfCircle)
+            if (turned := before.length + arc.length) >= math.tau * before.radius - on:
+                return Ring((float(before.center[0]), float(before.center[1])), before.radius)
+            x, y = before.at(np.array([0.5 * turned]))[0][0].tolist()
+            side = begin, (x, y), side[2]
+            arc = arc_of(side)
+        found.append((side, arc))
+    joined = [side for side, _ in found]
+    return Polyline((joined[0][0], *(end for *_, end in joined)), tuple(through for _, through, _ in joined))
+
+
+def _go_on(one: Arc, other: Arc, on: float) -> bool:
+    """Whether an arc goes on along the circle of the one before it."""
+    if not isinstance(one, PartOfCircle) or not isinstance(other, PartOfCircle) or one.sweep * other.sweep < 0.0:
+        return False
+    return math.dist(one.center, other.center) <= on and abs(one.radius - other.radius) <= on

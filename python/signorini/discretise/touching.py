@@ -43,7 +43,7 @@ class _Outline:
     corners: Targets
     sides: Targets | Sides
     held: Targets | Sides
-    circles: Sequence[tuple[Point, float]]
+    circles: Sequence[Ring]
 
     @classmethod
     def drawn(cls, contours: Sequence[Contour], held: set[str]) -> Self:
@@ -52,7 +52,7 @@ class _Outline:
         along = [side for contour in contours for side in contour.sides]
         corners = Targets.of(points=[corner for contour in contours for corner in contour.corners])
         straight, arcs = sides_of(contours)
-        circles = [((x, y), radius) for x, y, radius, *_ in arcs]
+        circles = [Ring((x, y), radius) for x, y, radius, *_ in arcs]
         sides, of_held = Targets.of((), straight, arcs), Targets.of((), *sides_of(contours, held))
         return cls(extent, along, corners, sides, of_held, circles)
 
@@ -117,20 +117,18 @@ def touching(model: Model, mesh: Mesh | None = None) -> Model:
         elif ring is not None and one.circle is not None and ring != drawn[index]:
             moved = one.circle.model_copy(update={"center": ring.center, "radius": ring.radius})
             support[index] = one.model_copy(update={"circle": moved})
-        elif isinstance(along, Polyline) and not any(along.through):
+        if isinstance(along, Polyline) and ring is None and not any(along.through):
             support[index] = one.model_copy(update={"line": along.points})
-        if isinstance(along, Polyline) and (any(along.through) or ring is not None):
+        elif along is not None and along != ring:
             support[index] = support[index].following(along)
     return model.model_copy(update={"support": tuple(support)})
 
 
-def _rings(
-    rings: Mapping[int, Ring], circles: Sequence[tuple[Point, float]], near: float, on: float
-) -> dict[int, Ring]:
+def _rings(rings: Mapping[int, Ring], circles: Sequence[Ring], near: float, on: float) -> dict[int, Ring]:
     """Circles of supports: each is that of the outline, or of a support before it, that it all but is."""
-    known, found = [Ring(center, radius) for center, radius in circles], dict[int, Ring]()
+    known, found = list(circles), dict[int, Ring]()
     for index, ring in rings.items():
-        apart = [math.dist(one.center, ring.center) + abs(one.radius - ring.radius) for one in known]
+        apart = [_apart(one, ring) for one in known]
         least = int(np.argmin(apart)) if apart else 0
         found[index] = known[least] if apart and on < apart[least] <= near else ring
         known.append(found[index])
@@ -139,26 +137,35 @@ def _rings(
 
 def _lines(
     lines: Mapping[int, Polyline], outline: _Outline, rings: Sequence[Curve], near: float, on: float
-) -> dict[int, Polyline]:
+) -> dict[int, Curve]:
     """Lines of supports on what they run along, and their corners and ends on what they all but touch."""
     followed, found = Followed(outline.along).and_along(rings), dict(lines)
+    circles = [*(one for one in rings if isinstance(one, Ring)), *outline.circles]
     for index in lines:
         before = Targets.of(points=[point for other in lines if other < index for point in found[other].points])
         found[index] = _moved(found[index], (outline.corners, outline.sides, before), near, on)
     # Ends on lines after them are moved once it is known which of these run along their own.
-    placed: dict[int, Polyline] = {}
+    placed: dict[int, Curve] = {}
     for _ in range(min(2, len(lines))):
         beyond = followed
         for index, line in lines.items():
             before = Targets.along([*rings, *(placed[other] for other in lines if other < index)])
             after = Targets.along([placed[other] for other in lines if other > index and other in placed])
             course = beyond.course(line.sides, near, on) or found[index]
-            placed[index] = _moved(course, (outline.corners, outline.sides, before, after), near, on)
+            if isinstance(course, Ring):
+                placed[index] = next((one for one in circles if _apart(one, course) <= on), course)
+            else:
+                placed[index] = _moved(course, (outline.corners, outline.sides, before, after), near, on)
             beyond = beyond.and_along([placed[index]])
     return placed
 
 
-def _circle_through(sides: Floats, ring: Ring, near: float) -> tuple[Point, float] | None:
+def _apart(one: Ring, other: Ring) -> float:
+    """How far a circle is from another one at most."""
+    return math.dist(one.center, other.center) + abs(one.radius - other.radius)
+
+
+def _circle_through(sides: Floats, ring: Ring, near: float) -> Ring | None:
     """The circle (Kåsa 1976) through the nodes of sides (k, 3, 2) that are all but on another one, if there are any."""
     off = sides - ring.center
     on = (np.abs(np.hypot(*np.moveaxis(off, 2, 0)) - ring.radius) <= near).all(axis=1)
@@ -168,7 +175,8 @@ def _circle_through(sides: Floats, ring: Ring, near: float) -> tuple[Point, floa
     rows = np.column_stack([2.0 * x, 2.0 * y, np.ones(len(x))])
     (across, up, rest), *_ = np.linalg.lstsq(rows, x**2 + y**2, rcond=None)
     center = ring.center[0] + float(across), ring.center[1] + float(up)
-    return center, math.sqrt(max(rest + across**2 + up**2, 0.0))
+    squared = float(rest + across**2 + up**2)
+    return Ring(center, math.sqrt(squared)) if squared > 0.0 else None
 
 
 def _moved(line: Polyline, targets: Sequence[Targets | Sides], near: float, on: float) -> Polyline:

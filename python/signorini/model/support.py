@@ -119,14 +119,14 @@ class Support(Table):
         description="Slopes [θx, θy] at which slope and twist are held, numbers or expressions; default [0, 0].",
     )
 
-    _course: shapes.Polyline | None = PrivateAttr(default=None)
+    _course: shapes.Curve | None = PrivateAttr(default=None)
 
     @property
-    def course(self) -> shapes.Polyline | None:
+    def course(self) -> shapes.Curve | None:
         """Where its line or circle runs, if that is along something else for a stretch; None: as it is drawn."""
         return self._course
 
-    def following(self, course: shapes.Polyline) -> Self:
+    def following(self, course: shapes.Curve) -> Self:
         """Put its line or circle on a course.
 
         Examples
