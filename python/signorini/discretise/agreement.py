@@ -123,7 +123,7 @@ def _require_agreement_of(mesh: Mesh, near: float, drawn: tuple[Drawn, Drawn], v
     of_other, at_other = other.nearest(asked, near)
     asked, at_one = asked[of_other], at_one[of_other]
     apart = np.maximum(np.hypot(*(at_one - asked).T), np.hypot(*(at_other - asked).T))
-    together = (apart <= SAME_PLACE * mesh.size)[:, None]
+    together = (apart <= SAME_PLACE * mesh.diameter)[:, None]
     at = [np.where(together, asked, place) for place in (at_one, at_other)]
     on_plate = mesh.locate(at[0]).inside & mesh.locate(at[1]).inside
     at = [places[on_plate] for places in at]
@@ -205,7 +205,7 @@ def _contradiction(
     (first, *mine), (second, *theirs) = ((index, least[which], most[which]) for index, least, most in bounds)
     names = [path_in_words(("support", index)) for index in (first, second)]
     away, why = "", ""
-    if distance > SAME_PLACE * mesh.size:
+    if distance > SAME_PLACE * mesh.diameter:
         away, why = f", {distance:.3g} away,", "Mesh elements are too large to tell these places apart. "
     if mine[0] == mine[1] and theirs[0] == theirs[1]:
         said = f"{names[0]} holds the plate at {mine[0] + 0.0:g} there and {names[1]}{away} at {theirs[0] + 0.0:g}"

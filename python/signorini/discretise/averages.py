@@ -30,7 +30,7 @@ STRIP = 1e-2
 MOST = 0.25
 """Part that all on it stand for at most, however many corners an outline has there."""
 _ON_OUTLINE = 1e-4
-"""Distance, over the plate's size, within which a point is on the hull; that of a circle is a polygon."""
+"""Distance, over the plate's diameter, within which a point is on the hull; that of a circle is a polygon."""
 _APART = 0.25
 """Distance, over an element's size, below which one of two points is enough: sides may cross an outline in a corner."""
 _FOUR = 4
@@ -85,15 +85,15 @@ def outline_points(mesh: Mesh, plate: Plate, support: Support, covered: Bools) -
     if len(candidates) < _FOUR:
         # Within an element or two: a mean and fewer points may hold one of two slopes, by which corner comes first.
         candidates = _spread(all_of_them, _APART * float(np.ptp(corners, axis=0).min()))
-    return _around(mesh, candidates[_off_hull(corners, candidates) <= _ON_OUTLINE * mesh.size], size, covered)
+    return _around(mesh, candidates[_off_hull(corners, candidates) <= _ON_OUTLINE * mesh.diameter], size, covered)
 
 
 def missing_corners(mesh: Mesh, plate: Plate, support: Support, covered: Bools, reached: Floats) -> OutlinePoints:
     """Corners of an area's hull at which none of its points (q, 2) is: tips, where a quadrature has no weight."""
     shape = region(support.area)
     corners = np.zeros((0, 2)) if shape is None else _corners(shape)
-    corners = corners[_off_hull(outline(mesh, plate, support), corners) <= _ON_OUTLINE * mesh.size]
-    near = SAME_PLACE * mesh.size
+    corners = corners[_off_hull(outline(mesh, plate, support), corners) <= _ON_OUTLINE * mesh.diameter]
+    near = SAME_PLACE * mesh.diameter
     along = np.sort(corners[:, 0])
     beside = np.searchsorted(along, reached[:, 0] - near) < np.searchsorted(along, reached[:, 0] + near, "right")
     if beside.any():

@@ -10,6 +10,7 @@ import numpy as np
 from signorini.discretise.rows import Bools, Floats
 from signorini.shapes import Curve, Region
 from signorini.shapes.contours import Contour, along_side, circle
+from signorini.shapes.hull import diameter
 from signorini.shapes.outlines import Point
 
 Line: TypeAlias = Region | Curve
@@ -25,7 +26,7 @@ _FOLLOWED = 0.55 * _LEAST_BESIDE_LINES
 _EVERY = 5
 """Degrees of the chords that arcs are drawn by here."""
 _TOUCHING = 5e-4
-"""Part of the plate's size by which things meet: such chords are up to so far off an arc."""
+"""Part of the plate's diameter by which things meet: such chords are up to so far off an arc."""
 
 
 def arcs_of(border: Line) -> Iterator[tuple[float, ...]]:
@@ -38,9 +39,7 @@ def arcs_of(border: Line) -> Iterator[tuple[float, ...]]:
     [1.0, 0.0, 0.707, 0.707, 0.0, 1.0]
     """
     for x, y, radius in border.outline.circles.tolist():
-        drawn = circle((x, y), radius, "")
-        ends = (*drawn.corners[1:], drawn.corners[0])
-        for begin, through, end in zip(drawn.corners, drawn.through, ends, strict=True):
+        for begin, through, end in circle((x, y), radius, "").sides:
             assert through is not None  # a circle is of arcs
             yield (*begin, *through, *end)
     yield from (tuple(arc) for arc in border.outline.arcs.reshape(-1, 6).tolist())
@@ -68,7 +67,7 @@ def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, line
     sides += [(side, number) for number, line in enumerate(lines) for side in line.outline.segments[:, None]]
     every = [*sides, *((side, -1) for contour in contours for side in _sides_around(contour))]
     boxes = np.array([[*side.min(axis=(0, 1)), *side.max(axis=(0, 1))] for side, _ in every]).reshape(-1, 4)
-    extent = np.ptp(boxes.reshape(-1, 2), axis=0).max(initial=0.0)
+    touching = _TOUCHING * max(diameter(contour.points()) for contour in contours)
     found = [np.zeros((0, 5))]
     for (side, number), box in zip(sides, boxes, strict=False):
         length = float(np.hypot(*(side[:, 1] - side[:, 0]).T).sum())
@@ -79,7 +78,7 @@ def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, line
         close = ((boxes[:, :2] <= box[2:] + size) & (boxes[:, 2:] >= box[:2] - size)).all(axis=1)
         for other, of in (every[at] for at in np.flatnonzero(close)):
             alike = other is side or (number is not None and of == number)
-            if not alike and not _meet(side, other, _TOUCHING * extent):
+            if not alike and not _meet(side, other, touching):
                 apart = np.minimum(apart, _distance(pieces.mean(axis=1), other))
         near = (apart < size) & ((number is None) | (apart > _FOLLOWED * size))
         sizes = np.maximum(apart[near], min((_LEAST if number is None else _LEAST_BESIDE_LINES) * size, own))
@@ -98,9 +97,8 @@ def _sides_of(border: Line) -> Iterator[Floats]:
 
 def _sides_around(contour: Contour) -> Iterator[Floats]:
     """Yield the sides of a contour, arcs by their chords, (k, 2, 2)."""
-    ends = (*contour.corners[1:], contour.corners[0])
-    for a, m, b in zip(contour.corners, contour.through, ends, strict=True):
-        yield _chords(a, m, b)
+    for side in contour.sides:
+        yield _chords(*side)
 
 
 def _chords(a: Point, through: Point | None, b: Point) -> Floats:

@@ -21,7 +21,7 @@ _GAUSS = 3
 _LEAST = 1e-9
 """Size of a footprint, over the plate's, below which its coordinates have not the digits to tell it from a point."""
 _ON_LINE = 1e-9
-"""Part of the plate's size within which a point is on an edge, and of one by which a direction is another."""
+"""Part of the plate's diameter within which a point is on an edge, and of one by which a direction is another."""
 
 
 class Footprints:
@@ -93,7 +93,7 @@ class Footprints:
         length = np.hypot(*near[1].T)
         normals = np.column_stack([-near[1][:, 1], near[1][:, 0]]) / length[:, None]
         off, along = np.abs(((at - near[0]) * normals).sum(axis=1)), ((at - near[0]) * near[1]).sum(axis=1) / length
-        slack = _ON_LINE * self._mesh.size
+        slack = _ON_LINE * self._mesh.diameter
         through = np.unique(normals[(off <= slack) & (along >= -slack) & (along <= length + slack)].round(9), axis=0)
         if not isinstance(shape, Circle):
             side = shape.corners[1] - shape.corners[0]

@@ -173,6 +173,8 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     if _area(plate) <= _MOST * size**2:
         refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
     points = [at for part in model.mesh.refine for at in part.at or ()]
+    bent = [wall for wall in walls if any(wall.through)]
+    points += [at for wall in bent for a, through, b in wall.sides if through is not None for at in (a, b)]
     try:
         return outlined(
             plate.contours,
@@ -180,7 +182,7 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
             np.concatenate([np.zeros((0, 5)), *refined]),
             np.concatenate([np.zeros((0, 4)), *lines]),
             np.array(points).reshape(-1, 2),
-            np.array([arc for border in borders for arc in arcs_of(border)]).reshape(-1, 6),
+            np.array([arc for border in (*borders, *bent) for arc in arcs_of(border)]).reshape(-1, 6),
             np.concatenate([np.zeros((0, 4)), *(wall.outline.segments.reshape(-1, 4) for wall in walls)]),
         )
     except OutlineError as error:

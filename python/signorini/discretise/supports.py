@@ -358,7 +358,7 @@ def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: O
 def _once(mesh: Mesh, sampled: Sampled) -> Sampled:
     """Points of a line each once, where its pieces share them."""
     _, first, point = np.unique(
-        np.round(sampled.positions / (SAME_PLACE * mesh.size)), axis=0, return_index=True, return_inverse=True
+        np.round(sampled.positions / (SAME_PLACE * mesh.diameter)), axis=0, return_index=True, return_inverse=True
     )
     order = np.sort(first)
     weights = np.bincount(point.ravel(), sampled.weights).astype(np.float64)[point.ravel()]

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from signorini.shapes import Ring
+from signorini.shapes.contours import arc_through
+from signorini.shapes.outlines import Side
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -27,8 +31,8 @@ class OnRing:
     gaps: Floats
 
 
-def edges_on_polyline(points: Floats, triples: Ints, segments: Floats, tolerance: float) -> Ints | None:
-    """Find the sides that cover straight segments.
+def edges_on_polyline(points: Floats, triples: Ints, sides: Sequence[Side], tolerance: float) -> Ints | None:
+    """Find the sides of elements that cover those of a polyline.
 
     Parameters
     ----------
@@ -36,23 +40,23 @@ def edges_on_polyline(points: Floats, triples: Ints, segments: Floats, tolerance
         Nodes.
     triples : (k, 3) int array
         Every side of the mesh once.
-    segments : (m, 2, 2) float array
-        The segments, each beginning where the last ended.
+    sides : sequence of Side
+        Straight ones and arcs, each beginning where the last ended.
     tolerance : float
-        How far nodes may lie from the segments.
+        How far nodes may lie from them.
 
     Returns
     -------
     (j, 3) int array or None
-        The sides in the order and direction of the segments, or None if some part is not covered.
+        The sides of elements in the order and direction of the polyline, or None if some part is not covered.
     """
-    found = [_edges_on_segment(points, triples, a, b, tolerance) for a, b in segments]
+    found = [_edges_on_side(points, triples, side, tolerance) for side in sides]
     covered = [chain for chain in found if chain is not None]
-    return np.vstack(covered) if len(covered) == len(segments) else None
+    return np.vstack(covered) if len(covered) == len(sides) else None
 
 
-def _edges_on_segment(points: Floats, triples: Ints, a: Floats, b: Floats, tolerance: float) -> Ints | None:
-    length, station, on = _on_line(points, a, b, tolerance)
+def _edges_on_side(points: Floats, triples: Ints, side: Side, tolerance: float) -> Ints | None:
+    length, station, on = _on_side(points, side, tolerance)
     on &= (station >= -tolerance) & (station <= length + tolerance)
     chain = triples[on[triples].all(axis=1)]
     chain = np.where((station[chain[:, 0]] > station[chain[:, 2]])[:, None], chain[:, ::-1], chain)
@@ -63,24 +67,37 @@ def _edges_on_segment(points: Floats, triples: Ints, a: Floats, b: Floats, toler
     return chain if np.abs(ends - (0.0, length)).max() <= tolerance else None
 
 
-def sides_mostly_on(points: Floats, triples: Ints, segments: Floats, tolerance: float) -> Ints:
-    """Find the sides (k, 3) on straight segments (m, 2, 2) that these cover by half or more."""
+def sides_mostly_on(points: Floats, triples: Ints, sides: Sequence[Side], tolerance: float) -> Ints:
+    """Find the sides (k, 3) of elements on those of a polyline, straight or arcs, that these cover by half or more."""
     found = [np.zeros((0, 3), np.int64)]
-    for a, b in segments:
-        length, station, on = _on_line(points, a, b, tolerance)
-        sides = triples[on[triples].all(axis=1)]
-        ends = np.sort(station[sides[:, [0, 2]]], axis=1)
+    for side in sides:
+        length, station, on = _on_side(points, side, tolerance)
+        those = triples[on[triples].all(axis=1)]
+        ends = np.sort(station[those[:, [0, 2]]], axis=1)
+        # Opposite the middle of an arc stations begin anew.
+        whole = (station[those[:, 1, None]] - ends).prod(axis=1) < 0.0
+        those, ends = those[whole], ends[whole]
         covered = np.clip(ends, 0.0, length)
-        found.append(sides[np.diff(covered, axis=1)[:, 0] >= 0.5 * np.diff(ends, axis=1)[:, 0]])
+        found.append(those[np.diff(covered, axis=1)[:, 0] >= 0.5 * np.diff(ends, axis=1)[:, 0]])
     return np.vstack(found)
 
 
-def _on_line(points: Floats, a: Floats, b: Floats, tolerance: float) -> tuple[float, Floats, Bools]:
-    """Length from a to b; of points how far along they are, and whether they are on the line through both."""
-    length = float(np.hypot(*(b - a)))
-    along = (b - a) / length
-    offset = points - a
-    return length, offset @ along, np.abs(offset @ np.array([-along[1], along[0]])) <= tolerance
+def _on_side(points: Floats, side: Side, tolerance: float) -> tuple[float, Floats, Bools]:
+    """Length of a side; of points how far along it they are, and whether they are on it but for its ends."""
+    (a, through, b), arc = side, None
+    if through is not None:
+        arc = arc_through(a, through, b)
+    if arc is None:
+        length = math.dist(a, b)
+        along = np.subtract(b, a) / length
+        offset = points - a
+        return length, offset @ along, np.abs(offset @ np.array([-along[1], along[0]])) <= tolerance
+    center, radius, start, sweep = arc
+    x, y = (points - center).T
+    # From the middle of the arc to either side.
+    turned = _turn(start + 0.5 * sweep - np.pi, np.arctan2(y, x)) - np.pi
+    station = radius * (0.5 * abs(sweep) + math.copysign(1.0, sweep) * turned)
+    return radius * abs(sweep), station, np.abs(np.hypot(x, y) - radius) <= tolerance
 
 
 def edges_on_ring(points: Floats, triples: Ints, ring: Ring, tolerance: float) -> OnRing | None:
@@ -133,6 +150,6 @@ def at_ends(points: Floats, triples: Ints) -> Bools:
     return np.asarray((np.hypot(*total.T)[node] > _KINK).reshape(2, -1).any(axis=0))
 
 
-def _turn(begin: Floats, end: Floats) -> Floats:
+def _turn(begin: Floats | float, end: Floats) -> Floats:
     """Angle from one direction to another, counter-clockwise, in [0, 2π)."""
     return np.asarray(np.mod(end - begin, 2.0 * np.pi))

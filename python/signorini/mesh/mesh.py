@@ -33,6 +33,7 @@ from signorini.mesh.isoparametric import (
     side_boxes,
 )
 from signorini.shapes import Curve, Ring
+from signorini.shapes.hull import diameter
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -50,7 +51,7 @@ _OF_RISE = 0.1
 """Part of a side's rise over its chord: a circle passes its parabola by less than half of it on elements of up to 90
 degrees."""
 _ON_CIRCLE = 1e-6
-"""Part of the mesh's size within which a point is on a circle: coordinates are written with so many digits."""
+"""Part of the mesh's diameter within which a point is on a circle: coordinates are written with so many digits."""
 _PAST_CURVED_EDGE = 2e-2
 
 
@@ -139,6 +140,11 @@ class Mesh(Remade):
     def size(self) -> float:
         """Longest side of the bounding box."""
         return float(np.ptp(self.points, axis=0).max())
+
+    @cached_property
+    def diameter(self) -> float:
+        """Largest distance between two nodes, which places are told apart by: it is the same however the plate lies."""
+        return diameter(self.points[np.unique(self.boundary)])
 
     @cached_property
     def middle(self) -> Floats:
@@ -303,7 +309,7 @@ class Mesh(Remade):
         rise = np.hypot(*inward.T)
         radius = 0.5 * (0.25 * ((b - a) ** 2).sum(axis=1) / rise + rise)
         to_center = middle + inward * (radius / rise)[:, None] - self.map(element[query], xi[query])
-        near[query, side] = np.abs(np.hypot(*to_center.T) - radius) <= _ON_CIRCLE * self.size
+        near[query, side] = np.abs(np.hypot(*to_center.T) - radius) <= _ON_CIRCLE * self.diameter
         xi[near[:, 3], 0] = np.where(triangles, 0.0, -1.0)[near[:, 3]]
         xi[near[:, 0], 1] = np.where(triangles, 0.0, -1.0)[near[:, 0]]
         xi[near[:, 1] & ~triangles, 0] = 1.0
@@ -333,11 +339,11 @@ class Mesh(Remade):
         -------
         (k, 3) int array or None
             Node triples in the order and direction of the curve (a ring counter-clockwise), with all nodes on it within
-            1e-9 of the mesh's size; None if the mesh does not follow the curve.
+            1e-9 of the mesh's diameter; None if the mesh does not follow the curve.
         """
-        triples, tolerance = self.unique_sides, 1e-9 * self.size
+        triples, tolerance = self.unique_sides, 1e-9 * self.diameter
         if not isinstance(curve, Ring):
-            return edges_on_polyline(self.points, triples, curve.outline.segments, tolerance)
+            return edges_on_polyline(self.points, triples, curve.sides, tolerance)
         found = edges_on_ring(self.points, triples, curve, tolerance)
         if found is None or self.locate(found.gaps).inside.any():
             return None
@@ -348,9 +354,9 @@ class Mesh(Remade):
 
         Other than with `edges_along` the mesh need not follow all of the curve.
         """
-        triples, tolerance = self.unique_sides, 1e-9 * self.size
+        triples, tolerance = self.unique_sides, 1e-9 * self.diameter
         if not isinstance(curve, Ring):
-            return sides_mostly_on(self.points, triples, curve.outline.segments, tolerance)
+            return sides_mostly_on(self.points, triples, curve.sides, tolerance)
         found = edges_on_ring(self.points, triples, curve, tolerance)
         return np.zeros((0, 3), np.int64) if found is None else found.triples
 

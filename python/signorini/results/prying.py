@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from itertools import pairwise
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 import numpy as np
 
 from signorini.discretise import Discretisation
 from signorini.discretise.placed import SAME_PLACE
+from signorini.discretise.quadrature.arcs import arc_of
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.touching import TOUCHING
 from signorini.errors import point
@@ -41,19 +41,22 @@ def prying(found: Discretisation) -> Iterator[str]:
         return
     of_edges = _edges(found, {name for one in rigid for name in one.edge or ()}, thickness)
     holding: list[_Holding] = [(f"the edge {name}", one, of_edges[name]) for one in rigid for name in one.edge or ()]
-    holding += [(f"the {one.place}", one, _targets(line)) for one in rigid if (line := curve(one)) is not None]
+    holding += [(f"the {one.place}", one, Targets.along([line])) for one in rigid if (line := curve(one)) is not None]
     boxes = np.array([those.bounds for *_, those in holding]).reshape(-1, 4)
     told = set[tuple[int, int]]()
     for support in (one for one in rigid if one.place not in ("edge", "area")):
-        for what, other, those in (holding[at] for at in _reached(support, boxes, thickness)):
+        reached = (holding[at] for at in _reached(support, boxes, thickness))
+        beside = [(what, other, those) for what, other, those in reached if other is not support]
+        looked_at = _looked_at(support, [those for *_, those in beside], mesh.diameter, thickness)
+        for what, other, those in beside:
             pair = min(id(support), id(other)), max(id(support), id(other))
-            if other is support or pair in told or _let_go(support, other):
+            if pair in told or _let_go(support, other):
                 continue
-            if (at := _nearest(support, those, mesh.size, thickness)) is not None:
+            if (at := _nearest(looked_at, those, thickness)) is not None:
                 told.add(pair)
                 yield _words(support, at[0], at[1], f"{what} that {other.name} holds, less than the thickness")
     points = [one for one in rigid if one.at is not None]
-    yield from _pairs(points, SAME_PLACE * mesh.size, _NEIGHBOURS * thickness)
+    yield from _pairs(points, SAME_PLACE * mesh.diameter, _NEIGHBOURS * thickness)
 
 
 def _pairs(rigid: list[Support], least: float, most: float) -> Iterator[str]:
@@ -95,22 +98,42 @@ def _reached(support: Support, boxes: Floats, within: float) -> list[int]:
     return np.flatnonzero(((low <= [x1, y1]) & (high >= [x0, y0])).all(axis=1)).tolist()
 
 
-def _nearest(support: Support, those: Targets | Sides, size: float, most: float) -> tuple[Floats, float] | None:
+def _looked_at(
+    support: Support, beside: Sequence[Targets | Sides], diameter: float, most: float
+) -> list[tuple[Floats, Bools, bool]]:
+    """Points and ends of a support, then points along its line; whether they are free, and whether along a line.
+
+    What is on something else that holds the plate is part of that.
+    """
+    if not beside:
+        return []
+    along, drawn = curve(support), Targets.join([those for those in beside if isinstance(those, Targets)])
+    places = [] if isinstance(along, Ring) else [np.array(support.at if along is None else along.points)]
+    ends = len(places)
+    places += [] if along is None else list(_pieces(along, most))
+    found = []
+    for number, at in enumerate(places):
+        free = drawn.nearest(at)[1] > SAME_PLACE * diameter
+        for those in (those for those in beside if isinstance(those, Sides)):
+            # Sides of a mesh are parabolas where what runs along them is an arc.
+            free &= those.nearest(at)[1] > TOUCHING * diameter
+        if free.any():
+            found.append((at, free, number >= ends))
+    return found
+
+
+def _nearest(
+    looked_at: Sequence[tuple[Floats, Bools, bool]], those: Targets | Sides, most: float
+) -> tuple[Floats, float] | None:
     """A point of a support that is near, and how far: at a point or an end, else where it runs along them."""
-    along, least = curve(support), SAME_PLACE * size
-    if not isinstance(along, Ring):
-        places = np.array(support.at if along is None else along.points)
+    for places, free, runs in looked_at:
         apart = those.nearest(places)[1]
-        if len(first := np.flatnonzero((least < apart) & (apart < most))[:1]):
-            return places[first[0]], float(apart[first[0]])
-    # Sides of a mesh are parabolas where what runs along them is an arc.
-    least = TOUCHING * size if isinstance(those, Sides) else least
-    for places in () if along is None else _pieces(along, most):
-        apart = those.nearest(places)[1]
-        near = (least < apart) & (apart < most)
-        if (beside := near & _runs_along(places, np.minimum(apart, 2.0 * most))).any():
-            closest = int(np.where(beside, apart, np.inf).argmin())
-            return places[closest], float(apart[closest])
+        near = free & (apart < most)
+        if runs:
+            near &= _runs_along(places, np.minimum(apart, 2.0 * most))
+        if near.any():
+            chosen = int(np.where(near, apart, np.inf).argmin() if runs else near.argmax())
+            return places[chosen], float(apart[chosen])
     return None
 
 
@@ -128,9 +151,9 @@ def _pieces(line: Curve, step: float) -> Iterator[Floats]:
         angle = np.linspace(0.0, math.tau, count + 1)
         yield line.center + line.radius * np.column_stack([np.cos(angle), np.sin(angle)])
         return
-    for begin, end in pairwise(np.array(line.points)):
-        count = max(_OF_SIDE, math.ceil(math.dist(begin, end) / step))
-        yield begin + np.linspace(0.0, 1.0, count + 1)[:, None] * (end - begin)
+    for side in map(arc_of, line.sides):
+        count = max(_OF_SIDE, math.ceil(side.length / step))
+        yield side.at(np.linspace(0.0, side.length, count + 1))[0]
 
 
 def _edges(found: Discretisation, names: set[str], within: float) -> Mapping[str, Targets | Sides]:
@@ -139,9 +162,3 @@ def _edges(found: Discretisation, names: set[str], within: float) -> Mapping[str
         return edges_of(found.model.plate.contours, names)
     mesh = found.mesh
     return {name: Sides(mesh.points[mesh.edges[name]], within) for name in names}
-
-
-def _targets(line: Curve) -> Targets:
-    if isinstance(line, Ring):
-        return Targets.of(arcs=[(*line.center, line.radius, 0.0, math.tau)])
-    return Targets.of(sides=list(pairwise(line.points)))

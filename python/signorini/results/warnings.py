@@ -212,7 +212,7 @@ def _one_place(found: Discretisation) -> Iterator[str]:
     model = found.model
     rigid = [i for i, s in enumerate(model.support) if s.place == "at" and s.stiffness is None]
     places = [SupportPoints.of(found, index).positions for index in rigid]
-    within = SAME_PLACE * found.mesh.size
+    within = SAME_PLACE * found.mesh.diameter
     for (one, here), (other, there) in combinations(zip(rigid, places, strict=True), 2):
         near = (np.abs(here[:, None] - there) <= within).all(axis=-1).any(axis=-1)
         if near.any() and _alike(model.support[one], model.support[other]) and _as_large(found, one, other):
@@ -235,7 +235,7 @@ def _couples(found: Discretisation) -> Iterator[str]:
                 side = apart.argmin(axis=1)
                 across = (end - begin)[side][:, ::-1] * [1.0, -1.0]
                 part = np.abs(across @ load.couple) / (np.hypot(*across.T) * math.hypot(*load.couple) + 1e-300)
-                if len(lost := np.flatnonzero((apart.min(axis=1) <= SAME_PLACE * mesh.size) & (part > _NOTHING))):
+                if len(lost := np.flatnonzero((apart.min(axis=1) <= SAME_PLACE * mesh.diameter) & (part > _NOTHING))):
                     yield (
                         f"The couple of load[{index + 1}] at {point(load.at[lost[0]])} turns the plate across the edge "
                         f"{name}, where {holding.name} holds the slope: that part of it does nothing."

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from signorini.shapes.outlines import Box, Point
+from signorini.shapes.outlines import Box, Point, Side
 
 Floats = npt.NDArray[np.float64]
 
@@ -47,6 +47,11 @@ class Contour:
     whole: str = ""
 
     @property
+    def sides(self) -> list[Side]:
+        """Each side: its corner, what it is an arc through or None, and the next corner."""
+        return list(zip(self.corners, self.through, (*self.corners[1:], self.corners[0]), strict=True))
+
+    @property
     def edges(self) -> dict[str, list[int]]:
         """The sides of every name."""
         found: dict[str, list[int]] = {self.whole: list(range(len(self.names)))} if self.whole else {}
@@ -56,8 +61,7 @@ class Contour:
 
     def points(self, name: str | None = None) -> Floats:
         """Points (k, 2) along the sides of one name, or all: their corners, and of arcs one a degree."""
-        ends = (*self.corners[1:], self.corners[0])
-        sides = list(zip(self.corners, self.through, ends, strict=True))
+        sides = self.sides
         chosen = sides if name is None else [sides[side] for side in self.edges[name]]
         found = [along_side(a, m, b) for a, m, b in chosen]
         return np.concatenate(found if name is None else [*found, [b for _, _, b in chosen]])
@@ -139,6 +143,19 @@ def arc_through(a: Point, through: Point, b: Point) -> tuple[Floats, float, floa
     start, end = (math.atan2(*(p - center)[::-1]) for p in (first, last))
     sweep = (end - start) % math.tau if bend > 0.0 else -((start - end) % math.tau)
     return center, float(np.hypot(*(first - center))), start, sweep
+
+
+def farthest(center: Floats, radius: float, start: float, sweep: float) -> Floats:
+    """Points (k, 2) of an arc, as `arc_through` gives it, that are farthest along x and y, but its ends.
+
+    Examples
+    --------
+    >>> farthest(np.array([1.0, 0.0]), 2.0, 0.1, 3.0).tolist()
+    [[1.0, 2.0]]
+    """
+    quarters = np.arange(4) * (math.pi / 2)
+    passed = ((quarters - start) * math.copysign(1.0, sweep)) % math.tau < abs(sweep)
+    return np.asarray(center + radius * directions(np.degrees(quarters[passed])))
 
 
 def along_arc(a: Point, through: Point, b: Point) -> Floats:

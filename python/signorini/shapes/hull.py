@@ -45,6 +45,18 @@ def hull(points: Floats) -> npt.NDArray[np.int64]:
     return np.array(_chain(askew, np.flatnonzero(outside), flat))
 
 
+def diameter(points: Floats) -> float:
+    """The largest distance between two of points (k, 2), which no turn of them changes but by rounding.
+
+    Examples
+    --------
+    >>> diameter(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]]))
+    5.0
+    """
+    corners = points[hull(points)]
+    return max(float(np.hypot(*(corners - one).T).max()) for one in corners)
+
+
 def _chain(points: Floats, which: npt.NDArray[np.int64], flat: float) -> list[int]:
     """Which of some points are corners of their hull; triangles up to twice that area are flat."""
     order = which[np.argsort(points[which, 0])]

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from signorini.shapes import Curve
 from signorini.shapes.contours import Contour, arc_through
-from signorini.shapes.outlines import Box, Point, bounds_of
+from signorini.shapes.outlines import Box, Point, Side, bounds_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -41,6 +42,19 @@ class Targets:
         """Gather them."""
         shaped = ((points, (-1, 2)), (sides, (-1, 2, 2)), (arcs, (-1, 5)))
         return cls(*(np.array([*those], dtype=float).reshape(shape) for those, shape in shaped))
+
+    @classmethod
+    def along(cls, curves: Iterable[Curve]) -> Targets:
+        """Gather the sides of curves."""
+        straight, arcs = list[tuple[Point, Point]](), list[tuple[float, ...]]()
+        _sort((side for curve in curves for side in curve.sides), straight, arcs)
+        return cls.of((), straight, arcs)
+
+    @classmethod
+    def join(cls, several: Sequence[Targets]) -> Targets:
+        """Take several as one."""
+        none = cls.of()
+        return cls(*(np.concatenate([getattr(one, key) for one in (none, *several)]) for key in vars(none)))
 
     @property
     def bounds(self) -> Box:
@@ -77,7 +91,7 @@ def sides_of(
     straight, arcs = list[tuple[Point, Point]](), list[tuple[float, ...]]()
     for contour in contours:
         wanted = {side for name, sides in contour.edges.items() if names is None or name in names for side in sides}
-        _sort(contour, sorted(wanted), straight, arcs)
+        _sort((contour.sides[side] for side in sorted(wanted)), straight, arcs)
     return straight, arcs
 
 
@@ -87,17 +101,13 @@ def edges_of(contours: Iterable[Contour], names: set[str]) -> dict[str, Targets]
     for contour in contours:
         for name, sides in contour.edges.items():
             if name in names:
-                _sort(contour, sides, *found.setdefault(name, ([], [])))
+                _sort((contour.sides[side] for side in sides), *found.setdefault(name, ([], [])))
     return {name: Targets.of((), *sides) for name, sides in found.items()}
 
 
-def _sort(
-    contour: Contour, sides: Iterable[int], straight: list[tuple[Point, Point]], arcs: list[tuple[float, ...]]
-) -> None:
-    """Add sides of a contour to those that are straight, or to the arcs."""
-    for side in sides:
-        begin, through = contour.corners[side], contour.through[side]
-        end = contour.corners[(side + 1) % len(contour.corners)]
+def _sort(sides: Iterable[Side], straight: list[tuple[Point, Point]], arcs: list[tuple[float, ...]]) -> None:
+    """Add sides to those that are straight, or to the arcs."""
+    for begin, through, end in sides:
         arc = None if through is None else arc_through(begin, through, end)
         if arc is None:
             straight.append((begin, end))

@@ -17,6 +17,8 @@ from signorini.errors import InputError
 Floats = npt.NDArray[np.float64]
 Point: TypeAlias = tuple[float, float]
 Box: TypeAlias = tuple[float, float, float, float]
+Side: TypeAlias = tuple[Point, Point | None, Point]
+"""Where a side begins, a point that it is an arc through or None, and where it ends."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from signorini.errors import InputError
-from signorini.shapes.contours import Contour, arc_through
+from signorini.shapes.contours import Contour, arc_through, farthest
 from signorini.shapes.outlines import Box, Outline, Straight, points_of
 
 Floats = npt.NDArray[np.float64]
@@ -48,9 +48,7 @@ class Rounded(Straight):
     @cached_property
     def outline(self) -> Outline:
         """The straight sides and arcs, in the order given."""
-        contour = self.contour
-        ends = (*contour.corners[1:], contour.corners[0])
-        sides = list(zip(contour.corners, contour.through, ends, strict=True))
+        sides = self.contour.sides
         straight = [(a, b) for a, m, b in sides if m is None or arc_through(a, m, b) is None]
         arcs = [(a, m, b) for a, m, b in sides if m is not None and arc_through(a, m, b) is not None]
         return Outline(np.array(straight).reshape(-1, 2, 2), arcs=np.array(arcs).reshape(-1, 3, 2))
@@ -108,13 +106,7 @@ class Rounded(Straight):
     @cached_property
     def _farthest(self) -> list[Floats]:
         """Of every arc the points farthest along x and y, but its ends."""
-        quarters = np.arange(4) * (math.pi / 2)
-        units = np.round(np.column_stack([np.cos(quarters), np.sin(quarters)]))
-        found = []
-        for center, radius, start, sweep in self._arcs:
-            passed = ((quarters - start) * math.copysign(1.0, sweep)) % math.tau < abs(sweep)
-            found.append(center + radius * units[passed])
-        return found
+        return [farthest(*arc) for arc in self._arcs]
 
     @cached_property
     def _arcs(self) -> list[tuple[Floats, float, float, float]]:

@@ -23,7 +23,7 @@ _STRAIGHT = np.radians(1.0)
 _OF_ROUND = 0.2
 """Part of what two round sides turn themselves by which they may turn between them: parabolas stand for an arc."""
 _ON_EDGE = 1e-6
-"""Part of the plate's size within which a point is on a side."""
+"""Part of the plate's diameter within which a point is on a side."""
 _OFF_ROUND = 0.1
 """Part of a side's rise within which a point of the circle that it stands for is on it."""
 _NEAR, _NONE = 1e-4, 1e-6
@@ -116,7 +116,7 @@ class Boundary:
     def loops(self) -> Iterator[Floats]:
         """Closed lines of edges by their corners (m, 2), the first again at the end; where they are round by nodes."""
         begin, middle, end = (self.mesh.points[self.sides[:, i]] for i in range(3))
-        straight = np.hypot(*(0.5 * (begin + end) - middle).T) <= _ON_EDGE * self.mesh.size
+        straight = np.hypot(*(0.5 * (begin + end) - middle).T) <= _ON_EDGE * self.mesh.diameter
         turns = (self.angles != np.pi) | ~straight | ~straight[self.following]
         left = set(range(len(self.sides)))
         while left:
@@ -144,7 +144,7 @@ class Boundary:
         distance = np.hypot(*(point - onto(sides, point)).T)
         rise = np.hypot(*(0.5 * (sides[:, 0] + sides[:, 2]) - sides[:, 1]).T)
         # Ends of lines are on true circles, sides on their parabolas.
-        return np.flatnonzero(distance <= np.maximum(_ON_EDGE * self.mesh.size, _OFF_ROUND * rise))
+        return np.flatnonzero(distance <= np.maximum(_ON_EDGE * self.mesh.diameter, _OFF_ROUND * rise))
 
     def tangent(self, side: int) -> Floats:
         """Direction (2,) of a side, from end to end."""
@@ -157,7 +157,7 @@ class Boundary:
         for side in self.at(point).tolist():
             tangent = self.tangent(side)
             first, last = (np.hypot(*(self.mesh.points[self.sides[side, k]] - point)) for k in (0, 2))
-            slack = _ON_EDGE * self.mesh.size
+            slack = _ON_EDGE * self.mesh.diameter
             found += [(side, tangent)] if last > slack else []
             found += [(side, -tangent)] if first > slack else []
         return found

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from signorini.discretise import Discretisation
+from signorini.discretise.quadrature.arcs import arc_of
 from signorini.discretise.rows import Floats
 from signorini.model import AnnulusPlate, DiscPlate, Load, Support
 from signorini.model.curve import curve
@@ -121,8 +122,7 @@ def ends_of_line(
 def _points_along(found: Discretisation, along: Curve) -> tuple[Floats, list[list[Floats]]]:
     """Points (n, 2) of a line, and its directions (2,) from each: one at an end; of a circle those on the plate."""
     if isinstance(along, Polyline):
-        points = np.array(along.points)
-        return points, _directions(points)
+        return np.array(along.points), _directions(along)
     plate = found.model.plate
     sector = 360.0
     if isinstance(plate, DiscPlate | AnnulusPlate) and along.center == plate.center:
@@ -135,13 +135,12 @@ def _points_along(found: Discretisation, along: Curve) -> tuple[Floats, list[lis
     return points, directions
 
 
-def _directions(points: Floats) -> list[list[Floats]]:
-    """Directions from every point of a polyline along it; both pieces' where it begins and ends if it is closed."""
-    steps = np.diff(points, axis=0)
-    units = steps / np.hypot(*steps.T)[:, None]
-    found = [[units[0]], *([-a, b] for a, b in pairwise(units)), [-units[-1]]]
-    if (points[0] == points[-1]).all():
-        found[0] = found[-1] = [-units[-1], units[0]]
+def _directions(along: Polyline) -> list[list[Floats]]:
+    """Directions from every point of a polyline along it; both sides' where it begins and ends if it is closed."""
+    tangents = [side.at(np.array([0.0, side.length]))[1] for side in map(arc_of, along.sides)]
+    found = [[tangents[0][0]], *([-before[1], after[0]] for before, after in pairwise(tangents)), [-tangents[-1][1]]]
+    if along.points[0] == along.points[-1]:
+        found[0] = found[-1] = [-tangents[-1][1], tangents[0][0]]
     return found
 
 

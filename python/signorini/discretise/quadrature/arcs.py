@@ -11,7 +11,8 @@ import numpy.typing as npt
 from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
 from signorini.mesh.isoparametric import side_boxes
 from signorini.shapes import Curve, Ring
-from signorini.shapes.outlines import Outline
+from signorini.shapes.contours import arc_through
+from signorini.shapes.outlines import Outline, Side
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -95,34 +96,53 @@ class Segment(Arc):
 
 
 @dataclass(frozen=True, eq=False)
-class FullCircle(Arc):
-    """A circle, counter-clockwise from its rightmost point."""
+class PartOfCircle(Arc):
+    """A part of a circle from an angle on, in radians, counter-clockwise if the angle turned through is positive."""
 
     center: Floats
     radius: float
+    start: float
+    sweep: float
 
     @property
     def length(self) -> float:
-        """Circumference."""
-        return 2.0 * np.pi * self.radius
+        """Length."""
+        return self.radius * abs(self.sweep)
 
     def at(self, s: Floats) -> tuple[Floats, Floats]:
         """Compute positions and unit tangents (q, 2) at arc lengths (q,)."""
-        angle = s / self.radius
+        way = np.copysign(1.0, self.sweep)
+        angle = self.start + way * s / self.radius
         outward = np.column_stack([np.cos(angle), np.sin(angle)])
-        return self.center + self.radius * outward, np.column_stack([-outward[:, 1], outward[:, 0]])
+        return self.center + self.radius * outward, way * np.column_stack([-outward[:, 1], outward[:, 0]])
 
     def crossings(self, sides: Floats) -> Floats:
-        """Find the arc lengths (r,) at which sides (k, 3, 2) meet the circle, in any order, some of them twice."""
+        """Find the arc lengths (r,) at which sides (k, 3, 2) meet its circle, in any order, some of them twice."""
         circle = np.array([[*self.center, self.radius]])
         _, _, near, _ = touched(side_boxes(sides), Outline(circles=circle), _margin(sides))
         _, points = with_circles(quadratics(sides[near]), np.repeat(circle, len(near), axis=0))
         return self.nearest(points)
 
     def nearest(self, points: Floats) -> Floats:
-        """The arc lengths (q,) of the places nearest to points (q, 2)."""
+        """The arc lengths (q,) of the places nearest to points (q, 2), on all of the circle; beyond its ends too."""
         angle = np.arctan2(points[:, 1] - self.center[1], points[:, 0] - self.center[0])
-        return np.asarray(np.mod(angle, 2.0 * np.pi) * self.radius)
+        # The half turn on either side of its middle.
+        turned = np.copysign(1.0, self.sweep) * (angle - self.start) - 0.5 * abs(self.sweep) + np.pi
+        return np.asarray((np.mod(turned, 2.0 * np.pi) - np.pi + 0.5 * abs(self.sweep)) * self.radius)
+
+    def pieces(self, breaks: Floats) -> Floats:
+        """Divide what is longer than a third of it: Gauss points on three pieces of one length prefer no direction."""
+        turns = 3.0 * np.diff(breaks) / (2.0 * np.pi * self.radius)
+        parts = np.maximum(np.ceil(turns - _SAME), 1.0).astype(np.int64)
+        ends = zip(breaks[:-1], breaks[1:], parts, strict=True)
+        return np.append(np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in ends]), breaks[-1])
+
+
+class FullCircle(PartOfCircle):
+    """A circle, counter-clockwise from its rightmost point."""
+
+    def __init__(self, center: Floats, radius: float) -> None:
+        super().__init__(center, radius, 0.0, 2.0 * np.pi)
 
     def breaks(self, sides: Floats, beside: Floats = _NONE) -> Floats:
         """Divide it where sides (k, 3, 2) meet it, and beside points (q, 2): it begins and ends at the first place."""
@@ -133,18 +153,19 @@ class FullCircle(Arc):
             s = s[:-1]
         return np.append(s, s[0] + self.length) if len(s) else np.array([0.0, self.length])
 
-    def pieces(self, breaks: Floats) -> Floats:
-        """Divide what is longer than a third of it: Gauss points on three pieces of one length prefer no direction."""
-        parts = np.maximum(np.ceil(3.0 * np.diff(breaks) / self.length - _SAME), 1.0).astype(np.int64)
-        ends = zip(breaks[:-1], breaks[1:], parts, strict=True)
-        return np.append(np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in ends]), breaks[-1])
-
 
 def arcs_of(curve: Curve) -> list[Arc]:
     """Split a curve into smooth pieces, in order."""
     if isinstance(curve, Ring):
         return [FullCircle(np.array(curve.center), curve.radius)]
-    return [Segment(begin, end) for begin, end in curve.outline.segments]
+    return [arc_of(side) for side in curve.sides]
+
+
+def arc_of(side: Side) -> Arc:
+    """Take a side by its length, straight or an arc."""
+    begin, through, end = side
+    found = None if through is None else arc_through(begin, through, end)
+    return Segment(np.array(begin), np.array(end)) if found is None else PartOfCircle(*found)
 
 
 def _margin(sides: Floats) -> float:

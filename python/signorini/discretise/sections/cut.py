@@ -32,7 +32,7 @@ from signorini.shapes.cuts import LEFT, RIGHT, CutLine, LeftOf, Near, Part
 from signorini.shapes.outlines import Point
 
 _TOUCHING = 1e-9
-"""Part of the plate's size within which nodes are on a line."""
+"""Part of the plate's diameter within which nodes are on a line."""
 BESIDE = 1e-6
 """How far beyond an end, of the plate's size, it is asked whether the plate goes on, and before it whether it is there:
 more than rounding."""
@@ -114,7 +114,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
     InputError
         If nothing of the line is on the plate.
     """
-    line = _Followed(mesh, CutLine(points, _TOUCHING * mesh.size))
+    line = _Followed(mesh, CutLine(points, _TOUCHING * mesh.diameter))
     met, divided, pieces = _met(mesh, line)
     length = _length(line.line, pieces)
     if not length > 0.0:
