@@ -98,8 +98,7 @@ def no_resultant(found: Discretisation, load: CaseLoad) -> Iterator[str]:
 
 def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
     """Whether some deflection (n,) is beyond the thickness, where the theory of small deflections ends."""
-    elements = found.mesh.elements
-    thickness = np.broadcast_to(found.thickness.nominal.min(axis=1), len(elements))
+    elements, thickness = found.mesh.elements, bending_thickness(found)
     at = int((np.abs(deflection[elements]).max(axis=1) / thickness).argmax())
     node = elements[at, int(np.abs(deflection[elements[at]]).argmax())]
     if abs(deflection[node]) > thickness[at]:
@@ -109,6 +108,16 @@ def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
             f"The deflection at [{x:.6g}, {y:.6g}], {deflection[node]:.4g}{unit}, is beyond the thickness, "
             f"{thickness[at]:.4g}{unit}: the theory is of small ones. Are E, thickness and loads in the same units?"
         )
+
+
+def bending_thickness(found: Discretisation) -> Floats:
+    """Thickness (ne,) with which deflections are compared: that of elements, in thick zones no more than the plate's.
+
+    Thick zones move as the plate around them bends.
+    """
+    nominal = np.broadcast_to(found.thickness.nominal.min(axis=1), len(found.mesh.elements))
+    own = nominal[found.zones.of_elements.thickness == 0]
+    return np.minimum(nominal, own.max()) if len(own) else nominal
 
 
 def _zones(found: Discretisation) -> Iterator[str]:
