@@ -233,6 +233,12 @@ def test_head_ends_a_run_quietly_with_its_code(tmp_path: Path, factor: int, code
     assert (done.stderr == "") == (code == 0) and "Traceback" not in done.stderr and "Errno" not in done.stderr
 
 
+def test_places_without_a_limit_are_named_with_the_case_of_their_load() -> None:
+    said = shown(print_results, signorini.solve(model(2)), WIDE)
+    assert 'Singular (case "Q"): Force at a point of load[2]: ' in said
+    assert "Singular: pads at a point: " in said
+
+
 def test_of_many_points_the_largest_and_those_that_are_open_are_shown() -> None:
     many = {"name": "feet", "at": [[x, y] for x in range(5) for y in range(5)], "resists": "down"}
     results = signorini.solve(model(9, support=[many], mesh={"divisions": [4, 4], "error": False}))

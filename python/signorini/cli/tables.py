@@ -16,7 +16,7 @@ from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.cli.through import print_through
 from signorini.discretise import Discretisation
-from signorini.model import Support
+from signorini.model import Model, Support
 from signorini.output.envelope_json import table_warnings
 from signorini.results.extremes import NUMBERS
 from signorini.results.marks import case_totals
@@ -64,7 +64,7 @@ def print_results(console: Console, results: Results) -> None:
     named = [one for result in results.full.values() for one in result.singular]
     if results.model.tabulated:
         named = [*singularities(found, results.model.effective_combinations.cases)]
-    _print_singular(console, named)
+    _print_singular(console, named, results.model)
     _print_legend(console, found.model.support)
 
 
@@ -119,7 +119,7 @@ def print_check(console: Console, check: Check) -> None:
         say(console, f"and {left} more; of all {len(check.resultants)} combinations {unbalanced} cannot be balanced")
     console.print()
     _print_warnings(console, dict.fromkeys(check.warnings, ()))
-    _print_singular(console, check.singular)
+    _print_singular(console, check.singular, model)
     _print_legend(console, model.support)
 
 
@@ -319,9 +319,17 @@ def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], of:
         console.print()
 
 
-def _print_singular(console: Console, named: Iterable[Singularity]) -> None:
-    """Say what has no limit as the mesh is refined, and what this one is too coarse for, each once."""
-    sentences = list(dict.fromkeys(f"{'Unresolved' if one.limited else 'Singular'}: {one}" for one in named))
+def _print_singular(console: Console, named: Iterable[Singularity], model: Model) -> None:
+    """Say what has no limit as the mesh is refined, and what this one is too coarse for, each once.
+
+    Loads have no names: their cases are told.
+    """
+    cases = {load.case for load in model.load}
+
+    def of(one: Singularity) -> str:
+        return f' (case "{one.source}")' if one.source in cases else ""
+
+    sentences = list(dict.fromkeys(f"{'Unresolved' if one.limited else 'Singular'}{of(one)}: {one}" for one in named))
     for sentence in sentences[:_MOST_WARNINGS]:
         say(console, sentence, style="yellow")
     if (left := len(sentences) - _MOST_WARNINGS) > 0:

@@ -29,6 +29,8 @@ from signorini.shapes.distances import distances
 
 _FOLLOWED = 0.5
 """Part of a line on the plate that is on sides of elements, from which on a mesh follows it."""
+_SMALLER = 0.5
+"""Part of an element that a line cuts, of which a mesh may follow it."""
 _INSIDE = 1e-6
 """Part of the plate's size by which a point of one area must be inside another: areas that touch do not overlap."""
 _NOTHING = 1e-9
@@ -163,19 +165,28 @@ def _unfollowed(found: Discretisation) -> Iterator[str]:
     """Lines and circles of supports and loads that go through elements."""
     model, mesh = found.model, found.mesh
     named: list[tuple[str, Support | Load]] = [(support.name, support) for support in model.support]
-    named += [(f"load[{number}]", load) for number, load in enumerate(model.load, 1) if load.line_load is not None]
+    named += [(_name(index, load), load) for index, load in enumerate(model.load) if load.line_load is not None]
     for name, item in named:
         if (along := curve(item)) is None:
             continue
         begin, _, end = mesh.points[mesh.sides_on(along)].transpose(1, 0, 2)
-        if np.hypot(*(end - begin).T).sum() < _FOLLOWED * curve_quadrature(mesh, along, order=1).total:
+        points = curve_quadrature(mesh, along, order=1)
+        if np.hypot(*(end - begin).T).sum() < _FOLLOWED * points.total:
+            beside = distances(points.positions, begin, end).min(axis=1, initial=np.inf) > SAME_PLACE * mesh.size
+            first = int(np.argmax(beside))
+            size = _SMALLER * math.sqrt(mesh.element_area[points.elements[first]])
+            where = f"along it, such as at {point(points.positions[first], mesh.size)}"
             what = "circle" if item.line is None else "line"
             shared = isinstance(item, Support) and item.is_rigid
             near = ", and near other supports its reaction may miss by more than its ±" if shared else ""
             yield (
                 f"The mesh does not follow the {what} of {name}: in the elements that it cuts, moments and shears are "
-                f"means of both sides{near}. {to_follow(model)}"
+                f"means of both sides{near}. {to_follow(model, where, size)}"
             )
+
+
+def _name(index: int, load: Load) -> str:
+    return f'load[{index + 1}] (case "{load.case}")'
 
 
 def _one_element(found: Discretisation) -> Iterator[str]:
@@ -222,8 +233,8 @@ def _couples(found: Discretisation) -> Iterator[str]:
                 part = np.abs(across @ load.couple) / (np.hypot(*across.T) * math.hypot(*load.couple) + 1e-300)
                 if len(lost := np.flatnonzero((apart.min(axis=1) <= SAME_PLACE * mesh.size) & (part > _NOTHING))):
                     yield (
-                        f"The couple of load[{index + 1}] at {point(load.at[lost[0]])} turns the plate across the edge "
-                        f"{name}, where {holding.name} holds the slope: that part of it does nothing."
+                        f"The couple of {_name(index, load)} at {point(load.at[lost[0]])} turns the plate across the "
+                        f"edge {name}, where {holding.name} holds the slope: that part of it does nothing."
                     )
 
 
