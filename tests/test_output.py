@@ -72,8 +72,10 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
             "reaction",
             "closed",
             "open",
+            "closed_part",
             "contact_area",
             "max_pressure",
+            "max_pressure_at",
             "max_tension",
             "contact_boundary",
         ]
