@@ -13,7 +13,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.tri._tricontour import TriContourSet
 from models import rectangular
 
-from signorini import solve
+from signorini import solve, write
 from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.plot import (
@@ -614,6 +614,18 @@ def test_borders_of_zones_are_no_outline_in_results() -> None:
     assert outline.vertices.min() == 0 and outline.vertices.max() == 4
     assert len(outline.vertices) > 8 and not ((outline.vertices > 0.5) & (outline.vertices < 3.5)).all(axis=1).any()
     assert (borders.vertices.min(), borders.vertices.max()) == pytest.approx((1, 3))
+
+
+@pytest.mark.parametrize(("thickness", "said"), [(0.4, True), (0.2, False)])
+def test_lines_across_which_moments_jump_are_in_the_legend(thickness: float, said: bool, tmp_path: Path) -> None:
+    zone = {"area": {"rectangle": [1, 1, 3, 3]}, "thickness": thickness}
+    held = [{"edge": ["left", "right"], "fix": "simple"}]
+    results = solve(rectangular(zone=[zone], support=held, load=[{"pressure": 5}], mesh={"error": False}))
+    figure = results["all"].plot("mx").figure
+    legends = [axes.get_legend() for axes in figure.axes if axes.get_legend() is not None]
+    words = [entry.get_text() for legend in legends for entry in legend.get_texts()]
+    assert ("moments and shears jump" in words) is said
+    assert write(results, tmp_path)
 
 
 def test_loads_that_read_alike_have_one_row_in_the_legend() -> None:
