@@ -69,6 +69,16 @@ def colour_limits(values: np.ndarray) -> tuple[str, float, float]:
     return bands.cmap.name, round(bands.norm.vmin, 12), round(bands.norm.vmax, 12)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_what_is_beyond_the_limits_has_the_last_colour(sign: float) -> None:
+    # Twice the limit over all of the right element.
+    values = sign * np.where(POINTS[:, 0] >= 0, 2.0, 0.3)
+    figure = field_picture(PLAN, [Panel(values, "w [m]", limits=(-1.0, 1.0))])
+    bands = next(part for part in figure.axes[0].collections if isinstance(part, TriContourSet))
+    places = [[0.5, 0.5], [0.9, 0.2], [-0.5, 0.5]]
+    assert all(any(path.contains_point(at) for path in bands.get_paths()) for at in places)
+
+
 def area(vertices: np.ndarray, triangles: np.ndarray) -> float:
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     (ux, uy), (vx, vy) = (b - a).T, (c - a).T

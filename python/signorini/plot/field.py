@@ -142,8 +142,9 @@ def checked_field(plan: Plan, values: ArrayLike) -> NDArray[np.float64]:
 
 def draw_field(axes: Axes, plan: Plan, field: NDArray[np.float64], scale: Scale) -> None:
     """Draw filled contours, some of them with their values, and the plate's outline."""
-    # Shape functions go a little beyond the nodes' values, and so beyond the scale.
-    fine = np.clip(plan.cut.interpolate(field), scale.bounds[0], scale.bounds[-1])
+    # Shape functions go a little beyond the nodes' values, and so beyond the scale, whose end is in no band.
+    lowest, highest = scale.bounds[[0, -1]]
+    fine = np.clip(plan.cut.interpolate(field), lowest, highest - _NOISE * (highest - lowest))
     if not np.any(scale.bounds == 0):
         # Rounding on the other side of zero is no other sign.
         fine[np.abs(fine) < _NOISE * np.abs(fine).max(initial=0.0)] = 0.0
