@@ -99,6 +99,7 @@ def main() -> None:
     element = sys.argv[1] if len(sys.argv) > 1 else "q8r"
     columns = table(element)
     print(f"Element {element}, E = {columns.young:.6g} N/mm2. * Results in one step, unilateral support.\n")
+    print("Nodal reactions in N as the paper prints them: negative where they push the plate up.")
     print(printed(columns))
     (event,) = two_stages(columns.young, element).events
     print(f"\nAs one path: the {event.switched[0].support} {event.switched[0].change} at {event.t:.12g} of the load.")

@@ -290,6 +290,31 @@ def test_groups_have_the_envelopes_of_their_own_combinations(changes):
     assert both.envelope.supports[0].lifted.tolist() == sum(lifted).tolist()
 
 
+@pytest.mark.parametrize("changes", [{}, {"solver": {"method": "active_set"}}, {"output": {"combinations": "each"}}])
+def test_of_extremes_alike_but_for_rounding_the_first_combination_governs(changes):
+    # Four winds without a resultant, each the other's turned by a right angle: totals and fields are as large.
+    turns = {"W": ([0.1, 0.1], [3.9, 3.9]), "E": ([3.9, 3.9], [0.1, 0.1])}
+    turns |= {"N": ([0.1, 3.9], [3.9, 0.1]), "S": ([3.9, 0.1], [0.1, 3.9])}
+    load = [{"case": "G", "pressure": 5}]
+    load += [
+        {"case": case, "force": sign * 7.7, "at": [at]}
+        for case, two in turns.items()
+        for sign, at in zip((1, -1), two, strict=True)
+    ]
+    made = [{"name": case, "group": "ULS", "factors": {"G": 1.35, case: 0.9}} for case in turns]
+    legs = {"name": "legs", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}
+    given = {"load": load, "combination": made, "support": [legs], "output": {"combinations": "table"}} | changes
+    results = signorini.solve(Model(**tables(probe=[{"at": [2, 2]}], **given)))
+    totals = [results[name].supports[0].reaction for name in turns]
+    assert np.ptp(totals) <= 1e-9 * totals[0]
+    for envelope in (results.combined.envelope, results.combined.over("ULS")):
+        total = envelope.supports[0].reaction
+        assert total.largest_by[0] == total.smallest_by[0] == 0
+        assert envelope.probes.largest_by[0] == envelope.probes.smallest_by[0] == 0
+        assert envelope.bearings.extremes.largest_by[:4].tolist() == [0, 3, 1, 2]
+        assert envelope.governing()["deflection"][1::2] == (0, 0)
+
+
 def test_envelopes_of_groups_have_half_widths_files_and_tables(tmp_path):
     results = grouped(["ULS", "SLS"])
     write(results, tmp_path)

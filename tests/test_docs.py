@@ -1,4 +1,4 @@
-"""docs/input.md against the JSON schema: every key is in both."""
+"""docs/input.md against the JSON schema: every key is in both; the program of docs/certificate.md; CITATION.cff."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,8 @@ import pytest
 
 import signorini
 
-TEXT = (Path(__file__).parents[1] / "docs" / "input.md").read_text("utf-8")
+ROOT = Path(__file__).parents[1]
+TEXT = (ROOT / "docs" / "input.md").read_text("utf-8")
 SCHEMA = signorini.schema()
 LISTS = {"zone", "support", "load", "combination", "moving", "probe"}
 # Tables of the schema that are values of a key, with the section that tells theirs.
@@ -72,3 +73,18 @@ def test_the_example_is_a_model(tmp_path):
     example = re.search(r"```toml\n(.*?)```", TEXT, re.DOTALL)[1]
     (tmp_path / "slab.toml").write_text(example, encoding="utf-8")
     assert signorini.load(tmp_path / "slab.toml").support[0].name == "bearings"
+
+
+def test_the_program_of_the_certificates_page_shows_what_it_says(capsys):
+    (program,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "certificate.md").read_text("utf-8"), re.DOTALL)
+    assert not re.search(r"signorini\.\w+\.|from signorini\.", program)
+    exec(compile(program, "certificate.md", "exec"), {})
+    certificate, equilibrium, penetration, passed, refused = capsys.readouterr().out.splitlines()
+    assert certificate.startswith("passed") and passed == "True"
+    assert float(equilibrium) < 1e-9 and float(penetration) < 1e-9
+    assert refused.startswith("These reactions are not the answer")
+
+
+def test_the_version_to_cite_is_the_projects():
+    cited = re.search(r"^version: (.*)$", (ROOT / "CITATION.cff").read_text("utf-8"), re.MULTILINE)
+    assert cited[1] == signorini.__version__

@@ -548,3 +548,37 @@ def test_nodes_are_refused_where_they_do_not_fit(support, load, says):
     plate = {"shape": "rectangle", "size": [2, 2], "thickness": 0.1}
     with pytest.raises(InputError, match=says):
         Model(**on_nodes("", support, load) | {"plate": plate})
+
+
+def test_areas_pass_over_the_holes_of_a_mesh_and_not_beyond_its_outline(tmp_path):
+    mesh = annulus((3.0, 2.0), 0.5, 2.0, (3, 12))
+    file = write(tmp_path / "ring.vtu", meshio.Mesh(in_space(mesh.points), [("quad8", mesh.elements)]))
+    edge, disc = {"edge": "boundary", "resists": "both"}, {"circle": {"center": [3, 2], "radius": 1.2}}
+    for area in (
+        disc,
+        {"polygon": [[2, 1], [4, 1], [3.5, 3], [2, 3]]},
+        {**disc, "holes": [{"rectangle": [2.6, 2, 3, 2.2]}]},
+    ):
+        model = Model(**on_nodes(file, edge, {"pressure": 4.0, "area": area}))
+        whole = model.load[0].area.region.area
+        # Of the last the hole in the area lies over that in the mesh, but for what is left of it.
+        over = np.pi * 0.25 if "holes" not in area else np.pi * 0.25 - 0.08
+        assert discretise(model).cases["load"].nodal[::3].sum() == pytest.approx(4 * (whole - over), rel=2e-3)
+    beyond = {"circle": {"center": [3, 2], "radius": 2.1}}
+    with pytest.raises(InputError, match=r"load\[1\]\.area: The area has 9\.\d+ % of its size off the plate"):
+        discretise(Model(**on_nodes(file, edge, {"pressure": 4.0, "area": beyond})))
+    inside = {"rectangle": [2.8, 1.8, 3.2, 2.2]}
+    with pytest.raises(InputError, match="The area is not on the plate"):
+        discretise(Model(**on_nodes(file, edge, {"pressure": 4.0, "area": inside})))
+
+
+def test_holes_that_meet_in_a_node_are_holes():
+    grid = rectangle((0.0, 0.0), (4.0, 4.0), (4, 4))
+    elements = {
+        tuple(np.floor(grid.points[e[:4]].mean(axis=0)).astype(int).tolist()): i for i, e in enumerate(grid.elements)
+    }
+    for gone, of in (([(1, 1), (2, 2)], 2), ([(0, 0), (1, 1)], 1), ([(1, 1), (2, 1)], 1), ([(0, 0)], 0)):
+        mesh = grid.part(np.array([i for at, i in elements.items() if at not in gone]))
+        areas = [0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)) for x, y in (hole.T for hole in mesh.holes)]
+        assert len(areas) == of
+        assert sum(areas) == pytest.approx(-len([at for at in gone if at != (0, 0)]))

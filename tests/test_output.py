@@ -72,8 +72,10 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
             "reaction",
             "closed",
             "open",
+            "closed_part",
             "contact_area",
             "max_pressure",
+            "max_pressure_at",
             "max_tension",
             "contact_boundary",
         ]
@@ -330,7 +332,7 @@ def test_no_name_is_a_formula_and_every_number_a_number(oddly_named: signorini.R
     found = results_json(oddly_named)
     assert [combination["name"] for combination in found["combinations"]] == NAMES
     assert any(event.support == "=feet" for event in path.support_events)
-    assert "'=feet opens" in path_csv(path)
+    assert "'=feet: opens" in path_csv(path)
 
 
 @pytest.mark.filterwarnings("ignore:Glyph")

@@ -51,7 +51,7 @@ def run(*arguments: object):
 def test_the_command_prints_the_events_and_writes_them(slab: Path) -> None:
     result = run("path", slab, "--from", "G", "--add", "Q")
     assert result.exit_code == 0, result.output
-    assert "pads opens at [1, 3]" in result.output and "Equilibrium ends at t = 16" in result.output
+    assert "pads: opens at [1, 3]" in result.output and "Equilibrium ends at t = 16" in result.output
     directory = slab.with_name("slab-path")
     assert sorted(file.name for file in directory.iterdir()) == ["path.csv", "path.json", "path.png"]
     found = json.loads((directory / "path.json").read_text())
@@ -67,7 +67,7 @@ def test_the_command_prints_the_events_and_writes_them(slab: Path) -> None:
     with (directory / "path.csv").open(encoding="utf-8", newline="") as text:
         rows = list(csv.DictReader(text))
     assert [float(row["t"]) for row in rows] == [stop["t"] for stop in found["stops"]]
-    assert rows[1]["event"] == "pads opens at [1, 3]" and (rows[1]["closed:pads"], rows[1]["open:pads"]) == ("3", "1")
+    assert rows[1]["event"] == "pads: opens at [1, 3]" and (rows[1]["closed:pads"], rows[1]["open:pads"]) == ("3", "1")
     assert float(rows[-1]["probe[2]:deflection"]) == found["stops"][-1]["probes"][1]["deflection"]
 
 
@@ -125,7 +125,7 @@ def test_a_path_has_the_table_and_the_envelope_that_combinations_have(slab: Path
     found = signorini.path(signorini.load(slab), "G", "Q")
     table = found.table
     assert table["t"].tolist() == [stop.t for stop in found.stops]
-    assert table["event"][1] == "pads opens at [1, 3]" and set(table["status"]) == {"solved"}
+    assert table["event"][1] == "pads: opens at [1, 3]" and set(table["status"]) == {"solved"}
     assert table["reaction:pads"] == pytest.approx([stop.reactions[0] for stop in found.stops])
     combinations = signorini.solve(signorini.load(slab)).table
     assert {"t", "event"} == table.keys() - combinations.keys()
@@ -337,7 +337,7 @@ load = [{ case = "G", force = 1, at = [0, 0.5] }, { case = "Q", force = 1, at = 
     )
     shown = run("path", file, "--from", "G", "--add", "Q", "--until", 2)
     assert shown.exit_code == 0, shown.output
-    words = "left opens at [0, 0.5]; the plate moves on its own until another support holds it"
+    words = "left: opens at [0, 0.5]; the plate moves on its own until another support holds it"
     assert words in shown.output
     found = signorini.path(signorini.load(file), "G", "Q", until=2)
     assert words in found._repr_html_() and found._repr_html_().count("<tr>") == 1 + len(found.stops)
@@ -378,11 +378,11 @@ def test_of_an_area_its_parts_are_events_and_not_its_points(bedded) -> None:
     assert [(event["change"], event["closed"]) for event in events[1:]] == [("part closed", 0.75), ("part closed", 0.5)]
     assert events[0]["change"] == "begins to open"
     assert events[0]["at"] == found["events"][0]["at"]
-    table = [line for line in shown.splitlines() if " soil " in line and line[0].isdigit()]
+    table = [line for line in shown.splitlines() if " soil: " in line and line[0].isdigit()]
     assert len(table) == len(events)
     t = [float(line.split()[0]) for line in table]
     assert t == sorted(t) and t == pytest.approx([event["t"] for event in events], rel=1e-5)
-    assert "soil opens on, 50% closed" in table[2]
+    assert "soil: opens on, 50% closed" in table[2]
     told = [row["event"] for row in rows if row["event"]]
     assert len(told) == len(found["support_events"]) + 2
 
@@ -414,6 +414,9 @@ def test_parts_of_an_area_have_half_widths_and_points_of_the_mesh_have_none(bedd
     assert {row["t_plus_minus"] for row in rows if not row["event"]} == {""}
 
 
+ANCHORS = {"name": "anchors", "at": [[0.5, 0.5], [3.5, 0.5], [3.5, 3.5], [0.5, 3.5]], "resists": "up", "stiffness": 1e7}
+
+
 def test_a_path_warns_where_deflections_leave_the_theory_and_is_drawn_as_far(slab: Path) -> None:
     tables = tomllib.loads(SLAB)
     tables["load"][1]["at"] = [2.0, 2.5]
@@ -424,6 +427,36 @@ def test_a_path_warns_where_deflections_leave_the_theory_and_is_drawn_as_far(sla
     above = found.plot().axes[0]
     assert above.get_xlim()[1] < 1e5
     assert "too large to be drawn" in above.texts[0].get_text()
+
+
+def test_a_stiff_zone_counts_no_more_than_the_plate_around_it_and_a_thin_one_less() -> None:
+    stands = [{"name": "feet", "at": [[0, 0], [4, 0], [4, 4], [0, 4]], "resists": "down"}]
+    for thickness, zone, counted in ((0.2, 1.0, 0.2), (0.2, 0.05, 0.05)):
+        model = rectangular(
+            thickness=thickness,
+            zone=[{"area": {"rectangle": [1, 1, 3, 3]}, "thickness": zone}],
+            support=stands,
+            load=[{"pressure": 1e3}],
+        )
+        found = signorini.path(model, None, "load", until=1e5)
+        (warning,) = found.warnings
+        assert f"is beyond the thickness, {counted:g}" in warning
+        drawn = np.abs([line.get_ydata() for line in found.plot().axes[0].lines[:2]])
+        assert drawn.max() == pytest.approx(2 * counted, rel=0.02)
+
+
+def test_a_path_that_goes_on_is_drawn_to_soon_after_its_last_event() -> None:
+    """Contact points of soil open and close long after the last quarter."""
+    model = rectangular(
+        support=[{"name": "soil", "area": "all", "resists": "down", "stiffness": 1e6}, ANCHORS],
+        load=[{"case": "G", "pressure": 1e3}, {"case": "Q", "moment": [1e3, 0], "at": [2, 2], "patch": [1, 1]}],
+    )
+    found = signorini.path(model, "G", "Q")
+    assert found.ending == "no_more_events"
+    last = found.support_events[-1].t
+    assert found.end > 4 * last
+    axes = found.plot().axes[0]
+    assert 1.9 * last < axes.get_xlim()[1] < 2.5 * last and not axes.texts
 
 
 def test_a_path_says_where_more_answers_than_one_are_right() -> None:
@@ -652,9 +685,9 @@ def test_half_widths_of_lines_and_areas_cover_a_finer_mesh_or_are_none() -> None
 
 def test_points_that_resist_up_pull() -> None:
     bolts = PathEvent(1, 0.5, "bolts", (1.0, 2.0), "closes", 0.5, False)
-    assert in_words([bolts], {"bolts"}) == "bolts begins to pull at [1, 2]"
-    assert in_words([bolts]) == "bolts closes at [1, 2]"
-    assert in_words([replace(bolts, change="opens")], {"bolts"}) == "bolts lets go at [1, 2]"
+    assert in_words([bolts], {"bolts"}) == "bolts: begins to pull at [1, 2]"
+    assert in_words([bolts]) == "bolts: closes at [1, 2]"
+    assert in_words([replace(bolts, change="opens")], {"bolts"}) == "bolts: lets go at [1, 2]"
 
 
 LIFTING = """

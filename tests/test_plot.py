@@ -15,7 +15,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.tri._tricontour import TriContourSet
 from models import rectangular
 
-from signorini import solve
+from signorini import solve, write
 from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.plot import (
@@ -69,6 +69,16 @@ PADS = SupportMark("pads", "down", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
 def colour_limits(values: np.ndarray) -> tuple[str, float, float]:
     bands = next(part for part in contour(POINTS, ELEMENTS, values).collections if isinstance(part, TriContourSet))
     return bands.cmap.name, round(bands.norm.vmin, 12), round(bands.norm.vmax, 12)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_what_is_beyond_the_limits_has_the_last_colour(sign: float) -> None:
+    # Twice the limit over all of the right element.
+    values = sign * np.where(POINTS[:, 0] >= 0, 2.0, 0.3)
+    figure = field_picture(PLAN, [Panel(values, "w [m]", limits=(-1.0, 1.0))])
+    bands = next(part for part in figure.axes[0].collections if isinstance(part, TriContourSet))
+    places = [[0.5, 0.5], [0.9, 0.2], [-0.5, 0.5]]
+    assert all(any(path.contains_point(at) for path in bands.get_paths()) for at in places)
 
 
 def area(vertices: np.ndarray, triangles: np.ndarray) -> float:
@@ -647,6 +657,18 @@ def test_borders_of_zones_are_no_outline_in_results() -> None:
     assert outline.vertices.min() == 0 and outline.vertices.max() == 4
     assert len(outline.vertices) > 8 and not ((outline.vertices > 0.5) & (outline.vertices < 3.5)).all(axis=1).any()
     assert (borders.vertices.min(), borders.vertices.max()) == pytest.approx((1, 3))
+
+
+@pytest.mark.parametrize(("thickness", "said"), [(0.4, True), (0.2, False)])
+def test_lines_across_which_moments_jump_are_in_the_legend(thickness: float, said: bool, tmp_path: Path) -> None:
+    zone = {"area": {"rectangle": [1, 1, 3, 3]}, "thickness": thickness}
+    held = [{"edge": ["left", "right"], "fix": "simple"}]
+    results = solve(rectangular(zone=[zone], support=held, load=[{"pressure": 5}], mesh={"error": False}))
+    figure = results["all"].plot("mx").figure
+    legends = [axes.get_legend() for axes in figure.axes if axes.get_legend() is not None]
+    words = [entry.get_text() for legend in legends for entry in legend.get_texts()]
+    assert ("moments and shears jump" in words) is said
+    assert write(results, tmp_path)
 
 
 def test_loads_that_read_alike_have_one_row_in_the_legend() -> None:

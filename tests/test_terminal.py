@@ -128,7 +128,7 @@ def test_extremes_of_many_combinations_are_shown_with_their_half_widths() -> Non
     for side in ("max", "min"):
         assert estimated(pads["reaction"][side], widths["supports"][0]["reaction"][side]) in line("pads ")
     pressure = estimated(soil["max_pressure"]["max"], widths["supports"][2]["max_pressure"]["max"])
-    assert line("soil: largest pressure").startswith(f"soil: largest pressure {pressure} kN/m² in ULS 13")
+    assert line("soil: largest pressure").startswith(f"soil: largest pressure {pressure} kN/m² at [0, 0] in ULS 13")
     assert any(re.match(r"pads: widest gap [\d.e-]+ ± [\d.e-]+ m at ", one) for one in lines)
     assert "of the equations; of the mesh: ± by 256, 64 and 16 elements" in lines
 
@@ -234,6 +234,48 @@ def test_head_ends_a_run_quietly_with_its_code(tmp_path: Path, factor: int, code
     done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (code, "first\n")
     assert (done.stderr == "") == (code == 0) and "Traceback" not in done.stderr and "Errno" not in done.stderr
+
+
+def test_places_without_a_limit_are_named_with_the_case_of_their_load() -> None:
+    said = shown(print_results, signorini.solve(model(2)), WIDE)
+    assert 'Singular (case "Q"): Force at a point of load[2]: ' in said
+    assert "Singular: pads at a point: " in said
+
+
+def test_what_is_in_contact_is_told_of_how_much_and_the_largest_pressure_where() -> None:
+    wall = {"name": "wall", "edge": "left", "resists": "down", "stiffness": 1e5}
+    soil = {"name": "soil", "area": "all", "resists": "down", "stiffness": 1e4}
+    load = [{"pressure": 5}, {"force": -18, "at": [0.3, 3.7], "patch": [0.4, 0.4]}]
+    results = signorini.solve(rectangular(units={"length": "m"}, support=[wall, soil], load=load))
+    (result,), said = results.values(), shown(print_results, results, WIDE)
+    part = result.supports[0].closed_part
+    assert 0 < part < 1
+    assert part * 4 == pytest.approx(result.supports[0].weights[result.supports[0].closed].sum())
+    assert f"wall, in contact: {4 * part:.6g} of 4 m ({100 * part:.3g} %), by its points" in said
+    area = result.supports[1]
+    assert f"of 16 m² ({100 * area.contact_area / 16:.3g} %), largest pressure" in said
+    x, y = area.max_pressure_at
+    assert f" at {point((x, y), 4.0)}" in said.split("largest pressure")[1].splitlines()[0]
+    assert result.pressure([[x, y]])[0] == pytest.approx(area.max_pressure, rel=1e-9)
+
+
+def test_a_single_bearing_has_no_others() -> None:
+    said = shown(print_results, signorini.solve(model(13, support=[{"area": "all", "stiffness": 1e4}])), WIDE)
+    assert "what the others do then" not in said and "largest reaction" in said
+
+
+@pytest.mark.parametrize("count", [1, 13])
+def test_where_half_widths_are_wide_it_is_said_once_what_helps(count: int) -> None:
+    load = [{"case": "G", "pressure": 5.0}, {"case": "Q", "force": 80, "at": [2.1, 2.2], "patch": [0.3, 0.3]}]
+    made = [{"name": f"c{i}", "factors": {"G": 1, "Q": 1 + i}} for i in range(count)]
+    held = [{"edge": ["left", "right"], "fix": "simple"}]
+    given = {"size": (10, 10), "load": load, "support": held, "combination": made}
+    coarse = rectangular(**given, mesh={"size": 0.5})
+    said = shown(print_results, signorini.solve(coarse), WIDE)
+    (told,) = re.findall(r"± is more than half of the largest (.*): the mesh leaves open what it is\. Take", said)
+    assert "my at [2.25, 2.2]" in told
+    finer = rectangular(**given, mesh={"size": 0.5, "refine": [{"at": [2.1, 2.2], "size": 0.1}]})
+    assert "my at [2" not in shown(print_results, signorini.solve(finer), WIDE)
 
 
 def test_of_many_points_the_largest_and_those_that_are_open_are_shown() -> None:

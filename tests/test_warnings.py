@@ -1,6 +1,7 @@
 """Warnings: what is solved all the same, but seldom meant; and that ordinary models have none."""
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
@@ -296,3 +297,17 @@ def test_places_off_the_plate_are_not_refined_and_said() -> None:
     found = [warning for warning in check(model(mesh=refined)).warnings if "nothing is refined for it" in warning]
     kinds = ["point [100, 1]", "area", "line", "circle"]
     assert [warning.split(" of refinement")[0] for warning in found] == [f"The {kind}" for kind in kinds]
+
+
+def test_the_size_that_is_told_makes_the_mesh_follow_a_line() -> None:
+    wall, line = {"rectangle": [0.5, 1.9, 3.5, 2.15]}, [[0.5, 2.03], [3.5, 2.03]]
+
+    def told(**mesh: object) -> tuple[str, ...]:
+        load = [{"case": "G", "pressure": 1e3, "area": wall}, {"case": "Q", "line_load": 1e3, "line": line}]
+        held = [{"edge": ["left", "right"], "fix": "simple"}]
+        return check(rectangular(support=held, load=load, mesh=mesh)).warnings
+
+    (sentence,) = told(size=0.6)
+    found = re.search(r"elements of (\S+) or less along it, such as at \[0\.\d+, 2\.03\] \(mesh\.refine\)\.$", sentence)
+    assert found and 'does not follow the line of load[2] (case "Q")' in sentence
+    assert not told(size=0.6, refine=[{"line": line, "size": float(found[1])}])

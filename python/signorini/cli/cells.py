@@ -34,6 +34,17 @@ def cell(
     return estimated(value, found, largest, digits)
 
 
+def of_whole(part: str, value: float, whole: float, unit: str) -> str:
+    """Write a part of a length or area, beside it what it is of.
+
+    Examples
+    --------
+    >>> of_whole("209.021 ± 0.026", 209.021, 216.0, " m²")
+    '209.021 ± 0.026 of 216 m² (96.8 %)'
+    """
+    return f"{part} of {whole:.6g}{unit} ({min(100.0, 100.0 * value / whole):.3g} %)"
+
+
 def in_unit(unit: str) -> str:
     """Write a unit behind a title."""
     return f" [{unit}]" if unit else ""

@@ -8,10 +8,11 @@ from rich.console import Console
 from rich.text import Text
 
 from signorini.base.numbers import compared, number, size_of
-from signorini.cli.cells import in_unit
+from signorini.cli.cells import UNKNOWN, in_unit
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.results.load_path import LoadPath, t_in_words
 
+_UNSETTLED = f"{UNKNOWN}: on the next mesh it happens more or less often, not at all, or at quite another t"
 _MOST_EVENTS = 40
 """Events printed; of more the first and last halves of these."""
 _MOST_STRETCHES = 3
@@ -31,6 +32,7 @@ def print_path(console: Console, path: LoadPath) -> None:
     if len(names) > _MOST_COLUMNS:
         names = []
     columns = [Column("t"), Column("event"), *numbers(f"largest deflection{in_unit(units.length)}")]
+    unknown = False
     rows = Grid([*columns, *numbers(*(f"{name}{in_unit(units.force)}" for name in names))], heads=2)
     farthest = size_of([stop.utmost for stop in path.stops])
     told = [(index, words) for index in range(len(path.stops)) if (words := path.words(index))]
@@ -44,8 +46,12 @@ def print_path(console: Console, path: LoadPath) -> None:
         stop = path.stops[index]
         largest = size_of(stop.reactions)
         shown = [number(value, largest) for value in stop.reactions.tolist()[: len(names)]]
-        rows.add(t_in_words(path, index), words, number(stop.utmost, farthest), *shown)
+        t = t_in_words(path, index)
+        unknown |= t.endswith(UNKNOWN)
+        rows.add(t, words, number(stop.utmost, farthest), *shown)
     rows.show(console)
+    if unknown:
+        say(console, _UNSETTLED)
     if any(support.place != "at" for support in model.support):
         say(console, f"of lines and areas each quarter is an event; all {len(path.stops)} stops are in path.csv")
     say(console, _ending(path))

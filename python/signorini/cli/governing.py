@@ -11,7 +11,7 @@ from rich.text import Text
 
 from signorini.analysis.solve import Results
 from signorini.base.numbers import compared, estimated, number, size_of
-from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, unit_of
+from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, of_whole, unit_of
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.cli.through import print_enveloped
 from signorini.contact.certificate import FIGURES
@@ -75,7 +75,7 @@ def print_governing(console: Console, results: Results, group: str = "") -> None
         bearings = f"{f'{group}, ' if group else ''}{len(reactions) // 2} bearings"
         say(console, f"{bearings}: {GOVERNING} has the largest and smallest reaction of each")
         console.print()
-    if not 0 < len(reactions) <= 2 * _MOST_BEARINGS:
+    if not 2 < len(reactions) <= 2 * _MOST_BEARINGS:
         return
     points = [one.bearing.support for one in reactions[::2]]
     names = []
@@ -171,8 +171,11 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
         if envelope.pressed is not None:
             pressure = cell(float(envelope.pressed.largest[0]), widths, (*of_support, "max_pressure", "max"))
             area = cell(float(envelope.pressed.smallest[1]), widths, (*of_support, "contact_area", "min"))
-            highest, least = f"{pressure} {units.force_by_length(-2)}".rstrip(), f"{area}{unit_of(units.length, 2)}"
+            highest = f"{pressure} {units.force_by_length(-2)}".rstrip()
+            where = point(envelope.places[envelope.pressure.ends[0]].tolist(), results.discretisation.mesh.size)
+            in_contact, extent = float(envelope.pressed.smallest[1]), float(points.weights.sum())
+            least = of_whole(area, in_contact, extent, unit_of(units.length, 2))
             of_highest = results.key(int(envelope.pressed.largest_by[0]))
             of_least = results.key(int(envelope.pressed.smallest_by[1]))
-            say(console, f"{support.name}: largest pressure {highest} in {of_highest}")
+            say(console, f"{support.name}: largest pressure {highest} at {where} in {of_highest}")
             say(console, f"{support.name}: least in contact {least} in {of_least}")

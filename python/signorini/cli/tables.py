@@ -11,13 +11,15 @@ from signorini.analysis.check import ASKED, Check
 from signorini.analysis.solve import Results
 from signorini.analysis.twins.leaves import largest_of
 from signorini.base.numbers import compared, number, size_of
-from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, unit_of
+from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, of_whole, unit_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.cli.through import print_through
+from signorini.cli.wide import too_wide
 from signorini.discretise import Discretisation
+from signorini.discretise.supports import can_let_go
 from signorini.errors import length, point
-from signorini.model import Support
+from signorini.model import Model, Support
 from signorini.output.envelope_json import table_warnings
 from signorini.results.extremes import NUMBERS
 from signorini.results.marks import case_totals
@@ -61,11 +63,12 @@ def print_results(console: Console, results: Results) -> None:
             say(console, f"{result.name}: no equilibrium", style="bold red")
     console.print()
     _print_refinement(console, results)
+    warnings |= {sentence: [] for sentence in too_wide(results)}
     _print_warnings(console, warnings, len(results))
     named = [one for result in results.full.values() for one in result.singular]
     if results.model.tabulated:
         named = [*singularities(found, results.model.effective_combinations.cases)]
-    _print_singular(console, named)
+    _print_singular(console, named, results.model)
     _print_legend(console, found.model.support)
 
 
@@ -120,7 +123,7 @@ def print_check(console: Console, check: Check) -> None:
         say(console, f"and {left} more; of all {len(check.resultants)} combinations {unbalanced} cannot be balanced")
     console.print()
     _print_warnings(console, dict.fromkeys(check.warnings, ()))
-    _print_singular(console, check.singular)
+    _print_singular(console, check.singular, model)
     _print_legend(console, model.support)
 
 
@@ -192,14 +195,22 @@ def _print_result(console: Console, result: Result, limit: tuple[str, float] | N
     for index, found in enumerate(result.supports):
         if found.contact_area is not None and found.max_pressure is not None:
             within = cell(found.contact_area, widths, ("supports", index, "contact_area"), largest["contact_area"])
-            area = f"{within}{unit_of(units.length, 2)}"
+            whole = float(found.weights.sum())
+            area = of_whole(within, found.contact_area, whole, unit_of(units.length, 2))
             pressed = cell(found.max_pressure, widths, ("supports", index, "max_pressure"), largest["pressure"])
             pressure = f"{pressed} {units.force_by_length(-2)}".rstrip()
             said = f"{found.name}, in contact: {area}, largest pressure {pressure}"
+            if found.max_pressure and found.max_pressure_at is not None:
+                said += f" at {point(found.max_pressure_at, result.mesh.size)}"
             if found.max_tension:
                 pulled = cell(found.max_tension, widths, ("supports", index, "max_tension"), largest["pressure"])
                 said += f", largest tension {pulled} {units.force_by_length(-2)}".rstrip()
             say(console, said)
+        elif found.place != "at" and can_let_go(result.model.support[index]):
+            whole = float(found.weights.sum())
+            length = found.closed_part * whole
+            along = of_whole(f"{length:.6g}", length, whole, unit_of(units.length))
+            say(console, f"{found.name}, in contact: {along}, by its points")
     _print_deflection(console, result)
     _print_extremes(console, result, largest)
     if limit is not None:
@@ -322,9 +333,17 @@ def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], of:
         console.print()
 
 
-def _print_singular(console: Console, named: Iterable[Singularity]) -> None:
-    """Say what has no limit as the mesh is refined, and what this one is too coarse for, each once."""
-    sentences = list(dict.fromkeys(f"{'Unresolved' if one.limited else 'Singular'}: {one}" for one in named))
+def _print_singular(console: Console, named: Iterable[Singularity], model: Model) -> None:
+    """Say what has no limit as the mesh is refined, and what this one is too coarse for, each once.
+
+    Loads have no names: their cases are told.
+    """
+    cases = {load.case for load in model.load}
+
+    def of(one: Singularity) -> str:
+        return f' (case "{one.source}")' if one.source in cases else ""
+
+    sentences = list(dict.fromkeys(f"{'Unresolved' if one.limited else 'Singular'}{of(one)}: {one}" for one in named))
     for sentence in sentences[:_MOST_WARNINGS]:
         say(console, sentence, style="yellow")
     if (left := len(sentences) - _MOST_WARNINGS) > 0:

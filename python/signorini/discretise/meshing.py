@@ -73,13 +73,16 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
         raise InputError(error.message, place=("plate",)) from None
 
 
-def to_follow(model: Model) -> str:
-    """Say what to do for a mesh to follow what it goes across."""
+def to_follow(model: Model, where: str = "there", size: float | None = None) -> str:
+    """Say what to do for a mesh to follow what it goes across: where elements are to be smaller, and of what size."""
     if isinstance(model.plate, MeshPlate):
         return "Make the mesh with sides along it."
     if model.plate.element == "q8r" and model.divisions is not None:
         return "Leave element out: q8r has rows alone."
-    return "Take smaller elements there." if model.mesh.divisions is None else "Give mesh.size, not divisions."
+    if model.mesh.divisions is not None:
+        return "Give mesh.size, not divisions."
+    of = "smaller elements" if size is None else f"elements of {size:.2g} or less"
+    return f"Take {of} {where}{'' if size is None else ' (mesh.refine)'}."
 
 
 def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Model]:

@@ -19,9 +19,9 @@ from signorini.discretise.quadrature.stepped import OFF, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, length, point, unknown
 from signorini.mesh import Mesh
-from signorini.model import AnnulusPlate, Area, DiscPlate, Load, OutlinedPlate, Plate, Support
+from signorini.model import AnnulusPlate, Area, DiscPlate, Load, Plate, Support
 from signorini.model.curve import curve
-from signorini.shapes import Circle, Curve, Hollow, Polygon, Polyline, Rectangle, Region, Ring, Rounded
+from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring
 from signorini.shapes.distances import distances
 from signorini.shapes.overlap import overlap
 
@@ -210,12 +210,10 @@ def _require_on_plate(
             len(shape.radii(plate.center)) == 2
         ):
             beyond, slack = (1.0 - plate.sector / 360.0) * whole, _SECTOR_SLACK * whole
-    match plate, shape:
-        case OutlinedPlate(), (Rectangle() | Circle() | Polygon() | Rounded() | Hollow()) if missing > 0:
-            around, *holes = shape.loops
-            openings = [opening.points() for opening in plate.contours[1:]]
-            over = sum(overlap(around, one) - sum(overlap(hole, one) for hole in holes) for one in openings)
-            beyond, slack = beyond + over, slack + _SECTOR_SLACK * over
+    if missing > 0 and not isinstance(shape, Polyline | Ring):
+        around, *holes = shape.loops
+        over = sum(overlap(around, one) - sum(overlap(hole, one) for hole in holes) for one in mesh.holes)
+        beyond, slack = beyond + over, slack + _SECTOR_SLACK * over
     missing = missing - beyond if missing > beyond + slack else 0.0
     if missing > 0:
         off = f"has {100 * missing / whole:.3g} % of its size off the plate{_how_far(mesh, shape)}"

@@ -18,6 +18,7 @@ from signorini.errors import InputError
 from signorini.mesh import checks as mesh_checks
 from signorini.mesh.boxtree import BoxTree
 from signorini.mesh.curves import edges_on_polyline, edges_on_ring, sides_mostly_on
+from signorini.mesh.holes import holes
 from signorini.mesh.isoparametric import (
     CENTROID,
     CORNERS,
@@ -190,6 +191,11 @@ class Mesh(Remade):
     def boundary(self) -> Ints:
         """Node triples (k, 3) of the boundary, the plate on the left, loop after loop."""
         return mesh_checks.loops(self.sides[self.on_boundary])
+
+    @cached_property
+    def holes(self) -> tuple[Floats, ...]:
+        """Points (k, 2) along every hole."""
+        return holes(self.points, self.boundary)
 
     @cached_property
     def element_area(self) -> Floats:

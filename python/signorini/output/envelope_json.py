@@ -103,8 +103,7 @@ def _envelope(results: Results, combined: Combined, mesh: Mesh, group: str) -> d
         elastic = field == "contact_pressure"
         over[field] = (mesh.points[places] if elastic else mesh.points[mesh.elements[places]].mean(axis=1)), extremes
     for field, (points, extremes) in over.items():
-        high, low = int(extremes.largest.argmax()), int(extremes.smallest.argmin())
-        fields[field] = _ends(name, extremes, (points, points), high, low)
+        fields[field] = _ends(name, extremes, (points, points), *extremes.ends)
     layout = combined.layout
     return {
         "file": envelope_file(results, group),

@@ -143,10 +143,11 @@ def checked_field(plan: Plan, values: ArrayLike) -> NDArray[np.float64]:
 def draw_field(axes: Axes, plan: Plan, field: NDArray[np.float64], scale: Scale) -> None:
     """Draw filled contours, some of them with their values, and the plate's outline."""
     fine, (low, high) = plan.cut.interpolate(field), scale.bounds[[0, -1]]
-    # Shape functions go a little beyond the nodes' values, and so beyond the scale; peaks go farther.
+    # Shape functions go a little beyond the nodes' values, and so beyond the scale, whose end is in no band; peaks go
+    # farther.
     little = 0.5 * (high - low) / (len(scale.bounds) - 1)
     below, above = fine < low - little, fine > high + little
-    fine = np.where(below | above, fine, np.clip(fine, low, high))
+    fine = np.where(below | above, fine, np.clip(fine, low, high - _NOISE * (high - low)))
     if not np.any(scale.bounds == 0):
         # Rounding on the other side of zero is no other sign.
         fine[np.abs(fine) < _NOISE * np.abs(fine).max(initial=0.0)] = 0.0

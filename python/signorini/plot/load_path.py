@@ -31,6 +31,7 @@ def load_path_picture(
     *,
     limit: float | None = None,
     until: float | None = None,
+    last: float | None = None,
     title: str = "",
     factor: str = "t",
     length: str = "",
@@ -49,6 +50,8 @@ def load_path_picture(
         The factor at which equilibrium ends, if it does at the end of the path.
     until : float, optional
         The factor at which deflections leave what the theory is of; what is beyond is not drawn.
+    last : float, optional
+        The factor from which on nothing happens that is worth drawing.
     title, factor, length : str
         Above the picture; what the factor is; the unit of length.
 
@@ -76,9 +79,12 @@ def load_path_picture(
     ):
         if values.shape != (expected,):
             raise InputError(f"{name!r} has the shape {values.shape}; for these t it must be ({expected},).")
-    if until is not None:
-        stops, curves, parts = _drawn(stops, curves, parts, until)
-        limit = limit if limit is not None and limit <= until else None
+    end, words = limit, "equilibrium ends"
+    if until is not None and (end is None or until < end):
+        end, words = until, "beyond, too large to be drawn"
+    drawn = min((to for to in (until, last) if to is not None), default=np.inf)
+    if drawn < stops[-1]:
+        stops, curves, parts = _drawn(stops, curves, parts, drawn)
     figure = Figure(figsize=(7.4, 3.9 + 0.34 * max(len(parts), 1)), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3.1, 0.34 * max(len(parts), 1) + 0.2])
     figure.suptitle(literal(title), fontsize=11, color=INK)
@@ -87,8 +93,7 @@ def load_path_picture(
     unit = literal(f" [{length}]" if length else "")
     above.set_ylabel(f"deflection{unit}, positive down", fontsize=9, color=INK)
     below.set_xlabel(literal(factor), fontsize=9, color=INK)
-    end, words = (until, "beyond, too large to be drawn") if limit is None else (limit, "equilibrium ends")
-    if end is not None:
+    if end is not None and end <= stops[-1]:
         for axes in (above, below):
             axes.axvline(end, color="#b3261e", linewidth=1.4)
         above.annotate(
@@ -129,7 +134,7 @@ def _draw_curves(axes: Axes, stops: Floats, curves: Mapping[str, Floats]) -> Non
         axes.axvline(event, color=INK, linewidth=0.5, alpha=0.25, zorder=0)
     axes.autoscale_view()
     axes.invert_yaxis()
-    axes.legend(fontsize=8.5, frameon=False, loc="lower left")
+    axes.legend(fontsize=8.5, frameon=False, loc="best")
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=8.5)
 

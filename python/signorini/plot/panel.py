@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
@@ -84,7 +85,14 @@ def draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Iterable[
         ways = _ways(places, plan, inches_per_unit(axes))
         for (words, _), at, way in zip(panel.extremes, places, ways, strict=True):
             _name_place(axes, words, at, way)
-    return draw_supports(marks, axes)
+    return [*draw_supports(marks, axes), *jumps(plan)]
+
+
+def jumps(plan: Plan) -> list[Entry]:
+    """Give the entry in the legend of the dashed lines inside the plate, if there are any."""
+    if not np.size(plan.edges[2].vertices):
+        return []
+    return [("moments and shears jump", (Line2D([], [], color=INK, linewidth=0.7, linestyle="dashed"),))]
 
 
 def _ways(places: NDArray[np.float64], plan: Plan, inches: float) -> NDArray[np.int64]:

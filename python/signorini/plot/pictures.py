@@ -19,7 +19,7 @@ from signorini.plot.files import DOTS, as_png
 from signorini.plot.loads import LoadMark, draw_loads
 from signorini.plot.marks import Entry, SupportMark, ZoneMark, draw_supports, draw_zones, legend_words
 from signorini.plot.page import Page
-from signorini.plot.panel import Panel, draw_on, frame, scale_of
+from signorini.plot.panel import Panel, draw_on, frame, jumps, scale_of
 from signorini.plot.places import EdgeMark, SingularMark, draw_edges, draw_singular
 from signorini.plot.plan import Plan, draw_outlines, draw_sheet, inches_per_unit
 
@@ -119,7 +119,7 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
     page = _page(plan, first := pictures[0].panels(), length, rows)
     scales = _frame(page, plan, first)
     for picture in pictures:
-        page.make_room(picture.title, legend_words(picture.marks))
+        page.make_room(picture.title, [*legend_words(picture.marks), *(words for words, _ in jumps(plan))])
     page.figure.set_dpi(DOTS)
     canvas: Any = page.canvas  # matplotlib leaves its methods without types
     canvas.draw()

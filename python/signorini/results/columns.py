@@ -17,7 +17,7 @@ from signorini.model import Model
 from signorini.results.contact_field import AreaContact, Pressures
 from signorini.results.extremes import NUMBERS
 from signorini.results.result import FIELDS, Result
-from signorini.results.section_result import columns_of, numbers_of
+from signorini.results.section_result import COMPONENTS, columns_of, numbers_of
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_at_rest
 from signorini.singularities.named import singularities_of
@@ -127,6 +127,15 @@ class Layout:
     def through(self) -> list[str]:
         """Columns (3s,) of sections and strips."""
         return columns_of(self.model)
+
+    @property
+    def through_kinds(self) -> list[str]:
+        """What these columns (3s,) are compared with: moments, twisting or not, or shears, of sections or of strips."""
+        of_line = ["moment" if what == "twist" else what for what in COMPONENTS]
+        of_strips = [f"{what} of strips" for what in of_line]
+        return of_line * len(self.model.section) + of_strips * (
+            len(self.through) // len(of_line) - len(self.model.section)
+        )
 
     @property
     def point_count(self) -> int:

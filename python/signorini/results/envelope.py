@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from signorini import _core
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -19,47 +20,76 @@ NONE = -1
 """Number of no result."""
 _GOVERNING = 12
 """Results at most that count as governing."""
+_EQUAL = 1e-9
+"""Part of the largest of their kind within which numbers differ by rounding: they are as large."""
+_KINDS = {name: NUMBERS.get(name, "rotation" if "rotation" in name else name) for name in FIELDS}
+"""What numbers of a field are compared with."""
 
 
 @dataclass(frozen=True, eq=False)
 class Extremes:
-    """Largest and smallest values (n,) met so far, with the numbers of the results, of equals the first."""
+    """Largest and smallest values (n,) met so far, with the numbers of the results, of equals the first.
+
+    Values are equal within a billionth of the ``size`` (n,) of the largest of their kind; where that is 0, to the bit.
+    """
 
     largest: Floats
     largest_by: Ints
     smallest: Floats
     smallest_by: Ints
+    size: Floats
 
     @classmethod
     def none(cls, size: int) -> Extremes:
         """Nothing met yet."""
         who = np.full(size, NONE, dtype=np.int64)
-        return cls(np.full(size, -np.inf), who, np.full(size, np.inf), who.copy())
+        return cls(np.full(size, -np.inf), who, np.full(size, np.inf), who.copy(), np.zeros(size))
 
-    def take(self, values: Floats, who: Ints) -> None:
-        """Meet values (k, n) of results (k,)."""
+    def take(self, values: Floats, who: Ints, size: float | Floats = 0.0) -> None:
+        """Meet values (k, n) of results (k,), in rising order, the largest of whose kind is of ``size``.
+
+        Examples
+        --------
+        >>> extremes = Extremes.none(1)
+        >>> extremes.take(np.array([[5.0], [5.0 + 1e-12], [-5.0 + 1e-12], [-5.0]]), np.arange(4), size=5.0)
+        >>> extremes.largest_by, extremes.smallest_by
+        (array([0]), array([2]))
+        """
         if not values.size:
             return
-        columns = np.arange(values.shape[1])
-        for bound, by, at, sign in (
-            (self.largest, self.largest_by, values.argmax(axis=0), 1.0),
-            (self.smallest, self.smallest_by, values.argmin(axis=0), -1.0),
-        ):
-            found = values[at, columns]
-            better = sign * found > sign * bound
-            bound[better], by[better] = found[better], who[at[better]]
+        np.maximum(self.size, size, out=self.size)
+        columns, within = np.arange(values.shape[1]), _EQUAL * self.size
+        for bound, by, sign in ((self.largest, self.largest_by, 1.0), (self.smallest, self.smallest_by, -1.0)):
+            signed = sign * values
+            most = signed.max(axis=0)
+            at = (signed >= most - within).argmax(axis=0)
+            better = most > sign * bound + within
+            bound[better], by[better] = values[at, columns][better], who[at[better]]
 
     def meet(self, other: Extremes) -> tuple[Bools, Bools]:
         """Meet what others have met; return which of the largest and smallest (n,) are theirs."""
         found = []
+        np.maximum(self.size, other.size, out=self.size)
+        within = _EQUAL * self.size
         for mine, by, theirs, who, sign in (
             (self.largest, self.largest_by, other.largest, other.largest_by, 1.0),
             (self.smallest, self.smallest_by, other.smallest, other.smallest_by, -1.0),
         ):
-            better = (sign * theirs > sign * mine) | ((theirs == mine) & (who < by) & (who != NONE))
+            earlier = (who < by) & (who != NONE)
+            better = sign * theirs > sign * mine + np.where(earlier, -within, within)
+            better |= earlier & (theirs == mine)
             mine[better], by[better] = theirs[better], who[better]
             found.append(better)
         return found[0], found[1]
+
+    @property
+    def ends(self) -> tuple[int, int]:
+        """Which of these numbers is the largest of all, and which the smallest; of equals that of the first result."""
+        high, low = (
+            np.where(signed >= signed.max() - _EQUAL * self.size.max(), by, np.iinfo(np.int64).max).argmin()
+            for signed, by in ((self.largest, self.largest_by), (-self.smallest, self.smallest_by))
+        )
+        return int(high), int(low)
 
     def take_sums(
         self, coefficients: Floats, vectors: Floats, who: Ints, classes: Ints, left_out: Bools
@@ -88,10 +118,10 @@ class Concurrent:
         """Nothing met yet."""
         return cls(Extremes.none(size), np.full((size, bearings), np.nan), np.full((size, bearings), np.nan))
 
-    def take(self, values: Floats, who: Ints) -> None:
-        """Meet numbers (k, e) of results (k,), in rising order."""
+    def take(self, values: Floats, who: Ints, size: Floats) -> None:
+        """Meet numbers (k, e) of results (k,), in rising order, the largest of whose kinds are of a size (e,)."""
         largest_by, smallest_by = self.extremes.largest_by.copy(), self.extremes.smallest_by.copy()
-        self.extremes.take(values, who)
+        self.extremes.take(values, who, size)
         for now, before, beside in (
             (self.extremes.largest_by, largest_by, self.with_largest),
             (self.extremes.smallest_by, smallest_by, self.with_smallest),
@@ -119,12 +149,18 @@ class Peaks:
         """Nothing met yet."""
         return cls(Extremes.none(fields), np.full((fields, 2), np.nan), np.full((fields, 2), np.nan))
 
-    def take(self, peaks: Floats, places: Floats, who: Ints) -> None:
-        """Meet extremes (k, f, 2) of results (k,), in rising order, and their places (k, f, 2, 2)."""
+    def take(self, peaks: Floats, places: Floats, who: Ints, size: Floats) -> None:
+        """Meet extremes (k, f, 2) of results (k,), in rising order, and their places (k, f, 2, 2).
+
+        The largest of the fields' kinds are of a ``size`` (f,).
+        """
         if not len(who):
             return
-        fields, high, low = np.arange(peaks.shape[1]), peaks[..., 0].argmax(axis=0), peaks[..., 1].argmin(axis=0)
-        one = Extremes(peaks[high, fields, 0], who[high], peaks[low, fields, 1], who[low])
+        highest, lowest = Extremes.none(peaks.shape[1]), Extremes.none(peaks.shape[1])
+        highest.take(peaks[..., 0], who, size)
+        lowest.take(peaks[..., 1], who, size)
+        one = Extremes(highest.largest, highest.largest_by, lowest.smallest, lowest.smallest_by, highest.size)
+        fields, high, low = np.arange(peaks.shape[1]), *np.searchsorted(who, [one.largest_by, one.smallest_by])
         self.meet(Peaks(one, places[high, fields, 0], places[low, fields, 1]))
 
     def meet(self, other: Peaks) -> None:
@@ -242,16 +278,20 @@ class Envelope:
 
     def take(self, block: Block, layout: Layout, rows: Ints) -> None:
         """Meet supports, probes, sections and strips of rows (k,) of a block that were solved."""
-        who = block.numbers[rows]
-        self.probes.take(block.probes[rows], who)
-        self.through.take(block.through[rows], who)
-        self.bearings.take(layout.of_governed(block.reaction[rows], block.gap[rows], block.areas[rows]), who)
-        self.peaks.take(block.peaks[rows], block.places[rows], who)
-        for where, support in zip(layout.slices, self.supports, strict=True):
-            reaction = block.reaction[rows, where]
-            support.reaction.take(reaction.sum(axis=1)[:, None], who)
-            support.points.take(reaction, who)
-            support.gap.take(block.gap[rows, where], who)
+        who, probes, through = block.numbers[rows], block.probes[rows], block.through[rows]
+        self.probes.take(probes, who, _sizes(probes, [_KINDS[name] for name in FIELDS] * len(layout.probes)))
+        self.through.take(through, who, _sizes(through, layout.through_kinds))
+        governed = layout.of_governed(block.reaction[rows], block.gap[rows], block.areas[rows])
+        self.bearings.take(governed, who, _sizes(governed, [what for what, _ in layout.governed]))
+        peaks = block.peaks[rows]
+        fields = np.fmax.reduce(np.abs(peaks), axis=2, initial=0.0)
+        self.peaks.take(peaks, block.places[rows], who, _sizes(fields, [_KINDS[name] for name in layout.fields]))
+        totals = [block.reaction[rows, where].sum(axis=1) for where in layout.slices]
+        load, force, travel = (_size(part) for part in (totals, block.reaction[rows], block.gap[rows]))
+        for where, total, support in zip(layout.slices, totals, self.supports, strict=True):
+            support.reaction.take(total[:, None], who, load)
+            support.points.take(block.reaction[rows, where], who, force)
+            support.gap.take(block.gap[rows, where], who, travel)
             support.lifted[:] += (~block.closed[rows, where]).sum(axis=0)
         if layout.at_rest and len(who):
             self._take_areas(block, layout, rows)
@@ -262,16 +302,19 @@ class Envelope:
         forces = [block.reaction[rows, slices[index]] for index in layout.at_rest]
         for at, ((index, area), force) in enumerate(zip(layout.at_rest.items(), forces, strict=True)):
             support = self.supports[index]
-            support.pressure.take(area.measured(block.around(area, layout, rows), force)[0], who)
+            pressure = area.measured(block.around(area, layout, rows), force)[0]
+            support.pressure.take(pressure, who, _size(pressure))
             if support.pressed is not None:
-                support.pressed.take(block.areas[rows, at], who)
+                pressed = block.areas[rows, at]
+                support.pressed.take(pressed, who, np.abs(pressed).max(axis=0))
         pressures = layout.pressures
         for name, (nodes, extremes) in self.pressures.items():
             if name == "rigid_contact_pressure":
-                extremes.take(pressures.on_elements(forces), who)
-                continue
-            deflection = block.on_areas[np.ix_(rows, np.searchsorted(layout.around_areas, nodes))]
-            extremes.take(pressures.at_nodes(deflection, forces), who)
+                pressure = pressures.on_elements(forces)
+            else:
+                deflection = block.on_areas[np.ix_(rows, np.searchsorted(layout.around_areas, nodes))]
+                pressure = pressures.at_nodes(deflection, forces)
+            extremes.take(pressure, who, _size(pressure))
 
     def governing(self) -> dict[str, tuple[float, int, float, int]]:
         """Largest value, by which result, smallest value, and by which; of fields, supports' reactions and sections.
@@ -280,8 +323,7 @@ class Envelope:
         """
         ends = {name: (self.peaks.extremes, at, at) for at, name in enumerate(self.names)}
         if "reaction" in self.fields:
-            nodal = self.fields["reaction"]
-            ends["reaction"] = nodal, int(nodal.largest.argmax()), int(nodal.smallest.argmin())
+            ends["reaction"] = self.fields["reaction"], *self.fields["reaction"].ends
         ends |= {f"reaction:{index}": (support.reaction, 0, 0) for index, support in enumerate(self.supports)}
         ends |= {name: (self.through, at, at) for at, name in enumerate(self.sections)}
         return {
@@ -294,6 +336,19 @@ class Envelope:
         """Numbers of the results with an extreme of some field, reaction or section, in that order, some at most."""
         found = self.governing().values()
         return [*dict.fromkeys(by for _, high, _, low in found for by in (high, low) if by != NONE)][:_GOVERNING]
+
+
+def _sizes(values: Floats, kinds: Sequence[str]) -> Floats:
+    """Sizes (n,) of the largest of values (k, n) of each one's kind."""
+    names, which = np.unique(np.array(kinds, dtype=np.str_), return_inverse=True)
+    largest = np.zeros(len(names))
+    np.fmax.at(largest, which, np.fmax.reduce(np.abs(values), axis=0, initial=0.0))
+    return largest[which]
+
+
+def _size(values: ArrayLike) -> float:
+    """The size of the largest of values, but for those that are none."""
+    return float(np.fmax.reduce(np.abs(np.asarray(values, dtype=np.float64)), axis=None, initial=0.0))
 
 
 def _nothing_of(layout: Layout, index: int) -> SupportEnvelope:

@@ -32,6 +32,8 @@ def through_json(sections: Sequence[SectionResult], strips: Sequence[StripResult
 
 def _support(support: SupportResult) -> dict[str, Any]:
     found = {"name": support.name, "kind": support.kind, **total(support)}
+    found["closed_part"] = support.closed_part
+    found["max_pressure_at"] = support.max_pressure_at and list(support.max_pressure_at)
     found["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
     if support.area is not None:
         return found

@@ -33,7 +33,7 @@ from signorini.results.path_events import PathEvent, in_words, path_events
 from signorini.results.path_stop import PathStop
 from signorini.results.result import FIELDS, Result
 from signorini.results.states import States
-from signorini.results.warnings import model_warnings, too_far
+from signorini.results.warnings import bending_thickness, model_warnings, too_far
 
 if TYPE_CHECKING:
     from signorini.plot import Figure
@@ -43,6 +43,9 @@ AT_LIMIT = 1e-6
 
 _DRAWN = 2.0
 """Deflections over the thickness up to which a path is drawn: beyond, nothing of the theory is left."""
+
+_AFTER = 2.0
+"""Times the t of the last event up to which a path is drawn that has no other end."""
 
 Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
@@ -150,7 +153,7 @@ class LoadPath(States[float]):
     def warnings(self) -> tuple[str, ...]:
         """What of the model, and of the deflections on the way, is seldom meant."""
         found = self.discretisation
-        thinnest = found.thickness.nominal.min()
+        thinnest = bending_thickness(found).min()
         for stop in self.stops:
             for far in too_far(found, self.at(stop.t).deflection) if abs(stop.utmost) > thinnest else ():
                 return (*model_warnings(found), f"At t = {stop.t:.6g}: {far}")
@@ -280,6 +283,7 @@ class LoadPath(States[float]):
             dict(zip((support.name for support in supports), parts.reshape(-1, len(supports)).T, strict=True)),
             limit=self.end if self.ending == "no_equilibrium" else None,
             until=self._drawn,
+            last=self._last,
             title=", ".join(part for part in (self.model.title, self.name) if part),
             factor=f"t, the factor of {self.add}",
             length=self.model.units.length,
@@ -288,13 +292,22 @@ class LoadPath(States[float]):
     @property
     def _drawn(self) -> float | None:
         """The t at which deflections leave what is drawn, if that is after the first event."""
-        far = _DRAWN * self.discretisation.thickness.nominal.max()
-        for begin, end in pairwise(self.stops):
-            before, after = abs(begin.utmost), abs(end.utmost)
-            if after > far >= before:
-                t = begin.t + (far - before) / (after - before) * (end.t - begin.t)
+        thickness = bending_thickness(self.discretisation)
+        places = np.array(
+            [stop.smallest_at if stop.utmost == stop.smallest else stop.largest_at for stop in self.stops]
+        )
+        far = np.abs([stop.utmost for stop in self.stops]) / thickness[self.mesh.locate(places).elements]
+        for (begin, end), (before, after) in zip(pairwise(self.stops), pairwise(far.tolist()), strict=True):
+            if after > _DRAWN >= before:
+                t = begin.t + (_DRAWN - before) / (after - before) * (end.t - begin.t)
                 return t if not self.support_events or t > self.support_events[0].t else None
         return None
+
+    @property
+    def _last(self) -> float | None:
+        """The t up to which a path is drawn of which the last event is known: the rest is a line."""
+        events = self.support_events
+        return _AFTER * events[-1].t if events and self.ending == "no_more_events" else None
 
     def _beside(self, t: float) -> Iterator[Floats]:
         """Reactions (m,) amid the segments that end or begin at t, or are about it."""

@@ -95,7 +95,7 @@ def path_table(supports: Sequence[str], stops: Sequence[tuple[str, str, float, l
     Examples
     --------
     >>> from signorini.model import Units
-    >>> closes = "0.5 ± 0.01", "prop closes at [2, 2]", 0.001, [0.0]
+    >>> closes = "0.5 ± 0.01", "prop: closes at [2, 2]", 0.001, [0.0]
     >>> path_table(["prop"], [closes], Units(length="m", force="kN")).count("<tr>")
     2
     """

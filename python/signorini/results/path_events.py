@@ -86,10 +86,10 @@ def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
         where = f" at {' '.join(map(point, places[:_MOST_POINTS]))}" if places else ""
         more = f" and {len(places) - _MOST_POINTS} more" if len(places) > _MOST_POINTS else ""
         part = f"{'opens' if those[0].opening else 'closes'} on, {those[0].closed:.0%} closed"
-        verb = {"open": "is all open", "closed": "is all closed", "part closed": part}
+        verb = {"open": "all open", "closed": "all closed", "part closed": part}
         if name in pulling:
             verb |= {"opens": "lets go", "closes": "begins to pull"}
-        said.append(f"{name} {verb.get(change, change)}{where}{more}")
+        said.append(f"{name}: {verb.get(change, change)}{where}{more}")
     return "; ".join(said)
 
 

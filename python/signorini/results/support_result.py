@@ -61,6 +61,11 @@ class SupportResult(Remade):
         return len(self.closed) - self.closed_count
 
     @property
+    def closed_part(self) -> float:
+        """The part of it that is closed, by points, length or area."""
+        return 1.0 if self.closed.all() else float(self.weights[self.closed].sum() / self.weights.sum())
+
+    @property
     def contact_area(self) -> float | None:
         """Area in contact, from the deflection field where it is elastic; None if the support is not an area."""
         return None if self.area is None else self.area.contact_area
@@ -78,6 +83,11 @@ class SupportResult(Remade):
     def max_pressure(self) -> float | None:
         """Largest pressure of an area, from the deflection field where it is elastic; None if it is not an area."""
         return None if self.area is None else self.area.max_pressure
+
+    @property
+    def max_pressure_at(self) -> tuple[float, float] | None:
+        """Where that is; None if it is not an area."""
+        return None if self.area is None else self.area.max_pressure_at
 
     @property
     def max_tension(self) -> float | None:

@@ -32,6 +32,8 @@ from signorini.singularities.singularity import at_peaks, away_from
 
 _FOLLOWED = 0.5
 """Part of a line on the plate that is on sides of elements, from which on a mesh follows it."""
+_SMALLER = 0.5
+"""Part of an element that a line cuts, of which a mesh may follow it."""
 _INSIDE = 1e-6
 """Part of the plate's size by which a point of one area must be inside another: areas that touch do not overlap."""
 _NOTHING = 1e-9
@@ -102,8 +104,7 @@ def no_resultant(found: Discretisation, load: CaseLoad) -> Iterator[str]:
 
 def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
     """Whether some deflection (n,) is beyond the thickness, where the theory of small deflections ends."""
-    elements = found.mesh.elements
-    thickness = np.broadcast_to(found.thickness.nominal.min(axis=1), len(elements))
+    elements, thickness = found.mesh.elements, bending_thickness(found)
     at = int((np.abs(deflection[elements]).max(axis=1) / thickness).argmax())
     node = elements[at, int(np.abs(deflection[elements[at]]).argmax())]
     if abs(deflection[node]) > thickness[at]:
@@ -128,6 +129,16 @@ def _left_out(found: Discretisation) -> Iterator[str]:
             yield f"All of the plate {where}: the largest {number}s named are at such places, and grow with the mesh."
         else:
             yield f"{100 * part:.0f} % of the plate {where}, and is left out of the largest {number}s."
+
+
+def bending_thickness(found: Discretisation) -> Floats:
+    """Thickness (ne,) with which deflections are compared: that of elements, in thick zones no more than the plate's.
+
+    Thick zones move as the plate around them bends.
+    """
+    nominal = np.broadcast_to(found.thickness.nominal.min(axis=1), len(found.mesh.elements))
+    own = nominal[found.zones.of_elements.thickness == 0]
+    return np.minimum(nominal, own.max()) if len(own) else nominal
 
 
 def _zones(found: Discretisation) -> Iterator[str]:
@@ -179,19 +190,28 @@ def _unfollowed(found: Discretisation) -> Iterator[str]:
     """Lines and circles of supports and loads that go through elements."""
     model, mesh = found.model, found.mesh
     named: list[tuple[str, Support | Load]] = [(support.name, support) for support in model.support]
-    named += [(f"load[{number}]", load) for number, load in enumerate(model.load, 1) if load.line_load is not None]
+    named += [(_name(index, load), load) for index, load in enumerate(model.load) if load.line_load is not None]
     for name, item in named:
         if (along := curve(item)) is None:
             continue
         begin, _, end = mesh.points[mesh.sides_on(along)].transpose(1, 0, 2)
-        if np.hypot(*(end - begin).T).sum() < _FOLLOWED * curve_quadrature(mesh, along, order=1).total:
+        points = curve_quadrature(mesh, along, order=1)
+        if np.hypot(*(end - begin).T).sum() < _FOLLOWED * points.total:
+            beside = distances(points.positions, begin, end).min(axis=1, initial=np.inf) > SAME_PLACE * mesh.size
+            first = int(np.argmax(beside))
+            size = _SMALLER * math.sqrt(mesh.element_area[points.elements[first]])
+            where = f"along it, such as at {point(points.positions[first], mesh.size)}"
             what = "circle" if item.line is None else "line"
             shared = isinstance(item, Support) and item.is_rigid
             near = ", and near other supports its reaction may miss by more than its ±" if shared else ""
             yield (
                 f"The mesh does not follow the {what} of {name}: in the elements that it cuts, moments and shears are "
-                f"means of both sides{near}. {to_follow(model)}"
+                f"means of both sides{near}. {to_follow(model, where, size)}"
             )
+
+
+def _name(index: int, load: Load) -> str:
+    return f'load[{index + 1}] (case "{load.case}")'
 
 
 def _one_element(found: Discretisation) -> Iterator[str]:
@@ -237,8 +257,8 @@ def _couples(found: Discretisation) -> Iterator[str]:
                 part = np.abs(across @ load.couple) / (np.hypot(*across.T) * math.hypot(*load.couple) + 1e-300)
                 if len(lost := np.flatnonzero((apart.min(axis=1) <= SAME_PLACE * mesh.diameter) & (part > _NOTHING))):
                     yield (
-                        f"The couple of load[{index + 1}] at {point(load.at[lost[0]])} turns the plate across the edge "
-                        f"{name}, where {holding.name} holds the slope: that part of it does nothing."
+                        f"The couple of {_name(index, load)} at {point(load.at[lost[0]])} turns the plate across the "
+                        f"edge {name}, where {holding.name} holds the slope: that part of it does nothing."
                     )
 
 

@@ -21,13 +21,13 @@ from signorini.singularities.singularity import Singularity
 
 Path = tuple[str | int, ...]
 
-_OF_THE_MESH = {"nodes", "contact_boundary", "max_at", "min_at"}
+_OF_THE_MESH = {"nodes", "contact_boundary", "max_at", "min_at", "max_pressure_at"}
 """Lists as long as the mesh is fine, and places, of which there may be others as good."""
 _OF_VECTOR, _OF_POINTS = 0.5, 0.1
 """Part of the largest change in a vector, and among the points of a support."""
 _BENT = 0.01
 _GIVEN = {"at", "length", "width"}
-_COUNTS = {"closed", "open", "lifted", "lifted_in"}
+_COUNTS = {"closed", "open", "closed_part", "lifted", "lifted_in"}
 _FIELD_OF = dict.fromkeys(("mx", "my", "mxy"), "moment") | dict.fromkeys(("qx", "qy"), "shear")
 _FIELD_OF |= dict.fromkeys(("rotation_x", "rotation_y"), "rotation")
 _OF_MOMENTS = ("principal_moment", "design_moment")
@@ -197,7 +197,7 @@ def sizes_of(numbers: Mapping[Path, Floats], model: Model, mesh: Mesh) -> dict[s
         found[kind] = np.maximum(found.get(kind, none), least)
     pressed = np.max([found.get(kind, none) for kind in ("pressure", "max_pressure", "max_tension")], axis=0)
     found |= dict.fromkeys(("pressure", "max_tension"), pressed)
-    return found | {"contact_area": none + mesh.element_area.sum(), "closed": none, "open": none}
+    return found | {"contact_area": none + mesh.element_area.sum(), "closed": none, "open": none, "closed_part": none}
 
 
 def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[str, Floats]:

@@ -149,6 +149,12 @@ class AreaContact(Remade):
         return self.largest[0]
 
     @property
+    def max_pressure_at(self) -> tuple[float, float]:
+        """Where that is; of places alike the one of the least x, and then y."""
+        x, y = self.largest[1].tolist()
+        return x, y
+
+    @property
     def max_tension(self) -> float:
         """Largest pressure that pulls the plate down; 0 where the area pushes up only."""
         return max(0.0, -self.range[0])

@@ -1,0 +1,72 @@
+"""What to do where half-widths are wide, in a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from signorini.analysis.solve import Results
+from signorini.analysis.twins.leaves import away
+from signorini.cli.cells import point
+from signorini.discretise import Discretisation
+from signorini.model import MeshPlate
+from signorini.output.envelope_json import envelope_json
+from signorini.results.extremes import NUMBERS
+from signorini.results.figures import figures
+from signorini.singularities.named import singularities
+
+_WIDE = 0.5
+"""Half-width over its number from which on it is wide."""
+_BESIDE = 4.0
+"""Elements beside a place without a limit in which other meshes have other values: two of those twice as large."""
+_LITTLE = 0.25
+"""Part of the largest moment or shear, of any direction, up to which it is not worth a finer mesh."""
+
+
+def too_wide(results: Results) -> Iterator[str]:
+    """Say of which largest moments and shears the half-width is more than half of the number, and what helps."""
+    found: dict[str, tuple[float, str]] = {}
+    for fields, widths in _fields(results):
+        ends = {name: max(("max", "min"), key=lambda end: abs(of[end])) for name, of in fields.items()}
+        for name in (name for name in NUMBERS if name in ends):
+            value, width = abs(fields[name][ends[name]]), widths[name][ends[name]]
+            alike = [abs(fields[one][ends[one]]) for one in ends if NUMBERS.get(one) == NUMBERS[name]]
+            if width is None or _near(results.discretisation, fields[name][f"{ends[name]}_at"]):
+                continue
+            if width > max(_WIDE * value, _LITTLE * max(alike)):
+                part = width / value if value else float("inf")
+                at = point(fields[name][f"{ends[name]}_at"], results.discretisation.mesh.size)
+                found[name] = max(found.get(name, (0.0, "")), (part, at))
+    if not found:
+        return
+    where = ", ".join(f"{name} at {at}" for name, (_, at) in found.items())
+    helps = "Take smaller elements there (mesh.refine), or put a probe there and give mesh.accuracy = 0.05."
+    if isinstance(results.model.plate, MeshPlate):
+        helps = "Make the mesh finer there."
+    yield f"± is more than half of the largest {where}: the mesh leaves open what it is. {helps}"
+
+
+def _near(found: Discretisation, at: Sequence[float]) -> bool:
+    """Whether a place is beside one where moments or shears have no limit, which is named by itself."""
+    place = np.array([at])
+    reach = _BESIDE * float(np.sqrt(found.mesh.element_area[found.mesh.locate(place).elements[0]]))
+    named = [one for one in singularities(found) if set(NUMBERS.values()) & set(one.numbers) and not one.limited]
+    return any(away(place, one)[0] <= one.within + reach for one in named)
+
+
+def _fields(results: Results) -> Iterator[tuple[Mapping[str, Any], Mapping[str, Any]]]:
+    """Largest and smallest moments and shears with their half-widths, of every combination or of a table."""
+    if results.model.tabulated:
+        found = envelope_json(results)
+        if found is not None and found["plus_minus"] is not None:
+            yield (
+                {name: found["fields"][name] for name in NUMBERS if name in found["fields"]},
+                found["plus_minus"]["fields"],
+            )
+        return
+    for result in results.full.values():
+        widths = result.asked_estimate.plus_minus
+        if result.status == "solved" and widths is not None:
+            yield figures(result)["fields"], widths["fields"]
