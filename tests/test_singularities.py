@@ -518,7 +518,7 @@ def test_numbers_are_taken_for_a_peak_within_the_thickness_there_of_borders_the_
 
 
 def test_a_plate_that_lies_beside_places_without_a_limit_is_warned_of():
-    pad = {"size": [1, 1], "thickness": 0.52, "shape": "rectangle"}
+    pad = {"size": [1, 1], "thickness": 0.6, "shape": "rectangle"}
     feet = {"name": "feet", "at": [[0.1, 0.1], [0.9, 0.1], [0.5, 0.9]], "resists": "both"}
     heavy = {"at": [0.5, 0.5], "force": 1e3}
     model = rectangular(plate=pad, support=[feet], load=[heavy], mesh={"divisions": [4, 4], "error": False})

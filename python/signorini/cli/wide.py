@@ -9,8 +9,8 @@ import numpy as np
 
 from signorini.analysis.solve import Results
 from signorini.analysis.twins.leaves import away
-from signorini.cli.cells import point
 from signorini.discretise import Discretisation
+from signorini.errors import point
 from signorini.model import MeshPlate
 from signorini.output.envelope_json import envelope_json
 from signorini.results.extremes import NUMBERS
