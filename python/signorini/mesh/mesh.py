@@ -51,8 +51,6 @@ _ON_EDGE = 1e-9
 _OF_RISE = 0.1
 """Part of a side's rise over its chord: a circle passes its parabola by less than half of it on elements of up to 90
 degrees."""
-_ON_CIRCLE = 1e-6
-"""Part of the mesh's diameter within which a point is on a circle: coordinates are written with so many digits."""
 _PAST_CURVED_EDGE = 2e-2
 
 
@@ -304,8 +302,11 @@ class Mesh(Remade):
         over = np.where(triangles & snap[:, 1], np.maximum(xi.sum(axis=1) - 1.0, 0.0), 0.0)
         return point, Location(element, xi - 0.5 * over[:, None])
 
-    def onto_curved_sides(self, where: Location) -> Floats:
-        """Reference points (q, 2), on curved sides those of the circles for which the sides stand."""
+    def onto_curved_sides(self, where: Location, reach: float) -> Floats:
+        """Reference points (q, 2), those on curved sides that are within reach of the circles for which these stand.
+
+        None is moved by more than a tenth of its side's rise.
+        """
         element, xi = where.elements, where.xi.copy()
         triangles, past = self.triangles[element], self.past(element, xi)
         near = self._curved[element] & (np.abs(past) <= _OF_RISE * np.abs(self.sagitta / self._depth)[element])
@@ -315,7 +316,7 @@ class Mesh(Remade):
         rise = np.hypot(*inward.T)
         radius = 0.5 * (0.25 * ((b - a) ** 2).sum(axis=1) / rise + rise)
         to_center = middle + inward * (radius / rise)[:, None] - self.map(element[query], xi[query])
-        near[query, side] = np.abs(np.hypot(*to_center.T) - radius) <= _ON_CIRCLE * self.diameter
+        near[query, side] = np.abs(np.hypot(*to_center.T) - radius) <= reach
         xi[near[:, 3], 0] = np.where(triangles, 0.0, -1.0)[near[:, 3]]
         xi[near[:, 0], 1] = np.where(triangles, 0.0, -1.0)[near[:, 0]]
         xi[near[:, 1] & ~triangles, 0] = 1.0

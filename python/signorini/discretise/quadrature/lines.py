@@ -90,7 +90,7 @@ def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0,
         xi = mesh.invert(elements, points)
         if not isinstance(curve, Ring) and not isinstance(arc, Segment):
             # Beside sides that the mesh has along the arc, and holds, points of its own would clamp the plate.
-            xi = mesh.onto_curved_sides(Location(elements, xi))
+            xi = mesh.onto_curved_sides(Location(elements, xi), np.inf)
         parts.append((elements, xi, weights, points, tangents, within))
     return LineQuadrature(*(np.concatenate(items) for items in zip(*parts, strict=True)))
 
