@@ -357,6 +357,17 @@ fn a_contact_set_to_begin_with_leaves_no_pivots() {
 }
 
 #[test]
+fn where_there_is_no_answer_no_point_has_one() {
+    let at = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.0, 0.0)];
+    let problem = on_points(&at, &[0.0; 5], true, true);
+    let (load, held) = (load(&problem.plate, 4, 1.0), vec![0.0; problem.plate.dof_count()]);
+    let found = problem.solve_by_interior_point(&load, &held, &mut |_| false).unwrap();
+    assert_eq!(found.outcome, Outcome::Interrupted);
+    assert_eq!([found.reaction.len(), found.gap.len(), found.closed.len()], [5; 3]);
+    assert!(found.reaction.iter().chain(&found.gap).all(|value| value.is_nan()));
+}
+
+#[test]
 fn without_a_load_the_active_set_stays_at_rest() {
     let at = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.0, 0.0)];
     for gap in [0.0, 0.01] {

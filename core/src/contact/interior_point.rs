@@ -144,7 +144,7 @@ impl ContactProblem {
         let start = Start { solution: &found, factored: None, reference: None };
         let mut solution = match found.outcome {
             Outcome::Solved => self.solve_from(load, held_value, None, Some(&start), watch)?,
-            outcome => self.at_rest(held_value).failed(outcome),
+            outcome => self.unanswered(held_value, outcome),
         };
         solution.iterations += found.iterations;
         Ok(solution)

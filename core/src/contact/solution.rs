@@ -117,6 +117,13 @@ impl ContactProblem {
         ContactSolution { displacement, reaction: vec![0.0; m], gap: vec![0.0; m], closed, ..Default::default() }
     }
 
+    /// Why there is no answer, with numbers that are none for every point.
+    pub(super) fn unanswered(&self, held_value: &[f64], outcome: Outcome) -> ContactSolution {
+        let count = self.constraints.rows.len() + self.active.len();
+        let (reaction, gap, closed) = (vec![0.0; count], vec![0.0; count], vec![false; count]);
+        ContactSolution { reaction, gap, closed, ..self.at_rest(held_value) }.failed(outcome)
+    }
+
     /// Values of every point in the problem's order, the condensed points before those of the active set.
     pub(super) fn in_place<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.order.condensed.iter().chain(&self.order.active).map(|&i| values[i]).collect()

@@ -47,7 +47,7 @@ impl ContactProblem {
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<ContactSolution, FactorError> {
         let Some(mut newton) = self.newton(load, held_value, start, false)? else {
-            return Ok(self.at_rest(held_value).failed(Outcome::Unsolved));
+            return Ok(self.unanswered(held_value, Outcome::Unsolved));
         };
         let Next::End(outcome) = newton.go_on(None, watch)? else { unreachable!("the factor is not shared") };
         let fell_short = newton.fell_short;

@@ -43,7 +43,7 @@ impl ContactProblem {
             for (number, newton) in begun {
                 match newton {
                     Some(newton) => under_way.push(UnderWay { number, newton, answer: None }),
-                    None => solved[number] = Some(self.at_rest(held_value).failed(Outcome::Unsolved)),
+                    None => solved[number] = Some(self.unanswered(held_value, Outcome::Unsolved)),
                 }
             }
             if under_way.is_empty() && left.len() == 0 || !watch() {
