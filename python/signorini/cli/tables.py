@@ -208,8 +208,8 @@ def _print_result(console: Console, result: Result, limit: tuple[str, float] | N
             say(console, said)
         elif found.place != "at" and can_let_go(result.model.support[index]):
             whole = float(found.weights.sum())
-            length = found.closed_part * whole
-            along = of_whole(f"{length:.6g}", length, whole, unit_of(units.length))
+            touching = found.closed_part * whole
+            along = of_whole(f"{touching:.6g}", touching, whole, unit_of(units.length))
             say(console, f"{found.name}, in contact: {along}, by its points")
     _print_deflection(console, result)
     _print_extremes(console, result, largest)

@@ -28,7 +28,7 @@ from signorini.results.unit_slips import unit_slips
 from signorini.shapes.depths import depth
 from signorini.shapes.distances import distances
 from signorini.singularities.named import singularities
-from signorini.singularities.singularity import at_peaks, away_from
+from signorini.singularities.singularity import at_peaks
 
 _FOLLOWED = 0.5
 """Part of a line on the plate that is on sides of elements, from which on a mesh follows it."""
@@ -120,14 +120,12 @@ def _left_out(found: Discretisation) -> Iterator[str]:
     """Whether most of the plate is so near to where moments or shears have no limit that extremes leave it out."""
     mesh, named = found.mesh, singularities(found)
     for number in ("moment", "shear"):
-        whole = at_peaks(mesh, named, number)[mesh.elements].all(axis=1)
-        part = float(mesh.element_area[whole].sum() / mesh.element_area.sum())
-        if part <= _MOST:
-            continue
+        peaks = at_peaks(mesh, named, number)
+        part = float(mesh.element_area[peaks[mesh.elements].all(axis=1)].sum() / mesh.element_area.sum())
         where = f"lies within its thickness of places where {number}s have no limit"
-        if away_from(mesh, named, number).all():
+        if peaks.all():
             yield f"All of the plate {where}: the largest {number}s named are at such places, and grow with the mesh."
-        else:
+        elif part > _MOST:
             yield f"{100 * part:.0f} % of the plate {where}, and is left out of the largest {number}s."
 
 
