@@ -201,20 +201,24 @@ def lost(found, combination, result):
 
 
 def _certified_as_advised(tables, refusal):
-    """Whether the advice of a refusal helps: another element, or no settlements."""
+    """Whether advice of a refusal helps, one piece or all at once: another element, no settlements."""
     if "Rounding may be" not in refusal:
         return False
-    advised = dict(tables)
+    advice = []
     if "mitc9" in refusal:
-        advised["plate"] = {**tables["plate"], "element": "mitc9"}
+        advice.append({"plate": {**tables["plate"], "element": "mitc9"}})
     if "correct a settlement" in refusal:
-        advised["support"] = [
-            {key: value for key, value in support.items() if key != "settlement"} for support in tables["support"]
-        ]
-    if advised == tables:
-        return False
+        without = [{key: value for key, value in item.items() if key != "settlement"} for item in tables["support"]]
+        advice.append({"support": without})
+    tries = [{**tables, **changes} for changes in advice]
+    if len(advice) > 1:
+        tries.append({**tables, **advice[0], **advice[1]})
+    return any(_is_answered(validate(advised)) for advised in tries if advised != tables)
+
+
+def _is_answered(model):
     try:
-        solve(validate(advised))
+        solve(model)
     except NotCertifiedError:
         return False
     except NoEquilibriumError:

@@ -1,5 +1,7 @@
 """Supports are found on the mesh once, and everything lists their points as the input does."""
 
+import math
+
 import numpy as np
 import pytest
 from models import rectangular
@@ -326,12 +328,59 @@ def test_small_circles_are_not_followed_with_many_small_elements() -> None:
     assert solve(model)["all"].plus_minus is not None
 
 
+@pytest.mark.parametrize("size", [5e-8, 1e-12])
 @pytest.mark.parametrize("place", [{"line": [[1, 1], [3, 2]]}, {"circle": {"center": [2, 1.5], "radius": 1}}])
-def test_far_too_small_elements_beside_lines_are_refused_before_they_take_memory(place) -> None:
-    """In pieces of their size the line alone would not fit into memory."""
-    clamped = {"edge": "left", "fix": "clamped"}
-    model = rectangular(**PLATE, size=[4, 3], mesh={"size": 1e-9}, support=[clamped, place])
-    with pytest.raises(InputError, match=r"Elements of size 1e-9, .* would be more than 1e7. Give larger sizes\.$"):
+@pytest.mark.parametrize("shape", ["rectangle", "disc"])
+def test_far_too_small_elements_beside_lines_are_refused_before_they_take_memory(shape, place, size) -> None:
+    """In pieces of their size the line, or the rim, alone would not fit into memory; one took more than a minute."""
+    hole = {"circle": {"center": [2, 2.2], "radius": 0.3}}
+    plate = {"size": [4, 3]} if shape == "rectangle" else {"center": [2, 1.5], "radius": 2, "holes": [hole]}
+    clamped = {"edge": "left" if shape == "rectangle" else "rim", "fix": "clamped"}
+    model = rectangular(
+        plate={"shape": shape, "thickness": 0.2, **plate},
+        mesh={"size": size},
+        support=[clamped, place],
+        load=[{"pressure": 1}],
+    )
+    words = r"Elements of size 5e-8, .* would be more than the \d+ that there is room for. Give larger sizes\.$"
+    with pytest.raises(InputError, match=words if size > 1e-8 else "1e-12; it must be at least 4e-08"):
+        discretise(model)
+
+
+def _refined_at_a_point(shape, away, size):
+    outline = (
+        {"origin": [away, away], "size": [4, 3]} if shape == "rectangle" else {"center": [away, away], "radius": 4}
+    )
+    return rectangular(
+        plate={"shape": shape, "thickness": 0.2, **outline},
+        mesh={"size": 1.0, "refine": [{"at": [away + 1, away + 2], "size": size}]},
+        support=[{"area": "all", "resists": "down", "stiffness": 1e7}],
+        load=[{"pressure": 1e3}],
+    )
+
+
+@pytest.mark.parametrize(("shape", "area"), [("rectangle", 12.0), ("disc", 16.0 * math.pi)])
+@pytest.mark.parametrize("away", [0.0, 1e6])
+def test_elements_may_be_as_small_as_rounding_of_coordinates_allows(shape, area, away) -> None:
+    result = solve(_refined_at_a_point(shape, away, 1.01e-8 * (away + 4.0)))["all"]
+    assert sum(result.reactions.values()) == pytest.approx(1e3 * area, rel=1e-5)
+
+
+@pytest.mark.parametrize("shape", ["rectangle", "disc"])
+@pytest.mark.parametrize(("away", "size"), [(0.0, 1e-9), (0.0, 1e-14), (1e6, 1e-3), (1e6, 1e-9), (1e6, 1e-11)])
+def test_elements_that_rounding_would_shape_are_refused(shape, away, size) -> None:
+    """They folded, or missed each other's nodes; sizes of 1e-11 beside coordinates of 1e6 took all memory."""
+    with pytest.raises(InputError, match=rf"size: found {size:g}; it must be at least .* put the origin nearer"):
+        discretise(_refined_at_a_point(shape, away, size))
+
+
+def test_elements_that_there_is_no_memory_for_are_not_made(monkeypatch) -> None:
+    """Four million of them took four minutes before they were refused."""
+    monkeypatch.setattr("signorini.base.memory.available", lambda: 1e9)
+    disc = {"shape": "disc", "radius": 3, "thickness": 0.2}
+    refine = [{"circle": {"center": [0, 0], "radius": 1}, "size": 1e-5}]
+    model = rectangular(plate=disc, mesh={"refine": refine}, support=[{"edge": "rim"}], load=[{"pressure": 1e3}])
+    with pytest.raises(InputError, match=r"would be more than the 3\d000 that there is room for"):
         discretise(model)
 
 

@@ -14,8 +14,8 @@ type MeshArrays<'py> =
 /// sides on the outline (k, 3), and the loop and side (k, 2) that each is on.
 ///
 /// `refinements` (r, 5) are straight pieces, x, y to x, y, with the size there; `arcs` (a, 6), x, y through x, y to x, y,
-/// `walls` (w, 4), also in part, `lines` (l, 4) and `points` (p, 2) are followed where they have room. A bad outline raises
-/// a ValueError of the message, the loop and the side, or of the message alone.
+/// `walls` (w, 4), also in part, `lines` (l, 4) and `points` (p, 2) are followed where they have room; of elements there may
+/// be about `most`. A bad outline raises a ValueError of the message, the loop and the side, or of the message alone.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "each array is one of Python's")]
 pub fn mesh_outline<'py>(
@@ -27,6 +27,7 @@ pub fn mesh_outline<'py>(
     walls: PyReadonlyArray2<'py, f64>,
     lines: PyReadonlyArray2<'py, f64>,
     points: PyReadonlyArray2<'py, f64>,
+    most: usize,
 ) -> PyResult<MeshArrays<'py>> {
     let loops = loops.iter().map(loop_of).collect::<PyResult<Vec<Loop>>>()?;
     let refinements = rows_of::<5, f64>("refinements", &refinements)?
@@ -39,7 +40,7 @@ pub fn mesh_outline<'py>(
     let walls = rows_of::<4, f64>("walls", &walls)?.into_iter().map(ends).collect();
     let lines = rows_of::<4, f64>("lines", &lines)?.into_iter().map(ends).collect();
     let points = rows_of::<2, f64>("points", &points)?;
-    let wishes = Wishes { size, refinements, arcs, walls, lines, points };
+    let wishes = Wishes { size, refinements, arcs, walls, lines, points, most: Some(most) };
     let made = released(py, || mesh(&loops, &wishes))?.map_err(|fault| match fault.side {
         Some((ring, side)) => PyValueError::new_err((fault.message, ring, side)),
         None => invalid(fault),

@@ -288,9 +288,9 @@ impl Curve {
         (0..=count as usize).map(|i| self.at(i as f64 / count)).collect()
     }
 
-    /// Twice the area between the curve and the origin.
-    pub fn moment(&self) -> f64 {
-        let chord = cross(self.from, self.to);
+    /// Twice the area between the curve and a point.
+    pub fn moment(&self, about: Point) -> f64 {
+        let chord = cross(sub(self.from, about), sub(self.to, about));
         chord + self.round.map_or(0.0, |round| round.radius * round.radius * (round.sweep - round.sweep.sin()))
     }
 }
@@ -319,7 +319,7 @@ mod tests {
             .map(|i| {
                 let middle = 0.125 * TAU + i as f64 * 0.25 * TAU;
                 let through = [2.0 + middle.cos(), 1.0 + middle.sin()];
-                0.5 * Curve::arc(corners[i], through, corners[(i + 1) % 4]).unwrap().moment()
+                0.5 * Curve::arc(corners[i], through, corners[(i + 1) % 4]).unwrap().moment([0.0; 2])
             })
             .sum();
         assert!((area - 0.5 * TAU).abs() < 1e-13);

@@ -51,6 +51,8 @@ pub struct Wishes {
     pub lines: Vec<[Point; 2]>,
     /// Points for nodes, likewise.
     pub points: Vec<Point>,
+    /// Elements at most, about; 10⁷ if it is not said.
+    pub most: Option<usize>,
 }
 
 #[derive(Clone, Debug)]
@@ -69,8 +71,8 @@ pub struct Mesh {
     pub quadrilaterals: f64,
 }
 
-/// Elements at most.
-const MOST: f64 = 1e7;
+/// Elements at most, where nothing else is said.
+const MOST: usize = 10_000_000;
 /// Times that a mesh with bad elements is made again with smaller ones about them.
 const ATTEMPTS: usize = 8;
 
@@ -102,7 +104,22 @@ pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
     if !(size > 0.0 && wishes.refinements.iter().all(|r| r.size > 0.0)) {
         return Err(Fault { message: "An element size must be positive.".to_string(), side: None });
     }
-    let given = Outline::new(loops, size)?;
+    let most = wishes.most.unwrap_or(MOST) as f64;
+    let too_many = || {
+        let message = format!(
+            "Elements of size {}, and smaller ones where they are asked for or needed, would be more than the {} that there is \
+             room for. Give larger sizes.",
+            outline::number(size),
+            outline::number(most)
+        );
+        Fault { message, side: None }
+    };
+    let sides = outline::sides(loops)?;
+    // Chords along arcs are much shorter than elements, so that what is far too much is refused before there are any.
+    if outline::area(&sides) > most * size * size {
+        return Err(too_many());
+    }
+    let given = Outline::new(sides, size)?;
     let (angle, slant) = directions(&given.sides);
     let frame = Frame { forth: [angle.cos(), -angle.sin()], back: [angle.cos(), angle.sin()] };
     let outline = given.mapped(|p| turned(p, frame.forth), -angle);
@@ -123,14 +140,9 @@ pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
         .collect();
     for attempt in 1.. {
         let sizes = Sizes::new(&outline, size, &refinements);
-        let count = sizes.count(&outline, MOST);
-        if count > MOST {
-            let message = format!(
-                "Elements of size {}, and smaller ones where they are asked for or needed, would be more than {MOST:e}. \
-                 Give larger sizes.",
-                outline::number(size)
-            );
-            return Err(Fault { message, side: None });
+        let count = sizes.count(&outline, most);
+        if count > most {
+            return Err(too_many());
         }
         let task = Task {
             given: &given,

@@ -55,26 +55,38 @@ const NARROW: f64 = 1e-3;
 /// Of a corner sharper than this (one degree) no element is of use.
 const SHARP: f64 = 0.017_452;
 
-impl Outline {
-    /// Checks loops, the outline first and then the holes, for a mesh of elements of a size.
-    pub fn new(loops: &[Loop], size: f64) -> Result<Outline, Fault> {
-        let mut sides: Vec<Side> = Vec::new();
-        for (ring, given) in loops.iter().enumerate() {
-            let count = given.corners.len();
-            let first = sides.len();
-            for number in 0..count {
-                let curve = curve(given, number).map_err(|message| Fault { message, side: Some((ring, number)) })?;
-                sides.push(Side { curve, name: given.names[number].clone(), ring, number, neighbours: [0; 2] });
-            }
-            let round: f64 = sides[first..].iter().map(|side| side.curve.moment()).sum();
-            if (round > 0.0) != (ring == 0) {
-                sides[first..].reverse();
-                sides[first..].iter_mut().for_each(|side| side.curve = side.curve.reversed());
-            }
-            for i in 0..count {
-                sides[first + i].neighbours = [first + (i + count - 1) % count, first + (i + 1) % count];
-            }
+/// The sides of loops, the outline first and then the holes, with the plate on their left.
+pub fn sides(loops: &[Loop]) -> Result<Vec<Side>, Fault> {
+    let mut sides: Vec<Side> = Vec::new();
+    for (ring, given) in loops.iter().enumerate() {
+        let count = given.corners.len();
+        let first = sides.len();
+        for number in 0..count {
+            let curve = curve(given, number).map_err(|message| Fault { message, side: Some((ring, number)) })?;
+            sides.push(Side { curve, name: given.names[number].clone(), ring, number, neighbours: [0; 2] });
         }
+        let round = area(&sides[first..]);
+        if (round > 0.0) != (ring == 0) {
+            sides[first..].reverse();
+            sides[first..].iter_mut().for_each(|side| side.curve = side.curve.reversed());
+        }
+        for i in 0..count {
+            sides[first + i].neighbours = [first + (i + count - 1) % count, first + (i + 1) % count];
+        }
+    }
+    Ok(sides)
+}
+
+/// The area on the left of sides, of which that of holes is negative.
+pub fn area(sides: &[Side]) -> f64 {
+    let about = sides[0].curve.from;
+    0.5 * sides.iter().map(|side| side.curve.moment(about)).sum::<f64>()
+}
+
+impl Outline {
+    /// Checks sides, those of the outline first and then the holes', for a mesh of elements of a size.
+    pub fn new(sides: Vec<Side>, size: f64) -> Result<Outline, Fault> {
+        let loops = sides.last().map_or(0, |side| side.ring + 1);
         let narrow = NARROW * size;
         let mut chords = Vec::new();
         for (owner, side) in sides.iter().enumerate() {
@@ -85,7 +97,7 @@ impl Outline {
         let outline = Outline { sides, chords: Tree::new(chords), bounds };
         outline.require_corners(narrow)?;
         outline.require_simple(narrow)?;
-        outline.require_nested(loops.len())?;
+        outline.require_nested(loops)?;
         Ok(outline)
     }
 

@@ -295,8 +295,16 @@ fn bad_outlines_are_refused_with_side_place_and_remedy() {
         assert_eq!(fault.side, Some(side), "{}", fault.message);
     }
     let line = Refinement { from: [1.0, 1.0], to: [3.0, 3.0], size: 1e-7 };
-    for wishes in [of(1e-4), Wishes { refinements: vec![line], ..of(0.5) }] {
-        let fault = mesh(std::slice::from_ref(&plate), &wishes).map(|mesh| mesh.elements.len()).unwrap_err();
-        assert!(fault.message.contains("would be more than 1e7"), "{fault}");
+    let round = circle("rim", [2.0, 2.0], 2.0);
+    for (plate, wishes) in [
+        (&plate, of(1e-4)),
+        (&plate, Wishes { refinements: vec![line], ..of(0.5) }),
+        (&round, of(1e-4)),
+        (&round, of(1e-200)),
+    ] {
+        let fault = mesh(std::slice::from_ref(plate), &wishes).map(|mesh| mesh.elements.len()).unwrap_err();
+        assert!(fault.message.contains("would be more than the 10000000 that there is room for"), "{fault}");
     }
+    let fault = mesh(&[round], &Wishes { most: Some(1000), ..of(0.01) }).map(|mesh| mesh.elements.len()).unwrap_err();
+    assert!(fault.message.contains("more than the 1000 that"), "{fault}");
 }

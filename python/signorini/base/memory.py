@@ -119,6 +119,17 @@ def _address_space() -> float:
     return limit - taken - (threads + 1) * _PER_THREAD
 
 
+def elements_that_fit(most: int) -> int:
+    """Estimate how many elements, up to so many, there is the memory for, to two digits.
+
+    Examples
+    --------
+    >>> elements_that_fit(1000)
+    1000
+    """
+    return int(float(f"{_fitting(needed, most, available()):.2g}"))
+
+
 def require_memory(elements: int, place: Place) -> None:
     """Refuse a mesh that cannot fit, before the system ends the process for trying.
 
@@ -192,14 +203,18 @@ def _require(taking: Callable[[int], float], count: int, what: str, advice: str,
     most, takes = available(), taking(count)
     if takes <= most:
         return
-    fitting = count
-    while fitting and taking(fitting) > most:
-        fitting = int(0.95 * fitting)
+    fitting = _fitting(taking, count, most)
     enough = f"enough for about {float(f'{fitting:.2g}'):,.0f}. {advice}" if fitting else "not enough for the least."
     raise InputError(
         f"{what} takes about {max(0.1, takes / 1e9):.1f} GB of memory; {most / 1e9:.1f} GB are free, {enough}",
         place=place,
     )
+
+
+def _fitting(taking: Callable[[int], float], count: int, memory: float) -> int:
+    while count and taking(count) > memory:
+        count = int(0.95 * count)
+    return count
 
 
 def _lines(path: str) -> list[str]:

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from signorini.base.memory import require_memory
+from signorini.base.memory import elements_that_fit, require_memory
 from signorini.discretise.borders import arcs_of, room
 from signorini.discretise.places import region
 from signorini.discretise.touching import touching
@@ -17,7 +17,7 @@ from signorini.expression import Expression
 from signorini.expression.levels import Drawing
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import annulus, disc, rectangle
-from signorini.mesh.outlined import OutlineError, outlined
+from signorini.mesh.outlined import MOST, OutlineError, outlined
 from signorini.model import (
     AnnulusPlate,
     DiscPlate,
@@ -39,8 +39,9 @@ from signorini.shapes.outlines import Box, Point
 
 _Item = TypeVar("_Item", Support, Load)
 
-_MOST = 1e7
-"""Elements above which the mesher refuses a plate; what is prepared for so many might not fit into memory."""
+_FINEST = 1e-8
+"""Part of the plate's coordinates below which rounding would tell in the shapes of elements: from 1e-9 nodes of rows
+with other elements beside them miss each other."""
 
 
 def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
@@ -61,6 +62,7 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
     if mesh is not None:
         return mesh, model
     divisions = model.divisions
+    _require_sizes(model, plate)
     if divisions is None:
         made = _outlined(model, plate)
         require_memory(len(made.elements), ("mesh",))
@@ -71,6 +73,21 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
         return _patterned(model, plate, divisions), model
     except InputError as error:
         raise InputError(error.message, place=("plate",)) from None
+
+
+def _require_sizes(model: Model, plate: OutlinedPlate) -> None:
+    least = _FINEST * float(np.abs(plate.outline.bounds).max())
+    sizes: list[tuple[float, Place]] = []
+    if model.mesh.size is not None:
+        sizes.append((model.mesh.size, ("mesh", "size")))
+    sizes += [(part.size, ("mesh", "refine", number, "size")) for number, part in enumerate(model.mesh.refine)]
+    for size, place in sizes:
+        if size < least:
+            raise InputError(
+                f"found {size:g}; it must be at least {least:.2g}, {_FINEST:g} of the largest coordinate: rounding "
+                "would shape smaller elements. Take larger ones, or put the origin nearer to the plate.",
+                place=place,
+            )
 
 
 def to_follow(model: Model, where: str = "there", size: float | None = None) -> str:
@@ -173,7 +190,7 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     walls = _walls(model)
     lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model) if shape not in walls]
     refined = [rows for number, part in enumerate(model.mesh.refine) for rows in _refined(plate, part, number)]
-    if _area(plate) <= _MOST * size**2:
+    if _area(plate) <= MOST * size**2:
         refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
     points = [at for part in model.mesh.refine for at in part.at or ()]
     bent = [wall for wall in walls if any(wall.through)]
@@ -187,6 +204,7 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
             np.array(points).reshape(-1, 2),
             np.array([arc for border in (*borders, *bent) for arc in arcs_of(border)]).reshape(-1, 6),
             np.concatenate([np.zeros((0, 4)), *(wall.outline.segments.reshape(-1, 4) for wall in walls)]),
+            elements_that_fit(MOST),
         )
     except OutlineError as error:
         raise InputError(error.message, place=_place_of(plate, error)) from None
@@ -228,10 +246,8 @@ def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Fl
     if (inside := region(part.area)) is not None:
         # Between points twice a size apart sizes grow by a third at most.
         x0, y0, x1, y1 = inside.bounds
-        if inside.area > _MOST * part.size**2:
-            message = (
-                f"found {part.size:g}; there would be more than {_MOST:g} elements in this area. Take larger ones."
-            )
+        if inside.area > MOST * part.size**2:
+            message = f"found {part.size:g}; there would be more than {MOST:g} elements in this area. Take larger ones."
             raise InputError(message, place=("mesh", "refine", number, "size"))
         x, y = (np.arange(low, high, 2.0 * part.size) for low, high in ((x0, x1), (y0, y1)))
         grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)

@@ -14,6 +14,9 @@ from signorini.shapes.contours import Contour
 
 Floats = npt.NDArray[np.float64]
 
+MOST = 10_000_000
+"""Elements above which no outline is meshed; what is prepared for so many might not fit into memory."""
+
 
 class OutlineError(InputError):
     """An outline of which there is no mesh; ``contour`` and ``side`` say where, None where it is no one side."""
@@ -31,6 +34,7 @@ def outlined(
     points: Floats | None = None,
     arcs: Floats | None = None,
     walls: Floats | None = None,
+    most: int = MOST,
 ) -> Mesh:
     """Mesh what lies within a contour and outside the holes in it.
 
@@ -52,6 +56,8 @@ def outlined(
         Arcs from x, y through x, y to x, y, followed likewise, before all lines, with all nodes on them.
     walls : (w, 4) float array, optional
         Lines, followed before the others, of which the parts that have room are followed alone too.
+    most : int, optional
+        Elements at most, about.
 
     Returns
     -------
@@ -82,9 +88,9 @@ def outlined(
         for contour in contours
     ]
     asked = ((refinements, 5), (arcs, 6), (walls, 4), (lines, 4), (points, 2))
-    rows = [np.zeros((0, k)) if given is None else given for given, k in asked]
+    finer, bent, along, straight, at = (np.zeros((0, k)) if given is None else given for given, k in asked)
     try:
-        nodes, elements, sides, of = mesh_outline(loops, size, *rows)
+        nodes, elements, sides, of = mesh_outline(loops, size, finer, bent, along, straight, at, most)
     except ValueError as error:
         raise OutlineError(*error.args) from None
     edges = {
