@@ -48,8 +48,11 @@ fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
     Some(Leaving { row, doubtful: -column[row] < tolerances::DOUBTFUL_PIVOT * largest })
 }
 
-/// Exchanges a tableau must be old for the end of a path, or a doubtful pivot, to be worth recomputing it.
+/// Exchanges a tableau must be old for a doubtful pivot to be worth recomputing it: at least so many, and this part of the
+/// order. Recomputing takes as long as a sixth of the order in exchanges, and where rounding decides every pivot is
+/// doubtful: so such a path takes a few times as long as others.
 const RECOMPUTE_AGE: usize = 16;
+const RECOMPUTE_PART: usize = 32;
 
 /// Why there is no next pivot.
 pub(super) enum Stuck {
@@ -71,7 +74,7 @@ pub(super) fn choose(tableau: &mut Tableau, entering: usize, tied: &mut Vec<usiz
         tableau.choose(entering);
         let leaving = leaving_row(tableau, tied);
         let trusted_age = match &leaving {
-            Some(leaving) if leaving.doubtful => RECOMPUTE_AGE,
+            Some(leaving) if leaving.doubtful => RECOMPUTE_AGE.max(tableau.order() / RECOMPUTE_PART),
             Some(_) => usize::MAX,
             None => 1,
         };
@@ -84,7 +87,7 @@ pub(super) fn choose(tableau: &mut Tableau, entering: usize, tied: &mut Vec<usiz
 
 fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usize> {
     let column = &tableau.column;
-    for slack in 0..tableau.artificial() / 2 {
+    for slack in 0..tableau.order() {
         if tied.len() == 1 {
             break;
         }

@@ -97,6 +97,10 @@ impl<'a> Tableau<'a> {
         Ok(fresh.exchange_block(&leaving, &entering)?.then_some(fresh))
     }
 
+    pub(super) fn order(&self) -> usize {
+        self.order
+    }
+
     pub(super) fn artificial(&self) -> usize {
         2 * self.order
     }

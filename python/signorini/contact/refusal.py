@@ -60,6 +60,8 @@ wide: 4 times as many along their longer sides, or fewer across; or calculate a 
             "certifies nothing."
         )
         why.append(_of_element(found))
+    elif not any(why):
+        why.append(_MARGINAL)
     # Where more than that failed, it is what the others say.
     if certificate.lost > CERTIFIABLE and replace(certificate, lost=0.0).passed:
         why = [

@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeAlias
 
 from signorini.base.memory import fits, needed_by_interior_point, needed_by_proximal_steps
 from signorini.contact.answer import Answer
+from signorini.contact.budget import Budget, BudgetSpent
 from signorini.contact.certificate import Certificate, certified
 from signorini.contact.factoring import Method, base_of, can_be_factored
 from signorini.contact.problem import ContactProblem, Form, Steps
@@ -36,7 +37,7 @@ Told: TypeAlias = Callable[[str, int, int, float], object]
 """Called with what is at work, in words, and what `Steps` are called with; what it raises ends it."""
 
 _MOST_DOFS = 200_000
-"""Dofs up to which proximal steps are tried: one step took 14 s on 59,000 dofs."""
+"""Dofs up to which proximal steps are tried, on load paths too: one step took 14 s on 59,000 dofs."""
 
 
 class Attempt(NamedTuple):
@@ -168,10 +169,12 @@ def answered(
 ) -> Tried:
     """Solve one load and certify the answer; where that fails, ask in every other form and by every other method.
 
-    A basis that rounding makes singular in one form is regular in another. ``progress`` watches all that is tried, and
-    what it raises ends it. ``proximal`` is that of `attempts`, ``beside`` that of `certify`.
+    A basis that rounding makes singular in one form is regular in another. What takes over from the first way has a
+    `Budget`. ``progress`` watches all that is tried, and what it raises ends it. ``proximal`` is that of `attempts`,
+    ``beside`` that of `certify`.
     """
     found = problem.discretisation
+    budget = Budget(found)
     first: Tried | None = None
     near: Bools | None = None
     methods: tuple[Method, ...] = ()
@@ -187,12 +190,18 @@ def answered(
             if steps in stepped:
                 continue
             stepped.add(steps)
-        watch = None
-        if progress is not None:
-            watch = partial(progress, attempt.words)
-            if first is not None:
+        watch = None if progress is None else partial(progress, attempt.words)
+        if first is not None:
+            way = attempt.problem.method, attempt.part is not None
+            if not budget.allows(*way):
+                continue
+            if watch is not None:
                 watch(0, 0, 1.0)
-        answer = attempt.solve(load, watch, closed)
+            watch = budget.watching(*way, watch)
+        try:
+            answer = attempt.solve(load, watch, closed)
+        except BudgetSpent:
+            break
         certificate = None
         if answer.status == "solved":
             answer, certificate = certified(found, load, answer, beside)
