@@ -12,6 +12,7 @@ from signorini.base.memory import (
     needed_by_proximal_steps,
     require_memory_for_proximal_steps,
 )
+from signorini.contact.budget import Budget, BudgetSpent
 from signorini.contact.certificate import certify
 from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.contact.strategy import answered, attempts, ways_along
@@ -160,6 +161,32 @@ def test_a_path_is_followed_once_with_each_core() -> None:
     assert ways("lemke") == [("lemke", False), ("active_set", False), ("lemke", True)]
     assert ways("active_set") == [("active_set", False), ("lemke", False), ("lemke", True)]
     assert ways("interior_point") == [("interior_point", False), ("active_set", False), ("lemke", True)]
+
+
+def test_ways_that_take_over_end_with_their_budget(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lemke's algorithm took twenty minutes of 3000 points of a bed beside rigid ones that nearly repeat each other."""
+    problem = contact_problem(plate(CLAMPED, PROPS, BED, method="active_set"))
+    found, load = problem.discretisation, problem.discretisation.cases["load"]
+    solve = ContactProblem.solve
+
+    def plain(self: ContactProblem, load, form="auto", progress=None):
+        return solve(self, 1.01 * load, form, progress)
+
+    monkeypatch.setattr(ContactProblem, "solve", plain)
+    assert answered(problem, load).methods[:2] == ("active_set", "lemke")
+    monkeypatch.setattr("signorini.contact.budget._MOST", 0.0)
+    alone = answered(problem, load)
+    assert alone.methods == ("active_set",) and not alone.passed
+    of_lemke = 2.0 * 64.0 * len(problem.gaps) ** 2
+    monkeypatch.setattr("signorini.contact.budget._MOST", 3.5 * of_lemke)
+    told: list[int] = []
+    budget = Budget(found)
+    assert budget.allows("lemke", proximal=False)
+    watch = budget.watching("lemke", False, lambda step, changing, residual: told.append(step))
+    with pytest.raises(BudgetSpent):
+        for step in range(10):
+            watch(step, 0, 1.0)
+    assert told == [0, 1, 2] and not budget.allows("lemke", proximal=False)
 
 
 def test_what_memory_does_not_hold_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -108,7 +108,7 @@ def both_sides(rng: Random, tables: Tables) -> Extreme:
         if result is None or result.status != "solved":
             return []
         wrong, force, arm = [], _force(discretise(validate(tables), result.mesh), result), result.mesh.size
-        count = len(sections)
+        count, curved = len(sections), _CUT if tables.get("zone") else _CURVED
         for given, there, back in zip(sections, result.sections[:count], result.sections[count:], strict=True):
             line = given["line"]
             # Others, and corners, are right as the mesh is refined alone.
@@ -120,7 +120,7 @@ def both_sides(rng: Random, tables: Tables) -> Extreme:
         for whole, *parts in zip(*(one.stations for one in result.strips), strict=True):
             for key, size in (("moment", force * arm), ("twist", force * arm), ("shear", force)):
                 total = sum(getattr(part, key) * part.width for part in parts)
-                wrong += close(f"{key} of halves", total, getattr(whole, key) * whole.width, _CURVED * size)
+                wrong += close(f"{key} of halves", total, getattr(whole, key) * whole.width, curved * size)
         return wrong
 
     return Extreme("both sides", tables | more, judge, may_be_refused=True)
