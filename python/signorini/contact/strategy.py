@@ -183,7 +183,6 @@ def answered(
     for attempt in attempts(problem, proximal):
         if attempt.only_near and near is None:
             continue
-        methods += () if attempt.problem.method in methods else (attempt.problem.method,)
         closed = near if attempt.near else None
         if attempt.part is not None:
             steps = attempt.part, None if closed is None else closed.tobytes()
@@ -198,6 +197,7 @@ def answered(
             if watch is not None:
                 watch(0, 0, 1.0)
             watch = budget.watching(*way, watch)
+        methods += () if attempt.problem.method in methods else (attempt.problem.method,)
         try:
             answer = attempt.solve(load, watch, closed)
         except BudgetSpent:
