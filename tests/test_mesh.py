@@ -13,6 +13,7 @@ from signorini._core import serendipity
 from signorini.discretise.quadrature import area_quadrature
 from signorini.errors import InputError
 from signorini.mesh import Mesh
+from signorini.mesh.grading import graded
 from signorini.mesh.isoparametric import folded
 from signorini.mesh.meshers import annulus, disc, rectangle
 from signorini.mesh.subdivision import subdivide
@@ -180,6 +181,23 @@ def test_a_subdivision_keeps_its_count_and_its_neighbours_are_alike(count, lines
     assert len(sizes) == count and knots[0] == start and knots[-1] == start + 1.0
     assert (sizes > 0).all()
     assert (np.maximum(sizes[1:] / sizes[:-1], sizes[:-1] / sizes[1:]) < 3.001).all()
+
+
+_PLACES = st.lists(st.floats(-0.5, 1.5), max_size=6)
+
+
+@given(st.integers(2, 30), _PLACES, _PLACES, st.booleans())
+def test_lesser_lines_keep_no_other_from_being_followed(count, lines, lesser, is_graded):
+    """A section 5 mm beside a column's face took the grid away from it, and the face ran inside elements."""
+
+    def joints(*groups):
+        if is_graded:
+            return graded(0.0, 1.0, 1.0 / count, [(0.4, 0.5, 0.5 / count)], *groups)
+        return subdivide(0.0, 1.0, count, *groups)
+
+    alone, both = joints(lines), joints(lines, lesser)
+    followed = [line for line in lines if np.abs(alone - line).min() <= 1e-9]
+    assert all(np.abs(both - line).min() <= 2e-9 for line in followed)
 
 
 @given(st.floats(0.26, 0.74))

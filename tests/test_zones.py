@@ -12,6 +12,7 @@ from signorini.analysis.check import check
 from signorini.discretise import discretise
 from signorini.formats.vtk import write_vtu
 from signorini.output import write
+from signorini.shapes import Polyline
 
 CONCRETE = {"E": 30e9, "nu": 0.2, "unit_weight": 25e3}
 MIDDLE = {"rectangle": [3, 2, 5, 4]}
@@ -471,3 +472,18 @@ def test_a_zone_along_a_round_edge_asks_for_no_room_beside_it():
             material=CONCRETE, plate=plate, mesh={"size": 1}, zone=[zone], support=[support], load=[{"pressure": 5e3}]
         )
         assert np.sqrt(discretise(model).mesh.element_area).min() > 0.3
+
+
+@pytest.mark.parametrize("aside", [[5.0], [8.0], [5.0, 6.0, 295.0]])
+def test_sections_beside_a_border_leave_the_mesh_on_it(aside) -> None:
+    model = rectangular(
+        plate={"shape": "rectangle", "size": [600, 600], "thickness": 40},
+        mesh={"size": 25},
+        zone=[{"area": {"rectangle": [155, 150, 445, 450]}, "thickness": 160}],
+        support=[{"area": "all", "resists": "down", "stiffness": 0.1}],
+        load=[{"force": 400, "at": [300, 300], "patch": [290, 300]}],
+        section=[{"line": [[155 - x, 0], [155 - x, 600]]} for x in aside],
+    )
+    mesh = discretise(model).mesh
+    for a, b in (((155, 150), (155, 450)), ((445, 150), (445, 450)), ((155, 150), (445, 150))):
+        assert mesh.edges_along(Polyline((a, b))) is not None

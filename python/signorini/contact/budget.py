@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TypeAlias
 
@@ -24,7 +25,7 @@ _PIVOTS = 64
 """From one call of whoever watches Lemke's algorithm to the next; each goes through a tableau once."""
 
 
-class BudgetSpent(Exception):  # noqa: N818 - it ends a way, and is no error
+class BudgetSpent(Exception):
     """Raised out of a way that takes over where nothing is left."""
 
 
@@ -74,7 +75,7 @@ class Budget:
 
     def _a_step(self, method: Method, proximal: bool) -> float:
         pivots = 2.0 * _PIVOTS * self._points**2
-        factor = _A_FACTOR * self._dofs**_FILL
+        factor = _A_FACTOR * math.pow(self._dofs, _FILL)
         if proximal:
             return max(pivots, factor)
         return {"lemke": pivots, "active_set": _A_SOLVE * self._dofs, "interior_point": factor}[method]

@@ -189,7 +189,7 @@ def answered(
             if steps in stepped:
                 continue
             stepped.add(steps)
-        watch = None if progress is None else partial(progress, attempt.words)
+        watch: Steps | None = None if progress is None else partial(progress, attempt.words)
         if first is not None:
             way = attempt.problem.method, attempt.part is not None
             if not budget.allows(*way):

@@ -165,11 +165,13 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
         case RectanglePlate():
             (x, y), (a, b) = plate.origin, plate.size
             steps = (drawing for drawing, _ in _steps(model, (x, y, x + a, y + b)))
-            shapes = [*_borders(model), *_shapes(model), *steps]
+            shapes = [*_borders(model), *_acted_on(model), *steps]
             x_lines = [line for shape in shapes for line in shape.x_lines]
             y_lines = [line for shape in shapes for line in shape.y_lines]
             refined = [(box, one.size) for one in model.mesh.refine for box in one.boxes((x, y, x + a, y + b))]
-            return rectangle(plate.origin, plate.size, divisions, x_lines, y_lines, refined)
+            x_lesser = [line for section in _sections(model) for line in section.x_lines]
+            y_lesser = [line for section in _sections(model) for line in section.y_lines]
+            return rectangle(plate.origin, plate.size, divisions, x_lines, y_lines, refined, x_lesser, y_lesser)
         case DiscPlate():
             radii = _radii(model, plate.center, plate.radius)
             return disc(plate.center, plate.radius, divisions, plate.sector, radii)
@@ -275,12 +277,21 @@ def _rings(model: Model, size: float) -> tuple[Ring, ...]:
 
 def _shapes(model: Model) -> Iterator[Region | Curve]:
     """Outlines and lines of supports and loads, then those of sections."""
+    yield from _acted_on(model)
+    yield from _sections(model)
+
+
+def _sections(model: Model) -> Iterator[Polyline]:
+    return (Polyline(section.line) for section in model.section)
+
+
+def _acted_on(model: Model) -> Iterator[Region | Curve]:
+    """Outlines and lines of supports and loads."""
     items: list[Support | Load] = [*model.support, *model.load]
     for item in items:
         for shape in (region(item.area), curve(item), *footprints(item)):
             if shape is not None:
                 yield shape
-    yield from (Polyline(section.line) for section in model.section)
 
 
 def _stood_on(model: Model) -> Iterator[Region | Curve]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import bisect
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -22,8 +23,15 @@ _SAMPLES = 4000
 _ROUNDS = 50
 
 
-def graded(start: float, stop: float, size: float, caps: Sequence[Cap], lines: Sequence[float] = ()) -> Floats:
-    """Divide an interval into elements of at most a size, smaller under caps, with joints at lines.
+def graded(
+    start: float,
+    stop: float,
+    size: float,
+    caps: Sequence[Cap],
+    lines: Sequence[float] = (),
+    lesser: Sequence[float] = (),
+) -> Floats:
+    """Divide an interval into elements of at most a size, smaller under caps, with joints at lines, first at `lines`.
 
     Away from a cap the size grows by the distance times ln 1.3, so that neighbours differ by 1.3 at most. Between
     lines the joints share ∫ dx/size equally; a piece whose elements come out smaller is a cap to the others.
@@ -39,7 +47,7 @@ def graded(start: float, stop: float, size: float, caps: Sequence[Cap], lines: S
     array([ 0.  ,  0.53,  1.2 ,  2.05,  3.14,  4.53,  6.29,  8.14, 10.  ])
     """
     wanted = list(caps)
-    knots = _kept(start, stop, sorted(lines), size, wanted)
+    knots = _kept(start, stop, (lines, lesser), size, wanted)
     for _ in range(_ROUNDS):
         parts = [_divided(a, b, size, wanted) for a, b in pairwise(knots)]
         joints = np.concatenate([*(part[:-1] for part in parts), [stop]])
@@ -53,14 +61,17 @@ def graded(start: float, stop: float, size: float, caps: Sequence[Cap], lines: S
     return joints
 
 
-def _kept(start: float, stop: float, lines: Sequence[float], size: float, caps: Sequence[Cap]) -> list[float]:
-    """Lines with room for an element between them and beside the ends."""
-    knots = [start]
-    for line in lines:
+def _kept(
+    start: float, stop: float, groups: Iterable[Sequence[float]], size: float, caps: Sequence[Cap]
+) -> list[float]:
+    """Lines with room for an element between them and beside the ends; the groups in turn."""
+    knots = [start, stop]
+    for line in (line for group in groups for line in sorted(group)):
         asked = _SHORTEST * float(_size(np.array([line]), size, caps)[0])
-        if line - knots[-1] >= asked and stop - line >= asked:
-            knots.append(line)
-    return [*knots, stop]
+        place = bisect.bisect(knots, line)
+        if 0 < place < len(knots) and line - knots[place - 1] >= asked and knots[place] - line >= asked:
+            knots.insert(place, line)
+    return knots
 
 
 def _size(x: Floats, size: float, caps: Sequence[Cap]) -> Floats:

@@ -33,6 +33,8 @@ def rectangle(
     x_lines: Sequence[float] = (),
     y_lines: Sequence[float] = (),
     refined: Sequence[Refined] = (),
+    x_lesser: Sequence[float] = (),
+    y_lesser: Sequence[float] = (),
 ) -> Mesh:
     """Mesh a rectangle along the axes.
 
@@ -49,6 +51,8 @@ def rectangle(
     refined : sequence of (box, size)
         Boxes (x0, y0, x1, y1) in which elements are smaller, and how small; one that reaches from side to side asks
         for it across alone. Then there are more elements than the divisions say (`signorini.mesh.grading.graded`).
+    x_lesser, y_lesser : sequence of float
+        Coordinates that give way to `x_lines` and `y_lines`.
 
     Returns
     -------
@@ -68,8 +72,8 @@ def rectangle(
     """
     _require_positive("The rectangle's size", size)
     _require_divisions(divisions, ("x", "y"))
-    x = _with_middles(_joints(0, origin, size, divisions, x_lines, refined))
-    y = _with_middles(_joints(1, origin, size, divisions, y_lines, refined))
+    x = _with_middles(_joints(0, origin, size, divisions, (x_lines, x_lesser), refined))
+    y = _with_middles(_joints(1, origin, size, divisions, (y_lines, y_lesser), refined))
     require_memory(len(x) // 2 * (len(y) // 2), ("mesh",))
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     index = np.arange(len(points)).reshape(len(y), len(x))
@@ -87,7 +91,7 @@ def _joints(
     origin: Point,
     size: tuple[float, float],
     divisions: tuple[int, int],
-    lines: Sequence[float],
+    lines: tuple[Sequence[float], Sequence[float]],
     refined: Sequence[Refined],
 ) -> Floats:
     """Joints of a rectangle's elements along an axis."""
@@ -99,8 +103,8 @@ def _joints(
         if not spans or above - below >= across * (1 - _SAME):
             caps.append((low, high, most))
     if not caps:
-        return subdivide(start, start + length, divisions[axis], lines)
-    return graded(start, start + length, length / divisions[axis], caps, lines)
+        return subdivide(start, start + length, divisions[axis], *lines)
+    return graded(start, start + length, length / divisions[axis], caps, *lines)
 
 
 def annulus(

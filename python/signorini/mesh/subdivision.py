@@ -14,7 +14,15 @@ _SAME = 1e-9
 _STEEPEST = 3.0
 
 
-def subdivide(start: float, stop: float, count: int, lines: Sequence[float] = (), *, first: int = 1) -> Floats:
+def subdivide(
+    start: float,
+    stop: float,
+    count: int,
+    lines: Sequence[float] = (),
+    lesser: Sequence[float] = (),
+    *,
+    first: int = 1,
+) -> Floats:
     """Divide an interval into `count` parts with joints at wanted lines.
 
     Parameters
@@ -27,6 +35,8 @@ def subdivide(start: float, stop: float, count: int, lines: Sequence[float] = ()
         Wanted joints. If equal parts have them all, the parts are equal. Else each piece between lines has equal parts,
         and the pieces share the count so that the largest part is smallest. A line is left out when there are not
         enough parts, or when parts on its two sides would differ in size by more than 3 to 1.
+    lesser : sequence of float
+        Others, of which those that keep one of `lines` from being followed are left out first.
     first : int
         Least number of parts before the first joint at a line.
 
@@ -43,13 +53,25 @@ def subdivide(start: float, stop: float, count: int, lines: Sequence[float] = ()
     array([0.        , 1.2       , 2.13333333, 3.06666667, 4.        ])
     >>> subdivide(0.0, 4.0, 4, [0.1])
     array([0., 1., 2., 3., 4.])
+    >>> subdivide(0.0, 4.0, 4, [1.2], [1.3])
+    array([0.        , 1.2       , 2.13333333, 3.06666667, 4.        ])
     """
     even = np.linspace(start, stop, count + 1)
     same = _SAME * (stop - start)
-    wanted: list[float] = []
-    for line in sorted(lines):
-        if start + same < line < stop - same and (not wanted or line - wanted[-1] > same):
-            wanted.append(line)
+    followed: list[float] = []
+    for group in (lines, lesser):
+        wanted = list(followed)
+        for line in sorted(group):
+            if start + same < line < stop - same and all(abs(line - other) > same for other in wanted):
+                wanted.append(line)
+        joints, followed = _followed(even, sorted(wanted), set(followed), first)
+    return joints
+
+
+def _followed(even: Floats, wanted: list[float], kept: set[float], first: int) -> tuple[Floats, list[float]]:
+    """Joints at wanted lines, those kept among them, and the lines that they are at."""
+    start, stop, count = float(even[0]), float(even[-1]), len(even) - 1
+    same = _SAME * (stop - start)
     while any(np.abs(even[first:] - line).min() > same for line in wanted):
         knots = np.array([start, *wanted, stop])
         lengths = np.diff(knots)
@@ -61,12 +83,16 @@ def subdivide(start: float, stop: float, count: int, lines: Sequence[float] = ()
             steps = np.maximum(sizes[1:] / sizes[:-1], sizes[:-1] / sizes[1:])
             if steps.max() <= _STEEPEST * (1.0 + _SAME):
                 parts = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(knots, knots[1:], counts, strict=False)]
-                return np.append(np.concatenate(parts), stop)
+                return np.append(np.concatenate(parts), stop), wanted
             worst = _first_largest(steps)
             culprit = worst if sizes[worst] < sizes[worst + 1] else worst + 1
-        ends = [knot for knot in knots[culprit : culprit + 2] if start < knot < stop]
+        ends = [knot for knot in knots[culprit : culprit + 2] if start < knot < stop and knot not in kept]
+        if not ends:
+            others = [line for line in wanted if line not in kept]
+            away = np.abs(np.array(others) - 0.5 * (knots[culprit] + knots[culprit + 1]))
+            ends = [others[_first_largest(-away, same)]]
         wanted.remove(ends[_first_largest(np.array([np.abs(even - line).min() for line in ends]), same)])
-    return even
+    return even, wanted
 
 
 def _first_largest(values: Floats, same: float | None = None) -> int:
