@@ -5,6 +5,7 @@ import pickle
 import meshio
 import numpy as np
 import pytest
+from models import rectangular
 from pytest import approx
 
 from signorini import InputError, Model, path, solve
@@ -474,7 +475,7 @@ def test_a_zone_along_a_round_edge_asks_for_no_room_beside_it():
         assert np.sqrt(discretise(model).mesh.element_area).min() > 0.3
 
 
-@pytest.mark.parametrize("aside", [[5.0], [8.0], [5.0, 6.0, 295.0]])
+@pytest.mark.parametrize("aside", [[5.0], [8.0], [5.0, 6.0, -295.0]])
 def test_sections_beside_a_border_leave_the_mesh_on_it(aside) -> None:
     model = rectangular(
         plate={"shape": "rectangle", "size": [600, 600], "thickness": 40},

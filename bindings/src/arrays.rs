@@ -1,14 +1,20 @@
 //! Arrays of one side as arrays of the other.
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
+use signorini_core::dense;
 use signorini_core::element::DOFS;
 use signorini_core::rows::{Rows, Springs};
 use std::collections::BTreeMap;
 
 pub fn invalid(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
+}
+
+/// Room for so many numbers; a MemoryError where there is none.
+pub fn room(len: usize) -> PyResult<Vec<f64>> {
+    dense::room(len).map_err(|_| PyMemoryError::new_err("not enough memory"))
 }
 
 pub fn vector(array: &PyReadonlyArray1<'_, f64>) -> Vec<f64> {

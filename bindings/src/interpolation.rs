@@ -1,4 +1,4 @@
-use crate::arrays::{invalid, matrix};
+use crate::arrays::{invalid, matrix, room};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -27,8 +27,7 @@ fn evaluated<'py>(
         return Err(PyValueError::new_err("reference points must have shape (q, 2)"));
     }
     let count = xi.shape()[0];
-    let mut values = Vec::with_capacity(8 * count);
-    let mut gradients = Vec::with_capacity(16 * count);
+    let (mut values, mut gradients) = (room(8 * count)?, room(16 * count)?);
     for row in xi.as_array().rows() {
         let at = functions(row[0], row[1]);
         values.extend_from_slice(&at.value);
@@ -45,7 +44,7 @@ pub fn shape_values<'py>(
     of: PyReadonlyArray1<'py, i64>,
     xi: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let mut found = Vec::with_capacity(8 * of.len());
+    let mut found = room(8 * of.len())?;
     each_point(&elements, &of, &xi, usize::MAX, |_, values| found.extend_from_slice(&values))?;
     matrix(py, found, 8)
 }
@@ -59,7 +58,7 @@ pub fn map_points<'py>(
     of: PyReadonlyArray1<'py, i64>,
     xi: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let mut found = Vec::with_capacity(2 * of.len());
+    let mut found = room(2 * of.len())?;
     let points = points.as_array();
     each_point(&elements, &of, &xi, points.nrows(), |nodes, values| {
         let along = |axis: usize| nodes.iter().zip(values).map(|(&node, value)| value * points[[node, axis]]).sum();

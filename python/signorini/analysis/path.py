@@ -30,8 +30,8 @@ from signorini.expression import LARGEST
 from signorini.model import Model
 from signorini.results.load_path import AT_LIMIT, Ending, LoadPath
 
-_NAMED = 20
-"""Combinations that a message names."""
+_NAMED = 10_000
+"""Combinations among which a message looks for one that was meant."""
 
 
 def path(
@@ -145,7 +145,7 @@ def _load(found: Discretisation, name: str | None, argument: str) -> CaseLoad:
     for combination in combinations:
         if combination.name == name:
             return found.load(combination)
-    names = [*found.cases, *(combination.name for combination in itertools.islice(combinations, _NAMED))]
+    names = {*found.cases, *(combination.name for combination in itertools.islice(combinations, _NAMED))}
     raise InputError(unknown("load case or combination", name, names), place=argument)
 
 
@@ -167,17 +167,19 @@ def _trace(
     judge, at = PathJudge(problem, loads), list[float]()
     method = BY_PROXIMAL_STEPS if proximal else WORDS[problem.method]
 
+    limit, asked = limits[0], np.inf if until is None else until
+    end = min(*limits, asked)
+
     def visit(t: float, points: Ints, solution: _core.ContactSolution) -> None:
         judge.take(t, points, Answer.of(found, solution))
         at.append(t)
-        watcher(Progress(f"t = {t:.6g}, event {len(at)}"))
+        whole = f" of {end:.6g}" if np.isfinite(end) else ""
+        watcher(Progress(f"t = {t:.6g}{whole}, event {len(at)}"))
 
     def show(step: int, changing: int, residual: float) -> None:
         where = f"after t = {at[-1]:.6g}" if at else "t = 0"
         watcher(Progress(where, step, changing, residual, method=method))
 
-    limit, asked = limits[0], np.inf if until is None else until
-    end = min(*limits, asked)
     try:
         ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, proximal, show)
         judge.judge()
