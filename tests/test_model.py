@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from models import tables
+from models import rectangular, tables
 from pydantic import ValidationError
 
 from signorini.errors import InputError
@@ -255,3 +255,10 @@ def test_a_plate_by_its_stiffness_needs_no_material() -> None:
         Model(**without)
     without["plate"] |= {"stiffness": stiffness}
     assert Model(**without).material.unit_weight is None
+
+
+def test_the_least_size_that_a_message_names_is_allowed() -> None:
+    """1e-60 was refused, since it must be at least 1e-60."""
+    held = [{"edge": "left", "fix": "clamped"}]
+    model = rectangular(material={"E": 1e-60, "nu": 0.3}, support=held, load=[{"pressure": 1.0}])
+    assert model.material.E == 1e-60

@@ -207,7 +207,7 @@ def path(
                 why += f"Stop short of t = {found.limit:.6g}, where equilibrium ends: --until {short:.6g}. Or take"
             else:
                 why += "Take"
-            why += " a finer mesh, or give rigid supports a stiffness"
+            why += " another mesh size, smaller or larger, or give rigid supports a stiffness"
             if found.ends_with_the_mesh:
                 why = (
                     f"to t = {found.limit:.6g}, reactions on the outlines of the supports balance the load, but not at "

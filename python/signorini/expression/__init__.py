@@ -1,5 +1,5 @@
 """Numbers that may vary over the plate: an expression in x and y, parsed and never executed."""
 
-from signorini.expression.expression import LARGEST, Expression
+from signorini.expression.expression import LARGEST, LEAST, Expression
 
-__all__ = ["LARGEST", "Expression"]
+__all__ = ["LARGEST", "LEAST", "Expression"]

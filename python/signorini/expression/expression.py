@@ -16,6 +16,8 @@ from signorini.expression.tree import check, evaluate, first_point, parse, short
 
 LARGEST = 1e60
 """Magnitudes above this are refused: products of a few of them would overflow."""
+LEAST = 1e-60
+"""Sizes below this likewise."""
 
 _Array = NDArray[np.float64]
 

@@ -22,7 +22,7 @@ from scipy.spatial import cKDTree
 from signorini.base.components import components
 from signorini.base.regular import open_regular
 from signorini.errors import InputError, point
-from signorini.expression import LARGEST
+from signorini.expression import LARGEST, LEAST
 from signorini.mesh import Mesh
 from signorini.mesh.checks import loops, on_boundary
 from signorini.mesh.isoparametric import SIDES, are_triangles, real_sides
@@ -244,10 +244,10 @@ def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
     """Renumber used nodes, coincident ones alike: new numbers (n,), −1 of the unused, and an old number of each."""
     used = np.unique(elements)
     size, farthest = float(np.ptp(points[used], axis=0).max()), float(np.abs(points[used]).max())
-    if size < 1 / LARGEST or farthest > LARGEST:
+    if size < LEAST or farthest > LARGEST:
         raise InputError(
             f"The nodes lie within {size:g}, up to {farthest:g} from the origin; a plate's size must be at least "
-            f"{1 / LARGEST:g}, its coordinates at most {LARGEST:g}."
+            f"{LEAST:g}, its coordinates at most {LARGEST:g}."
         )
     if farthest > _FARTHEST * size:
         raise InputError(

@@ -24,7 +24,7 @@ from pydantic import (
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from signorini.errors import InputError, Place
-from signorini.expression import LARGEST, Expression
+from signorini.expression import LARGEST, LEAST, Expression
 from signorini.model.problems import explained
 from signorini.model.words import as_list, describe
 
@@ -124,8 +124,8 @@ def _whole(value: object) -> int:
 
 
 def _not_tiny(value: float) -> float:
-    if value < 1 / LARGEST:
-        raise ValueError(f"found {value:g}; it must be at least {1 / LARGEST:g}. Choose other units.")
+    if value < LEAST:
+        raise ValueError(f"found {value:g}; it must be at least {LEAST:g}. Choose other units.")
     return value
 
 
