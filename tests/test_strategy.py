@@ -164,7 +164,7 @@ def test_a_path_is_followed_once_with_each_core() -> None:
 
 
 def test_ways_that_take_over_end_with_their_budget(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Lemke's algorithm took twenty minutes of 3000 points of a bed beside rigid ones that nearly repeat each other."""
+    """Lemke's algorithm took minutes of 3000 points of a bed beside rigid ones that nearly repeat each other."""
     problem = contact_problem(plate(CLAMPED, PROPS, BED, method="active_set"))
     found, load = problem.discretisation, problem.discretisation.cases["load"]
     solve = ContactProblem.solve

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import heapq
 from collections.abc import Sequence
 
@@ -60,11 +61,12 @@ def subdivide(
     same = _SAME * (stop - start)
     followed: list[float] = []
     for group in (lines, lesser):
-        wanted = list(followed)
+        wanted = [start, *followed, stop]
         for line in sorted(group):
-            if start + same < line < stop - same and all(abs(line - other) > same for other in wanted):
-                wanted.append(line)
-        joints, followed = _followed(even, sorted(wanted), set(followed), first)
+            place = bisect.bisect(wanted, line)
+            if 0 < place < len(wanted) and line - wanted[place - 1] > same and wanted[place] - line > same:
+                wanted.insert(place, line)
+        joints, followed = _followed(even, wanted[1:-1], set(followed), first)
     return joints
 
 
