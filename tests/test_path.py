@@ -575,7 +575,7 @@ def test_a_path_that_stops_names_an_end_that_helps(slab: Path, monkeypatch) -> N
         result = run("path", slab, "--from", "G", "--add", "Q", *(() if until is None else ("--until", until)))
         said = " ".join(result.output.split())
         assert result.exit_code == 4 and "give rigid supports a stiffness" in said
-        assert (f"--until {0.999 * limit:.6g}. Or take a finer mesh" in said) is helps
+        assert (f"--until {0.999 * limit:.6g}. Or take another mesh size" in said) is helps
 
 
 ROUND_BED = """
