@@ -259,6 +259,21 @@ def test_what_is_in_contact_is_told_of_how_much_and_the_largest_pressure_where()
     assert result.pressure([[x, y]])[0] == pytest.approx(area.max_pressure, rel=1e-9)
 
 
+def test_of_a_support_along_which_others_hold_the_plate_nothing_is_in_contact() -> None:
+    """Nothing of 0 m ended in a division by zero."""
+    ring = {"circle": {"radius": 2}, "resists": "down", "gap": 4e-4, "stiffness": 1e6}
+    held = signorini.Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "disc", "radius": 4, "thickness": 0.8},
+        mesh={"size": 1.2, "error": False},
+        support=[{"circle": {"radius": 2}}, {"name": "ring", **ring}],
+        load=[{"pressure": 1e3}],
+    )
+    shown = io.StringIO()
+    print_results(Console(file=shown, width=WIDE), signorini.solve(held))
+    assert "ring, in contact: 0 of 0, by its points" in shown.getvalue()
+
+
 def test_a_single_bearing_has_no_others() -> None:
     said = shown(print_results, signorini.solve(model(13, support=[{"area": "all", "stiffness": 1e4}])), WIDE)
     assert "what the others do then" not in said and "largest reaction" in said

@@ -14,7 +14,7 @@ Spot = tuple[Any, Any]
 """A table or list, and a key or position in it."""
 
 _NUMBERS = [0, -1, 1, 0.5, -0.0, float("nan"), float("inf"), -float("inf"), 1e300, 1e-300, 1e61, 1e-61, 1e60, 1e-60]
-_NUMBERS += [10**30, -(2**63), 2**64, 1e-12, 1e9, 3, 89.9, 720]
+_NUMBERS += [10**30, -(2**63), 2**64, 1e-12, 1e-9, 1e-7, 1e9, 3, 89.9, 720]
 _TEXTS = ["", "x", "1/x", "1/(x-x)", "sqrt(-1)", "__import__('os')", "open('/etc/passwd')", "x.y", "lambda: 0", "x^2"]
 _TEXTS += ["30e9", "nan", "inf", "1e999", "(" * 90 + "x" + ")" * 90, "9**9**9**9", "-" * 300 + "1", "where(x>0,1,1/0)"]
 _TEXTS += [

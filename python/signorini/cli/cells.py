@@ -41,8 +41,14 @@ def of_whole(part: str, value: float, whole: float, unit: str) -> str:
     --------
     >>> of_whole("209.021 ± 0.026", 209.021, 216.0, " m²")
     '209.021 ± 0.026 of 216 m² (96.8 %)'
+
+    Where others hold the plate all over a support, it has no points of its own:
+
+    >>> of_whole("0", 0.0, 0.0, " m²")
+    '0 of 0 m²'
     """
-    return f"{part} of {whole:.6g}{unit} ({min(100.0, 100.0 * value / whole):.3g} %)"
+    share = f" ({min(100.0, 100.0 * value / whole):.3g} %)" if whole else ""
+    return f"{part} of {whole:.6g}{unit}{share}"
 
 
 def in_unit(unit: str) -> str:
