@@ -166,7 +166,7 @@ def test_a_path_is_followed_once_with_each_core() -> None:
 def test_ways_that_take_over_end_with_their_budget(monkeypatch: pytest.MonkeyPatch) -> None:
     """Lemke's algorithm took minutes of 3000 points of a bed beside rigid ones that nearly repeat each other."""
     problem = contact_problem(plate(CLAMPED, PROPS, BED, method="active_set"))
-    found, load = problem.discretisation, problem.discretisation.cases["load"]
+    load = problem.discretisation.cases["load"]
     solve = ContactProblem.solve
 
     def plain(self: ContactProblem, load, form="auto", progress=None):
@@ -180,13 +180,28 @@ def test_ways_that_take_over_end_with_their_budget(monkeypatch: pytest.MonkeyPat
     of_lemke = 2.0 * 64.0 * len(problem.gaps) ** 2
     monkeypatch.setattr("signorini.contact.budget._MOST", 3.5 * of_lemke)
     told: list[int] = []
-    budget = Budget(found)
+    budget = Budget(problem.discretisation.dof_count, len(problem.gaps))
     assert budget.allows("lemke", proximal=False)
     watch = budget.watching("lemke", False, lambda step, changing, residual: told.append(step))
     with pytest.raises(BudgetSpent):
         for step in range(10):
             watch(step, 0, 1.0)
     assert told == [0, 1, 2] and not budget.allows("lemke", proximal=False)
+
+
+def test_the_method_of_the_problem_has_no_budget(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From rest an active set is no other method than from the contact set of another load."""
+    problem = contact_problem(plate(CLAMPED, PROPS, BED, method="active_set"))
+    load = problem.discretisation.cases["load"]
+    solve = ContactProblem.solve
+
+    def plain(self: ContactProblem, load, form="auto", progress=None):
+        return solve(self, load if self.reference is None else 1.01 * load, form, progress)
+
+    monkeypatch.setattr(ContactProblem, "solve", plain)
+    monkeypatch.setattr("signorini.contact.budget._MOST", 0.0)
+    found = answered(problem.near(load.nodal), load)
+    assert found.passed and found.methods == ("active_set",)
 
 
 def test_what_memory_does_not_hold_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -49,8 +49,8 @@ fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
 }
 
 /// Exchanges a tableau must be old for a doubtful pivot to be worth recomputing it: at least so many, and this part of the
-/// order. Recomputing takes as long as a sixth of the order in exchanges, and where rounding decides every pivot is
-/// doubtful: so such a path takes a few times as long as others.
+/// order. Recomputing takes as long as many exchanges, the more the larger the order, and where rounding decides every pivot
+/// is doubtful: a path of 4057 points that had not ended after two minutes of the processor took 44 s.
 const RECOMPUTE_AGE: usize = 16;
 const RECOMPUTE_PART: usize = 32;
 

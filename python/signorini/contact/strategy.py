@@ -169,12 +169,12 @@ def answered(
 ) -> Tried:
     """Solve one load and certify the answer; where that fails, ask in every other form and by every other method.
 
-    A basis that rounding makes singular in one form is regular in another. What takes over from the first way has a
-    `Budget`. ``progress`` watches all that is tried, and what it raises ends it. ``proximal`` is that of `attempts`,
-    ``beside`` that of `certify`.
+    A basis that rounding makes singular in one form is regular in another. What takes over from the problem's own
+    method has a `Budget`. ``progress`` watches all that is tried, and what it raises ends it. ``proximal`` is that of
+    `attempts`, ``beside`` that of `certify`.
     """
     found = problem.discretisation
-    budget = Budget(found)
+    budget = Budget(found.dof_count, len(found.contacts))
     first: Tried | None = None
     near: Bools | None = None
     methods: tuple[Method, ...] = ()
@@ -190,12 +190,13 @@ def answered(
                 continue
             stepped.add(steps)
         watch: Steps | None = None if progress is None else partial(progress, attempt.words)
-        if first is not None:
-            way = attempt.problem.method, attempt.part is not None
-            if not budget.allows(*way):
-                continue
-            if watch is not None:
-                watch(0, 0, 1.0)
+        way = attempt.problem.method, attempt.part is not None
+        takes_over = way != (problem.method, False)
+        if takes_over and not budget.allows(*way):
+            continue
+        if first is not None and watch is not None:
+            watch(0, 0, 1.0)
+        if takes_over:
             watch = budget.watching(*way, watch)
         methods += () if attempt.problem.method in methods else (attempt.problem.method,)
         try:

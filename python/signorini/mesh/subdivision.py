@@ -59,8 +59,8 @@ def subdivide(
     """
     even = np.linspace(start, stop, count + 1)
     same = _SAME * (stop - start)
-    followed: list[float] = []
-    for group in (lines, lesser):
+    joints, followed = even, list[float]()
+    for group in filter(len, (lines, lesser)):
         wanted = [start, *followed, stop]
         for line in sorted(group):
             place = bisect.bisect(wanted, line)
