@@ -7,8 +7,8 @@ use crate::contact::kkt::{ConjugateGradients, Direction};
 use crate::contact::solution::{ContactSolution, Outcome, Progress};
 use crate::contact::tolerances;
 
-/// At most this many Newton steps.
-const NEWTON: usize = 500;
+/// At most this many Newton steps; 732 settled overlapping circles on a rigid bed, the most among 150,000 random plates.
+const NEWTON: usize = 2000;
 /// Steps without the set settling after which directions are firm.
 const PATIENT: usize = 8;
 /// So many steps, one after another, that leave most of the residual end it: what is left is rounding.
