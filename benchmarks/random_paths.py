@@ -14,7 +14,8 @@ The models are those of tests/fuzz/random_models.py, with loads of two cases. Of
 - that at stops the direct solution has the same extremes of deflection, where these are unique, and that the supports'
   reactions add up to the load.
 
-A tenth of the models have a stop far away beside their supports. Half of them go to extremes: a load without a
+A tenth of the models have a stop far away beside their supports, and some are round plates that meet a ring or a bed
+all around at nearly one t, in any unit of force. Half of them go to extremes: a load without a
 resultant, factors up to 1e8, supports that only a load far beyond any sense reaches, or a plate that rests on a rigid
 area under its weight. Such a path may be given up, but not wrong.
 
@@ -47,6 +48,8 @@ from signorini.discretise import discretise
 
 _FAR = 1e-4
 """Of the limit, how far from it equilibrium must exist, or not."""
+_FAR_OUT = 1e8
+"""Of the end of a path without more events, where that must still be so."""
 _SAME = 1e-7
 """Largest difference of deflections, over the largest."""
 _BALANCED = 1e-5
@@ -64,6 +67,8 @@ _MOST_SEGMENTS = 12
 
 def drawn(seed):
     """A model with a case that is there and one that grows, how far, and whether any of it is extreme."""
+    if (own := Random(f"round {seed}")).random() < 0.05:
+        return round_one(own), own.choice(["G", None]), "Q", None, False
     rng = Random(seed)
     tables = random_models.model(rng)
     loads = tables["load"]
@@ -91,6 +96,28 @@ def drawn(seed):
 
 def unlike(load):
     return {key: value for key, value in load.items() if key != "case"}
+
+
+def round_one(rng):
+    """A round plate on its rim above a ring or a bed, which it meets all around at nearly one t."""
+    gap, thickness = 10.0 ** rng.uniform(-5, -2), 10.0 ** rng.uniform(-2.5, -0.5)
+    # About what closes the gap, over t.
+    pressure = 30e9 * thickness**3 * gap * 10.0 ** rng.uniform(-9, 6)
+    sector = rng.choice([90, 180, 360])
+    place = rng.choice([{"circle": {"radius": rng.uniform(0.1, 0.8)}}, {"area": "all"}])
+    stiffness = {} if rng.random() < 0.3 else {"stiffness": 10.0 ** rng.uniform(5, 9)}
+    return {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plate": {"shape": "disc", "radius": 1.0, "sector": sector, "thickness": thickness},
+        "mesh": {"size": rng.uniform(0.16, 0.4), "error": False},
+        "support": [
+            *([{"edge": ["start", "end"], "fix": "symmetry"}] if sector < 360 else []),
+            rng.choice([{"edge": "rim", "resists": "down"}, {"edge": "rim", "fix": "clamped"}]),
+            {**place, **stiffness, "resists": "down", "gap": gap},
+        ],
+        "load": [{"case": "G", "pressure": pressure * 10.0 ** rng.uniform(-9, 0)}, {"case": "Q", "pressure": pressure}],
+        "solver": {"method": rng.choice(["auto", "lemke", "active_set"])},
+    }
 
 
 def far_stop(rng, plate):
@@ -222,6 +249,7 @@ def faults(found, until, wild):
         yield from bent(found, segment, wild)
     if found.ending == "no_more_events":
         yield from differences(found, 7.0 * found.end, wild)
+        yield from differences(found, _FAR_OUT * found.end, wild)
     yield from idle(found)
     yield from still(found)
 

@@ -203,6 +203,53 @@ def test_points_that_meet_the_soil_at_once_are_no_events_one_by_one(method) -> N
     assert found.at(1).deflection == pytest.approx(2e-3, rel=1e-9)
 
 
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+@pytest.mark.parametrize("factor", [1e-12, 1e-6, 1e6, 1e9])
+def test_a_gap_closes_at_the_same_load_whatever_is_counted_as_one(factor, method) -> None:
+    """A step that the load of t = 1 sets may be too short to tell that it closes."""
+    model = rectangular(
+        thickness=0.1,
+        support=[{"edge": ["left", "right"], "fix": "clamped"}, {"at": [2, 2], "resists": "down", "gap": 1e-3}],
+        load=[{"case": "Q", "pressure": 1e4}, {"case": "other unit", "pressure": 1e4 * factor}],
+        solver={"method": method},
+    )
+    (event,) = signorini.path(model, None, "Q").events
+    (same,) = signorini.path(model, None, "other unit").events
+    assert same.t * factor == pytest.approx(event.t, rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_beside_next_to_no_load_a_gap_closes_as_from_none(method) -> None:
+    model = rectangular(
+        thickness=0.1,
+        support=[{"edge": ["left", "right"], "resists": "down"}, {"at": [2, 2], "resists": "down", "gap": 1e-3}],
+        load=[{"case": "G", "pressure": 1e-9}, {"case": "Q", "pressure": 1e4}, {"case": "q", "pressure": 1e-9}],
+        solver={"method": method},
+    )
+    (event,) = signorini.path(model, None, "Q").events
+    (beside,) = signorini.path(model, "G", "Q").events
+    (far,) = signorini.path(model, "G", "q").events
+    assert [beside.t, far.t * 1e-13] == pytest.approx([event.t] * 2, rel=1e-9)
+
+
+def test_a_ring_that_closes_all_around_at_nearly_one_load_is_followed() -> None:
+    """Many events within 1e-6 of the load at which they are, itself a small part of the case."""
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "disc", "radius": 3, "sector": 180, "thickness": 0.2},
+        mesh={"size": 0.4, "error": False},
+        support=[
+            {"edge": ["start", "end"], "fix": "symmetry"},
+            {"edge": "rim", "resists": "down"},
+            {"circle": {"radius": 0.8}, "resists": "down", "stiffness": 1e8, "gap": 1e-4},
+        ],
+        load=[{"case": "P", "pressure": 1e4}],
+    )
+    found = signorini.path(model, None, "P")
+    assert found.ending == "no_more_events"
+    assert np.ptp([event.t for event in found.events]) < 1e-5 * found.events[0].t
+
+
 def on_a_rigid_bed(curvature=(1e-3, 1e-3, 0.0), **more) -> Model:
     return rectangular(
         thickness=0.1,

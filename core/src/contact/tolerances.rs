@@ -160,6 +160,9 @@ pub(super) mod path {
     /// Travel, over the largest deflection, within which events of pivots are one.
     pub(crate) const SAME_PLACE: f64 = 1e-10;
 
+    /// Of what is added, so little says nothing of how far to step: an event at no load that rounding leaves there.
+    pub(crate) const NO_LOAD: f64 = 1e-9;
+
     /// How far beyond an event, over a step, a solve tells the contact set after it where switching does not.
     pub(crate) const BEYOND: [f64; 5] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11];
 
@@ -178,6 +181,12 @@ pub(super) mod path {
 
     /// Reactions and gaps that change by less over a line stay.
     pub(crate) const STILL: f64 = 1e-10;
+
+    /// A line without events that moves the plate by less than this part of the largest gap may be too short.
+    pub(crate) const COUNTS: f64 = 0.1;
+
+    /// Times that it is made longer at most: a motion much smaller over its gap is nearly rounding.
+    pub(crate) const LONGER: f64 = 1e12;
 
     /// Reactions and gaps that are none.
     pub(crate) const NOTHING: f64 = 1e-14;

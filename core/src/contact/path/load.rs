@@ -2,6 +2,7 @@
 
 use crate::contact::scale::largest;
 use crate::contact::solution::ContactSolution;
+use crate::contact::tolerances;
 
 /// The loads f₀ + t f₁ and the dofs held, over all dofs, and the largest t wanted; it may be infinite.
 #[derive(Clone, Copy, Debug)]
@@ -54,11 +55,11 @@ impl PathLoad<'_> {
         largest(self.start) + self.span(t) * largest(self.add)
     }
 
-    /// A step of t that changes the load about as much as there is of it.
+    /// A step of t that changes the load about as much as there is of it; where there is none, the load that is added.
     pub(super) fn span(&self, t: f64) -> f64 {
-        match largest(self.start) / largest(self.add) {
-            span if span > 0.0 && span.is_finite() => span.max(t),
-            _ => t.max(1.0),
+        match f64::max(largest(self.start) / largest(self.add), t) {
+            span if span > tolerances::path::NO_LOAD && span.is_finite() => span,
+            _ => 1.0,
         }
     }
 }

@@ -38,8 +38,8 @@ impl Follower<'_> {
                 let within = tolerances::path::MOVED * (far - t) + tolerances::path::SEEN * span;
                 line.root(&leaving, far, within).unwrap_or(far).max(t)
             });
-            let stays = |line: &Line| line.travel(t, to) <= tolerances::path::SAME_PLACE * line.deflection;
-            if next.is_some() && line.as_ref().is_some_and(stays) {
+            let stays = |line: &Line| line.travel(t, to) <= tolerances::path::SAME_PLACE * line.sizes.deflection;
+            if segment.to < load.end && line.as_ref().is_some_and(stays) {
                 continue;
             }
             // An event that rounding alone brings is none, nor are those that pivots find beyond it.

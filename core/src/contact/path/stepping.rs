@@ -11,6 +11,9 @@ use crate::contact::tolerances;
 /// Times that points which move the wrong way from an event on are switched.
 const ROUNDS: usize = 20;
 
+/// Times that a line without events is lengthened.
+const LENGTHENED: usize = 2;
+
 impl Follower<'_> {
     /// As [`ContactProblem::path`], from some t on.
     pub(super) fn step_along(&mut self, mut t: f64, trail: &mut Trail) -> Result<PathEnd, FactorError> {
@@ -38,6 +41,13 @@ impl Follower<'_> {
                     (to, points) = self.next_event(&line, t);
                 }
             }
+            if to.is_infinite()
+                && load.end.is_infinite()
+                && let Some(longer) = self.until_it_counts(&line)?
+            {
+                line = longer;
+                (to, points) = self.next_event(&line, t);
+            }
             if to >= load.end {
                 return Ok(self.end_on(&line, line.at[1], trail));
             }
@@ -53,6 +63,27 @@ impl Follower<'_> {
             t = to;
         }
         Ok(PathEnd::TooMany)
+    }
+
+    /// A line without events, so long that what is added moves the plate by as much as any gap, if it then has one.
+    ///
+    /// Beside little load, or far from a support, a first step may be too short to tell that a gap closes.
+    fn until_it_counts(&mut self, line: &Line) -> Result<Option<Line>, FactorError> {
+        let [t, mut far] = line.at;
+        let gap = line.begins.lengths.iter().fold(0.0, |most, &length| f64::max(most, length));
+        let mut travel = line.travel(t, far);
+        for _ in 0..LENGTHENED {
+            if travel == 0.0 || travel >= tolerances::path::COUNTS * gap {
+                break;
+            }
+            far = t + (far - t) * f64::min(gap / travel, tolerances::path::LONGER);
+            let Some(longer) = self.line_from(line.ends[0].clone(), [t, far])? else { break };
+            travel = longer.travel(t, far);
+            if self.next_event(&longer, t).0.is_finite() {
+                return Ok(Some(longer));
+            }
+        }
+        Ok(None)
     }
 
     /// The line that leaves from t, beginning with a set that may be right.
@@ -92,10 +123,10 @@ impl Follower<'_> {
     fn wrong(&self, line: &Line) -> Option<Vec<usize>> {
         let mut points = Vec::new();
         for i in self.one_sided() {
-            let (now, fall) = (line.value(0, i), line.fall(i));
-            if now < -tolerances::path::SIGN {
+            if line.begins.value(&line.ends[0], i) < -tolerances::path::SIGN {
                 return None;
             }
+            let (now, fall) = (line.value(0, i), line.fall(i));
             if fall > 0.0 && now <= tolerances::path::SAME_EVENT * fall {
                 points.push(i);
             }
