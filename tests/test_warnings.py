@@ -152,11 +152,26 @@ def test_one_element(divisions: list[int], words: str) -> None:
 
 
 def test_areas_that_overlap() -> None:
-    grout = {"name": "grout", "area": {"circle": {"center": [1, 1], "radius": 0.3}}, "stiffness": 1e5}
+    grout = {
+        "name": "grout",
+        "area": {"circle": {"center": [1, 1], "radius": 0.3}},
+        "resists": "down",
+        "stiffness": 1e5,
+    }
     expected = "The areas of soil and grout overlap: where they do, their stiffness adds."
     assert warned(support=[SOIL, grout]) == (expected,)
     apart = SOIL | {"area": {"rectangle": [2, 0, 4, 4]}}
     assert warned(support=[apart, grout]) == ()
+
+
+def test_a_bed_that_holds_the_plate_down_unsaid_beside_supports_that_do_not() -> None:
+    bed = {"name": "grout", "area": "all", "stiffness": 1e5}
+    anchors = {"at": [[1, 1], [3, 3]], "resists": "up", "stiffness": 1e5}
+    (sentence,) = warned(support=[bed, anchors])
+    assert sentence.startswith("grout holds the plate down too, since resists is left out.")
+    for both in (bed, bed | {"resists": "both"}):
+        beside = [] if both is bed else [anchors]
+        assert warned(support=[both, *beside]) == ()
 
 
 def test_two_rigid_points_at_one_place() -> None:
@@ -199,9 +214,9 @@ def test_of_a_table_they_are_said_once() -> None:
 @pytest.mark.parametrize(
     ("support", "said"),
     [
-        ({"area": "all", "stiffness": 5e4}, ""),
-        ({"area": "all", "stiffness": 5e13}, "as good as rigid"),
-        ({"area": "all", "stiffness": 5e-4}, "as good as none"),
+        ({"area": "all", "resists": "both", "stiffness": 5e4}, ""),
+        ({"area": "all", "resists": "both", "stiffness": 5e13}, "as good as rigid"),
+        ({"area": "all", "resists": "both", "stiffness": 5e-4}, "as good as none"),
         ({"at": [[1, 1], [3, 1], [2, 3]], "stiffness": 1e5}, ""),
         ({"at": [[1, 1], [3, 1], [2, 3]], "stiffness": 1e11}, "as good as rigid"),
         ({"edge": "left", "stiffness": 1e-3}, "as good as none"),

@@ -24,7 +24,8 @@ from signorini.model.footprint import footprints as shapes_of
 
 _GAUSS = 3
 _GAUSS_VARYING = 5
-"""Gauss points a direction where the load varies."""
+"""Gauss points a direction where the load varies, and on thirds of a circle: of what turns three times around it three
+points miss 2 %, and of a circle inside one element the deflection 2e-5."""
 CANCELLED = 16 * float(np.finfo(float).eps)
 """Part of two loads below which their sum is rounding: a plate held up by its buoyancy must not drift away on it."""
 _BALANCED = 1e-12
@@ -156,7 +157,7 @@ def _load(
             _weigh(zones, onto)
         case "line_load":
             assert load.line_load is not None
-            order = _GAUSS if load.line_load.is_constant else _GAUSS_VARYING
+            order = _GAUSS if load.line_load.is_constant and load.circle is None else _GAUSS_VARYING
             formula = load.line_load
 
             def along(levels: Levels) -> Push:

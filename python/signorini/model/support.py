@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import ConfigDict, Field, PlainValidator, PrivateAttr, WithJsonSchema, model_validator
+from pydantic import (
+    ConfigDict,
+    Field,
+    ModelWrapValidatorHandler,
+    PlainValidator,
+    PrivateAttr,
+    WithJsonSchema,
+    model_validator,
+)
 
 from signorini import shapes
 from signorini.expression import Expression
@@ -120,6 +128,7 @@ class Support(Table):
     )
 
     _course: shapes.Curve | None = PrivateAttr(default=None)
+    _is_unsaid: bool = PrivateAttr(default=False)
 
     @property
     def course(self) -> shapes.Curve | None:
@@ -140,12 +149,13 @@ class Support(Table):
         moved._course = course
         return moved
 
-    @model_validator(mode="before")
+    @model_validator(mode="wrap")
     @classmethod
-    def _resists_both(cls, data: Any) -> Any:
-        if isinstance(data, dict) and data.get("fix") is None and data.get("resists") is None:
-            return {**data, "resists": "both"}
-        return data
+    def _both_unsaid(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        unsaid = isinstance(data, dict) and data.get("fix") is None and data.get("resists") is None
+        made = handler({**data, "resists": "both"} if unsaid else data)
+        made._is_unsaid = unsaid or made._is_unsaid
+        return made
 
     @property
     def place(self) -> Place:
@@ -176,6 +186,17 @@ class Support(Table):
     def holds_w(self) -> bool:
         """Whether it acts on the deflection, one way or both, not on slopes alone."""
         return self.resists is not None or "w" in self.fixed
+
+    @property
+    def holds_both_ways_unsaid(self) -> bool:
+        """Whether it holds both ways because nothing is said of how.
+
+        Examples
+        --------
+        >>> Support(area="all").holds_both_ways_unsaid, Support(area="all", resists="both").holds_both_ways_unsaid
+        (True, False)
+        """
+        return self._is_unsaid
 
     @property
     def is_rigid(self) -> bool:

@@ -65,6 +65,7 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
             *_one_place(found),
             *_overlaps(found),
             *_never_act(found),
+            *_beds_both_ways(found.model),
             *prying(found),
             *_couples(found),
         )
@@ -167,6 +168,18 @@ def _never_act(found: Discretisation) -> Iterator[str]:
             yield (
                 f"{support.name}: {which} where other supports hold the plate, and can do nothing there. Results "
                 "number the other points without them."
+            )
+
+
+def _beds_both_ways(model: Model) -> Iterator[str]:
+    """Beds that hold the plate down too beside supports that say that they do not: soil and grout hardly do."""
+    if all(support.resists in (None, "both") for support in model.support):
+        return
+    for support in model.support:
+        if support.area is not None and support.holds_both_ways_unsaid:
+            yield (
+                f'{support.name} holds the plate down too, since resists is left out. Say resists = "down" if the '
+                'plate can lift off it, "both" if it cannot.'
             )
 
 
