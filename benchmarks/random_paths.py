@@ -1,6 +1,6 @@
 """Load paths of random small plates: each is followed to its end, and is what direct solutions say at other points.
 
-The models are those of tests/fuzz/random_models.py, with loads of two cases. Of each path it is asked:
+The models are those of tests/fuzz/path_models.py. Of each path it is asked:
 
 - that it is not given up before reactions at the mesh's contact points cease to balance the load, and its start not
   refused, unless no reactions balance that (a linear program of its own);
@@ -14,10 +14,7 @@ The models are those of tests/fuzz/random_models.py, with loads of two cases. Of
 - that at stops the direct solution has the same extremes of deflection, where these are unique, and that the supports'
   reactions add up to the load.
 
-A tenth of the models have a stop far away beside their supports, and some are round plates that meet a ring or a bed
-all around at nearly one t, in any unit of force. Half of them go to extremes: a load without a
-resultant, factors up to 1e8, supports that only a load far beyond any sense reaches, or a plate that rests on a rigid
-area under its weight. Such a path may be given up, but not wrong.
+A path of an extreme model may be given up, but not wrong.
 
     python benchmarks/random_paths.py [--count 10000] [--first 0] [--seconds 600] [--processes 2]
     python benchmarks/random_paths.py --show SEED
@@ -31,14 +28,13 @@ import json
 import sys
 from collections import Counter
 from pathlib import Path
-from random import Random
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
 sys.path.insert(0, str(Path(__file__).parent))
 import campaign
-import random_models
+from path_models import drawn
 from random_plates import MOVES, reactions_exist
 
 from signorini import InputError, NoEquilibriumError, NotCertifiedError, path, solve, validate
@@ -63,104 +59,6 @@ _MOST_STEPS = 500
 """Steps of solves, for each stop, that a path may take."""
 _MOST_SEGMENTS = 12
 """Segments of a path that are compared with direct solutions."""
-
-
-def drawn(seed):
-    """A model with a case that is there and one that grows, how far, and whether any of it is extreme."""
-    if (own := Random(f"round {seed}")).random() < 0.05:
-        return round_one(own), own.choice(["G", None]), "Q", None, False
-    rng = Random(seed)
-    tables = random_models.model(rng)
-    loads = tables["load"]
-    if len(loads) == 1:
-        loads.append(dict(loads[0]))
-    for i, load in enumerate(loads):
-        load["case"] = "Q" if i == len(loads) - 1 else "G"
-    if unlike(loads[-1]) == unlike(loads[0]) or rng.random() < 0.4:
-        shift(rng, tables)
-    tables["combination"] = [
-        {"name": "less", "factors": {"Q": -1.0}},
-        {"name": "both", "factors": {"G": 1.0, "Q": 1.0}},
-    ]
-    tables["solver"] = {"method": rng.choice(["auto", "auto", "lemke", "active_set"])}
-    start = rng.choice(["G", "G", "G", None, "both"])
-    add, until = rng.choice(["Q", "Q", "less", "both"]), rng.choice([None, None, 3.0])
-    if rng.random() < 0.5:
-        if rng.random() < 0.2:
-            tables["support"].append(far_stop(rng, tables["plate"]))
-        return tables, start, add, until, False
-    tables.pop("output", None)
-    extreme(rng, tables)
-    return tables, start, add, rng.choice([until, None, 10.0 ** rng.uniform(-6, 15)]), True
-
-
-def unlike(load):
-    return {key: value for key, value in load.items() if key != "case"}
-
-
-def round_one(rng):
-    """A round plate on its rim above a ring or a bed, which it meets all around at nearly one t."""
-    gap, thickness = 10.0 ** rng.uniform(-5, -2), 10.0 ** rng.uniform(-2.5, -0.5)
-    # About what closes the gap, over t.
-    pressure = 30e9 * thickness**3 * gap * 10.0 ** rng.uniform(-9, 6)
-    sector = rng.choice([90, 180, 360])
-    place = rng.choice([{"circle": {"radius": rng.uniform(0.1, 0.8)}}, {"area": "all"}])
-    stiffness = {} if rng.random() < 0.3 else {"stiffness": 10.0 ** rng.uniform(5, 9)}
-    return {
-        "material": {"E": 30e9, "nu": 0.2},
-        "plate": {"shape": "disc", "radius": 1.0, "sector": sector, "thickness": thickness},
-        "mesh": {"size": rng.uniform(0.16, 0.4), "error": False},
-        "support": [
-            *([{"edge": ["start", "end"], "fix": "symmetry"}] if sector < 360 else []),
-            rng.choice([{"edge": "rim", "resists": "down"}, {"edge": "rim", "fix": "clamped"}]),
-            {**place, **stiffness, "resists": "down", "gap": gap},
-        ],
-        "load": [{"case": "G", "pressure": pressure * 10.0 ** rng.uniform(-9, 0)}, {"case": "Q", "pressure": pressure}],
-        "solver": {"method": rng.choice(["auto", "lemke", "active_set"])},
-    }
-
-
-def far_stop(rng, plate):
-    """A support that the plate never meets, and that must not hide what happens at others."""
-    gap = random_models.extent(plate) * 10.0 ** rng.uniform(3, 9)
-    return {"at": random_models.point(rng, plate), "resists": rng.choice(["up", "down"]), "gap": gap}
-
-
-def rigidity(tables):
-    """E h³, of a plate that is given by its stiffness that of a stiff material."""
-    return tables["material"].get("E", 1e10) * random_models.thickness_of(tables["plate"]) ** 3
-
-
-def shift(rng, tables):
-    """Makes the load that grows a force or couple at one point."""
-    last = tables["load"][-1]
-    size = random_models.extent(tables["plate"])
-    at = random_models.point(rng, tables["plate"])
-    force = 1e-4 * rigidity(tables) / size
-    last.clear()
-    last |= {"case": "Q", "at": at} | ({"force": force} if rng.random() < 0.7 else {"moment": [force * size, 0.0]})
-
-
-def extreme(rng, tables):
-    """Loads without a resultant, at any scale, and supports that are far away."""
-    plate, size = tables["plate"], random_models.extent(tables["plate"])
-    factor = 10.0 ** rng.uniform(-8, 8) if rng.random() < 0.3 else 1.0
-    kind = rng.choice(["curvature", "curvature", "forces", "any"])
-    grows = [load for load in tables["load"] if load["case"] == "Q"]
-    if kind == "curvature":
-        parts = rng.choice([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [0.0, -2.0, 1.0], [0.0, 0.0, 1.0]])
-        grows = [{"case": "Q", "curvature": [factor * 1e-3 / size * part for part in parts]}]
-    elif kind == "forces" and plate["shape"] == "rectangle":
-        a, b = (random_models.point(rng, plate) for _ in range(2))
-        middle = [0.5 * (x + y) for x, y in zip(a, b, strict=True)]
-        force = factor * 1e-4 * rng.choice([1.0, -1.0]) * rigidity(tables) / size
-        grows = [{"case": "Q", "at": at, "force": f * force} for at, f in ((a, 1.0), (middle, -2.0), (b, 1.0))]
-    tables["load"] = [load for load in tables["load"] if load["case"] != "Q"] + grows
-    if rng.random() < 0.3:
-        tables["support"] = [{"area": "all", "resists": "down"}]
-    for support in tables["support"]:
-        if "fix" not in support and rng.random() < 0.2:
-            support["gap"] = size * 10.0 ** rng.uniform(-3, 12)
 
 
 def at_start(found, start):
