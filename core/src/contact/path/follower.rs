@@ -61,9 +61,10 @@ impl<'a> Follower<'a> {
     /// The line on the contact set of a solution, which holds at the first of two t.
     pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line>, FactorError> {
         let Some(to) = self.solution_on(&from.closed, at, 1, Some(&from))? else { return Ok(None) };
+        let loads = at.map(|t| self.problem.scale.largest(&self.load.at(t)));
         let sizes = self.sizes(&[&from, &to], 0.0, at);
-        // Where points hardly press yet, the load there counts, as it does for the certificate.
-        let begins = self.sizes(&[&from], self.problem.scale.largest(&self.load.at(at[0])), at);
+        // Where points hardly press yet, the load there counts, as it does for the certificate; without one, some of what comes.
+        let begins = self.sizes(&[&from], loads[0].max(tolerances::path::TO_COME * loads[1]), at);
         Ok(Some(Line { at, ends: [from, to], sizes, begins }))
     }
 
