@@ -74,7 +74,7 @@ impl<'a> Follower<'a> {
         // A load that hardly presses on the points says nothing of what they do, nor a plate that cannot deflect.
         let force = match solutions.iter().map(|solution| largest(&solution.reaction)).fold(force, f64::max) {
             0.0 => self.problem.scale.largest(&loads[1]),
-            force => force.max(tolerances::path::UNSEEN * self.load.size(at[0])),
+            force => force.max(tolerances::path::UNSEEN * self.size(at[0])),
         };
         let least = loads.iter().map(|load| self.problem.least_length(load)).fold(0.0, f64::max);
         let deflections = solutions.iter().flat_map(|solution| solution.displacement.hi.iter().step_by(3));
@@ -99,6 +99,26 @@ impl<'a> Follower<'a> {
             }
             same
         })
+    }
+
+    /// Largest part of the load where the two that it is made of do not cancel, and both count.
+    fn size(&self, t: f64) -> f64 {
+        let [start, add] = self.parts();
+        start + self.span(t) * add
+    }
+
+    /// A step of t that changes the load about as much as there is of it; where there is none, the load that is added.
+    pub fn span(&self, t: f64) -> f64 {
+        let [start, add] = self.parts();
+        match f64::max(start / add, t) {
+            span if span > tolerances::path::NO_LOAD && span.is_finite() => span,
+            _ => 1.0,
+        }
+    }
+
+    /// Sizes of the load that is there and of the one that is added.
+    fn parts(&self) -> [f64; 2] {
+        [self.load.start, self.load.add].map(|load| self.problem.scale.largest(load))
     }
 
     /// What the gap of every point is measured by, in the caller's order.

@@ -1,8 +1,6 @@
 //! The load of a path, its stops and its ends.
 
-use crate::contact::scale::largest;
 use crate::contact::solution::ContactSolution;
-use crate::contact::tolerances;
 
 /// The loads f₀ + t f₁ and the dofs held, over all dofs, and the largest t wanted; it may be infinite.
 #[derive(Clone, Copy, Debug)]
@@ -48,18 +46,5 @@ pub const MOST_EVENTS: usize = 100_000;
 impl PathLoad<'_> {
     pub(super) fn at(&self, t: f64) -> Vec<f64> {
         self.start.iter().zip(self.add).map(|(a, b)| a + t * b).collect()
-    }
-
-    /// Largest part of the load where the two that it is made of do not cancel, and both count.
-    pub(super) fn size(&self, t: f64) -> f64 {
-        largest(self.start) + self.span(t) * largest(self.add)
-    }
-
-    /// A step of t that changes the load about as much as there is of it; where there is none, the load that is added.
-    pub(super) fn span(&self, t: f64) -> f64 {
-        match f64::max(largest(self.start) / largest(self.add), t) {
-            span if span > tolerances::path::NO_LOAD && span.is_finite() => span,
-            _ => 1.0,
-        }
     }
 }

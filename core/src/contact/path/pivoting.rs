@@ -24,10 +24,10 @@ impl Follower<'_> {
         for (k, segment) in found.segments.iter().enumerate() {
             let far = match segment.to.min(load.end.max(segment.from)) {
                 far if far.is_finite() => far,
-                _ => segment.from + load.span(segment.from),
+                _ => segment.from + self.span(segment.from),
             };
             // What changes on a short line is rounding; on a longer one it is told.
-            let (span, reach) = (load.span(t), |from: f64| far.max(from + tolerances::path::SHORT * load.span(from)));
+            let (span, reach) = (self.span(t), |from: f64| far.max(from + tolerances::path::SHORT * self.span(from)));
             let line = match self.standing_on(trail.here(), &sets[k]) {
                 Some(from) if far > t => self.line_from(from, [t, reach(t)])?,
                 _ => self.line(&sets[k], [segment.from, reach(segment.from)], None)?,

@@ -33,6 +33,13 @@ impl Follower<'_> {
                 return Ok(PathEnd::Interrupted);
             }
             let (mut to, mut points) = self.next_event(&line, t);
+            if to.is_infinite()
+                && load.end.is_infinite()
+                && let Some(longer) = self.until_it_counts(&line)?
+            {
+                line = longer;
+                (to, points) = self.next_event(&line, t);
+            }
             let reach = to.min(load.end);
             if reach > line.at[1] && reach.is_finite() {
                 // Beyond its far end a line is less exact than up to it.
@@ -41,20 +48,13 @@ impl Follower<'_> {
                     (to, points) = self.next_event(&line, t);
                 }
             }
-            if to.is_infinite()
-                && load.end.is_infinite()
-                && let Some(longer) = self.until_it_counts(&line)?
-            {
-                line = longer;
-                (to, points) = self.next_event(&line, t);
-            }
             if to >= load.end {
                 return Ok(self.end_on(&line, line.at[1], trail));
             }
             trail.arrive(&line, to);
             closed.clone_from(&trail.here().closed);
             points.into_iter().for_each(|i| closed[i] = !closed[i]);
-            if to - t > tolerances::path::SAME_EVENT * load.span(t) {
+            if to - t > tolerances::path::SAME_EVENT * self.span(t) {
                 spent.clear();
             } else {
                 let [from, _] = line.ends;
@@ -88,7 +88,7 @@ impl Follower<'_> {
 
     /// The line that leaves from t, beginning with a set that may be right.
     fn leaving(&mut self, t: f64, closed: &[bool], here: &ContactSolution) -> Result<Option<Line>, FactorError> {
-        let span = self.load.span(t);
+        let span = self.span(t);
         let mut set = closed.to_vec();
         for _ in 0..ROUNDS {
             let at = [t, t + span];
