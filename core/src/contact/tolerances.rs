@@ -160,10 +160,6 @@ pub(super) mod path {
     /// Travel, over the largest deflection, within which events of pivots are one.
     pub(crate) const SAME_PLACE: f64 = 1e-10;
 
-    /// Part of the load at the far end of a line by which forces where it begins are judged at least: what is far below it
-    /// is rounding of settlements.
-    pub(crate) const TO_COME: f64 = 1e-3;
-
     /// Of what is added, so little says nothing of how far to step: an event at no load that rounding leaves there.
     pub(crate) const NO_LOAD: f64 = 1e-9;
 

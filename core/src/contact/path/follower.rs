@@ -1,6 +1,6 @@
 //! Who follows a path from its first solution on: what solves it from one line to the next, and is watched.
 
-use super::line::{Line, Sizes};
+use super::line::Line;
 use super::load::{PathEnd, PathLoad, Stop};
 use super::trail::Trail;
 use crate::cholesky::FactorError;
@@ -61,26 +61,20 @@ impl<'a> Follower<'a> {
     /// The line on the contact set of a solution, which holds at the first of two t.
     pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line>, FactorError> {
         let Some(to) = self.solution_on(&from.closed, at, 1, Some(&from))? else { return Ok(None) };
-        let loads = at.map(|t| self.problem.scale.largest(&self.load.at(t)));
-        let sizes = self.sizes(&[&from, &to], 0.0, at);
-        // Where points hardly press yet, the load there counts, as it does for the certificate; without one, some of what comes.
-        let begins = self.sizes(&[&from], loads[0].max(tolerances::path::TO_COME * loads[1]), at);
-        Ok(Some(Line { at, ends: [from, to], sizes, begins }))
-    }
-
-    /// What reactions, gaps and deflections of solutions of a line are measured by, reactions by no less than `force`.
-    fn sizes(&self, solutions: &[&ContactSolution], force: f64, at: [f64; 2]) -> Sizes {
         let loads = at.map(|t| self.load.at(t));
         // A load that hardly presses on the points says nothing of what they do, nor a plate that cannot deflect.
-        let force = match solutions.iter().map(|solution| largest(&solution.reaction)).fold(force, f64::max) {
+        let counts = |force: f64| match force {
             0.0 => self.problem.scale.largest(&loads[1]),
             force => force.max(tolerances::path::UNSEEN * self.size(at[0])),
         };
+        let force = counts(f64::max(largest(&from.reaction), largest(&to.reaction)));
         let least = loads.iter().map(|load| self.problem.least_length(load)).fold(0.0, f64::max);
-        let deflections = solutions.iter().flat_map(|solution| solution.displacement.hi.iter().step_by(3));
-        let deflection = deflections.fold(least, |most, w| most.max(w.abs()));
-        let lengths: Vec<f64> = self.lengths(solutions[0]).into_iter().map(|length| length.max(deflection)).collect();
-        Sizes { forces: self.forces(force, &lengths), lengths, deflection }
+        let ends = [from, to];
+        let deflection = ends.iter().flat_map(|end| end.displacement.hi.iter().step_by(3));
+        let deflection = deflection.fold(least, |most, w| most.max(w.abs()));
+        let lengths: Vec<f64> = self.lengths(&ends[0]).into_iter().map(|length| length.max(deflection)).collect();
+        let forces = self.forces(force, &lengths);
+        Ok(Some(Line { at, ends, forces, lengths, deflection }))
     }
 
     /// The solution with another contact set, if it stands on that too: points that differ neither press nor part.

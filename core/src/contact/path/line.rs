@@ -7,37 +7,22 @@ use crate::contact::tolerances;
 pub(super) struct Line {
     pub at: [f64; 2],
     pub ends: [ContactSolution; 2],
-    /// Over the whole line, and where it begins: the load at its far end may be many times as large.
-    pub sizes: Sizes,
-    pub begins: Sizes,
-}
-
-/// What is small is small against these.
-#[derive(Clone)]
-pub(super) struct Sizes {
-    /// Of the reaction and of the gap of every point (m,), in the caller's order.
+    /// Sizes of the reaction and of the gap of every point, and of deflections.
     pub forces: Vec<f64>,
     pub lengths: Vec<f64>,
-    /// Of deflections.
     pub deflection: f64,
 }
 
-impl Sizes {
-    /// What counts for a point of a solution: its reaction where closed, else its gap, over what it is measured by.
-    pub fn value(&self, solution: &ContactSolution, i: usize) -> f64 {
+impl Line {
+    /// What counts for a point: its reaction where closed, else its gap, at an end and over what it is measured by.
+    pub fn value(&self, end: usize, i: usize) -> f64 {
+        let solution = &self.ends[end];
         let (value, size) = if solution.closed[i] {
             (solution.reaction[i], self.forces[i])
         } else {
             (solution.gap[i], self.lengths[i])
         };
         if size > 0.0 { value / size } else { 0.0 }
-    }
-}
-
-impl Line {
-    /// What counts for a point at an end.
-    pub fn value(&self, end: usize, i: usize) -> f64 {
-        self.sizes.value(&self.ends[end], i)
     }
 
     /// How much a point's value falls from one end to the other; nothing where that is no more than rounding.

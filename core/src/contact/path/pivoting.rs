@@ -38,7 +38,7 @@ impl Follower<'_> {
                 let within = tolerances::path::MOVED * (far - t) + tolerances::path::SEEN * span;
                 line.root(&leaving, far, within).unwrap_or(far).max(t)
             });
-            let stays = |line: &Line| line.travel(t, to) <= tolerances::path::SAME_PLACE * line.sizes.deflection;
+            let stays = |line: &Line| line.travel(t, to) <= tolerances::path::SAME_PLACE * line.deflection;
             if segment.to < load.end && line.as_ref().is_some_and(stays) {
                 continue;
             }

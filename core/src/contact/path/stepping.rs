@@ -70,7 +70,7 @@ impl Follower<'_> {
     /// Beside little load, or far from a support, a first step may be too short to tell that a gap closes.
     fn until_it_counts(&mut self, line: &Line) -> Result<Option<Line>, FactorError> {
         let [t, mut far] = line.at;
-        let gap = line.begins.lengths.iter().fold(0.0, |most, &length| f64::max(most, length));
+        let gap = line.lengths.iter().fold(0.0, |most, &length| f64::max(most, length));
         let mut travel = line.travel(t, far);
         for _ in 0..LENGTHENED {
             if travel == 0.0 || travel >= tolerances::path::COUNTS * gap {
@@ -123,10 +123,10 @@ impl Follower<'_> {
     fn wrong(&self, line: &Line) -> Option<Vec<usize>> {
         let mut points = Vec::new();
         for i in self.one_sided() {
-            if line.begins.value(&line.ends[0], i) < -tolerances::path::SIGN {
+            let (now, fall) = (line.value(0, i), line.fall(i));
+            if now < -tolerances::path::SIGN {
                 return None;
             }
-            let (now, fall) = (line.value(0, i), line.fall(i));
             if fall > 0.0 && now <= tolerances::path::SAME_EVENT * fall {
                 points.push(i);
             }

@@ -1,6 +1,6 @@
 //! The stops of a path, as they are shown.
 
-use super::line::{Line, Sizes};
+use super::line::Line;
 use super::load::{PathEnd, Stop};
 use crate::contact::solution::{ContactSolution, differing};
 use crate::contact::tolerances;
@@ -8,7 +8,8 @@ use crate::contact::tolerances;
 /// Where the last line has come to, and its sizes.
 struct Arrival {
     solution: ContactSolution,
-    sizes: Sizes,
+    forces: Vec<f64>,
+    lengths: Vec<f64>,
 }
 
 /// Shows every stop to whoever watches.
@@ -22,8 +23,7 @@ impl<'a> Trail<'a> {
     /// Begins with the solution at t = 0.
     pub fn new(first: ContactSolution, visit: &'a mut dyn FnMut(Stop) -> bool) -> Self {
         let none = vec![0.0; first.gap.len()];
-        let sizes = Sizes { forces: none.clone(), lengths: none, deflection: 0.0 };
-        Self { visit, arrived: Arrival { solution: first, sizes }, begun: false }
+        Self { visit, arrived: Arrival { solution: first, forces: none.clone(), lengths: none }, begun: false }
     }
 
     /// What holds where the last line has come to.
@@ -33,7 +33,7 @@ impl<'a> Trail<'a> {
 
     /// Comes to the end of a line.
     pub fn arrive(&mut self, line: &Line, t: f64) {
-        self.arrived = Arrival { solution: line.at(t), sizes: line.sizes.clone() };
+        self.arrived = Arrival { solution: line.at(t), forces: line.forces.clone(), lengths: line.lengths.clone() };
     }
 
     /// Shows where a line leaves from: the beginning, an event, or both ends of a jump; whether to go on.
@@ -72,9 +72,8 @@ impl Arrival {
     fn jump_to(&self, begin: &ContactSolution, line: &Line) -> Option<Vec<bool>> {
         let largest = |a: f64, b: f64, size: f64| if size > 0.0 { a.abs().max(b.abs()) / size } else { 0.0 };
         let here = &self.solution;
-        let presses =
-            |i: usize| largest(here.reaction[i], begin.reaction[i], self.sizes.forces[i].max(line.sizes.forces[i]));
-        let parts = |i: usize| largest(here.gap[i], begin.gap[i], self.sizes.lengths[i].max(line.sizes.lengths[i]));
+        let presses = |i: usize| largest(here.reaction[i], begin.reaction[i], self.forces[i].max(line.forces[i]));
+        let parts = |i: usize| largest(here.gap[i], begin.gap[i], self.lengths[i].max(line.lengths[i]));
         let jumps = |&i: &usize| presses(i).max(parts(i)) > tolerances::path::JUMP;
         differing(&here.closed, &begin.closed).iter().any(jumps).then(|| {
             let stays = |i: usize| here.closed[i] == begin.closed[i];
