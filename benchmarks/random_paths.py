@@ -147,7 +147,8 @@ def faults(found, until, wild):
         yield from bent(found, segment, wild)
     if found.ending == "no_more_events":
         yield from differences(found, 7.0 * found.end, wild)
-        yield from differences(found, _FAR_OUT * found.end, wild, may_be_unsolved=True)
+        if not wild:
+            yield from differences(found, _FAR_OUT * found.end, wild, may_be_unsolved=True)
     yield from idle(found)
     yield from still(found)
 

@@ -392,6 +392,17 @@ def test_far_too_small_elements_in_an_area_are_refused_before_they_take_memory()
         discretise(model)
 
 
+def test_a_circle_within_one_element_loads_it_as_symmetrically_as_it_is() -> None:
+    """On thirds of a circle few Gauss points take what turns three times around for a force."""
+    load = [{"line_load": 1.0, "circle": {"center": [2.0, 2.0], "radius": 1.8}}]
+    found = discretise(rectangular(divisions=[1, 1], support=[{"edge": "left", "fix": "clamped"}], load=load))
+    (case,) = found.cases.values()
+    forces, apart = case.nodal[::3], np.abs(found.mesh.points - 2.0).sum(axis=1)
+    assert forces.sum() == pytest.approx(3.6 * math.pi)
+    for alike in (forces[apart > 3.0], forces[apart < 3.0]):
+        assert len(alike) == 4 and np.ptp(alike) < 3e-5 * forces.max()
+
+
 def test_a_small_circle_in_a_large_element_holds_the_plate() -> None:
     for ways in ({"resists": "both"}, {"resists": "down"}, {"fix": "simple"}):
         support = {"circle": {"center": [2.3, 1.7], "radius": 0.1}, **ways}
