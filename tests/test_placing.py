@@ -392,6 +392,15 @@ def test_far_too_small_elements_in_an_area_are_refused_before_they_take_memory()
         discretise(model)
 
 
+@pytest.mark.parametrize("place", [{"circle": {"center": [3, 0], "radius": 1e60}}, {"line": [[1, 1], [1e60, 1]]}])
+def test_what_is_drawn_far_beyond_the_plate_is_refused_before_it_is_divided(place) -> None:
+    disc = {"shape": "disc", "radius": 3, "thickness": 0.2}
+    load = [{"line_load": 1.0, **place}]
+    model = rectangular(plate=disc, mesh={"size": 1.0}, support=[{"edge": "rim", "fix": "simple"}], load=load)
+    with pytest.raises(InputError, match="is not on the plate"):
+        discretise(model)
+
+
 def test_a_circle_within_one_element_loads_it_as_symmetrically_as_it_is() -> None:
     """On thirds of a circle few Gauss points take what turns three times around for a force."""
     load = [{"line_load": 1.0, "circle": {"center": [2.0, 2.0], "radius": 1.8}}]

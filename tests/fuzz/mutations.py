@@ -70,11 +70,15 @@ _KEYS = [
     "file",
 ]
 _LARGEST_DIVISION = 8
+_ASKED = 0.03
+"""Part of the inputs that ask for an accuracy: their meshes are refined."""
 
 
 def text(rng: Random) -> bytes:
     """Draw an input file: a model, up to four things wrong in its tables, and now and then in its text."""
     tables = model(rng)
+    if rng.random() < _ASKED:
+        tables["mesh"] = {key: value for key, value in tables["mesh"].items() if key != "error"} | {"accuracy": 0.5}
     for _ in range(rng.choice([0, 0, 1, 1, 1, 2, 4])):
         rng.choice([_replace, _replace, _replace, _drop, _rename, _double, _scale, _swap])(rng, tables)
     _keep_small(tables)

@@ -68,12 +68,14 @@ def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, line
     every = [*sides, *((side, -1) for contour in contours for side in _sides_around(contour))]
     boxes = np.array([[*side.min(axis=(0, 1)), *side.max(axis=(0, 1))] for side, _ in every]).reshape(-1, 4)
     touching = _TOUCHING * max(diameter(contour.points()) for contour in contours)
+    outline = np.vstack([contour.points() for contour in contours])
+    bounds = outline.min(axis=0) - size, outline.max(axis=0) + size
     found = [np.zeros((0, 5))]
     for (side, number), box in zip(sides, boxes, strict=False):
         length = float(np.hypot(*(side[:, 1] - side[:, 0]).T).sum())
         closed = bool((side[0, 0] == side[-1, 1]).all())
         own = np.inf if number is not None else length / _AROUND if closed else length
-        pieces = _divided(side, 0.5 * size)
+        pieces = _divided(_clipped(side, *bounds), 0.5 * size)
         apart = np.full(len(pieces), min(own, size))
         close = ((boxes[:, :2] <= box[2:] + size) & (boxes[:, 2:] >= box[:2] - size)).all(axis=1)
         for other, of in (every[at] for at in np.flatnonzero(close)):
@@ -110,9 +112,23 @@ def _joined(points: Floats) -> Floats:
     return np.stack([points, np.roll(points, -1, axis=0)], axis=1)
 
 
+def _clipped(chords: Floats, low: Floats, high: Floats) -> Floats:
+    """What of chords (k, 2, 2) is in a box (Liang and Barsky 1984): circles in another unit are kilometres long."""
+    begin, along = chords[:, 0], chords[:, 1] - chords[:, 0]
+    still = along == 0.0
+    beside = (still & ((begin < low) | (begin > high))).any(axis=1)
+    at = (np.stack([low, high])[:, None] - begin) / np.where(still, 1.0, along)
+    enters = np.where(still, 0.0, at.min(axis=0)).max(axis=1).clip(0.0)
+    leaves = np.where(still, 1.0, at.max(axis=0)).min(axis=1).clip(None, 1.0)
+    ends = begin[:, None] + np.stack([enters, leaves], axis=1)[..., None] * along[:, None]
+    # Those that are wholly in it stay as they are.
+    ends = np.where(((enters == 0.0) & (leaves == 1.0))[:, None, None], chords, ends)
+    return np.asarray(ends[~beside & (enters < leaves)])
+
+
 def _divided(side: Floats, longest: float) -> Floats:
     """Pieces (q, 2, 2) of chords that are no longer."""
-    parts = []
+    parts = [np.zeros((0, 2, 2))]
     for a, b in side:
         count = max(1, int(np.ceil(np.hypot(*(b - a)) / longest)))
         stations = a + np.linspace(0.0, 1.0, count + 1)[:, None] * (b - a)

@@ -170,8 +170,7 @@ def largest_of(result: Result) -> dict[str, float]:
         "force": found["shear"] * result.mesh.size,
         **dict.fromkeys(("pressure", "max_pressure", "max_tension"), pressure),
         "contact_area": float(result.mesh.element_area.sum()),
-        "closed": 0.0,
-        "open": 0.0,
+        **dict.fromkeys(_COUNTS, 0.0),
     }
 
 
@@ -197,7 +196,7 @@ def sizes_of(numbers: Mapping[Path, Floats], model: Model, mesh: Mesh) -> dict[s
         found[kind] = np.maximum(found.get(kind, none), least)
     pressed = np.max([found.get(kind, none) for kind in ("pressure", "max_pressure", "max_tension")], axis=0)
     found |= dict.fromkeys(("pressure", "max_tension"), pressed)
-    return found | {"contact_area": none + mesh.element_area.sum(), "closed": none, "open": none, "closed_part": none}
+    return found | {"contact_area": none + mesh.element_area.sum()} | dict.fromkeys(_COUNTS, none)
 
 
 def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[str, Floats]:
