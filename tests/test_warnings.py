@@ -174,6 +174,14 @@ def test_a_bed_that_holds_the_plate_down_unsaid_beside_supports_that_do_not() ->
         assert warned(support=[both, *beside]) == ()
 
 
+def test_a_bed_that_pulls_unsaid() -> None:
+    bed = {"name": "soil", "area": "all", "stiffness": 1e5}
+    aside = [{"force": 100, "at": [0.5, 0.5]}]
+    (sentence,) = warned(support=[bed], load=aside)
+    assert sentence.startswith("soil pulls the plate down, with up to ") and "since resists is left out." in sentence
+    assert warned(support=[bed | {"resists": "both"}], load=aside) == warned(support=[bed]) == ()
+
+
 def test_two_rigid_points_at_one_place() -> None:
     props = {"name": "props", "at": [[2, 2], [3, 1]], "resists": "down"}
     first, second = warned(support=[PADS, props])

@@ -55,7 +55,7 @@ def _round(rng: Random) -> Tables:
     """A round plate on its rim above a ring or a bed, which it meets all around at nearly one t."""
     gap, thickness = 10.0 ** rng.uniform(-5, -2), 10.0 ** rng.uniform(-2.5, -0.5)
     # About what closes the gap, over t.
-    pressure = 30e9 * thickness**3 * gap * 10.0 ** rng.uniform(-9, 6)
+    pressure = 30e9 * thickness**3 * gap * 10.0 ** rng.uniform(-18, 9)
     sector = rng.choice([90, 180, 360])
     place = rng.choice([{"circle": {"radius": rng.uniform(0.1, 0.8)}}, {"area": "all"}])
     stiffness = {} if rng.random() < 0.3 else {"stiffness": 10.0 ** rng.uniform(5, 9)}

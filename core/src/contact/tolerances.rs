@@ -160,8 +160,12 @@ pub(super) mod path {
     /// Travel, over the largest deflection, within which events of pivots are one.
     pub(crate) const SAME_PLACE: f64 = 1e-10;
 
-    /// Of what is added, so little says nothing of how far to step: an event at no load that rounding leaves there.
+    /// Of a unit of what is added, so little says nothing of how far to step: an event at no load that rounding leaves there.
     pub(crate) const NO_LOAD: f64 = 1e-9;
+
+    /// Part of t = 1 below which a plate that moves by its least gap needs a smaller unit: ten thousand times more than
+    /// [`NO_LOAD`] and than what is one event.
+    pub(crate) const FAR_BELOW: f64 = 1e-4;
 
     /// How far beyond an event, over a step, a solve tells the contact set after it where switching does not.
     pub(crate) const BEYOND: [f64; 5] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11];

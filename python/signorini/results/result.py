@@ -172,7 +172,7 @@ class Result(Remade):
             tuple(probe_results(fields, nodes, supports, found.probes, found.probe_positions)),
             *section_results(found, through),
             time.perf_counter() - begun,
-            result_warnings(found, load, nodal[:, 0], answer.not_unique),
+            result_warnings(found, load, nodal[:, 0], supports, answer.not_unique),
             singularities(found, load.acting),
         )
 

@@ -24,6 +24,7 @@ from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.model.zone import KEYS
 from signorini.results.prying import prying
 from signorini.results.support_points import SupportPoints
+from signorini.results.support_result import SupportResult
 from signorini.results.unit_slips import unit_slips
 from signorini.shapes.depths import depth
 from signorini.shapes.distances import distances
@@ -38,6 +39,9 @@ _INSIDE = 1e-6
 """Part of the plate's size by which a point of one area must be inside another: areas that touch do not overlap."""
 _NOTHING = 1e-9
 """Part of a couple that is rounding."""
+_HARDLY = 1e-6
+"""Part of the largest pressure up to which a tension is none."""
+_UNSAID = ', since resists is left out. Say resists = "down" if the plate can lift off it, "both" if it cannot.'
 _MOST = 0.75
 """Part of the plate beside places where moments have no limit, from which on the largest moments say little of it.
 Covers of flanges, thick and on many bolts, have half."""
@@ -75,10 +79,15 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
 
 
 def result_warnings(
-    found: Discretisation, load: CaseLoad, deflection: Floats, not_unique: Sequence[NotUnique]
+    found: Discretisation,
+    load: CaseLoad,
+    deflection: Floats,
+    supports: Sequence[SupportResult],
+    not_unique: Sequence[NotUnique],
 ) -> tuple[str, ...]:
     """Say what of one combination is seldom meant, behind what is of the model."""
     warned = [*model_warnings(found), *idle_cases(found.model), *no_resultant(found, load), *too_far(found, deflection)]
+    warned += _beds_that_pull(found.model, supports)
     return (*warned, *(f"{str(one)[0].upper()}{str(one)[1:]}." for one in not_unique))
 
 
@@ -173,14 +182,30 @@ def _never_act(found: Discretisation) -> Iterator[str]:
 
 def _beds_both_ways(model: Model) -> Iterator[str]:
     """Beds that hold the plate down too beside supports that say that they do not: soil and grout hardly do."""
-    if all(support.resists in (None, "both") for support in model.support):
+    if _some_one_way(model):
+        yield from (f"{name} holds the plate down too{_UNSAID}" for name in _beds_unsaid(model))
+
+
+def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator[str]:
+    """Beds that pull where nobody has said that they can; said of the model already where others hold one way."""
+    if _some_one_way(model):
         return
+    unsaid = set(_beds_unsaid(model))
+    for support in supports:
+        if support.name in unsaid and support.area is not None:
+            pull = support.area.max_tension
+            if pull > _HARDLY * max(pull, support.area.max_pressure):
+                yield f"{support.name} pulls the plate down, with up to {pull:.4g} per area{_UNSAID}"
+
+
+def _some_one_way(model: Model) -> bool:
+    return any(support.resists in ("down", "up") for support in model.support)
+
+
+def _beds_unsaid(model: Model) -> Iterator[str]:
     for support in model.support:
         if support.area is not None and support.holds_both_ways_unsaid:
-            yield (
-                f'{support.name} holds the plate down too, since resists is left out. Say resists = "down" if the '
-                'plate can lift off it, "both" if it cannot.'
-            )
+            yield support.name
 
 
 def _unrefined(found: Discretisation) -> Iterator[str]:

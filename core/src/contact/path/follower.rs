@@ -101,13 +101,47 @@ impl<'a> Follower<'a> {
         start + self.span(t) * add
     }
 
-    /// A step of t that changes the load about as much as there is of it; where there is none, the load that is added.
+    /// A step of t that changes the load about as much as there is of it; where there is none, a unit of what is added.
     pub fn span(&self, t: f64) -> f64 {
         let [start, add] = self.parts();
-        match f64::max(start / add, t) {
-            span if span > tolerances::path::NO_LOAD && span.is_finite() => span,
-            _ => 1.0,
+        let there = start / add;
+        if there > 0.0 && there.is_finite() {
+            there.max(t)
+        } else if t > tolerances::path::NO_LOAD {
+            t
+        } else {
+            1.0
         }
+    }
+
+    /// From no load, a unit of t in which the plate moves by about its least gap, a power of two; 1 if that is not far
+    /// below it, and where nothing tells.
+    fn unit(&mut self) -> Result<f64, FactorError> {
+        if self.parts()[0] != 0.0 {
+            return Ok(1.0);
+        }
+        let rest = self.solution(0.0, None)?;
+        let apart = |a: &ContactSolution, b: &ContactSolution| {
+            let (a, b) = (&a.displacement.hi, &b.displacement.hi);
+            a.iter().zip(b).step_by(3).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+        };
+        // On bases that have moved, points in contact have gaps of rounding.
+        let least = tolerances::path::SIGN * apart(&rest, &self.problem.at_rest(self.load.held_value));
+        let gap = self.one_sided().map(|i| rest.gap[i]).filter(|&gap| gap > least).fold(f64::INFINITY, f64::min);
+        if rest.outcome != Outcome::Solved || gap.is_infinite() {
+            return Ok(1.0);
+        }
+        let far = f64::min(1.0, 0.5 * self.load.end);
+        let travel = match self.line(&rest.closed.clone(), [0.0, far], Some(&rest))? {
+            Some(line) => line.travel(0.0, far),
+            // How far a plate that floats at first falls does not go with its load; how it bends then does.
+            None => {
+                let half = self.solution(0.5 * far, Some(&rest))?;
+                2.0 * apart(&self.solution(far, Some(&half))?, &half)
+            }
+        };
+        let unit = gap * far / travel;
+        Ok(if unit > 0.0 && unit < tolerances::path::FAR_BELOW { unit.log2().floor().exp2() } else { 1.0 })
     }
 
     /// Sizes of the load that is there and of the one that is added.
@@ -177,9 +211,17 @@ impl ContactProblem {
         visit: &mut dyn FnMut(Stop) -> bool,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<PathEnd, FactorError> {
-        let how = OnSet { uncondensed: load.proximal, ..OnSet::default() };
-        let mut follower = Follower { problem: self, load, how, watch, interrupted: false, lines: 0 };
-        let end = follower.follow(visit)?;
+        let how = || OnSet { uncondensed: load.proximal, ..OnSet::default() };
+        let mut follower = Follower { problem: self, load, how: how(), watch, interrupted: false, lines: 0 };
+        let unit = follower.unit()?;
+        if follower.interrupted {
+            return Ok(PathEnd::Interrupted);
+        }
+        let add: Vec<f64> = load.add.iter().map(|force| unit * force).collect();
+        let load = &PathLoad { add: &add, end: load.end / unit, ..*load };
+        let mut follower =
+            Follower { problem: self, load, how: how(), watch: follower.watch, interrupted: false, lines: 0 };
+        let end = follower.follow(&mut |stop| visit(Stop { t: unit * stop.t, ..stop }))?;
         Ok(if follower.interrupted { PathEnd::Interrupted } else { end })
     }
 }
