@@ -182,6 +182,24 @@ def test_a_bed_that_pulls_unsaid() -> None:
     assert warned(support=[bed | {"resists": "both"}], load=aside) == warned(support=[bed]) == ()
 
 
+def test_reactions_that_pry_without_a_place_that_is_named() -> None:
+    pad = {"name": "pad", "area": {"circle": {"center": [0, 0], "radius": 1.5}}, "resists": "up"}
+    ring = {"name": "ring", "resists": "down"}
+    given = {
+        "plate": {"shape": "disc", "radius": 2.0, "thickness": 0.2},
+        "mesh": {"size": 0.3, "error": False},
+        "load": [{"moment": [100.0, 30.0], "at": [0.1, 1.0]}, {"pressure": 0.1}],
+    }
+
+    def said(circle: dict[str, object]) -> list[str]:
+        sentences = warned(support=[ring | {"circle": circle}, pad], **given)
+        return [sentence for sentence in sentences if "times what acts" in sentence]
+
+    (sentence,) = said({"center": [0, 1e-3], "radius": 1.5})
+    assert sentence.startswith("Reactions of ring and pad add up to ")
+    assert not said({"center": [0, 0], "radius": 1.5}) and not said({"center": [0, 0], "radius": 1.8})
+
+
 def test_two_rigid_points_at_one_place() -> None:
     props = {"name": "props", "at": [[2, 2], [3, 1]], "resists": "down"}
     first, second = warned(support=[PADS, props])

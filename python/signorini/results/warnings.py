@@ -41,6 +41,9 @@ _NOTHING = 1e-9
 """Part of a couple that is rounding."""
 _HARDLY = 1e-6
 """Part of the largest pressure up to which a tension is none."""
+_OUTWEIGHS = 1e3
+"""Reactions over forces that act, and couples over the thickness, that no lever explains: supports would have to be a
+thousandth of the thickness apart."""
 _UNSAID = ', since resists is left out. Say resists = "down" if the plate can lift off it, "both" if it cannot.'
 _MOST = 0.75
 """Part of the plate beside places where moments have no limit, from which on the largest moments say little of it.
@@ -88,6 +91,7 @@ def result_warnings(
     """Say what of one combination is seldom meant, behind what is of the model."""
     warned = [*model_warnings(found), *idle_cases(found.model), *no_resultant(found, load), *too_far(found, deflection)]
     warned += _beds_that_pull(found.model, supports)
+    warned += _outweighing(found, load, supports)
     return (*warned, *(f"{str(one)[0].upper()}{str(one)[1:]}." for one in not_unique))
 
 
@@ -196,6 +200,22 @@ def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator
             pull = support.area.max_tension
             if pull > _HARDLY * max(pull, support.area.max_pressure):
                 yield f"{support.name} pulls the plate down, with up to {pull:.4g} per area{_UNSAID}"
+
+
+def _outweighing(found: Discretisation, load: CaseLoad, supports: Sequence[SupportResult]) -> Iterator[str]:
+    """Reactions far beyond what loads can ask for: supports all but touch, and pry the plate apart between them."""
+    moved = load.curvature.any() or found.held.values.any() or found.springs.base.any()
+    if moved or found.points.settlement.any() or found.points.distance.any():
+        return
+    forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0).tolist()
+    acting = forces + sum(couples) / float(found.thickness.min())
+    sums = {support.name: float(np.abs(support.reactions).sum()) for support in supports}
+    if acting and (most := max(sums.values(), default=0.0)) > _OUTWEIGHS * acting:
+        names = " and ".join(name for name, value in sums.items() if value > 0.1 * most)
+        yield (
+            f"Reactions of {names} add up to {most:.4g}, {most / acting:.1g} times what acts: rigid supports that all "
+            "but touch pry the plate apart between them. Let them coincide, move them apart, or give them a stiffness."
+        )
 
 
 def _some_one_way(model: Model) -> bool:
