@@ -163,7 +163,7 @@ pub(super) mod path {
     /// Of a unit of what is added, so little says nothing of how far to step: an event at no load that rounding leaves there.
     pub(crate) const NO_LOAD: f64 = 1e-9;
 
-    /// Part of t = 1 below which a plate that moves by its least gap needs a smaller unit: ten thousand times more than
+    /// Part of t = 1 below which a plate that moves by its least gap needs a smaller unit: a hundred thousand times more than
     /// [`NO_LOAD`] and than what is one event.
     pub(crate) const FAR_BELOW: f64 = 1e-4;
 
