@@ -106,13 +106,12 @@ def no_resultant(found: Discretisation, load: CaseLoad) -> Iterator[str]:
     """Whether forces act that sum to zero, or nothing acts at all, and no support moves either."""
     if load.curvature.any():
         return
-    moved = found.held.values.any() or found.springs.base.any() or found.points.settlement.any()
     forces = load.nodal[::3]
     total = float(np.abs(forces).sum())
     cancel = total and abs(forces.sum()) <= NO_FORCE * total
     if cancel and not any(one.couple is not None and one.given(FOOTPRINT) for one in found.model.load):
         yield "The load's resultant is zero: its forces cancel each other. Is each of the sign that is meant?"
-    elif not load.nodal.any() and not moved:
+    elif not load.nodal.any() and not _some_base_moves(found):
         yield "No load acts."
 
 
@@ -199,13 +198,12 @@ def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator
         if support.name in unsaid and support.area is not None:
             pull = support.area.max_tension
             if pull > _HARDLY * max(pull, support.area.max_pressure):
-                yield f"{support.name} pulls the plate down, with up to {pull:.4g} per area{_UNSAID}"
+                yield f"{support.name} pulls the plate down, with up to {_with_unit(model, pull, -2)}{_UNSAID}"
 
 
 def _outweighing(found: Discretisation, load: CaseLoad, supports: Sequence[SupportResult]) -> Iterator[str]:
     """Reactions far beyond what loads can ask for: supports all but touch, and pry the plate apart between them."""
-    moved = load.curvature.any() or found.held.values.any() or found.springs.base.any()
-    if moved or found.points.settlement.any() or found.points.distance.any():
+    if load.curvature.any() or _some_base_moves(found) or found.points.distance.any():
         return
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0).tolist()
     acting = forces + sum(couples) / float(found.thickness.min())
@@ -213,9 +211,19 @@ def _outweighing(found: Discretisation, load: CaseLoad, supports: Sequence[Suppo
     if acting and (most := max(sums.values(), default=0.0)) > _OUTWEIGHS * acting:
         names = " and ".join(name for name, value in sums.items() if value > 0.1 * most)
         yield (
-            f"Reactions of {names} add up to {most:.4g}, {most / acting:.1g} times what acts: rigid supports that all "
-            "but touch pry the plate apart between them. Let them coincide, move them apart, or give them a stiffness."
+            f"Reactions of {names} add up to {_with_unit(found.model, most, 0)}, {most / acting:.1g} times what acts: "
+            "rigid supports that all but touch pry the plate apart between them. Let them coincide, move them apart, "
+            "or give them a stiffness."
         )
+
+
+def _some_base_moves(found: Discretisation) -> bool:
+    return bool(found.held.values.any() or found.springs.base.any() or found.points.settlement.any())
+
+
+def _with_unit(model: Model, value: float, power: int) -> str:
+    """A force times a power of a length."""
+    return f"{value:.4g} {model.units.force_by_length(power)}".rstrip()
 
 
 def _some_one_way(model: Model) -> bool:

@@ -1,6 +1,6 @@
 //! Who follows a path from its first solution on: what solves it from one line to the next, and is watched.
 
-use super::line::Line;
+use super::line::{Line, travel};
 use super::load::{PathEnd, PathLoad, Stop};
 use super::trail::Trail;
 use crate::cholesky::FactorError;
@@ -116,31 +116,30 @@ impl<'a> Follower<'a> {
 
     /// From no load, a unit of t in which the plate moves by about its least gap, a power of two; 1 if that is not far
     /// below it, and where nothing tells.
-    fn unit(&mut self) -> Result<f64, FactorError> {
+    fn unit(&mut self, rest: &ContactSolution) -> Result<f64, FactorError> {
         if self.parts()[0] != 0.0 {
             return Ok(1.0);
         }
-        let rest = self.solution(0.0, None)?;
-        let apart = |a: &ContactSolution, b: &ContactSolution| {
-            let (a, b) = (&a.displacement.hi, &b.displacement.hi);
-            a.iter().zip(b).step_by(3).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
-        };
         // On bases that have moved, points in contact have gaps of rounding.
-        let least = tolerances::path::SIGN * apart(&rest, &self.problem.at_rest(self.load.held_value));
+        let least = tolerances::path::SIGN * travel(&self.problem.at_rest(self.load.held_value), rest);
         let gap = self.one_sided().map(|i| rest.gap[i]).filter(|&gap| gap > least).fold(f64::INFINITY, f64::min);
-        if rest.outcome != Outcome::Solved || gap.is_infinite() {
+        if gap.is_infinite() {
             return Ok(1.0);
         }
         let far = f64::min(1.0, 0.5 * self.load.end);
-        let travel = match self.line(&rest.closed.clone(), [0.0, far], Some(&rest))? {
+        let moved = match self.line(&rest.closed, [0.0, far], Some(rest))? {
             Some(line) => line.travel(0.0, far),
             // How far a plate that floats at first falls does not go with its load; how it bends then does.
             None => {
-                let half = self.solution(0.5 * far, Some(&rest))?;
-                2.0 * apart(&self.solution(far, Some(&half))?, &half)
+                let half = self.solution(0.5 * far, Some(rest))?;
+                if half.outcome != Outcome::Solved {
+                    return Ok(1.0);
+                }
+                let whole = self.solution(far, Some(&half))?;
+                if whole.outcome == Outcome::Solved { 2.0 * travel(&half, &whole) } else { 0.0 }
             }
         };
-        let unit = gap * far / travel;
+        let unit = gap * far / moved;
         Ok(if unit > 0.0 && unit < tolerances::path::FAR_BELOW { unit.log2().floor().exp2() } else { 1.0 })
     }
 
@@ -211,28 +210,29 @@ impl ContactProblem {
         visit: &mut dyn FnMut(Stop) -> bool,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<PathEnd, FactorError> {
-        let how = || OnSet { uncondensed: load.proximal, ..OnSet::default() };
-        let mut follower = Follower { problem: self, load, how: how(), watch, interrupted: false, lines: 0 };
-        let unit = follower.unit()?;
-        if follower.interrupted {
-            return Ok(PathEnd::Interrupted);
-        }
-        let add: Vec<f64> = load.add.iter().map(|force| unit * force).collect();
-        let load = &PathLoad { add: &add, end: load.end / unit, ..*load };
-        let mut follower =
-            Follower { problem: self, load, how: how(), watch: follower.watch, interrupted: false, lines: 0 };
-        let end = follower.follow(&mut |stop| visit(Stop { t: unit * stop.t, ..stop }))?;
+        let how = OnSet { uncondensed: load.proximal, ..OnSet::default() };
+        let (add, counted);
+        let mut follower = Follower { problem: self, load, how, watch, interrupted: false, lines: 0 };
+        let first = follower.solution(0.0, None)?;
+        let end = match first.outcome {
+            Outcome::Solved => {
+                let unit = follower.unit(&first)?;
+                add = load.add.iter().map(|force| unit * force).collect::<Vec<f64>>();
+                counted = PathLoad { add: &add, end: load.end / unit, ..*load };
+                follower.load = &counted;
+                follower.follow(first, &mut |stop| visit(Stop { t: unit * stop.t, ..stop }))?
+            }
+            Outcome::NoEquilibrium => PathEnd::NoEquilibrium,
+            _ => PathEnd::Unsolved,
+        };
         Ok(if follower.interrupted { PathEnd::Interrupted } else { end })
     }
 }
 
 impl Follower<'_> {
-    fn follow(&mut self, visit: &mut dyn FnMut(Stop) -> bool) -> Result<PathEnd, FactorError> {
-        let first = self.solution(0.0, None)?;
-        match first.outcome {
-            Outcome::Solved => {}
-            Outcome::NoEquilibrium => return Ok(PathEnd::NoEquilibrium),
-            _ => return Ok(PathEnd::Unsolved),
+    fn follow(&mut self, first: ContactSolution, visit: &mut dyn FnMut(Stop) -> bool) -> Result<PathEnd, FactorError> {
+        if self.interrupted {
+            return Ok(PathEnd::Interrupted);
         }
         let mut trail = Trail::new(first, visit);
         if self.load.end <= 0.0 {

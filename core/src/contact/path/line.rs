@@ -13,6 +13,12 @@ pub(super) struct Line {
     pub deflection: f64,
 }
 
+/// Largest change of the deflection from one solution to another.
+pub(super) fn travel(a: &ContactSolution, b: &ContactSolution) -> f64 {
+    let change = |i: usize| (b.displacement.at(i) - a.displacement.at(i)).value().abs();
+    (0..a.displacement.hi.len()).step_by(3).map(change).fold(0.0, f64::max)
+}
+
 impl Line {
     /// What counts for a point: its reaction where closed, else its gap, at an end and over what it is measured by.
     pub fn value(&self, end: usize, i: usize) -> f64 {
@@ -34,9 +40,7 @@ impl Line {
     /// Largest change of the deflection between two t.
     pub fn travel(&self, from: f64, to: f64) -> f64 {
         let [a, b] = &self.ends;
-        let change = |i: usize| (b.displacement.at(i) - a.displacement.at(i)).value().abs();
-        let whole = (0..a.displacement.hi.len()).step_by(3).map(change).fold(0.0, f64::max);
-        whole * (to - from) / (self.at[1] - self.at[0])
+        travel(a, b) * (to - from) / (self.at[1] - self.at[0])
     }
 
     /// Whether no value of these points is negative between two t.
