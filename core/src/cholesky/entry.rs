@@ -13,6 +13,8 @@ pub(super) trait Entry: Copy + Send + Sync {
 
     fn add(&mut self, other: Self);
 
+    fn negate(&mut self);
+
     fn is_zero(&self) -> bool;
 
     /// vector ← (L₁⁻¹v₁, −L₂L₁⁻¹v₁) for the columns (L₁, L₂) of a supernode, whose v₂ is zero.
@@ -27,6 +29,10 @@ impl Entry for f64 {
 
     fn add(&mut self, other: Self) {
         *self += other;
+    }
+
+    fn negate(&mut self) {
+        *self = -*self;
     }
 
     fn is_zero(&self) -> bool {
@@ -52,6 +58,10 @@ impl Entry for Lanes {
 
     fn add(&mut self, other: Self) {
         self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a += b);
+    }
+
+    fn negate(&mut self) {
+        self.0.iter_mut().for_each(|value| *value = -*value);
     }
 
     fn is_zero(&self) -> bool {

@@ -5,7 +5,8 @@ use crate::dense;
 /// Why there is no factor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FactorError {
-    /// The pivot of this column is not positive: something can move, or the arithmetic is at its end.
+    /// The pivot of this column is not positive, or not negative where [`is_negative`](super::Matrix::is_negative) says that
+    /// it is: something can move, or the arithmetic is at its end.
     NotPositiveDefinite { column: usize },
     /// The factor does not fit into memory.
     OutOfMemory,
@@ -16,7 +17,9 @@ pub enum FactorError {
 impl std::fmt::Display for FactorError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::NotPositiveDefinite { column } => write!(f, "the pivot of column {column} is not positive"),
+            Self::NotPositiveDefinite { column } => {
+                write!(f, "the pivot of column {column} is zero or of the wrong sign")
+            }
             Self::OutOfMemory => write!(f, "the factor does not fit into memory"),
             Self::TooLarge { bytes, room } => {
                 let [takes, free] = [bytes, room].map(|&size| size as f64 / 1e9);

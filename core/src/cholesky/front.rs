@@ -1,5 +1,8 @@
 //! Dense elimination: the first columns of a symmetric matrix, of which only the lower triangle is there.
+//!
+//! Pivots have the given signs S, 1 or −1: A = L S Lᵀ. Products of columns whose signs are all 1 do without them.
 
+use crate::vectorized::vectorized;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::matmul;
@@ -27,33 +30,78 @@ pub(super) fn scratch() -> Option<MemBuffer> {
 
 /// Overwrites the lower part of `panel`, (height, width) by columns, with that of L.
 ///
-/// Fails with the column whose pivot is not positive.
-pub(super) fn eliminate(panel: &mut [f64], height: usize, scratch: &mut MemBuffer) -> Result<(), usize> {
+/// Fails with the column whose pivot does not have its sign.
+pub(super) fn eliminate(panel: &mut [f64], height: usize, signs: &[f64], scratch: &mut MemBuffer) -> Result<(), usize> {
     let width = panel.len() / height;
     for first in (0..width).step_by(BLOCK) {
         let count = BLOCK.min(width - first);
+        let signs = &signs[first..first + count];
+        let signed = has_negative(signs);
         let (done, rest) = panel[first * height..].split_at_mut(count * height);
-        let block = MatMut::from_column_major_slice_mut(done, height, count);
+        if signed {
+            eliminate_signed(&mut done[first..], height, signs).map_err(|index| first + index)?;
+        }
+        let block = MatMut::from_column_major_slice_mut(&mut *done, height, count);
         let (mut head, tail) = block.split_at_row_mut(first).1.split_at_row_mut(count);
-        let memory = MemStack::new(scratch);
-        cholesky_in_place(head.as_mut(), Default::default(), Par::Seq, memory, Default::default())
-            .map_err(|LltError::NonPositivePivot { index }| first + index)?;
+        if !signed {
+            let memory = MemStack::new(scratch);
+            cholesky_in_place(head.as_mut(), Default::default(), Par::Seq, memory, Default::default())
+                .map_err(|LltError::NonPositivePivot { index }| first + index)?;
+        }
         if tail.nrows() == 0 {
             continue;
         }
         let head = head.as_ref();
         tail.par_row_chunks_mut(ROWS)
             .for_each(|rows| solve_lower_triangular_in_place(head, rows.transpose_mut(), Par::Seq));
+        if signed {
+            // What was solved for is L₂S.
+            for (column, _) in done.chunks_exact_mut(height).zip(signs).filter(|&(_, &sign)| sign < 0.0) {
+                column[first + count..].iter_mut().for_each(|value| *value = -*value);
+            }
+        }
         let done = &*done;
         rest.par_chunks_mut(TILE * height).enumerate().for_each(|(tile, columns)| {
-            subtract_square(done, height, first + count + tile * TILE, columns, 0, Accum::Add);
+            subtract_square(done, height, signs, first + count + tile * TILE, columns, 0, Accum::Add);
         });
     }
     Ok(())
 }
 
-/// Overwrites `rest` with −L₂L₂ᵀ for the rows of L below its first `width`, as `merge` reads it.
-pub(super) fn leave(panel: &[f64], height: usize, mut rest: &mut [f64]) {
+fn has_negative(signs: &[f64]) -> bool {
+    signs.iter().any(|&sign| sign < 0.0)
+}
+
+/// Overwrites the lower triangle of a square block, whose columns are `height` apart, with that of L, column by column.
+///
+/// Fails with the column whose pivot does not have its sign.
+fn eliminate_signed(block: &mut [f64], height: usize, signs: &[f64]) -> Result<(), usize> {
+    let count = signs.len();
+    vectorized(
+        #[inline(always)]
+        || {
+            for j in 0..count {
+                let (before, rest) = block.split_at_mut(j * height);
+                let own = &mut rest[j..count];
+                for (column, sign) in before.chunks_exact(height).zip(signs) {
+                    let l = sign * column[j];
+                    own.iter_mut().zip(&column[j..count]).for_each(|(value, other)| *value -= l * other);
+                }
+                let pivot = signs[j] * own[0];
+                if !(pivot > 0.0 && pivot.is_finite()) {
+                    return Err(j);
+                }
+                own[0] = pivot.sqrt();
+                let scale = signs[j] * own[0];
+                own[1..].iter_mut().for_each(|value| *value /= scale);
+            }
+            Ok(())
+        },
+    )
+}
+
+/// Overwrites `rest` with −L₂SL₂ᵀ for the rows of L below its first `width`, as `merge` reads it.
+pub(super) fn leave(panel: &[f64], height: usize, signs: &[f64], mut rest: &mut [f64]) {
     let width = panel.len() / height;
     let mut tiles = Vec::new();
     for from in (width..height).step_by(TILE) {
@@ -61,23 +109,39 @@ pub(super) fn leave(panel: &[f64], height: usize, mut rest: &mut [f64]) {
         tiles.push((from, tile));
         rest = after;
     }
-    tiles.into_par_iter().for_each(|(from, tile)| subtract_square(panel, height, from, tile, from, Accum::Replace));
+    tiles
+        .into_par_iter()
+        .for_each(|(from, tile)| subtract_square(panel, height, signs, from, tile, from, Accum::Replace));
 }
 
-/// Takes L Lᵀ off columns of a symmetric matrix from `from` on, whose first `skipped` rows are left out.
-fn subtract_square(l: &[f64], height: usize, from: usize, columns: &mut [f64], skipped: usize, accum: Accum) {
+/// Takes L S Lᵀ off columns of a symmetric matrix from `from` on, whose first `skipped` rows are left out.
+fn subtract_square(
+    l: &[f64],
+    height: usize,
+    signs: &[f64],
+    from: usize,
+    columns: &mut [f64],
+    skipped: usize,
+    accum: Accum,
+) {
     let count = columns.len() / (height - skipped);
     let columns = MatMut::from_column_major_slice_mut(columns, height - skipped, count);
     let (mut head, mut tail) = columns.split_at_row_mut(from - skipped).1.split_at_row_mut(count);
     let mut rows = Vec::new();
-    for (at, l) in l.chunks(DEPTH * height).enumerate() {
+    for (at, (l, signs)) in l.chunks(DEPTH * height).zip(signs.chunks(DEPTH)).enumerate() {
         let accum = if at == 0 { accum } else { Accum::Add };
         let width = l.len() / height;
         let (own, below) = MatRef::from_column_major_slice(l, height, width).split_at_row(from).1.split_at_row(count);
         let mut transposed = own.transpose();
         rows.clear();
-        if tail.nrows() >= TALL && rows.try_reserve_exact(width * count).is_ok() {
+        let signed = has_negative(signs);
+        if signed || (tail.nrows() >= TALL && rows.try_reserve_exact(width * count).is_ok()) {
             copy_rows(l, height, from, count, &mut rows);
+            if signed {
+                for row in rows.chunks_exact_mut(width) {
+                    row.iter_mut().zip(signs).for_each(|(value, sign)| *value *= sign);
+                }
+            }
             transposed = MatRef::from_column_major_slice(&rows, width, count);
         }
         let whole = BlockStructure::Rectangular;
@@ -111,34 +175,70 @@ mod tests {
     use super::*;
     use crate::cholesky::merge::triangle;
 
+    const WIDTH: usize = DEPTH + 20;
+    const HEIGHT: usize = WIDTH + TALL + 2 * TILE + 5;
+
+    fn entry(row: usize, column: usize, signs: &[f64]) -> f64 {
+        let value = ((row * 7 + column * 13) as f64).sin();
+        if row == column { signs.get(row).unwrap_or(&1.0) * 2.0 * HEIGHT as f64 } else { value }
+    }
+
+    fn eliminated(signs: &[f64]) -> Vec<f64> {
+        let mut l: Vec<f64> = (0..WIDTH * HEIGHT).map(|at| entry(at % HEIGHT, at / HEIGHT, signs)).collect();
+        eliminate(&mut l, HEIGHT, signs, &mut scratch().unwrap()).unwrap();
+        l
+    }
+
+    fn signs(is_negative: impl Fn(usize) -> bool) -> Vec<f64> {
+        (0..WIDTH).map(|k| if is_negative(k) { -1.0 } else { 1.0 }).collect()
+    }
+
     /// Some tiles are tall, some not, and the columns are taken off in two steps.
     #[test]
     fn a_large_front_is_that_of_its_products() {
-        let (width, height) = (DEPTH + 20, DEPTH + 20 + TALL + 2 * TILE + 5);
-        let entry = |row: usize, column: usize| {
-            let value = ((row * 7 + column * 13) as f64).sin();
-            if row == column { 2.0 * height as f64 } else { value }
-        };
-        let mut l: Vec<f64> = (0..width * height).map(|at| entry(at % height, at / height)).collect();
-        eliminate(&mut l, height, &mut scratch().unwrap()).unwrap();
-        let mut rest = vec![f64::NAN; triangle(height - width)];
-        leave(&l, height, &mut rest);
-        let product =
-            |i: usize, j: usize| -> f64 { (0..width.min(j + 1)).map(|k| l[k * height + i] * l[k * height + j]).sum() };
-        for j in (0..width).step_by(7) {
-            for i in (j..height).step_by(11) {
-                assert!((product(i, j) - entry(i, j)).abs() < 1e-10 * height as f64);
+        for signs in [signs(|_| false), signs(|k| k % 3 == 1), signs(|k| k == 2 * BLOCK), signs(|_| true)] {
+            let l = eliminated(&signs);
+            let mut rest = vec![f64::NAN; triangle(HEIGHT - WIDTH)];
+            leave(&l, HEIGHT, &signs, &mut rest);
+            let product = |i: usize, j: usize| -> f64 {
+                (0..WIDTH.min(j + 1)).map(|k| signs[k] * l[k * HEIGHT + i] * l[k * HEIGHT + j]).sum()
+            };
+            for j in (0..WIDTH).step_by(7) {
+                for i in (j..HEIGHT).step_by(11) {
+                    assert!((product(i, j) - entry(i, j, &signs)).abs() < 1e-10 * HEIGHT as f64);
+                }
+            }
+            let mut at = 0;
+            for first in (WIDTH..HEIGHT).step_by(TILE) {
+                for j in first..HEIGHT.min(first + TILE) {
+                    for i in (j..HEIGHT).step_by(11) {
+                        let left = rest[at + i - first];
+                        assert!((product(i, j) + left).abs() < 1e-12 * HEIGHT as f64);
+                    }
+                    at += HEIGHT - first;
+                }
             }
         }
-        let mut at = 0;
-        for first in (width..height).step_by(TILE) {
-            for j in first..height.min(first + TILE) {
-                for i in (j..height).step_by(11) {
-                    let left = rest[at + i - first];
-                    assert!((product(i, j) + left).abs() < 1e-12 * height as f64);
-                }
-                at += height - first;
-            }
+    }
+
+    #[test]
+    fn columns_have_the_bits_of_positive_pivots_up_to_the_block_of_the_first_negative_one() {
+        let positive = eliminated(&signs(|_| false));
+        let signed = eliminated(&signs(|k| k > 2 * BLOCK));
+        for k in 0..2 * BLOCK {
+            let column = k * HEIGHT + k..(k + 1) * HEIGHT;
+            assert!(positive[column.clone()] == signed[column]);
+        }
+    }
+
+    #[test]
+    fn a_pivot_of_the_wrong_sign_is_named() {
+        let right = signs(|k| k % 3 == 1);
+        for wrong in [0, 1, BLOCK - 1, BLOCK, 3 * BLOCK + 1, WIDTH - 1] {
+            let mut l: Vec<f64> = (0..WIDTH * HEIGHT).map(|at| entry(at % HEIGHT, at / HEIGHT, &right)).collect();
+            let mut signs = right.clone();
+            signs[wrong] = -signs[wrong];
+            assert_eq!(eliminate(&mut l, HEIGHT, &signs, &mut scratch().unwrap()), Err(wrong));
         }
     }
 }

@@ -10,4 +10,12 @@ pub trait Matrix: Sync {
 
     /// Each thread reads by one of its own.
     fn reader(&self) -> Reader<'_>;
+
+    /// Whether the pivot of a column is negative; always the same answer.
+    ///
+    /// In a quasi-definite matrix [[K, Gᵀ], [G, −C]], K and C positive definite, these are the columns of −C, in any order of
+    /// elimination (Vanderbei 1995).
+    fn is_negative(&self, _column: usize) -> bool {
+        false
+    }
 }

@@ -1,5 +1,11 @@
 //! Sparse Cholesky factorization, its solves, and its trailing block: supernodes of the elimination tree by the
 //! multifrontal method, over `faer`'s dense kernels.
+//!
+//! Besides positive definite matrices it takes those whose pivots have signs that are known before: A = L S Lᵀ, S diagonal
+//! with entries 1 and −1. A quasi-definite matrix [[K, Gᵀ], [G, −C]], K and C positive definite, has this factor in every
+//! order of its columns (R. J. Vanderbei, "Symmetric quasidefinite matrices", SIAM J. Optim. 5, 1995). No pivot is searched
+//! for, so that the order decides how accurate it is (Gill, Saunders and Shinnerl 1996): an entry of C that is small beside
+//! G K⁻¹ Gᵀ makes the numbers grow if its column comes before those of K that G couples it with, and not if it comes after.
 
 mod buffer;
 mod entry;
@@ -57,19 +63,22 @@ impl Analysis {
         if bytes <= room { Ok(()) } else { Err(FactorError::TooLarge { bytes, room }) }
     }
 
-    /// K = L Lᵀ on all threads; the bits do not depend on their number.
+    /// A = L S Lᵀ on all threads, with the signs S that the matrix gives; the bits do not depend on their number.
     pub fn factorize(&self, matrix: &impl Matrix) -> Result<Factor, FactorError> {
         let Pattern { tree, parts, plan, .. } = &*self.0;
         let (values, weakest_pivot) = numeric::factorize(tree, parts, plan, matrix)?;
-        Ok(Factor { pattern: self.0.clone(), values, weakest_pivot })
+        let negative = (0..tree.columns()).filter(|&column| matrix.is_negative(column)).map(|column| column as u32);
+        Ok(Factor { pattern: self.0.clone(), values, negative: negative.collect(), weakest_pivot })
     }
 }
 
-/// K = L Lᵀ with the columns in the order given.
+/// A = L S Lᵀ with the columns in the order given; S is 1 where all pivots are positive.
 pub struct Factor {
     pattern: Arc<Pattern>,
     /// The numbers of L by parts.
     values: Vec<Vec<f64>>,
+    /// Columns where S is −1.
+    negative: Vec<u32>,
     weakest_pivot: WeakestPivot,
 }
 
@@ -82,9 +91,10 @@ impl Factor {
         self.len() == 0
     }
 
-    /// The column whose pivot is the smallest part of its diagonal entry, and that part.
+    /// The column whose pivot is the smallest part of its diagonal entry, and that part, both taken without their signs.
     ///
-    /// Near the unit roundoff the pivot is rounding: the matrix is singular to working precision.
+    /// Near the unit roundoff the pivot is rounding: the matrix is singular to working precision. Where columns of the other
+    /// sign come before, a pivot may also be larger than its entry, and the part does not tell what has cancelled.
     pub fn weakest_pivot(&self) -> WeakestPivot {
         self.weakest_pivot
     }
@@ -99,7 +109,8 @@ impl Factor {
         self.pattern.tree.flops
     }
 
-    /// Overwrites `rhs`, one vector or several one after the other, with L⁻¹ times each.
+    /// Overwrites `rhs`, one vector or several one after the other, with S L⁻¹ times each: with L⁻¹ where all pivots are
+    /// positive. [`backward`](Self::backward) then gives A⁻¹ times each.
     ///
     /// Of several each has the bits that it has beside any others.
     pub fn forward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
@@ -119,7 +130,7 @@ impl Factor {
         Ok(())
     }
 
-    /// Overwrites vectors one after the other with L⁻ᵀL⁻¹ times each, with the bits that it has beside any others, or alone.
+    /// Overwrites vectors one after the other with A⁻¹ times each, with the bits that it has beside any others, or alone.
     pub fn solve_side_by_side(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         self.side_by_side(rhs, |lanes| {
             self.run_forward(lanes);
@@ -130,6 +141,7 @@ impl Factor {
     fn run_forward<E: Entry>(&self, rhs: &mut [E]) {
         let Pattern { tree, parts, schedule, .. } = &*self.pattern;
         schedule.forward(tree, parts, &self.values, rhs);
+        self.negative.iter().for_each(|&column| rhs[column as usize].negate());
     }
 
     fn run_backward<E: Entry>(&self, rhs: &mut [E]) {
@@ -156,6 +168,8 @@ impl Factor {
     }
 
     /// The last `size` rows and columns of L: the Cholesky factor of the Schur complement onto them.
+    ///
+    /// The Schur complement is L S Lᵀ of these, and the signs S are those of its own columns, whatever those before have.
     pub fn trailing_block(&self, size: usize) -> Result<Mat<f64>, FactorError> {
         let Pattern { tree, parts, .. } = &*self.pattern;
         let first = self.len() - size;

@@ -106,7 +106,7 @@ fn weaker(one: WeakestPivot, other: WeakestPivot) -> WeakestPivot {
 
 /// The numbers of L by parts, and the weakest pivot.
 ///
-/// Fails with the first column in the order of elimination whose pivot is not positive, of the first part that has one.
+/// Fails with the first column in the order of elimination whose pivot does not have its sign, of the first part that has one.
 pub(super) fn factorize(
     tree: &Tree,
     parts: &Parts,
@@ -172,6 +172,8 @@ struct Desk<'a> {
     entries: Vec<(usize, f64)>,
     /// The matrix's own diagonal entries of the supernode at hand.
     diagonal: Vec<f64>,
+    /// The signs of its pivots.
+    signs: Vec<f64>,
     /// Row of a place in the supernode at hand.
     local: Vec<u32>,
     scratch: MemBuffer,
@@ -202,6 +204,7 @@ impl<'a> Job<'a> {
             read: self.matrix.reader(),
             entries: Vec::new(),
             diagonal: Vec::new(),
+            signs: Vec::new(),
             local,
             scratch,
             runs: Vec::new(),
@@ -261,7 +264,7 @@ impl<'a> Job<'a> {
         done: &mut Done,
     ) -> Result<(), FactorError> {
         let (tree, part) = (self.tree, &self.parts.0[index]);
-        let Desk { read, entries, diagonal, local, scratch, runs } = desk;
+        let Desk { read, entries, diagonal, signs, local, scratch, runs } = desk;
         let (mut tops, mut out) = ([0; 2], 0);
         for s in part.supernodes.clone() {
             let (width, height) = (tree.width(s), tree.height(s));
@@ -297,6 +300,7 @@ impl<'a> Job<'a> {
             let panel = &mut panel[..width * height];
             panel.fill(0.0);
             diagonal.clear();
+            signs.clear();
             let columns = &tree.column[tree.begin[s]..tree.begin[s + 1]];
             for (k, (&column, values)) in columns.iter().zip(panel.chunks_exact_mut(height)).enumerate() {
                 read(column as usize, entries);
@@ -304,12 +308,14 @@ impl<'a> Job<'a> {
                     values[local[tree.place[row] as usize] as usize] += value;
                 }
                 diagonal.push(values[k]);
+                signs.push(if self.matrix.is_negative(column as usize) { -1.0 } else { 1.0 });
             }
             children.iter().for_each(|child| child.add_to_panel(runs, panel, height));
-            front::eliminate(panel, height, scratch)
+            front::eliminate(panel, height, signs, scratch)
                 .map_err(|at| FactorError::NotPositiveDefinite { column: columns[at] as usize })?;
             for (k, (&column, diagonal)) in columns.iter().zip(&*diagonal).enumerate() {
-                done.weakest = weaker(done.weakest, (column as usize, panel[k * (height + 1)].powi(2) / diagonal));
+                let part = panel[k * (height + 1)].powi(2) / diagonal.abs();
+                done.weakest = weaker(done.weakest, (column as usize, part));
             }
             let size = left(tree, s);
             let rest = if part.roots.contains(&s) {
@@ -319,7 +325,7 @@ impl<'a> Job<'a> {
                 tops[side] += size;
                 &mut mine[tops[side] - size..tops[side]]
             };
-            front::leave(panel, height, rest);
+            front::leave(panel, height, signs, rest);
             children.iter().for_each(|child| child.add_to_rest(runs, rest, height, width));
             layout::store(panel, height, &mut done.values);
         }
