@@ -202,6 +202,16 @@ CORE_LAYERS = (
     ("contact/solve",),
     ("contact/combine", "contact/interior_point", "contact/path"),
     ("contact",),
+    ("monotone/tolerances", "monotone/scale", "monotone/graph", "monotone/points", "monotone/rigid"),
+    ("monotone/floating", "monotone/system", "monotone/interface"),
+    ("monotone/problem", "monotone/solution"),
+    ("monotone/residual",),
+    ("monotone/kkt", "monotone/responses"),
+    ("monotone/refine",),
+    ("monotone/finders",),
+    ("monotone/solve",),
+    ("monotone/combine", "monotone/path"),
+    ("monotone",),
 )
 
 

@@ -12,14 +12,33 @@ use std::collections::BTreeMap;
 /// Marks a dof that is held and has no column.
 pub const HELD: usize = usize::MAX;
 
-/// Which column of the factor each free dof has.
+/// Which column of the factor each free dof has, and each border behind the dofs.
 pub struct Numbering {
-    /// Column of every dof, or [`HELD`].
+    /// Column of every dof, or [`HELD`], and of every border.
     pub column: Vec<usize>,
-    /// Dof of every column.
+    /// Dof of every column; of a border's, the number of dofs and its own.
     pub dof: Vec<usize>,
     /// How many of the last columns are contact dofs.
     pub trailing: usize,
+}
+
+/// A row whose force is an unknown of its own: r·u − compliance · force = 0. Over many dofs it fills the factor less than
+/// its spring, which would couple them all; rigid, it is no stiffness at all.
+#[derive(Clone, Debug, Default)]
+pub struct Border {
+    /// Node and coefficients, no node twice.
+    pub row: Vec<(usize, [f64; 3])>,
+    /// Infinite: there is no force.
+    pub compliance: f64,
+}
+
+impl Border {
+    /// Of dofs and coefficients.
+    pub fn new(row: impl Iterator<Item = (usize, f64)>, compliance: f64) -> Self {
+        let mut nodes: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
+        row.for_each(|(dof, coefficient)| nodes.entry(dof / 3).or_default()[dof % 3] += coefficient);
+        Self { row: nodes.into_iter().collect(), compliance }
+    }
 }
 
 impl Numbering {
@@ -41,6 +60,37 @@ impl Numbering {
         }
         let trailing = dof.len() - leading;
         Self { column, dof, trailing }
+    }
+
+    /// The same with borders, each before the last of its nodes: what comes before holds still as long as that node does.
+    pub fn with_borders(plate: &Plate, held: &[bool], trailing: &[bool], borders: &[Border]) -> Self {
+        let mut plain = Self::new(plate, held, trailing);
+        let dofs = plate.dof_count();
+        let leading = plain.dof.len() - plain.trailing;
+        let first_of = |node: usize| plain.column[3 * node..3 * node + 3].iter().copied().filter(|&c| c != HELD).min();
+        let mut placed: Vec<(usize, usize)> = borders
+            .iter()
+            .enumerate()
+            .map(|(at, border)| {
+                let last = border.row.iter().filter_map(|&(node, _)| first_of(node)).max();
+                (last.unwrap_or(0).min(leading), dofs + at)
+            })
+            .collect();
+        placed.sort_unstable();
+        let mut dof = Vec::with_capacity(plain.dof.len() + borders.len());
+        let mut placed = placed.into_iter().peekable();
+        for (column, &own) in plain.dof.iter().enumerate() {
+            while let Some((_, border)) = placed.next_if(|&(before, _)| before == column) {
+                dof.push(border);
+            }
+            dof.push(own);
+        }
+        dof.extend(placed.map(|(_, border)| border));
+        plain.column.resize(dofs + borders.len(), HELD);
+        for (column, &own) in dof.iter().enumerate() {
+            plain.column[own] = column;
+        }
+        Self { dof, ..plain }
     }
 
     /// Every dof free, in the mesh's own order.
@@ -111,6 +161,9 @@ pub struct Assembly<'a> {
     bedding: &'a [[f64; 36]],
     numbering: &'a Numbering,
     incidence: Incidence,
+    borders: &'a [Border],
+    /// Borders of a node, and places in their rows.
+    at_nodes: BTreeMap<usize, Vec<(usize, usize)>>,
     thick_only: bool,
     firmer: f64,
 }
@@ -127,7 +180,52 @@ impl<'a> Assembly<'a> {
             }
         }
         let (incidence, linked) = (Incidence::new(plate), Linked::new(plate, springs));
-        Self { plate, springs, attached, linked, bedding, numbering, incidence, thick_only: false, firmer: 0.0 }
+        Self {
+            plate,
+            springs,
+            attached,
+            linked,
+            bedding,
+            numbering,
+            incidence,
+            borders: &[],
+            at_nodes: BTreeMap::new(),
+            thick_only: false,
+            firmer: 0.0,
+        }
+    }
+
+    /// With borders, which the numbering must know.
+    pub fn bordered(self, borders: &'a [Border]) -> Self {
+        let mut at_nodes: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
+        for (at, border) in borders.iter().enumerate() {
+            for (place, &(node, _)) in border.row.iter().enumerate() {
+                at_nodes.entry(node).or_default().push((at, place));
+            }
+        }
+        Self { borders, at_nodes, ..self }
+    }
+
+    /// Borders of a node: column and coefficients.
+    fn borders_of(&self, node: usize) -> impl Iterator<Item = (usize, [f64; 3])> {
+        let column = |border: usize| self.numbering.column[self.plate.dof_count() + border];
+        let present = |border: usize| if self.borders[border].compliance.is_finite() { 1.0 } else { 0.0 };
+        let at = self.at_nodes.get(&node).into_iter().flatten();
+        at.map(move |&(border, place)| (column(border), self.borders[border].row[place].1.map(|c| present(border) * c)))
+    }
+
+    /// Entries of a border's column.
+    fn border_column(&self, border: usize, column: usize, entries: &mut Vec<(usize, f64)>) {
+        let Border { row, compliance } = &self.borders[border];
+        let (part, own) = if compliance.is_finite() { (1.0, -compliance) } else { (0.0, -1.0) };
+        entries.push((column, own));
+        for (node, coefficients) in row {
+            for (&at, coefficient) in self.numbering.column[3 * node..3 * node + 3].iter().zip(coefficients) {
+                if at > column && at != HELD {
+                    entries.push((at, part * coefficient));
+                }
+            }
+        }
     }
 
     /// Without thin elements; where those are the entries stand, as zeros.
@@ -183,8 +281,16 @@ impl<'a> Assembly<'a> {
 impl Matrix for Assembly<'_> {
     fn graph(&self) -> Graph {
         let Numbering { column, dof, .. } = self.numbering;
-        let first = (0..dof.len()).filter(|&c| c == 0 || dof[c] / 3 != dof[c - 1] / 3).chain([dof.len()]).collect();
+        let dofs = self.plate.dof_count();
+        let block = |c: usize| if dof[c] < dofs { dof[c] / 3 } else { dof[c] };
+        let first = (0..dof.len()).filter(|&c| c == 0 || block(c) != block(c - 1)).chain([dof.len()]).collect();
         Graph::new(first, |c, rows| {
+            if let Some(border) = dof[c].checked_sub(dofs) {
+                let columns = self.borders[border].row.iter().flat_map(|&(n, _)| &column[3 * n..3 * n + 3]);
+                rows.extend(columns.filter(|&&row| row > c && row != HELD));
+                return;
+            }
+            rows.extend(self.borders_of(dof[c] / 3).map(|(row, _)| row).filter(|&row| row > c));
             for n in self.around(dof[c] / 3) {
                 let mut last = HELD;
                 for &row in &column[3 * n..3 * n + 3] {
@@ -198,14 +304,25 @@ impl Matrix for Assembly<'_> {
         })
     }
 
+    fn is_negative(&self, column: usize) -> bool {
+        self.numbering.dof[column] >= self.plate.dof_count()
+    }
+
     fn reader(&self) -> Reader<'_> {
         let mut columns = NodeColumns::new(self);
         Box::new(move |column, entries| {
             let dof = self.numbering.dof[column];
+            if let Some(border) = dof.checked_sub(self.plate.dof_count()) {
+                entries.clear();
+                self.border_column(border, column, entries);
+                return;
+            }
             if columns.node != dof / 3 {
                 columns.sum(dof / 3);
             }
             entries.clear();
+            let borders = self.borders_of(dof / 3).filter(|&(row, _)| row > column);
+            entries.extend(borders.map(|(row, coefficients)| (row, coefficients[dof % 3])));
             for (&n, block) in columns.neighbours.iter().zip(&columns.block) {
                 for (&row, values) in self.numbering.column[3 * n..3 * n + 3].iter().zip(block) {
                     if row == column {

@@ -1,0 +1,13 @@
+//! Methods that look for the pieces that points are on.
+
+mod active_set;
+mod finder;
+mod interior_point;
+mod lemke;
+mod program;
+
+pub(super) use active_set::ActiveSet;
+pub use finder::Reference;
+pub(super) use finder::{SetFinder, Start, are_on_their_pieces};
+pub(super) use interior_point::InteriorPoint;
+pub(super) use lemke::{Lemke, ended, in_memory, pieces_of, posed_from};

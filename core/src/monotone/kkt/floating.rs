@@ -1,0 +1,69 @@
+//! The rigid motions of a plate that only springs and contact points hold, on given pieces and under a load.
+
+use super::solver::Correction;
+use crate::double_double::DoubleDouble;
+use crate::monotone::floating::{Floating, Matrix};
+use crate::monotone::problem::ContactProblem;
+use crate::monotone::residual::Residual;
+use crate::monotone::rigid::eliminated;
+
+/// Nothing where a dof is held.
+fn of(problem: &ContactProblem) -> Option<Floating> {
+    Floating::on(&problem.plate, &problem.held, &problem.scale, &problem.points, &problem.springs)
+}
+
+/// What holds a plate afloat on some pieces.
+pub(super) struct Held {
+    floating: Floating,
+    /// Compliance of the points that hold.
+    compliance: Vec<Option<f64>>,
+    matrix: Matrix,
+}
+
+impl Held {
+    /// Given the compliance that increments of reaction meet at points that hold; nothing where a dof is held, or springs
+    /// and points hold the plate as firmly as it holds together.
+    pub(super) fn by(problem: &ContactProblem, mut compliance: Vec<Option<f64>>) -> Option<Self> {
+        let floating = of(problem)?;
+        // Of rigid points there is more than these three equations.
+        compliance.iter_mut().for_each(|own| *own = own.filter(|&c| c > 0.0));
+        let matrix = floating.holding(|i| compliance[i].map_or(0.0, |c| 1.0 / c), &problem.springs.stiffness);
+        let softest = eliminated(matrix, Default::default()).1;
+        (softest < problem.scale.stiffness).then_some(Self { floating, compliance, matrix })
+    }
+
+    /// The rigid motion that balances a residual's resultants by springs and points alone, and the increments of reaction
+    /// that go with it.
+    pub(super) fn response(&self, right: &Residual) -> Correction {
+        let Self { floating, compliance, matrix } = self;
+        let mut forces = floating.resultants(&right.imbalance);
+        for (i, c) in compliance.iter().enumerate().filter_map(|(i, c)| Some((i, (*c)?))) {
+            let root = 1.0 / c.sqrt();
+            for k in 0..3 {
+                forces[k].add_product(root * floating.points[i][k], root * right.violation[i]);
+            }
+        }
+        let (amount, _) = eliminated(*matrix, forces);
+        let along = |arm: &[f64; 3]| (0..3).map(|k| arm[k] * amount[k]).sum::<f64>();
+        let push =
+            |(i, c): (usize, &Option<f64>)| c.map_or(0.0, |c| (along(&floating.points[i]) - right.violation[i]) / c);
+        let reaction = compliance.iter().enumerate().map(push).collect();
+        Correction { rigid: floating.motion(amount), nodal: vec![0.0; right.imbalance.len()], reaction }
+    }
+}
+
+/// A plate that only springs and points hold, and the load on its rigid motions.
+pub(in crate::monotone) struct Afloat {
+    pub(in crate::monotone) floating: Floating,
+    pub(in crate::monotone) load: [DoubleDouble; 3],
+    pub(in crate::monotone) magnitude: f64,
+}
+
+impl Afloat {
+    /// Nothing where a dof is held, or a point both ways.
+    pub(in crate::monotone) fn under(problem: &ContactProblem, load: &[f64]) -> Option<Self> {
+        let floating = of(problem).filter(|_| !problem.points.has_straight())?;
+        let terms = floating.nodal.iter().flat_map(|motion| motion.iter().zip(load).map(|(u, f)| (u * f).abs()));
+        Some(Self { magnitude: terms.sum(), load: floating.resultants(load), floating })
+    }
+}

@@ -1,0 +1,62 @@
+//! Many points: their forces are eliminated into K as springs, none much stiffer than the plate; what that adds to rigid
+//! ones the method of multipliers takes back (Rockafellar 1976).
+
+use super::factored::{Direction, Factored};
+use super::floating::Held;
+use super::gradients::Gradients;
+use super::solver::{Correction, Kkt};
+use crate::cholesky::FactorError;
+use crate::monotone::residual::Residual;
+use crate::monotone::tolerances;
+
+impl Factored<'_> {
+    /// The motion that balances an imbalance on some pieces, to `tolerance`.
+    fn direction(&mut self, pieces: &[u8], imbalance: &[f64], tolerance: f64) -> Result<Direction, FactorError> {
+        let mut gradients = Gradients::begin(self, pieces, imbalance.to_vec(), tolerance, 0.0);
+        Ok(gradients.go_on(self, imbalance, None)?.expect("no one else asks the factor"))
+    }
+}
+
+impl Kkt for Factored<'_> {
+    fn prepare(&mut self, pieces: &[u8]) -> Result<bool, FactorError> {
+        self.pieces = pieces.to_vec();
+        let points = &self.problem.points;
+        let softened = |i: usize| {
+            let piece = points.piece(i, pieces[i]);
+            piece.holds().then(|| piece.compliance() + self.series[i])
+        };
+        self.held = Held::by(self.problem, (0..pieces.len()).map(softened).collect());
+        Ok(true)
+    }
+
+    fn solve(&mut self, right: &Residual) -> Result<Option<Correction>, FactorError> {
+        let points = &self.problem.points;
+        let pieces = std::mem::take(&mut self.pieces);
+        let slopes: Vec<f64> = (0..pieces.len()).map(|i| self.slope(i, pieces[i])).collect();
+        let mut imbalance = right.imbalance.clone();
+        for (i, slope) in slopes.iter().enumerate().filter(|(_, slope)| **slope > 0.0) {
+            points.scatter(i, slope * right.violation[i], &mut imbalance);
+        }
+        self.problem.release_held(&mut imbalance);
+        let direction = self.direction(&pieces, &imbalance, tolerances::newton::TIGHT)?;
+        self.pieces = pieces;
+        if direction.is_free {
+            return Ok(None);
+        }
+        let moved = points.change(&direction.nodal);
+        let push = |i: usize| if slopes[i] > 0.0 { slopes[i] * (moved[i] - right.violation[i]) } else { 0.0 };
+        let reaction = (0..slopes.len()).map(push).collect();
+        Ok(Some(Correction::of(direction.nodal, reaction)))
+    }
+
+    fn rigid(&self, right: &Residual) -> Option<Correction> {
+        self.held.as_ref().map(|held| held.response(right))
+    }
+
+    fn is_settled(&self, right: &Residual, force: f64) -> bool {
+        // A support's own law is exact; what was put in series with it is not.
+        let softened = (0..self.pieces.len()).filter(|&i| self.series[i] > 0.0);
+        let mut pushes = softened.map(|i| self.slope(i, self.pieces[i]) * right.violation[i].abs());
+        pushes.all(|push| push <= tolerances::newton::SETTLED * force)
+    }
+}

@@ -1,0 +1,238 @@
+//! Who follows a path from its first solution on: what solves it from one line to the next, and is watched.
+
+use super::line::{Line, travel};
+use super::load::{PathEnd, PathLoad, Stop};
+use super::trail::Trail;
+use crate::cholesky::FactorError;
+use crate::monotone::kkt::Kkt;
+use crate::monotone::problem::ContactProblem;
+use crate::monotone::residual::{least_length, lengths};
+use crate::monotone::scale::largest;
+use crate::monotone::solution::{ContactSolution, Outcome, Progress, Watch, differing};
+use crate::monotone::tolerances;
+
+/// Who follows the path of one load.
+pub(super) struct Follower<'a> {
+    pub problem: &'a ContactProblem,
+    pub load: &'a PathLoad<'a>,
+    /// The equations of given pieces, which keep their last factor.
+    kkt: Box<dyn Kkt + 'a>,
+    watch: &'a mut Watch<'a>,
+    /// Whether whoever watches wanted no more.
+    pub interrupted: bool,
+    lines: usize,
+}
+
+impl<'a> Follower<'a> {
+    /// Whether to go on.
+    pub fn goes_on(&mut self, now: Progress) -> bool {
+        self.interrupted = self.interrupted || !(self.watch)(now);
+        !self.interrupted
+    }
+
+    /// The solution at one t, beginning with another if there is one.
+    pub fn solution(&mut self, t: f64, near: Option<&ContactSolution>) -> Result<ContactSolution, FactorError> {
+        let (problem, load) = (self.problem, self.load.at(t));
+        problem.solve(&load, self.load.held_value, None, near, &mut |now| self.goes_on(now))
+    }
+
+    /// The line on a contact set; `None` where that leaves the plate free.
+    pub fn line(
+        &mut self,
+        pieces: &[u8],
+        at: [f64; 2],
+        start: Option<&ContactSolution>,
+    ) -> Result<Option<Line<'a>>, FactorError> {
+        match self.solution_on(pieces, at, 0, start)? {
+            Some(from) => self.line_from(from, at),
+            None => Ok(None),
+        }
+    }
+
+    /// The line on the contact set of a solution, which holds at the first of two t.
+    pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line<'a>>, FactorError> {
+        let Some(to) = self.solution_on(&from.piece, at, 1, Some(&from))? else { return Ok(None) };
+        let loads = at.map(|t| self.load.at(t));
+        // A load that hardly presses on the points says nothing of what they do, nor a plate that cannot deflect.
+        let counts = |force: f64| match force {
+            0.0 => self.problem.scale.largest(&loads[1]),
+            force => force.max(tolerances::path::UNSEEN * self.size(at[0])),
+        };
+        let force = counts(f64::max(largest(&from.reaction), largest(&to.reaction)));
+        let least = loads.iter().map(|load| least_length(self.problem, load)).fold(0.0, f64::max);
+        let ends = [from, to];
+        let deflection = ends.iter().flat_map(|end| end.displacement.hi.iter().step_by(3));
+        let deflection = deflection.fold(least, |most, w| most.max(w.abs()));
+        let lengths: Vec<f64> =
+            lengths(self.problem, &ends[0]).into_iter().map(|length| length.max(deflection)).collect();
+        let forces = self.forces(force, &lengths);
+        Ok(Some(Line { points: &self.problem.points, at, ends, forces, lengths, deflection }))
+    }
+
+    /// The solution on other pieces, if it stands on them too: points that differ are where their pieces meet.
+    pub fn standing_on(&self, solution: &ContactSolution, pieces: &[u8]) -> Option<ContactSolution> {
+        let points = &self.problem.points;
+        let lengths = lengths(self.problem, solution);
+        let forces = self.forces(largest(&solution.reaction), &lengths);
+        let differing = differing(&solution.piece, pieces);
+        let mut same = ContactSolution { piece: pieces.to_vec(), ..solution.clone() };
+        for i in differing {
+            let (from, to) = (solution.piece[i], pieces[i]);
+            if from.abs_diff(to) != 1 {
+                return None;
+            }
+            let [travel, force] = points.ends(i, from)[usize::from(to > from)]?;
+            let old = points.piece(i, from);
+            let nothing = tolerances::path::NOTHING;
+            let at_end = match old.holds() {
+                true => (solution.reaction[i] - force).abs() <= nothing * forces[i],
+                false => (old.travel - solution.gap[i] - travel).abs() <= nothing * lengths[i],
+            };
+            if !at_end {
+                return None;
+            }
+            same.reaction[i] = force;
+            let new = points.piece(i, to);
+            same.gap[i] = if new.holds() { 0.0 } else { new.travel - travel };
+        }
+        Some(same)
+    }
+
+    /// Largest part of the load where the two that it is made of do not cancel, and both count.
+    fn size(&self, t: f64) -> f64 {
+        let [start, add] = self.parts();
+        start + self.span(t) * add
+    }
+
+    /// A step of t that changes the load about as much as there is of it; where there is none, a unit of what is added.
+    pub fn span(&self, t: f64) -> f64 {
+        let [start, add] = self.parts();
+        let there = start / add;
+        if there > 0.0 && there.is_finite() {
+            there.max(t)
+        } else if t > tolerances::path::NO_LOAD {
+            t
+        } else {
+            1.0
+        }
+    }
+
+    /// From no load, a unit of t in which the plate moves by about its least gap, a power of two; 1 if that is not far
+    /// below it, and where nothing tells.
+    fn unit(&mut self, rest: &ContactSolution) -> Result<f64, FactorError> {
+        if self.parts()[0] != 0.0 {
+            return Ok(1.0);
+        }
+        // On bases that have moved, points in contact have gaps of rounding.
+        let ContactProblem { points, held, .. } = self.problem;
+        let at_rest = ContactSolution::at_rest(points, held, self.load.held_value);
+        let least = tolerances::path::SIGN * travel(&at_rest, rest);
+        let gap = rest.gap.iter().copied().filter(|&gap| gap > least).fold(f64::INFINITY, f64::min);
+        if gap.is_infinite() {
+            return Ok(1.0);
+        }
+        let far = f64::min(1.0, 0.5 * self.load.end);
+        let moved = match self.line(&rest.piece, [0.0, far], Some(rest))? {
+            Some(line) => line.travel(0.0, far),
+            // How far a plate that floats at first falls does not go with its load; how it bends then does.
+            None => {
+                let half = self.solution(0.5 * far, Some(rest))?;
+                if half.outcome != Outcome::Solved {
+                    return Ok(1.0);
+                }
+                let whole = self.solution(far, Some(&half))?;
+                if whole.outcome == Outcome::Solved { 2.0 * travel(&half, &whole) } else { 0.0 }
+            }
+        };
+        let unit = gap * far / moved;
+        Ok(if unit > 0.0 && unit < tolerances::path::FAR_BELOW { unit.log2().floor().exp2() } else { 1.0 })
+    }
+
+    /// Sizes of the load that is there and of the one that is added.
+    fn parts(&self) -> [f64; 2] {
+        [self.load.start, self.load.add].map(|load| self.problem.scale.largest(load))
+    }
+
+    /// What the reaction of every point is measured by: the largest, or, of a spring too soft for that, what presses it by
+    /// its length. Its travel and its reaction then tell alike when it changes its piece.
+    fn forces(&self, force: f64, lengths: &[f64]) -> Vec<f64> {
+        let of = |(i, length): (usize, &f64)| match self.problem.steepest(i).compliance() {
+            compliance if *length > 0.0 => force.min(length / compliance),
+            _ => force,
+        };
+        lengths.iter().enumerate().map(of).collect()
+    }
+
+    /// The solution on a set at one end of a line.
+    fn solution_on(
+        &mut self,
+        pieces: &[u8],
+        at: [f64; 2],
+        end: usize,
+        start: Option<&ContactSolution>,
+    ) -> Result<Option<ContactSolution>, FactorError> {
+        self.lines += 1;
+        if !self.goes_on(Progress { step: self.lines, changing: 0, residual: 0.0 }) {
+            return Ok(None);
+        }
+        let loads = at.map(|t| self.load.at(t));
+        let scale = &self.problem.scale;
+        let least = f64::max(scale.largest(&loads[0]), scale.largest(&loads[1]));
+        let Self { problem, kkt, load, .. } = self;
+        let solution = problem.solve_with(&mut **kkt, &loads[end], load.held_value, pieces, start, least)?;
+        Ok((solution.outcome == Outcome::Solved).then_some(solution))
+    }
+
+    /// Ends the path on its last line: at the t asked for, or where there is none, at `far`.
+    pub fn end_on(&self, line: &Line<'_>, far: f64, trail: &mut Trail) -> PathEnd {
+        let (last, end) = match self.load.end.is_finite() {
+            true => (self.load.end, PathEnd::Reached),
+            false => (far, PathEnd::Unbounded),
+        };
+        trail.end(last, Some(&line.at(last)), end)
+    }
+}
+
+impl ContactProblem {
+    /// Follows the path, and shows every stop on it to `visit`, which may end it by returning false, as `watch` may between
+    /// them, which sees the steps of all solves.
+    ///
+    /// The first stop is the solution at t = 0; if there is none, `visit` is not called.
+    pub fn path(
+        &self,
+        load: &PathLoad,
+        visit: &mut dyn FnMut(Stop) -> bool,
+        watch: &mut Watch<'_>,
+    ) -> Result<PathEnd, FactorError> {
+        let (add, counted);
+        let mut watch = watch;
+        let mut follower =
+            Follower { problem: self, load, kkt: self.kkt(), watch: &mut watch, interrupted: false, lines: 0 };
+        let first = follower.solution(0.0, None)?;
+        let end = match first.outcome {
+            Outcome::Solved => {
+                let unit = follower.unit(&first)?;
+                add = load.add.iter().map(|force| unit * force).collect::<Vec<f64>>();
+                counted = PathLoad { add: &add, end: load.end / unit, ..*load };
+                follower.load = &counted;
+                follower.follow(first, &mut |stop| visit(Stop { t: unit * stop.t, ..stop }))?
+            }
+            Outcome::NoEquilibrium => PathEnd::NoEquilibrium,
+            _ => PathEnd::Unsolved,
+        };
+        Ok(if follower.interrupted { PathEnd::Interrupted } else { end })
+    }
+}
+
+impl Follower<'_> {
+    fn follow(&mut self, first: ContactSolution, visit: &mut dyn FnMut(Stop) -> bool) -> Result<PathEnd, FactorError> {
+        if self.interrupted {
+            return Ok(PathEnd::Interrupted);
+        }
+        let mut trail = Trail::new(first, visit);
+        if self.load.end <= 0.0 {
+            return Ok(trail.end(0.0, None, PathEnd::Reached));
+        }
+        if self.problem.is_condensed() { self.pivot_along(&mut trail) } else { self.step_along(0.0, &mut trail) }
+    }
+}

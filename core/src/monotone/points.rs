@@ -1,0 +1,230 @@
+//! Contact points: rows over dofs, and the law of force over travel of each.
+
+use super::graph::{Graph, Piece};
+use crate::displacement::Displacement;
+use crate::element::packed;
+use crate::plate::Plate;
+use crate::rows::Rows;
+use crate::vectorized::vectorized;
+use rayon::prelude::*;
+
+/// Marks a row that is over more than one element.
+const NO_ELEMENT: u32 = u32::MAX;
+
+/// Contact points in the caller's order. Point i travels by row_i·u − shift_i and pushes with weight_i times the force of its
+/// graph at that travel, against its row: Ku + Gᵀr = f.
+#[derive(Clone, Debug, Default)]
+pub struct Points {
+    start: Vec<usize>,
+    dof: Vec<u32>,
+    coefficient: Vec<f64>,
+    /// The element whose dofs a row is over, if it is one, and whether it is over its deflections alone.
+    element: Vec<u32>,
+    deflects: Vec<bool>,
+    graphs: Vec<Graph>,
+    graph: Vec<u32>,
+    /// Travel of the row before the graph's begins: a gap, a settlement.
+    pub shift: Vec<f64>,
+    /// Force for a unit of the graph's: an area, a stiffness.
+    pub weight: Vec<f64>,
+    /// By what a reaction is a force, and one over that a travel is a length: 1, or the arm of a couple.
+    pub arm: Vec<f64>,
+}
+
+impl Points {
+    pub fn len(&self) -> usize {
+        self.graph.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.graph.is_empty()
+    }
+
+    /// Adds a law that points may have, and returns its number.
+    pub fn add_graph(&mut self, graph: Graph) -> u32 {
+        self.graphs.push(graph);
+        self.graphs.len() as u32 - 1
+    }
+
+    /// Puts a point behind the others: its row as dofs and coefficients, no dof twice.
+    pub fn push(&mut self, row: impl Iterator<Item = (usize, f64)>, graph: u32, shift: f64, weight: f64) {
+        if self.start.is_empty() {
+            self.start.push(0);
+        }
+        for (dof, coefficient) in row.filter(|(_, coefficient)| *coefficient != 0.0) {
+            self.dof.push(dof as u32);
+            self.coefficient.push(coefficient);
+        }
+        self.start.push(self.dof.len());
+        self.arm.push(1.0);
+        self.element.push(NO_ELEMENT);
+        self.deflects.push(self.dof[self.start[self.len()]..].iter().all(|dof| dof % 3 == 0));
+        self.graph.push(graph);
+        self.shift.push(shift);
+        self.weight.push(weight);
+    }
+
+    /// Puts row i of a table behind the others.
+    pub fn push_row(&mut self, plate: &Plate, rows: &Rows, i: usize, graph: u32, shift: f64, weight: f64) {
+        self.push(rows.entries(plate, i), graph, shift, weight);
+        if !rows.further.contains_key(&i) {
+            *self.element.last_mut().expect("just pushed") = rows.element[i] as u32;
+        }
+    }
+
+    /// Gives rows that turn the plate alone, so that their reactions are couples, an arm.
+    pub(super) fn set_arm(&mut self, arm: f64) {
+        for i in 0..self.len() {
+            let mut dofs = self.dof[self.start[i]..self.start[i + 1]].iter();
+            self.arm[i] = if dofs.len() > 0 && dofs.all(|dof| dof % 3 != 0) { arm } else { 1.0 };
+        }
+    }
+
+    /// Dofs and coefficients of a row.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let at = self.start[i]..self.start[i + 1];
+        self.dof[at.clone()].iter().zip(&self.coefficient[at]).map(|(&dof, &coefficient)| (dof as usize, coefficient))
+    }
+
+    pub fn dot(&self, i: usize, vector: &[f64]) -> f64 {
+        self.row(i).map(|(dof, coefficient)| coefficient * vector[dof]).sum()
+    }
+
+    /// Adds `force` times a row to a nodal vector.
+    pub fn scatter(&self, i: usize, force: f64, vector: &mut [f64]) {
+        self.row(i).for_each(|(dof, coefficient)| vector[dof] += force * coefficient);
+    }
+
+    /// Adds Σ force_i row_i, zeros left out.
+    pub fn scatter_all(&self, force: &[f64], factor: f64, vector: &mut [f64]) {
+        for (i, force) in force.iter().enumerate().filter(|(_, force)| **force != 0.0) {
+            self.scatter(i, factor * force, vector);
+        }
+    }
+
+    /// Rows times a nodal vector (m,).
+    pub fn change(&self, vector: &[f64]) -> Vec<f64> {
+        (0..self.len()).into_par_iter().with_min_len(4096).map(|i| self.dot(i, vector)).collect()
+    }
+
+    /// Rows times a displacement less `from` (m,), in double-double.
+    pub fn travel_from(&self, from: &[f64], displacement: &Displacement) -> Vec<f64> {
+        let mut out = vec![0.0; self.len()];
+        out.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
+            vectorized(
+                #[inline(always)]
+                || self.some_travels(1024 * chunk, from, displacement, out),
+            );
+        });
+        out
+    }
+
+    #[inline(always)]
+    fn some_travels(&self, first: usize, from: &[f64], displacement: &Displacement, out: &mut [f64]) {
+        for (i, out) in (first..).zip(out) {
+            let (mut high, mut low) = (-from[i], 0.0);
+            for at in self.start[i]..self.start[i + 1] {
+                let (dof, value) = (self.dof[at] as usize, self.coefficient[at]);
+                let (hi, lo) = (displacement.hi[dof], displacement.lo[dof]);
+                let product = hi * value;
+                let error = hi.mul_add(value, -product);
+                let sum = high + product;
+                let part = sum - high;
+                low += (high - (sum - part)) + (product - part) + error + lo * value;
+                high = sum;
+            }
+            *out = high + low;
+        }
+    }
+
+    pub fn graph(&self, i: usize) -> &Graph {
+        &self.graphs[self.graph[i] as usize]
+    }
+
+    /// The line of a piece of a point, over the travel of its row and in its own force.
+    pub fn piece(&self, i: usize, number: u8) -> Piece {
+        let Piece { travel, force, slope } = self.graph(i).piece(number);
+        let weight = self.weight[i];
+        Piece { travel: self.shift[i] + travel, force: weight * force, slope: weight * slope }
+    }
+
+    /// Where a piece of a point ends below and above, [travel of its row, force].
+    pub fn ends(&self, i: usize, number: u8) -> [Option<[f64; 2]>; 2] {
+        let own = |[travel, force]: [f64; 2]| [self.shift[i] + travel, self.weight[i] * force];
+        self.graph(i).ends(number).map(|end| end.map(own))
+    }
+
+    /// The piece at a stretch, travel + compliance · force, beyond `shift`, of the graph in series with a compliance.
+    pub fn piece_at(&self, i: usize, compliance: f64, stretch: f64) -> u8 {
+        self.graph(i).piece_at(compliance * self.weight[i], stretch)
+    }
+
+    /// Force at such a stretch, and the slope of force over stretch.
+    pub fn force_at(&self, i: usize, compliance: f64, stretch: f64) -> (f64, f64) {
+        let (force, slope) = self.graph(i).force_at(compliance * self.weight[i], stretch);
+        (self.weight[i] * force, self.weight[i] * slope)
+    }
+
+    /// Whether forces on the pieces depend on travels, by point.
+    pub fn holding(&self, pieces: &[u8]) -> Vec<bool> {
+        (0..self.len()).map(|i| self.graph(i).piece(pieces[i]).holds()).collect()
+    }
+
+    /// Pieces of points that hold or do not; of graphs with more than two pieces the first one that does.
+    pub fn pieces_holding(&self, holds: &[bool]) -> Vec<u8> {
+        let first = |i: usize| (0..self.graph(i).pieces() as u8).find(|&p| self.graph(i).piece(p).holds() == holds[i]);
+        (0..self.len()).map(|i| first(i).unwrap_or(0)).collect()
+    }
+
+    /// The first piece of every point: open, where it is one-sided.
+    pub fn first_pieces(&self) -> Vec<u8> {
+        vec![0; self.len()]
+    }
+
+    pub fn has_straight(&self) -> bool {
+        self.graph.iter().any(|&graph| self.graphs[graph as usize].is_straight())
+    }
+
+    pub fn is_straight(&self, i: usize) -> bool {
+        self.graph(i).is_straight()
+    }
+
+    /// Whether a row is over the dofs of one element.
+    pub(super) fn is_narrow(&self, i: usize) -> bool {
+        self.element[i] != NO_ELEMENT
+    }
+
+    /// Whether springs of a point are summed with its element's matrix.
+    pub(super) fn is_bedding(&self, i: usize) -> bool {
+        self.is_narrow(i) && self.deflects[i]
+    }
+
+    /// The thinnest of some lengths by element, at the elements of rows.
+    pub(super) fn least_at(&self, of_element: impl Fn(usize) -> f64) -> f64 {
+        let elements = self.element.iter().filter(|&&element| element != NO_ELEMENT);
+        elements.map(|&element| of_element(element as usize)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Σ k r rᵀ of every element's points over its eight deflections, as packed lower triangles; empty without points.
+    pub fn stiffness_by_element(&self, plate: &Plate, stiffness: &[f64]) -> Vec<[f64; 36]> {
+        if stiffness.iter().all(|&k| k == 0.0) {
+            return Vec::new();
+        }
+        let mut out = vec![[0.0; 36]; plate.elements().len()];
+        for i in (0..self.len()).filter(|&i| self.is_bedding(i) && stiffness[i] != 0.0) {
+            let element = self.element[i] as usize;
+            let nodes = &plate.elements()[element];
+            let mut row = [0.0; 8];
+            for (dof, coefficient) in self.row(i) {
+                row[nodes.iter().position(|&node| node == dof / 3).expect("a node of its element")] += coefficient;
+            }
+            let sum = &mut out[element];
+            for a in 0..8 {
+                for b in 0..=a {
+                    sum[packed(a, b)] += stiffness[i] * row[a] * row[b];
+                }
+            }
+        }
+        out
+    }
+}

@@ -1,0 +1,234 @@
+//! A plate on its supports, factored once.
+
+use super::floating::Floating;
+use super::graph::Piece;
+use super::interface::Interface;
+use super::points::Points;
+use super::scale::Scale;
+use super::system::{Blueprint, System};
+use super::tolerances;
+use crate::cholesky::FactorError;
+use crate::element::{Kind, packed};
+use crate::plate::Plate;
+use crate::rows::Springs;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Seconds of each stage.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seconds {
+    pub order: f64,
+    pub factor: f64,
+    pub condense: f64,
+}
+
+/// Which method the plate is factored for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Lemke's algorithm: all points are condensed, of which there are few.
+    Lemke,
+    /// The active set: points in any number, springs in the factor.
+    ActiveSet,
+    /// The active set with nothing eliminated: every point's force is an unknown of the factor. Springs may be as stiff as
+    /// rigid supports are but for rounding, which tells points apart that nearly repeat each other.
+    Saddle,
+}
+
+/// What a contact problem is made of.
+pub struct Supported {
+    pub springs: Springs,
+    /// Dofs with a prescribed value (3n,).
+    pub held: Vec<bool>,
+    pub points: Points,
+    /// Slope (m,) that the factor carries at points that are condensed, so that it is regular; 0 for most.
+    pub delta: Vec<f64>,
+    /// Rigid motions over all dofs that springs, held dofs and two-sided points do not hold.
+    pub free_motions: Vec<Vec<f64>>,
+}
+
+/// A plate on its supports, factored once.
+pub struct ContactProblem {
+    pub plate: Arc<Plate>,
+    pub springs: Springs,
+    pub held: Vec<bool>,
+    pub points: Points,
+    pub seconds: Seconds,
+    pub(super) method: Method,
+    pub(super) delta: Vec<f64>,
+    pub(super) free_motions: Vec<Vec<f64>>,
+    pub(super) scale: Scale,
+    pub(super) blueprint: Arc<Blueprint>,
+    pub(super) base: System,
+    /// Where the points are condensed.
+    pub(super) interface: Option<Interface>,
+    /// The plate's own stiffness at every point, which its shear makes; empty where the points are condensed.
+    shear: Vec<f64>,
+    /// The limit of springs that the active set begins with.
+    pub(super) first_limit: f64,
+    /// Part of its own by which every dof is stiffer in a factor.
+    firmer: f64,
+}
+
+impl ContactProblem {
+    /// Orders, factors, and condenses. A factor that takes more than `room`, in bytes, is refused before it is begun.
+    pub fn new(plate: Arc<Plate>, on: Supported, method: Method, room: usize) -> Result<Self, FactorError> {
+        let Supported { springs, held, mut points, delta, free_motions } = on;
+        let clock = Instant::now();
+        let scale = Scale::of(&plate);
+        points.set_arm(scale.size);
+        let condensed = method == Method::Lemke;
+        let mut trailing = vec![false; plate.dof_count()];
+        let last = (0..points.len()).filter(|&i| condensed && points.is_narrow(i));
+        last.flat_map(|i| points.row(i)).for_each(|(dof, _)| trailing[dof] = true);
+        let is_border = |i: usize| match method {
+            Method::Lemke => delta[i] > 0.0 && !points.is_bedding(i),
+            Method::ActiveSet => !points.is_bedding(i),
+            Method::Saddle => true,
+        };
+        let blueprint = Arc::new(Blueprint::new(&plate, &held, &springs, &points, &trailing, is_border));
+        let order = clock.elapsed().as_secs_f64();
+
+        let clock = Instant::now();
+        let (mut shear, mut first_limit, mut firmer) = (Vec::new(), tolerances::newton::STIFFEST, 0.0);
+        let mut carried = delta.clone();
+        if !condensed {
+            if method == Method::ActiveSet {
+                shear = shear_at(&plate, &points);
+                first_limit = limit_to_begin_with(&plate, &points, &shear);
+            } else {
+                let stiffest = scale.stiffness / (tolerances::COMPLIANCE * tolerances::newton::STIFFEST);
+                shear = points.arm.iter().map(|arm| stiffest * arm * arm).collect();
+            }
+            let series = series(&points, &shear, first_limit);
+            carried = (0..points.len()).map(|i| steepest(&points, i).in_series(series[i])).collect();
+            let floating = Floating::on(&plate, &held, &scale, &points, &springs);
+            let softest = floating.map(|floating| floating.softest(|i| carried[i], &springs.stiffness));
+            firmer = softest.map_or(0.0, |softest| firmness(&plate, softest));
+        }
+        let base = blueprint.factored(&plate, &springs, &points, carried, firmer, room)?;
+        let factor = clock.elapsed().as_secs_f64();
+
+        let clock = Instant::now();
+        let interface = if condensed {
+            let moves = |motion: &Vec<f64>| (0..points.len()).map(|i| points.dot(i, motion)).collect();
+            let moves: Vec<Vec<f64>> = free_motions.iter().map(moves).collect();
+            let (rows, borders) = (blueprint.rows(&points), blueprint.borders(plate.dof_count()));
+            let last = blueprint.numbering.trailing;
+            Some(Interface::on(&base.factor, last, &rows, &borders, delta.clone(), &moves)?)
+        } else {
+            None
+        };
+        let seconds = Seconds { order, factor, condense: clock.elapsed().as_secs_f64() };
+        Ok(Self {
+            plate,
+            springs,
+            held,
+            points,
+            seconds,
+            method,
+            delta,
+            free_motions,
+            scale,
+            blueprint,
+            base,
+            interface,
+            shear,
+            first_limit,
+            firmer,
+        })
+    }
+
+    /// K̃⁻¹ times a nodal load.
+    pub fn apply_inverse(&self, load: &[f64]) -> Result<Vec<f64>, FactorError> {
+        self.base.solve(load)
+    }
+
+    /// Entries of the factor, and the multiplications and additions that it takes.
+    pub fn factor_size(&self) -> (usize, f64) {
+        (self.base.factor.entries(), self.base.factor.flops())
+    }
+
+    pub fn is_condensed(&self) -> bool {
+        self.interface.is_some()
+    }
+
+    pub(super) fn interface(&self) -> &Interface {
+        self.interface.as_ref().expect("the points are condensed")
+    }
+
+    /// The factor with other slopes at the points.
+    pub(super) fn factored(&self, carried: Vec<f64>) -> Result<System, FactorError> {
+        let Self { plate, springs, points, .. } = self;
+        self.blueprint.factored(plate, springs, points, carried, self.firmer, usize::MAX)
+    }
+
+    /// Compliance in series with every point so that none is stiffer than a limit.
+    pub(super) fn series(&self, limit: f64) -> Vec<f64> {
+        series(&self.points, &self.shear, limit)
+    }
+
+    pub(super) fn steepest(&self, i: usize) -> Piece {
+        steepest(&self.points, i)
+    }
+
+    pub(super) fn steepest_pieces(&self) -> Vec<u8> {
+        (0..self.points.len()).map(|i| self.points.graph(i).steepest()).collect()
+    }
+
+    /// Zeroes a nodal vector at the dofs held.
+    pub(super) fn release_held(&self, vector: &mut [f64]) {
+        for (value, _) in vector.iter_mut().zip(&self.held).filter(|(_, held)| **held) {
+            *value = 0.0;
+        }
+    }
+}
+
+fn steepest(points: &Points, i: usize) -> Piece {
+    points.piece(i, points.graph(i).steepest())
+}
+
+/// The largest stiffness of an element against a deflection or slope of a row.
+fn shear_at(plate: &Plate, points: &Points) -> Vec<f64> {
+    let mut largest = vec![0.0_f64; plate.dof_count()];
+    for (e, nodes) in plate.elements().iter().enumerate() {
+        let lower = plate.element_stiffness(e);
+        for (local, node) in nodes.iter().enumerate() {
+            for k in 0..3 {
+                let at = packed(3 * local + k, 3 * local + k);
+                largest[3 * node + k] = largest[3 * node + k].max(lower[at]);
+            }
+        }
+    }
+    let of = |i: usize| points.row(i).fold(0.0, |most: f64, (dof, _)| most.max(largest[dof]));
+    (0..points.len()).map(of).collect()
+}
+
+/// Compliance in series with every point so that none is stiffer than a limit, over the plate's stiffness in shear; a point
+/// that never changes its piece has the stiffest spring from the beginning.
+fn series(points: &Points, shear: &[f64], limit: f64) -> Vec<f64> {
+    let of = |i: usize| {
+        let limit = if points.is_straight(i) { tolerances::newton::STIFFEST } else { limit };
+        let least = 1.0 / (limit * shear[i]);
+        if steepest(points, i).compliance() < least { least } else { 0.0 }
+    };
+    (0..points.len()).map(of).collect()
+}
+
+/// The limit that the active set begins with: springs that bend the plate over many elements find the pieces in few steps.
+fn limit_to_begin_with(plate: &Plate, points: &Points, shear: &[f64]) -> f64 {
+    let slenderness = |e: usize| plate.thickness.first(plate.kind, e) / plate.geometry(e).size();
+    let thinnest = points.least_at(slenderness);
+    let limit = f64::min(tolerances::newton::LONG_WAVE * thinnest * thinnest, 1.0);
+    let softened = series(points, shear, limit);
+    let all_softer = (0..points.len()).all(|i| points.is_straight(i) || softened[i] == 0.0);
+    if all_softer { tolerances::newton::STIFFEST } else { limit }
+}
+
+/// Part of its own by which every dof is to be stiffer where springs alone hold the plate, by their softest hold on a rigid
+/// motion: none where that is no rounding of the factor. What it adds is taken back with the residual.
+fn firmness(plate: &Plate, softest: f64) -> f64 {
+    let diagonal = |e: usize| (0..8).map(|node| plate.element_stiffness(e)[packed(3 * node, 3 * node)]).sum::<f64>();
+    let all: f64 = (0..plate.elements().len()).map(diagonal).sum();
+    let added = tolerances::FIRMER * all;
+    if plate.kind == Kind::Mitc9 && softest < tolerances::FIRM_BELOW * added { tolerances::FIRMER } else { 0.0 }
+}

@@ -1,0 +1,212 @@
+//! What the plate does under each load case and at each contact point alone: every combination is a sum of these.
+//!
+//! u = u₀ + Σ factor_c u_c + Σ x_i u_i, and the reactions and displacements of the points likewise, each term in
+//! equilibrium by itself: Ku + Gᵀ·reaction = f. Where the rows pick single dofs, x is the points' displacement and the
+//! cases act with all points held; else x is the force δ·Gu − reaction, and the cases act on K̃.
+
+use super::interface::{Form, Work};
+use super::problem::ContactProblem;
+use super::residual::largest_force;
+use super::solution::ContactSolution;
+use super::tolerances;
+use crate::cholesky::FactorError;
+use crate::displacement::Displacement;
+use crate::residual::residual;
+use crate::rows::Springs;
+use rayon::prelude::*;
+
+/// One term of the sum, refined with the double-double residual.
+#[derive(Clone, Debug, Default)]
+pub struct Response {
+    pub displacement: Displacement,
+    /// Force of every contact point, against its row.
+    pub reaction: Vec<f64>,
+    /// Displacement Gu of every contact point.
+    pub moved: Vec<f64>,
+    pub work: Work,
+}
+
+/// Responses refined together, so that the factor is read once for all of them.
+const TOGETHER: usize = 8;
+/// At most this many corrections.
+const CORRECTIONS: usize = 8;
+
+/// A response that is being refined.
+struct Draft<'a> {
+    /// Nodal forces, and the largest that acts.
+    force: Vec<f64>,
+    acting: f64,
+    springs: &'a Springs,
+    /// Slopes that act at the points.
+    carried: &'a [f64],
+    /// The point whose x is 1.
+    point: Option<usize>,
+    response: Response,
+    imbalance: Vec<f64>,
+    /// What is left of the displacements to be imposed on the points; empty where none are.
+    remaining: Vec<f64>,
+    worst: f64,
+    settled: bool,
+}
+
+impl ContactProblem {
+    /// The response to no load, with the held dofs at `held_value` (3n,) and the springs on their bases.
+    pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, FactorError> {
+        let begin = |_, draft: &mut Draft| {
+            draft.response.displacement = ContactSolution::at_rest(&self.points, &self.held, held_value).displacement;
+        };
+        Ok(self.responses(1, true, begin, &mut || true)?.remove(0))
+    }
+
+    /// The responses to nodal loads (3n,) each. `watch` is asked now and then and ends it by returning false; then
+    /// responses are missing.
+    pub fn load_responses(
+        &self,
+        loads: &[Vec<f64>],
+        watch: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<Response>, FactorError> {
+        let begin = |i: usize, draft: &mut Draft| {
+            draft.force.clone_from(&loads[i]);
+            draft.acting = self.scale.largest(&loads[i]);
+            draft.response.work = Work::of(&self.free_motions, &loads[i]);
+        };
+        self.responses(loads.len(), false, begin, watch)
+    }
+
+    /// The responses of some contact points; `watch` as for [`ContactProblem::load_responses`].
+    pub fn point_responses(
+        &self,
+        points: std::ops::Range<usize>,
+        watch: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<Response>, FactorError> {
+        let begin = |i: usize, draft: &mut Draft| {
+            draft.point = Some(points.start + i);
+            if !self.imposed() {
+                draft.acting = 1.0;
+                self.points.scatter(points.start + i, 1.0, &mut draft.force);
+            }
+        };
+        self.responses(points.len(), false, begin, watch)
+    }
+
+    /// Whether x is the points' displacement.
+    fn imposed(&self) -> bool {
+        self.interface().better_form() == Form::Stiffness
+    }
+
+    /// Refined from what they begin with, with springs on their bases, or with these at zero.
+    fn responses(
+        &self,
+        count: usize,
+        on_bases: bool,
+        begin: impl Fn(usize, &mut Draft) + Sync,
+        watch: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<Response>, FactorError> {
+        let none = vec![0.0; self.points.len()];
+        let carried = if self.imposed() { &none } else { &self.delta };
+        let mut springs = self.springs.clone();
+        springs.base.iter_mut().filter(|_| !on_bases).for_each(|base| *base = 0.0);
+        let dofs = self.plate.dof_count();
+        let draft = |i: usize| {
+            let reaction = none.clone();
+            let (displacement, work) = (Displacement::zeros(dofs), Work::of(&self.free_motions, &[]));
+            let mut draft = Draft {
+                force: vec![0.0; dofs],
+                acting: 0.0,
+                springs: &springs,
+                carried,
+                point: None,
+                response: Response { displacement, reaction, moved: Vec::new(), work },
+                imbalance: Vec::new(),
+                remaining: Vec::new(),
+                worst: 0.0,
+                settled: false,
+            };
+            begin(i, &mut draft);
+            draft
+        };
+        let mut found = Vec::with_capacity(count);
+        while found.len() < count && watch() {
+            let last = count.min(found.len() + TOGETHER * rayon::current_num_threads());
+            let blocks = (found.len()..last).into_par_iter().chunks(TOGETHER);
+            let refined = |block: Vec<usize>| self.refined(block.into_iter().map(&draft).collect());
+            found.extend(blocks.map(refined).collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
+        }
+        Ok(found)
+    }
+
+    fn refined(&self, mut drafts: Vec<Draft>) -> Result<Vec<Response>, FactorError> {
+        for draft in &mut drafts {
+            self.judge(draft);
+            draft.settled = draft.worst == 0.0 && draft.remaining.iter().all(|&left| left == 0.0);
+        }
+        for round in 0..CORRECTIONS {
+            if drafts.iter().all(|draft| draft.settled) {
+                break;
+            }
+            self.correct_together(&mut drafts, round)?;
+        }
+        Ok(drafts.into_iter().map(|draft| self.response(draft)).collect())
+    }
+
+    /// What is out of balance, and what is left to impose.
+    fn judge(&self, draft: &mut Draft) {
+        let Response { displacement, reaction, .. } = &draft.response;
+        // Before the first correction nothing has moved but what is held.
+        let moved = displacement.hi.iter().chain(&draft.springs.base).any(|&u| u != 0.0);
+        let mut out =
+            if moved { residual(&self.plate, draft.springs, &draft.force, displacement) } else { draft.force.clone() };
+        if self.imposed() {
+            self.points.scatter_all(reaction, -1.0, &mut out);
+            let target: Vec<f64> = (0..reaction.len()).map(|i| f64::from(draft.point == Some(i))).collect();
+            draft.remaining = self.points.travel_from(&target, displacement).iter().map(|beyond| -beyond).collect();
+        } else if moved && draft.carried.iter().any(|&slope| slope > 0.0) {
+            let travel = self.points.travel_from(&vec![0.0; reaction.len()], displacement);
+            let force: Vec<f64> = travel.iter().zip(draft.carried).map(|(travel, slope)| slope * travel).collect();
+            self.points.scatter_all(&force, -1.0, &mut out);
+        }
+        self.release_held(&mut out);
+        draft.worst = self.scale.largest(&out);
+        draft.imbalance = out;
+    }
+
+    /// One correction of every draft that is not settled.
+    fn correct_together(&self, drafts: &mut [Draft], round: usize) -> Result<(), FactorError> {
+        let factor = &self.base.factor;
+        let mut open: Vec<&mut Draft> = drafts.iter_mut().filter(|draft| !draft.settled).collect();
+        let mut block: Vec<f64> = open.iter().flat_map(|draft| self.blueprint.gather(&draft.imbalance)).collect();
+        factor.forward(&mut block)?;
+        let mut increments = vec![Vec::new(); open.len()];
+        for ((column, draft), increment) in block.chunks_exact_mut(factor.len()).zip(&open).zip(&mut increments) {
+            *increment = self.interface().impose(&draft.remaining, column);
+        }
+        factor.backward(&mut block)?;
+        for ((column, draft), increment) in block.chunks_exact(factor.len()).zip(&mut open).zip(&increments) {
+            let (before, worst) = (draft.response.clone(), draft.worst);
+            for (&dof, &value) in self.blueprint.numbering.dof.iter().zip(column) {
+                if dof < self.held.len() {
+                    draft.response.displacement.add(dof, value);
+                }
+            }
+            draft.response.reaction.iter_mut().zip(increment).for_each(|(total, part)| *total += part);
+            self.judge(draft);
+            if round > 0 && !(draft.worst < worst) {
+                (draft.response, draft.worst, draft.settled) = (before, worst, true);
+            } else {
+                let force = largest_force(self, &[], &draft.response.reaction).max(draft.acting);
+                draft.settled = draft.worst <= tolerances::RESPONSE * force
+                    || (round > 0 && draft.worst > tolerances::PROGRESS * worst);
+            }
+        }
+        Ok(())
+    }
+
+    fn response(&self, Draft { mut response, point, .. }: Draft) -> Response {
+        response.moved = self.points.travel_from(&vec![0.0; self.points.len()], &response.displacement);
+        if !self.imposed() {
+            let carried = self.delta.iter().zip(&response.moved).enumerate();
+            response.reaction = carried.map(|(i, (k, moved))| k * moved - f64::from(point == Some(i))).collect();
+        }
+        response
+    }
+}

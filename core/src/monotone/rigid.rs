@@ -1,0 +1,80 @@
+//! Rigid motions of a plate: the motions at its dofs, and three equations in double-double.
+
+use super::scale::Scale;
+use super::tolerances;
+use crate::double_double::DoubleDouble;
+use crate::plate::Plate;
+
+/// The motions w, w + x and w + y about the middle, over the plate's size, as nodal vectors.
+pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) -> [Vec<f64>; 3] {
+    let motion = |k: usize| -> Vec<f64> {
+        let of_node = |node: usize| {
+            let [x, y] = plate.point(node);
+            let [c, s] = plate.frame(node).unwrap_or([1.0, 0.0]);
+            let arm = [(x - centre[0]) / size, (y - centre[1]) / size];
+            [[1.0, 0.0, 0.0], [arm[0], c / size, -s / size], [arm[1], s / size, c / size]][k]
+        };
+        (0..plate.node_count()).flat_map(of_node).collect()
+    };
+    [motion(0), motion(1), motion(2)]
+}
+
+/// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero.
+pub(super) fn eliminated(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleDouble; 3]) -> ([f64; 3], f64) {
+    let mut order = Vec::new();
+    let mut largest = 0.0_f64;
+    let mut least = f64::INFINITY;
+    loop {
+        let left = (0..3).filter(|i| !order.contains(i));
+        let Some(pivot) = left.max_by(|&a, &b| matrix[a][a].hi.total_cmp(&matrix[b][b].hi)) else { break };
+        largest = largest.max(matrix[pivot][pivot].hi);
+        if matrix[pivot][pivot].hi <= tolerances::HELD * largest {
+            break;
+        }
+        order.push(pivot);
+        least = matrix[pivot][pivot].hi;
+        for row in (0..3).filter(|i| !order.contains(i)) {
+            let factor = quotient(matrix[row][pivot], matrix[pivot][pivot]);
+            for column in 0..3 {
+                matrix[row][column] = matrix[row][column] - factor.times_sum(matrix[pivot][column]);
+            }
+            right[row] = right[row] - factor.times_sum(right[pivot]);
+        }
+    }
+    let mut unknown = [0.0; 3];
+    for &row in order.iter().rev() {
+        let known: f64 = (0..3).filter(|&k| k != row).map(|k| matrix[row][k].value() * unknown[k]).sum();
+        unknown[row] = (right[row].value() - known) / matrix[row][row].value();
+    }
+    (unknown, least)
+}
+
+fn quotient(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
+    let first = a.hi / b.hi;
+    let rest = a - b.times(first);
+    DoubleDouble::new(first, rest.hi / b.hi)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_soft_direction_beside_a_stiff_one_keeps_its_digits() {
+        // 1e14 (1, 1, 1)ᵀ(1, 1, 1) + 1e-6 (0, 1, 2)ᵀ(0, 1, 2) and nothing else.
+        let stiff = [1.0, 1.0, 1.0];
+        let soft = [0.0, 1.0, 2.0];
+        let mut matrix = [[DoubleDouble::default(); 3]; 3];
+        for j in 0..3 {
+            for k in 0..3 {
+                matrix[j][k].add_product(1e14 * stiff[j], stiff[k]);
+                matrix[j][k].add_product(1e-6 * soft[j], soft[k]);
+            }
+        }
+        // The force of a unit of the soft direction alone: its stretch must be 1 and that of the stiff one 0.
+        let right = soft.map(|s| DoubleDouble::from(1e-6 * s));
+        let ([a, b, c], least) = eliminated(matrix, right);
+        assert!((b + 2.0 * c - 1.0).abs() < 1e-9 && (a + b + c).abs() < 1e-9, "{a} {b} {c}");
+        assert!(least < 1e-5);
+    }
+}

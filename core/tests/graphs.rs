@@ -1,0 +1,359 @@
+//! Points whose laws are monotone graphs of two to five pieces, on a square plate: every method against enumeration of all
+//! pieces, against a convex quadratic program, and against the conditions themselves.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT};
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+use proptest::prelude::*;
+use signorini_core::assembly::{Assembly, Numbering};
+use signorini_core::element::{Kind, Material, Thickness};
+use signorini_core::monotone::{ContactProblem, ContactSolution, Form, Graph, Method, Outcome, Points, Supported};
+use signorini_core::plate::Plate;
+use signorini_core::rows::Springs;
+use std::sync::Arc;
+
+const SIZE: usize = 3;
+
+fn plate() -> Arc<Plate> {
+    let columns = 2 * SIZE + 1;
+    let mut number = vec![usize::MAX; columns * columns];
+    let mut points = Vec::new();
+    for k in (0..columns * columns).filter(|k| k % columns % 2 == 0 || k / columns % 2 == 0) {
+        number[k] = points.len();
+        points.push([0.5 * (k % columns) as f64 - 1.5, 0.5 * (k / columns) as f64 - 1.5]);
+    }
+    let corner = |e: usize| 2 * (e / SIZE) * columns + 2 * (e % SIZE);
+    let nodes = [0, 2, 2 * columns + 2, 2 * columns, 1, columns + 2, 2 * columns + 1, columns];
+    let elements = (0..SIZE * SIZE).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
+    let material = Material::isotropic(1000.0, 0.3, 5.0 / 6.0);
+    Arc::new(Plate::new(points, elements, Thickness::Constant(0.2), material, Kind::Mitc9, None).unwrap())
+}
+
+/// A point at ξ, η of an element, and its law.
+#[derive(Clone, Debug)]
+struct Point {
+    element: usize,
+    at: (f64, f64),
+    graph: Graph,
+    shift: f64,
+    weight: f64,
+}
+
+fn row(plate: &Plate, point: &Point) -> Vec<(usize, f64)> {
+    let row = plate.interpolation_row(point.element, point.at.0, point.at.1, 0).0;
+    let nodes = &plate.elements()[point.element];
+    let mut entries: Vec<(usize, f64)> = Vec::new();
+    for (j, &c) in row.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+        entries.push((3 * nodes[j / 3] + j % 3, c));
+    }
+    entries
+}
+
+fn problem(plate: &Arc<Plate>, points: &[Point], held: &[bool], method: Method, delta: f64) -> ContactProblem {
+    let mut table = Points::default();
+    let mut rows = signorini_core::rows::Rows::default();
+    for (i, point) in points.iter().enumerate() {
+        let graph = table.add_graph(point.graph.clone());
+        rows.element.push(point.element);
+        rows.coefficient.push(plate.interpolation_row(point.element, point.at.0, point.at.1, 0).0);
+        table.push_row(plate, &rows, i, graph, point.shift, point.weight);
+    }
+    let on = Supported {
+        springs: Springs::default(),
+        held: held.to_vec(),
+        delta: vec![delta; points.len()],
+        points: table,
+        free_motions: Vec::new(),
+    };
+    ContactProblem::new(plate.clone(), on, method, usize::MAX).unwrap_or_else(|error| panic!("{method:?}: {error}"))
+}
+
+/// Three corners are held.
+fn held(plate: &Plate) -> Vec<bool> {
+    let corners = [0, 2 * SIZE, plate.node_count() - 1];
+    (0..plate.dof_count()).map(|dof| dof % 3 == 0 && corners.contains(&(dof / 3))).collect()
+}
+
+fn load(plate: &Plate, force: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; plate.dof_count()];
+    for (e, force) in force.iter().enumerate() {
+        let centre = Point { element: e, at: (0.0, 0.0), graph: Graph::one_sided(1.0), shift: 0.0, weight: 1.0 };
+        row(plate, &centre).into_iter().for_each(|(dof, c)| out[dof] += force * c);
+    }
+    out
+}
+
+fn stiffness(plate: &Plate) -> Mat<f64> {
+    let numbering = Numbering::natural(plate);
+    let springs = Springs::default();
+    let lower = Assembly::new(plate, &springs, &[], &numbering).lower_triangle();
+    let mut k = Mat::zeros(numbering.len(), numbering.len());
+    for column in 0..numbering.len() {
+        for at in lower.column_start[column]..lower.column_start[column + 1] {
+            k[(lower.row[at], column)] = lower.value[at];
+            k[(column, lower.row[at])] = lower.value[at];
+        }
+    }
+    k
+}
+
+/// Travels d without reactions, beyond the shifts, and P = GK⁻¹Gᵀ, by dense elimination.
+fn condensed(plate: &Plate, held: &[bool], points: &[Point], load: &[f64]) -> (Vec<f64>, Mat<f64>) {
+    let mut k = stiffness(plate);
+    for dof in (0..held.len()).filter(|&dof| held[dof]) {
+        (0..held.len()).for_each(|other| (k[(dof, other)], k[(other, dof)]) = (0.0, 0.0));
+        k[(dof, dof)] = 1.0;
+    }
+    let rows: Vec<_> = points.iter().map(|point| row(plate, point)).collect();
+    let mut right = Mat::zeros(held.len(), points.len() + 1);
+    for (i, row) in rows.iter().enumerate() {
+        row.iter().filter(|(dof, _)| !held[*dof]).for_each(|&(dof, c)| right[(dof, i)] += c);
+    }
+    (0..held.len()).filter(|&dof| !held[dof]).for_each(|dof| right[(dof, points.len())] = load[dof]);
+    let moved = k.partial_piv_lu().solve(&right);
+    let dot = |i: usize, c: usize| rows[i].iter().map(|&(dof, value)| value * moved[(dof, c)]).sum::<f64>();
+    let d = (0..points.len()).map(|i| dot(i, points.len()) - points[i].shift).collect();
+    (d, Mat::from_fn(points.len(), points.len(), dot))
+}
+
+/// Reactions and pieces by trying all pieces: travel = d − P r, on a piece of every graph.
+fn by_enumeration(points: &[Point], d: &[f64], p: &Mat<f64>) -> Vec<f64> {
+    let m = points.len();
+    let count: usize = points.iter().map(|point| point.graph.pieces()).product();
+    let mut best = (f64::INFINITY, Vec::new());
+    for number in 0..count {
+        let mut rest = number;
+        let pieces: Vec<u8> = points
+            .iter()
+            .map(|point| {
+                let piece = rest % point.graph.pieces();
+                rest /= point.graph.pieces();
+                piece as u8
+            })
+            .collect();
+        // On a piece travel = s + a x, reaction = r + b x: (a + P b) x = d − s − P r.
+        let line = |i: usize| {
+            let piece = points[i].graph.piece(pieces[i]);
+            let w = points[i].weight;
+            if piece.holds() {
+                (piece.travel, w * piece.force, piece.compliance() / w, 1.0)
+            } else {
+                (piece.travel, w * piece.force, 1.0, 0.0)
+            }
+        };
+        let lines: Vec<_> = (0..m).map(line).collect();
+        let matrix = Mat::from_fn(m, m, |i, j| p[(i, j)] * lines[j].3 + if i == j { lines[j].2 } else { 0.0 });
+        let right = Mat::from_fn(m, 1, |i, _| d[i] - lines[i].0 - (0..m).map(|j| p[(i, j)] * lines[j].1).sum::<f64>());
+        let x = matrix.partial_piv_lu().solve(&right);
+        let mut worst: f64 = 0.0;
+        for i in 0..m {
+            let [low, high] = points[i].graph.ends(pieces[i]);
+            let holds = points[i].graph.piece(pieces[i]).holds();
+            let (value, axis) =
+                if holds { ((lines[i].1 + x[(i, 0)]) / points[i].weight, 1) } else { (lines[i].0 + x[(i, 0)], 0) };
+            worst = worst.max(low.map_or(0.0, |end| end[axis] - value)).max(high.map_or(0.0, |end| value - end[axis]));
+        }
+        if worst < best.0 {
+            best = (worst, (0..m).map(|i| lines[i].1 + lines[i].3 * x[(i, 0)]).collect());
+        }
+    }
+    assert!(best.0 < 1e-9, "no pieces are right: {}", best.0);
+    best.1
+}
+
+/// Columns and coefficients of a row, and its right-hand side.
+type Row = (Vec<(usize, f64)>, f64);
+
+/// Reactions by a convex quadratic program over all dofs and the travels along pieces; `None` where it has no solution.
+fn by_program(plate: &Plate, held: &[bool], points: &[Point], load: &[f64]) -> Option<Vec<f64>> {
+    let k = stiffness(plate);
+    let (n, m) = (held.len(), points.len());
+    let (mut p, mut q): (Vec<(usize, usize, f64)>, Vec<f64>) = (Vec::new(), load.iter().map(|f| -f).collect());
+    for j in 0..n {
+        (0..=j).filter(|&i| k[(i, j)] != 0.0).for_each(|i| p.push((i, j, k[(i, j)])));
+    }
+    let (mut equations, mut bounds): (Vec<Row>, Vec<Row>) = (Vec::new(), Vec::new());
+    for point in points {
+        let mut entries = row(plate, point);
+        let graph = &point.graph;
+        let w = point.weight;
+        let mut along = |slope: f64, force: f64, sign: f64, length: Option<f64>, bounded: bool| {
+            let column = q.len();
+            q.push(sign * w * force);
+            if slope > 0.0 {
+                p.push((column, column, w * slope));
+            }
+            entries.push((column, -sign));
+            if bounded {
+                bounds.push((vec![(column, -1.0)], 0.0));
+            }
+            length.into_iter().for_each(|length| bounds.push((vec![(column, 1.0)], length)));
+        };
+        let first = graph.piece(0);
+        if graph.is_straight() {
+            if first.slope.is_finite() {
+                along(first.slope, first.force, 1.0, None, false);
+            }
+        } else {
+            if first.slope.is_finite() {
+                along(first.slope, first.force, -1.0, None, true);
+            }
+            for number in 1..graph.pieces() as u8 {
+                let (piece, [low, high]) = (graph.piece(number), graph.ends(number));
+                if piece.slope.is_finite() {
+                    along(piece.slope, piece.force, 1.0, high.zip(low).map(|(h, l)| h[0] - l[0]), true);
+                }
+            }
+        }
+        equations.push((entries, point.shift + first.travel));
+    }
+    for dof in (0..n).filter(|&dof| held[dof]) {
+        equations.push((vec![(dof, 1.0)], 0.0));
+    }
+    // In units in which every square has the coefficient 1.
+    let mut unit = vec![0.1; q.len()];
+    p.iter().filter(|(i, j, _)| i == j).for_each(|&(i, _, value)| unit[i] = 1.0 / value.sqrt());
+    p.iter_mut().for_each(|(i, j, value)| *value *= unit[*i] * unit[*j]);
+    q.iter_mut().zip(&unit).for_each(|(value, unit)| *value *= unit);
+    let scaled = equations.iter_mut().chain(&mut bounds).flat_map(|(row, _)| row.iter_mut());
+    scaled.for_each(|(column, value)| *value *= unit[*column]);
+    let of = |entries: &[(usize, usize, f64)], rows, columns| {
+        let (row, column) = entries.iter().map(|entry| (entry.0, entry.1)).unzip();
+        CscMatrix::new_from_triplets(rows, columns, row, column, entries.iter().map(|entry| entry.2).collect())
+    };
+    let rows: Vec<_> = equations.iter().chain(&bounds).collect();
+    let entries: Vec<_> =
+        rows.iter().enumerate().flat_map(|(r, row)| row.0.iter().map(move |&(c, value)| (r, c, value))).collect();
+    let right: Vec<f64> = rows.iter().map(|row| row.1).collect();
+    let settings = DefaultSettings {
+        verbose: false,
+        tol_gap_abs: 1e-13,
+        tol_gap_rel: 1e-13,
+        tol_feas: 1e-13,
+        ..DefaultSettings::default()
+    };
+    let cones = [ZeroConeT(equations.len()), NonnegativeConeT(bounds.len())];
+    let columns = q.len();
+    let mut solver =
+        DefaultSolver::new(&of(&p, columns, columns), &q, &of(&entries, rows.len(), columns), &right, &cones, settings)
+            .unwrap();
+    solver.solve();
+    match solver.solution.status {
+        SolverStatus::PrimalInfeasible | SolverStatus::DualInfeasible => None,
+        SolverStatus::AlmostPrimalInfeasible | SolverStatus::AlmostDualInfeasible => None,
+        _ => Some(solver.solution.z[..m].to_vec()),
+    }
+}
+
+/// By every method that finds pieces.
+fn by_all(
+    plate: &Arc<Plate>,
+    points: &[Point],
+    held: &[bool],
+    load: &[f64],
+    delta: f64,
+) -> Vec<(&'static str, ContactSolution)> {
+    let none = vec![0.0; load.len()];
+    let condensed = problem(plate, points, held, Method::Lemke, delta);
+    let sparse = problem(plate, points, held, Method::ActiveSet, 0.0);
+    let saddle = problem(plate, points, held, Method::Saddle, 0.0);
+    vec![
+        ("lemke, dual", condensed.solve(load, &none, Some(Form::Dual), None, &mut |_| true).unwrap()),
+        ("lemke, stiffness", condensed.solve(load, &none, Some(Form::Stiffness), None, &mut |_| true).unwrap()),
+        ("active set", sparse.solve(load, &none, None, None, &mut |_| true).unwrap()),
+        ("saddle", saddle.solve(load, &none, None, None, &mut |_| true).unwrap()),
+        ("interior point, lemke", condensed.solve_by_interior_point(load, &none, &mut |_| true).unwrap()),
+        ("interior point, active set", sparse.solve_by_interior_point(load, &none, &mut |_| true).unwrap()),
+    ]
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
+}
+
+/// A nondecreasing polyline through steps of travel and force, some of them zero, with ends of some slope.
+fn graphs(most: usize) -> impl Strategy<Value = Graph> {
+    let step = prop_oneof![3 => 0.002f64..0.02, 1 => Just(0.0)];
+    let rise = prop_oneof![3 => 0.02f64..0.5, 1 => Just(0.0)];
+    let end = || prop_oneof![2 => Just(0.0), 2 => 5.0f64..100.0, 1 => Just(f64::INFINITY)];
+    (prop::collection::vec((step, rise), 0..most - 1), end(), end(), -0.01f64..0.01, -0.2f64..0.2).prop_filter_map(
+        "not a graph",
+        |(steps, first, last, travel, force)| {
+            // A one-sided support begins without a force.
+            let mut at = if first == 0.0 { [travel, 0.0] } else { [travel, force] };
+            let mut vertices = vec![at];
+            for (step, rise) in steps {
+                at = [at[0] + step, at[1] + rise];
+                vertices.push(at);
+            }
+            Graph::new(vertices, [first, last]).ok().filter(|graph| graph.piece(graph.steepest()).holds())
+        },
+    )
+}
+
+fn points(count: std::ops::RangeInclusive<usize>, most: usize) -> impl Strategy<Value = Vec<Point>> {
+    let point = (0usize..9, -0.9f64..0.9, -0.9f64..0.9, graphs(most), -0.005f64..0.005, 0.5f64..2.0);
+    let point = point.prop_map(|(element, xi, eta, graph, shift, weight)| Point {
+        element,
+        at: (xi, eta),
+        graph,
+        shift,
+        weight,
+    });
+    prop::collection::vec(point, count)
+}
+
+fn agree(name: &str, found: &ContactSolution, expected: &[f64], tolerance: f64) -> Result<(), TestCaseError> {
+    prop_assert_eq!(found.outcome, Outcome::Solved, "{}", name);
+    let size = largest(expected).max(0.01);
+    for (i, (r, e)) in found.reaction.iter().zip(expected).enumerate() {
+        prop_assert!((r - e).abs() <= tolerance * size, "{}: point {}: {} for {} of {}", name, i, r, e, size);
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(150))]
+
+    #[test]
+    fn every_method_finds_the_pieces_that_enumeration_finds(
+        points in points(1..=7, 5), force in prop::collection::vec(-1.0f64..2.0, 9),
+    ) {
+        let count: usize = points.iter().map(|point| point.graph.pieces()).product();
+        prop_assume!(count <= 4000);
+        let plate = plate();
+        let (held, load) = (held(&plate), load(&plate, &force));
+        let (d, p) = condensed(&plate, &held, &points, &load);
+        let expected = by_enumeration(&points, &d, &p);
+        for (name, found) in by_all(&plate, &points, &held, &load, 0.0) {
+            agree(name, &found, &expected, 1e-9)?;
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { max_shrink_iters: 0, ..ProptestConfig::with_cases(400) })]
+
+    #[test]
+    fn every_method_solves_the_quadratic_program(
+        points in points(6..=24, 5), force in prop::collection::vec(-1.0f64..2.0, 9), free: bool,
+    ) {
+        let plate = plate();
+        let held = if free { vec![false; plate.dof_count()] } else { held(&plate) };
+        let load = load(&plate, &force);
+        let expected = by_program(&plate, &held, &points, &load);
+        for (name, found) in by_all(&plate, &points, &held, &load, if free { 20.0 } else { 0.0 }) {
+            match &expected {
+                Some(expected) => {
+                    agree(name, &found, expected, 1e-5)?;
+                    // The program is convex, so that what meets the conditions solves it, to more digits than it was solved to.
+                    let problem = problem(&plate, &points, &held, Method::ActiveSet, 0.0);
+                    let (forces, travels) = problem.violations(&load, &found);
+                    prop_assert!(largest(&forces).max(largest(&travels)) < 1e-9, "{}", name);
+                }
+                None => prop_assert_ne!(found.outcome, Outcome::Solved, "{}", name),
+            }
+        }
+    }
+}
