@@ -1,31 +1,13 @@
 //! Contact problems on a square plate: against the conditions themselves, and the rigid motions in the LCP.
+mod common;
+
+use common::{largest, plate_in};
 use proptest::prelude::*;
 use signorini_core::contact::interior_point::interior_point;
 use signorini_core::contact::{Constraints, ContactProblem, ContactSolution, Form, Outcome};
 use signorini_core::displacement::Displacement;
-use signorini_core::element::{Kind, Material, Thickness};
 use signorini_core::plate::Plate;
 use signorini_core::rows::Springs;
-use std::sync::Arc;
-
-const SIZE: usize = 3;
-
-/// The plate in other units: how many of them a length of 1 and a force of 1 are.
-fn plate_in([length, force]: [f64; 2]) -> Arc<Plate> {
-    let columns = 2 * SIZE + 1;
-    let mut number = vec![usize::MAX; columns * columns];
-    let mut points = Vec::new();
-    for k in (0..columns * columns).filter(|k| k % columns % 2 == 0 || k / columns % 2 == 0) {
-        number[k] = points.len();
-        points.push([length * (0.5 * (k % columns) as f64 - 1.5), length * (0.5 * (k / columns) as f64 - 1.5)]);
-    }
-    let corner = |e: usize| 2 * (e / SIZE) * columns + 2 * (e % SIZE);
-    let nodes = [0, 2, 2 * columns + 2, 2 * columns, 1, columns + 2, 2 * columns + 1, columns];
-    let elements = (0..SIZE * SIZE).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
-    let thickness = Thickness::Constant(0.2 * length);
-    let material = Material::isotropic(1000.0 * force / (length * length), 0.3, 5.0 / 6.0);
-    Arc::new(Plate::new(points, elements, thickness, material, Kind::Mitc9, None).unwrap())
-}
 
 /// w = 1, w = x, w = y.
 fn motions(plate: &Plate) -> Vec<Vec<f64>> {
@@ -75,10 +57,6 @@ fn by_interior_point(problem: &ContactProblem, constraints: &Constraints, load: 
         load,
         &mut |_| true,
     )
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |a, b| a.max(b.abs()))
 }
 
 fn apart(a: &[f64], b: &[f64]) -> f64 {

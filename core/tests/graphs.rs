@@ -1,34 +1,18 @@
 //! Points whose laws are monotone graphs of two to five pieces, on a square plate: every method against enumeration of all
 //! pieces, against a convex quadratic program, and against the conditions themselves.
+mod common;
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT};
+use common::{SIZE, largest, plate_in};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use proptest::prelude::*;
 use signorini_core::assembly::{Assembly, Numbering};
-use signorini_core::element::{Kind, Material, Thickness};
 use signorini_core::monotone::{ContactProblem, ContactSolution, Form, Graph, Method, Outcome, Points, Supported};
 use signorini_core::plate::Plate;
 use signorini_core::rows::Springs;
 use std::sync::Arc;
-
-const SIZE: usize = 3;
-
-fn plate() -> Arc<Plate> {
-    let columns = 2 * SIZE + 1;
-    let mut number = vec![usize::MAX; columns * columns];
-    let mut points = Vec::new();
-    for k in (0..columns * columns).filter(|k| k % columns % 2 == 0 || k / columns % 2 == 0) {
-        number[k] = points.len();
-        points.push([0.5 * (k % columns) as f64 - 1.5, 0.5 * (k / columns) as f64 - 1.5]);
-    }
-    let corner = |e: usize| 2 * (e / SIZE) * columns + 2 * (e % SIZE);
-    let nodes = [0, 2, 2 * columns + 2, 2 * columns, 1, columns + 2, 2 * columns + 1, columns];
-    let elements = (0..SIZE * SIZE).map(|e| nodes.map(|offset| number[corner(e) + offset])).collect();
-    let material = Material::isotropic(1000.0, 0.3, 5.0 / 6.0);
-    Arc::new(Plate::new(points, elements, Thickness::Constant(0.2), material, Kind::Mitc9, None).unwrap())
-}
 
 /// A point at ξ, η of an element, and its law.
 #[derive(Clone, Debug)]
@@ -268,10 +252,6 @@ fn by_all(
     ]
 }
 
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
-}
-
 /// A nondecreasing polyline through steps of travel and force, some of them zero, with ends of some slope.
 fn graphs(most: usize) -> impl Strategy<Value = Graph> {
     let step = prop_oneof![3 => 0.002f64..0.02, 1 => Just(0.0)];
@@ -322,7 +302,7 @@ proptest! {
     ) {
         let count: usize = points.iter().map(|point| point.graph.pieces()).product();
         prop_assume!(count <= 4000);
-        let plate = plate();
+        let plate = plate_in([1.0, 1.0]);
         let (held, load) = (held(&plate), load(&plate, &force));
         let (d, p) = condensed(&plate, &held, &points, &load);
         let expected = by_enumeration(&points, &d, &p);
@@ -339,7 +319,7 @@ proptest! {
     fn every_method_solves_the_quadratic_program(
         points in points(6..=24, 5), force in prop::collection::vec(-1.0f64..2.0, 9), free: bool,
     ) {
-        let plate = plate();
+        let plate = plate_in([1.0, 1.0]);
         let held = if free { vec![false; plate.dof_count()] } else { held(&plate) };
         let load = load(&plate, &force);
         let expected = by_program(&plate, &held, &points, &load);

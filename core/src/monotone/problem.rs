@@ -65,6 +65,8 @@ pub struct ContactProblem {
     shear: Vec<f64>,
     /// The limit of springs that the active set begins with.
     pub(super) first_limit: f64,
+    /// The rigid motions, where no dof is held; of points that are condensed they are not asked for.
+    pub(super) floating: Option<Floating>,
     /// Part of its own by which every dof is stiffer in a factor.
     firmer: f64,
 }
@@ -89,7 +91,8 @@ impl ContactProblem {
         let order = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
-        let (mut shear, mut first_limit, mut firmer) = (Vec::new(), tolerances::newton::STIFFEST, 0.0);
+        let (mut shear, mut first_limit) = (Vec::new(), tolerances::newton::STIFFEST);
+        let (mut floating, mut firmer) = (None, 0.0);
         let mut carried = delta.clone();
         if !condensed {
             if method == Method::ActiveSet {
@@ -101,8 +104,8 @@ impl ContactProblem {
             }
             let series = series(&points, &shear, first_limit);
             carried = (0..points.len()).map(|i| steepest(&points, i).in_series(series[i])).collect();
-            let floating = Floating::on(&plate, &held, &scale, &points, &springs);
-            let softest = floating.map(|floating| floating.softest(|i| carried[i], &springs.stiffness));
+            floating = Floating::on(&plate, &held, &scale, &points, &springs);
+            let softest = floating.as_ref().map(|floating| floating.softest(|i| carried[i], &springs.stiffness));
             firmer = softest.map_or(0.0, |softest| firmness(&plate, softest));
         }
         let base = blueprint.factored(&plate, &springs, &points, carried, firmer, room)?;
@@ -134,6 +137,7 @@ impl ContactProblem {
             interface,
             shear,
             first_limit,
+            floating,
             firmer,
         })
     }

@@ -23,7 +23,12 @@ pub(super) struct Residual {
 
 impl Residual {
     pub(super) fn of(problem: &ContactProblem, load: &[f64], solution: &ContactSolution) -> Self {
-        Self { violation: violation(problem, solution), ..Self::of_forces(problem, load, solution) }
+        Self::from(problem, load, solution, &solution.piece)
+    }
+
+    /// With violations of other pieces than the solution's.
+    pub(super) fn from(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, pieces: &[u8]) -> Self {
+        Self { violation: violation(problem, solution, pieces), ..Self::of_forces(problem, load, solution) }
     }
 
     /// Of the forces alone.
@@ -101,10 +106,10 @@ impl ContactProblem {
     }
 }
 
-/// s₀ − row·u + (r − r₀)/k of every point on its piece.
-fn violation(problem: &ContactProblem, solution: &ContactSolution) -> Vec<f64> {
+/// s₀ − row·u + (r − r₀)/k of every point on a piece.
+fn violation(problem: &ContactProblem, solution: &ContactSolution, pieces: &[u8]) -> Vec<f64> {
     let points = &problem.points;
-    let on: Vec<_> = solution.piece.iter().enumerate().map(|(i, &piece)| points.piece(i, piece)).collect();
+    let on: Vec<_> = pieces.iter().enumerate().map(|(i, &piece)| points.piece(i, piece)).collect();
     let from: Vec<f64> = on.iter().map(|piece| piece.travel).collect();
     let mut travel = points.travel_from(&from, &solution.displacement);
     for ((travel, piece), reaction) in travel.iter_mut().zip(&on).zip(&solution.reaction) {

@@ -1,5 +1,5 @@
 //! What forces and lengths are compared with: the plate's own sizes, whatever units it is given in and wherever its
-//! numbering begins. They are powers of two or products with them, so that other units by powers of four change no bit.
+//! numbering begins.
 
 use crate::plate::Plate;
 

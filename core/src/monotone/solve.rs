@@ -147,9 +147,9 @@ impl ContactProblem {
 
     /// The LCP that [`ContactProblem::solve`] poses first; points are condensed.
     pub fn lcp(&self, load: &[f64], held_value: &[f64], form: Option<Form>) -> Result<PosedLcp, FactorError> {
-        let mut rest = ContactSolution::at_rest(&self.points, &self.held, held_value);
+        let rest = ContactSolution::at_rest(&self.points, &self.held, held_value);
         let form = form.unwrap_or(self.interface().better_form());
-        let (_, reduced) = posed_from(self, load, form, &mut rest)?;
+        let reduced = posed_from(self, load, form, &rest)?;
         let work = Work::of(&self.free_motions, load);
         Ok(self.interface().lcp(&self.points, form, &reduced.at_points, &work, &rest.reaction)?)
     }

@@ -110,9 +110,6 @@ pub(super) mod newton {
     /// Change of the multipliers, over the largest force, at which the next stage begins.
     pub(crate) const STEADY: f64 = 5e-2;
 
-    /// Part of a step, beyond its end, by which points that have come to a vertex are past it: above what rounding leaves.
-    pub(crate) const AHEAD: f64 = 1e-9;
-
     /// Slope of the energy that ends a line search, over the slope at its start.
     pub(crate) const FLAT: f64 = 1e-3;
 

@@ -35,7 +35,8 @@ impl SetFinder for Lemke {
         let mut kkt = Condensed::new(problem);
         let mut solution = ContactSolution::at_rest(&problem.points, &problem.held, held_value);
         let work = Work::of(&problem.free_motions, load);
-        let (mut residual, mut reduced) = posed_from(problem, load, form, &mut solution)?;
+        let mut residual = Residual::default();
+        let mut reduced = posed_from(problem, load, form, &solution)?;
         let travel = largest(&reduced.at_points.displacement);
         for _ in 0..STATES {
             let posed =
@@ -45,7 +46,7 @@ impl SetFinder for Lemke {
                 Err(outcome) => return Ok(solution.failed(outcome)),
             };
             let settled = solution.corrections > 0 && pieces == solution.piece;
-            if !settled || solution.corrections == 0 {
+            if !settled {
                 if !kkt.prepare(&pieces)? {
                     return Ok(solution.failed(Outcome::Unsolved));
                 }
@@ -70,9 +71,7 @@ impl SetFinder for Lemke {
                 let is_solved = residual.is_solved(problem, load, &solution, least);
                 return Ok(if is_solved { solution.solved() } else { solution.failed(Outcome::Unsolved) });
             }
-            let pieces = solution.piece.clone();
-            (_, reduced) = posed_from(problem, load, form, &mut solution)?;
-            solution.piece = pieces;
+            reduced = posed_from(problem, load, form, &solution)?;
         }
         Ok(solution.failed(Outcome::Unsolved))
     }
@@ -83,12 +82,10 @@ pub(in crate::monotone) fn posed_from(
     problem: &ContactProblem,
     load: &[f64],
     form: Form,
-    solution: &mut ContactSolution,
-) -> Result<(Residual, Reduced), FactorError> {
-    solution.piece = problem.interface().first_pieces(&problem.points, form);
-    let residual = Residual::of(problem, load, solution);
-    let reduced = problem.reduced(&residual, form)?;
-    Ok((residual, reduced))
+    solution: &ContactSolution,
+) -> Result<Reduced, FactorError> {
+    let pieces = problem.interface().first_pieces(&problem.points, form);
+    problem.reduced(&Residual::from(problem, load, solution, &pieces), form)
 }
 
 /// The pieces that solve an LCP, from some on if there are any, or why there are none; adds to the pivots.

@@ -46,7 +46,7 @@ pub(in crate::monotone) struct Factored<'a> {
     pub(super) last: Option<Direction>,
     /// What it has been prepared for.
     pub(super) pieces: Vec<u8>,
-    pub(super) held: Option<Held>,
+    pub(super) held: Option<Held<'a>>,
     /// Conjugate gradient steps, and matrices factored.
     pub(in crate::monotone) gradients: usize,
     pub(in crate::monotone) factorizations: usize,

@@ -7,24 +7,19 @@ use crate::monotone::problem::ContactProblem;
 use crate::monotone::residual::Residual;
 use crate::monotone::rigid::eliminated;
 
-/// Nothing where a dof is held.
-fn of(problem: &ContactProblem) -> Option<Floating> {
-    Floating::on(&problem.plate, &problem.held, &problem.scale, &problem.points, &problem.springs)
-}
-
 /// What holds a plate afloat on some pieces.
-pub(super) struct Held {
-    floating: Floating,
+pub(super) struct Held<'a> {
+    floating: &'a Floating,
     /// Compliance of the points that hold.
     compliance: Vec<Option<f64>>,
     matrix: Matrix,
 }
 
-impl Held {
+impl<'a> Held<'a> {
     /// Given the compliance that increments of reaction meet at points that hold; nothing where a dof is held, or springs
     /// and points hold the plate as firmly as it holds together.
-    pub(super) fn by(problem: &ContactProblem, mut compliance: Vec<Option<f64>>) -> Option<Self> {
-        let floating = of(problem)?;
+    pub(super) fn by(problem: &'a ContactProblem, mut compliance: Vec<Option<f64>>) -> Option<Self> {
+        let floating = problem.floating.as_ref()?;
         // Of rigid points there is more than these three equations.
         compliance.iter_mut().for_each(|own| *own = own.filter(|&c| c > 0.0));
         let matrix = floating.holding(|i| compliance[i].map_or(0.0, |c| 1.0 / c), &problem.springs.stiffness);
@@ -53,16 +48,16 @@ impl Held {
 }
 
 /// A plate that only springs and points hold, and the load on its rigid motions.
-pub(in crate::monotone) struct Afloat {
-    pub(in crate::monotone) floating: Floating,
+pub(in crate::monotone) struct Afloat<'a> {
+    pub(in crate::monotone) floating: &'a Floating,
     pub(in crate::monotone) load: [DoubleDouble; 3],
     pub(in crate::monotone) magnitude: f64,
 }
 
-impl Afloat {
+impl<'a> Afloat<'a> {
     /// Nothing where a dof is held, or a point both ways.
-    pub(in crate::monotone) fn under(problem: &ContactProblem, load: &[f64]) -> Option<Self> {
-        let floating = of(problem).filter(|_| !problem.points.has_straight())?;
+    pub(in crate::monotone) fn under(problem: &'a ContactProblem, load: &[f64]) -> Option<Self> {
+        let floating = problem.floating.as_ref().filter(|_| !problem.points.has_straight())?;
         let terms = floating.nodal.iter().flat_map(|motion| motion.iter().zip(load).map(|(u, f)| (u * f).abs()));
         Some(Self { magnitude: terms.sum(), load: floating.resultants(load), floating })
     }

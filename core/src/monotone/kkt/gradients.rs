@@ -37,16 +37,9 @@ struct Deflated {
     curvature: f64,
 }
 
-/// What a step came to.
-enum Step {
-    On,
-    /// There have been too many; a factor of the pieces would be better.
-    TooMany,
-    Done(Direction),
-}
-
 /// Conjugate gradients take this many steps before a factor of the present pieces, which costs about as much, replaces
-/// them; where a factor is asked together with others, so that a step costs a part of that, so many times as many.
+/// them; where a factor is asked together with others, so that a step costs a part of that, so many times as many. Where
+/// every force is an unknown, springs differ by too much for any.
 const BEFORE_A_FACTOR: usize = 10;
 const SHARED: usize = 3;
 /// At most this many where they cannot be factored.
@@ -67,7 +60,11 @@ impl Gradients {
             differing: kkt.differing(pieces),
             enough: f64::max(tolerance * kkt.problem.scale.length(&imbalance), rounding),
             may_refactor: true,
-            most: if kkt.shares() { SHARED * BEFORE_A_FACTOR } else { BEFORE_A_FACTOR },
+            most: match kkt.problem.method {
+                Method::Saddle => 0,
+                _ if kkt.shares() => SHARED * BEFORE_A_FACTOR,
+                _ => BEFORE_A_FACTOR,
+            },
             steps: 0,
             residual: imbalance,
             total: Direction::zeros(size),
@@ -101,7 +98,10 @@ impl Gradients {
         mut answer: Option<Vec<f64>>,
     ) -> Result<Option<Direction>, FactorError> {
         loop {
-            if self.may_refactor && kkt.problem.method == Method::Saddle && !self.differing.is_empty() {
+            if self.steps == self.most && !self.differing.is_empty() {
+                if !self.may_refactor {
+                    return Ok(Some(std::mem::take(&mut self.total)));
+                }
                 self.refactor(kkt, imbalance)?;
             }
             let along = match answer.take() {
@@ -109,10 +109,8 @@ impl Gradients {
                 None if kkt.shares() => return Ok(None),
                 None => kkt.response(&self.residual)?,
             };
-            match self.follow(kkt, along) {
-                Step::On => {}
-                Step::TooMany => self.refactor(kkt, imbalance)?,
-                Step::Done(direction) => return Ok(Some(direction)),
+            if let Some(direction) = self.follow(kkt, along) {
+                return Ok(Some(direction));
             }
         }
     }
@@ -125,17 +123,17 @@ impl Gradients {
         Ok(())
     }
 
-    /// One step, with the motion that the factor has for the residual.
-    fn follow(&mut self, kkt: &mut Factored, mut along: Direction) -> Step {
+    /// One step, with the motion that the factor has for the residual; the direction, if that was the last one.
+    fn follow(&mut self, kkt: &mut Factored, mut along: Direction) -> Option<Direction> {
         self.steps += 1;
         kkt.gradients += 1;
         if self.differing.is_empty() {
             kkt.last = (!kkt.shares()).then(|| along.clone());
-            return Step::Done(along);
+            return Some(along);
         }
         let next = dot(&self.residual, &along.nodal);
         if !(next > 0.0) {
-            return Step::Done(std::mem::take(&mut self.total));
+            return Some(std::mem::take(&mut self.total));
         }
         if let Some(Deflated { direction, force, curvature }) = &self.deflated {
             along.combine(1.0, -dot(&along.nodal, force) / curvature, direction);
@@ -153,7 +151,7 @@ impl Gradients {
             // The line search goes as far as the next points, before which no other direction balances the load.
             let mut free = std::mem::take(ahead);
             free.is_free = true;
-            return Step::Done(free);
+            return Some(free);
         }
         let alpha = next / curvature;
         self.total.combine(1.0, alpha, ahead);
@@ -162,12 +160,8 @@ impl Gradients {
         }
         if kkt.problem.scale.length(&self.residual) <= self.enough {
             kkt.last = (!kkt.shares()).then(|| std::mem::take(&mut self.ahead));
-            return Step::Done(std::mem::take(&mut self.total));
+            return Some(std::mem::take(&mut self.total));
         }
-        match (self.steps == self.most, self.may_refactor) {
-            (false, _) => Step::On,
-            (true, true) => Step::TooMany,
-            (true, false) => Step::Done(std::mem::take(&mut self.total)),
-        }
+        None
     }
 }

@@ -70,8 +70,8 @@ impl Follower<'_> {
         let (problem, load) = (self.problem, self.load);
         let interface = problem.interface();
         let form = interface.better_form();
-        let mut rest = ContactSolution::at_rest(&problem.points, &problem.held, load.held_value);
-        let (_, first) = posed_from(problem, load.start, form, &mut rest)?;
+        let rest = ContactSolution::at_rest(&problem.points, &problem.held, load.held_value);
+        let first = posed_from(problem, load.start, form, &rest)?;
         // What is added, by itself: no gaps, nothing held elsewhere than at zero.
         let mut imbalance = load.add.to_vec();
         problem.release_held(&mut imbalance);

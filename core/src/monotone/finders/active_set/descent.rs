@@ -5,7 +5,6 @@ use crate::monotone::kkt::{Afloat, Direction, Factored};
 use crate::monotone::problem::ContactProblem;
 use crate::monotone::residual::{Residual, rounding};
 use crate::monotone::solution::ContactSolution;
-use crate::monotone::tolerances;
 
 /// A solution in the making.
 pub(super) struct Descent<'a> {
@@ -18,7 +17,7 @@ pub(super) struct Descent<'a> {
     pub(super) stretch: Vec<f64>,
     pub(super) residual: Residual,
     /// Where springs and points alone hold the plate.
-    pub(super) afloat: Option<Afloat>,
+    pub(super) afloat: Option<Afloat<'a>>,
     /// Rounding of the internal forces, below which an imbalance says nothing; absent until it is asked for after a balance.
     pub(super) rounding: Option<f64>,
 }
@@ -46,23 +45,19 @@ impl Descent<'_> {
         (0..self.stretch.len()).fold(0.0, |most: f64, i| most.max(self.force(i).abs() / self.problem.points.arm[i]))
     }
 
-    /// Follows a direction to the least energy on it, and returns the pieces that the points come to; what is out of balance
-    /// then is known without the refined residual.
-    pub(super) fn advance(&mut self, direction: &Direction, pieces: &[u8]) -> Vec<u8> {
+    /// Follows a direction to the least energy on it; what is out of balance then is known without the refined residual.
+    pub(super) fn advance(&mut self, direction: &Direction, pieces: &[u8]) {
         let points = &self.problem.points;
         let change = points.change(&direction.nodal);
         let length = self.line_search(direction, &change, pieces);
         for (dof, value) in direction.nodal.iter().enumerate() {
             self.solution.displacement.add(dof, length * value);
         }
-        let mut reached = Vec::with_capacity(pieces.len());
         let mut loss: Vec<f64> = direction.force.iter().map(|f| -length * f).collect();
         for (i, &carried) in self.kkt.system().carried.iter().enumerate() {
             let (moved, old) = (length * change[i], self.stretch[i]);
             let new = old + moved;
             self.stretch[i] = new;
-            // At a vertex the point is on the piece that it goes to: rounding would have it stay, and stop the next step.
-            reached.push(self.piece_at(i, new + tolerances::newton::AHEAD * moved));
             let series = self.kkt.series[i];
             let ((before, slope), (after, _)) = (points.force_at(i, series, old), points.force_at(i, series, new));
             // What goes on with the stiffness that is carried stays in balance to the last bit.
@@ -79,7 +74,6 @@ impl Descent<'_> {
         }
         self.residual.worst = self.problem.scale.largest(&self.residual.imbalance);
         self.solution.iterations += 1;
-        reached
     }
 
     /// From the solution under another load, what is out of balance is what the loads differ by.

@@ -28,7 +28,7 @@ impl Descent<'_> {
         soft
     }
 
-    fn drifted(&mut self, afloat: &Afloat) -> bool {
+    fn drifted(&mut self, afloat: &Afloat<'_>) -> bool {
         let Afloat { floating, load, magnitude } = afloat;
         let Floating { points, springs: arms, .. } = floating;
         let springs = &self.problem.springs;

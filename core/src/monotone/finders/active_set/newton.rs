@@ -56,8 +56,10 @@ impl<'a> Newton<'a> {
         // From rest, the first step takes every point on its steepest piece, as the factor does.
         let pieces = if started { descent.pieces() } else { descent.problem.steepest_pieces() };
         let unloaded = descent.load.iter().all(|&f| f == 0.0);
-        let resistance = force_of_settlements(descent.problem, held_value);
-        let least = if unloaded { descent.largest_force().max(resistance) } else { 0.0 };
+        let least = match unloaded {
+            true => descent.largest_force().max(force_of_settlements(descent.problem, held_value)),
+            false => 0.0,
+        };
         Self {
             descent,
             started,
@@ -150,8 +152,8 @@ impl<'a> Newton<'a> {
 
     /// Follows the direction, and judges where it has led to.
     fn end_step(&mut self, direction: &Direction, watch: &mut Watch<'_>) -> Option<Outcome> {
-        let reached = self.descent.advance(direction, &self.pieces);
-        self.last = std::mem::replace(&mut self.pieces, reached);
+        self.descent.advance(direction, &self.pieces);
+        self.last = std::mem::replace(&mut self.pieces, self.descent.pieces());
         let unchanged = self.pieces == self.last;
         let force = self.force().max(self.least);
         if self.unloaded {
