@@ -85,10 +85,15 @@ def slab() -> SimpleNamespace:
         (lambda s: s.problem.by("zz"), "method: Unknown method 'zz'."),
         (lambda s: s.problem.solve(s.load), "it must be a CaseLoad. Take discretisation.load(combination)"),
         (lambda s: s.problem.solve(s.problem.discretisation.cases["G"], "zz"), "form: Unknown form 'zz'."),
-        (lambda s: s.problem.solve_by_proximal_steps(3, 1e-9), "load: found 3; it must be a CaseLoad."),
         (
-            lambda s: s.problem.solve_by_proximal_steps(s.problem.discretisation.cases["G"], NAN),
-            "part: found nan; it must be",
+            lambda s: s.problem.solve(s.problem.discretisation.cases["G"], start=3),
+            "start: found 3; it must be an Answer.",
+        ),
+        (
+            lambda s: s.problem.by("active_set").solve(
+                s.problem.discretisation.cases["G"], start=s.problem.solve(s.problem.discretisation.cases["G"])
+            ),
+            "start: The solution to begin with is of another problem.",
         ),
         (lambda s: solve(3), f"model: found 3; {MODEL}"),
         (lambda s: solve(None), f"model: found None; {MODEL}"),

@@ -120,7 +120,7 @@ def test_a_combination_without_load_is_out_of_balance_by_a_number(method: str) -
     assert any(now.step for now in told) and np.isfinite([now.residual for now in told]).all()
 
 
-def test_ways_that_take_over_say_their_names(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_methods_that_take_over_say_their_names(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every answer is judged by a larger load, so that none is certified."""
     problem = signorini.contact_problem(props("active_set"))
     told: list[tuple[str, int]] = []
@@ -131,7 +131,7 @@ def test_ways_that_take_over_say_their_names(monkeypatch: pytest.MonkeyPatch) ->
     assert list(dict.fromkeys(now[0] for now in told)) == [
         "the active set",
         "Lemke's algorithm",
-        "proximal steps",
+        "the saddle-point system",
         "the interior point method",
     ]
     assert all(part[0][1] == 0 for part in every[1:]) and every[0][0][1] == 1

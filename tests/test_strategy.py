@@ -6,16 +6,11 @@ from models import rectangular
 
 import signorini
 from signorini import InputError, Model, _core
-from signorini.base.memory import (
-    needed,
-    needed_by_interior_point,
-    needed_by_proximal_steps,
-    require_memory_for_proximal_steps,
-)
+from signorini.base.memory import needed, needed_by_interior_point
 from signorini.contact.budget import Budget, BudgetSpent
 from signorini.contact.certificate import certify
 from signorini.contact.problem import ContactProblem, contact_problem
-from signorini.contact.strategy import answered, attempts, ways_along
+from signorini.contact.strategy import answered, attempts, methods_along
 from signorini.discretise import discretise
 from signorini.shapes import Ring
 
@@ -23,7 +18,8 @@ CLAMPED = {"edge": "left", "fix": "clamped"}
 PROPS = {"at": [[4, 0], [4, 3]], "resists": "down"}
 BETWEEN = {"at": [3.13, 2.37], "resists": "down"}
 BED = {"area": "all", "resists": "down", "stiffness": 2e7, "gap": "1e-4*x"}
-EVERY_METHOD = ("lemke", "active_set", "interior_point")
+EVERY_METHOD = ("lemke", "active_set", "saddle", "interior_point")
+PRESCRIBED = ("lemke", "active_set", "interior_point")
 
 
 def plate(*supports: dict[str, object], method: str = "auto", **more: object) -> Model:
@@ -38,9 +34,9 @@ def plate(*supports: dict[str, object], method: str = "auto", **more: object) ->
 
 
 @pytest.fixture
-def factored(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
-    """Factorizations so far, and whether each was for an active set."""
-    made: list[bool] = []
+def factored(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Factorizations so far, and for which method each was."""
+    made: list[str] = []
     core = _core.ContactProblem
 
     def counted(*given, **room):
@@ -51,16 +47,16 @@ def factored(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
     return made
 
 
-def test_a_problem_is_factored_once_for_each_method(factored: list[bool]) -> None:
+def test_a_problem_is_factored_once_for_each_method(factored: list[str]) -> None:
     problem = contact_problem(plate(CLAMPED, PROPS, method="lemke"))
     assert problem.by("lemke") is problem
     load = problem.discretisation.cases["load"]
-    problem.lcp(load.nodal, "dual"), problem.dual(load.nodal), problem.solve_by_proximal_steps(load, 1e-9)
+    problem.lcp(load.nodal, "dual"), problem.dual(load.nodal)
     problem.by("interior_point").solve(load)
-    assert factored == [False]
+    assert factored == ["lemke"]
     for other in (problem.by("active_set"), problem.by("lemke").by("active_set").by("lemke").by("active_set")):
         other.solve(load)
-    assert factored == [False, True]
+    assert factored == ["lemke", "active_set"]
 
 
 @pytest.mark.parametrize(
@@ -73,26 +69,21 @@ def test_the_better_form_is_the_one_that_the_core_takes(supports: tuple[dict[str
         assert np.array_equal(ours, theirs)
 
 
-@pytest.mark.parametrize("method", EVERY_METHOD)
+@pytest.mark.parametrize("method", PRESCRIBED)
 @pytest.mark.parametrize("supports", [(CLAMPED, PROPS), (CLAMPED, PROPS, BETWEEN, BED), (CLAMPED,)])
 def test_nothing_is_tried_twice(
     supports: tuple[dict[str, object], ...], method: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Every answer is that of a larger load, so that none is certified."""
     tried: list[tuple[object, ...]] = []
-    solve, solve_by_proximal_steps = ContactProblem.solve, ContactProblem.solve_by_proximal_steps
+    solve = ContactProblem.solve
 
-    def plain(self: ContactProblem, load, form, progress):
+    def plain(self: ContactProblem, load, form, *others):
         tried.append((self.method, form))
-        return solve(self, 1.01 * load, form, progress)
-
-    def proximal(self: ContactProblem, load, part, closed, progress):
-        tried.append((part, None if closed is None else closed.tobytes()))
-        return solve_by_proximal_steps(self, 1.01 * load, part, closed, progress)
+        return solve(self, 1.01 * load, form, *others)
 
     problem = contact_problem(plate(*supports, method=method))
     monkeypatch.setattr(ContactProblem, "solve", plain)
-    monkeypatch.setattr(ContactProblem, "solve_by_proximal_steps", proximal)
     found = answered(problem, problem.discretisation.cases["load"])
     assert not found.passed and len(set(tried)) == len(tried)
     one_sided = len(supports) > 1
@@ -102,7 +93,7 @@ def test_nothing_is_tried_twice(
     assert forms == ([problem.better_form, other] if one_sided else [problem.better_form])
 
 
-@pytest.mark.parametrize("method", EVERY_METHOD)
+@pytest.mark.parametrize("method", PRESCRIBED)
 def test_every_attempt_is_watched(method: str) -> None:
     """Lemke's algorithm tells of every 64 pivots."""
 
@@ -141,36 +132,43 @@ def test_a_rigid_circle_that_the_mesh_follows_in_part_is_answered_at_once() -> N
     assert answer.status == "solved" and certify(found, load, answer.hi, answer.lo, answer.reaction).passed
 
 
-def test_proximal_steps_come_after_pivots_and_active_sets_and_before_the_interior_point_method() -> None:
-    def ways(method: str) -> list[str]:
+def test_methods_take_over_in_their_order() -> None:
+    def methods(method: str) -> list[str]:
         problem = contact_problem(plate(CLAMPED, PROPS, method=method))
-        ways = [(way, "steps" if way.part else way.problem.method) for way in attempts(problem)]
-        assert [name for way, name in ways if way.only_near] == ["steps"]
-        return list(dict.fromkeys(name for way, name in ways if not way.only_near))
+        return list(dict.fromkeys(attempt.problem.method for attempt in attempts(problem)))
 
-    assert ways("lemke") == ["lemke", "active_set", "steps", "interior_point"]
-    assert ways("active_set") == ["active_set", "lemke", "steps", "interior_point"]
-    assert ways("interior_point") == ["interior_point", "active_set", "lemke", "steps"]
+    assert methods("lemke") == ["lemke", "active_set", "saddle", "interior_point"]
+    assert methods("active_set") == ["active_set", "lemke", "saddle", "interior_point"]
+    assert methods("interior_point") == ["interior_point", "active_set", "lemke", "saddle"]
 
 
 def test_a_path_is_followed_once_with_each_core() -> None:
-    def ways(method: str) -> list[tuple[str, bool]]:
-        problem = contact_problem(plate(CLAMPED, PROPS, method=method))
-        return [(way.method, proximal) for way, proximal in ways_along(problem)]
+    def methods(method: str) -> list[str]:
+        return [one.method for one in methods_along(contact_problem(plate(CLAMPED, PROPS, method=method)))]
 
-    assert ways("lemke") == [("lemke", False), ("active_set", False), ("lemke", True)]
-    assert ways("active_set") == [("active_set", False), ("lemke", False), ("lemke", True)]
-    assert ways("interior_point") == [("interior_point", False), ("active_set", False), ("lemke", True)]
+    assert methods("lemke") == ["lemke", "active_set", "saddle"]
+    assert methods("active_set") == ["active_set", "lemke", "saddle"]
+    assert methods("interior_point") == ["interior_point", "active_set", "saddle"]
 
 
-def test_ways_that_take_over_end_with_their_budget(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("method", PRESCRIBED)
+def test_a_load_may_begin_with_the_answer_to_another(method: str) -> None:
+    problem = contact_problem(plate(CLAMPED, PROPS, BED, method=method))
+    load = problem.discretisation.cases["load"]
+    first = problem.solve(1.02 * load)
+    plain, near = problem.solve(load), problem.solve(load, start=first)
+    assert (plain.closed == near.closed).all() and near.pivots + near.iterations <= plain.pivots + plain.iterations
+    assert np.abs(plain.reaction - near.reaction).max() < 1e-10 * plain.reaction.max()
+
+
+def test_methods_that_take_over_end_with_their_budget(monkeypatch: pytest.MonkeyPatch) -> None:
     """Lemke's algorithm took minutes of 3000 points of a bed beside rigid ones that nearly repeat each other."""
     problem = contact_problem(plate(CLAMPED, PROPS, BED, method="active_set"))
     load = problem.discretisation.cases["load"]
     solve = ContactProblem.solve
 
-    def plain(self: ContactProblem, load, form="auto", progress=None):
-        return solve(self, 1.01 * load, form, progress)
+    def plain(self: ContactProblem, load, *others):
+        return solve(self, 1.01 * load, *others)
 
     monkeypatch.setattr(ContactProblem, "solve", plain)
     assert answered(problem, load).methods[:2] == ("active_set", "lemke")
@@ -181,12 +179,12 @@ def test_ways_that_take_over_end_with_their_budget(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("signorini.contact.budget._MOST", 3.5 * of_lemke)
     told: list[int] = []
     budget = Budget(problem.discretisation.dof_count, len(problem.gaps))
-    assert budget.allows("lemke", proximal=False)
-    watch = budget.watching("lemke", False, lambda step, changing, residual: told.append(step))
+    assert budget.allows("lemke")
+    watch = budget.watching("lemke", lambda step, changing, residual: told.append(step))
     with pytest.raises(BudgetSpent):
         for step in range(10):
             watch(step, 0, 1.0)
-    assert told == [0, 1, 2] and not budget.allows("lemke", proximal=False)
+    assert told == [0, 1, 2] and not budget.allows("lemke")
 
 
 def test_the_method_of_the_problem_has_no_budget(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -195,8 +193,8 @@ def test_the_method_of_the_problem_has_no_budget(monkeypatch: pytest.MonkeyPatch
     load = problem.discretisation.cases["load"]
     solve = ContactProblem.solve
 
-    def plain(self: ContactProblem, load, form="auto", progress=None):
-        return solve(self, load if self.reference is None else 1.01 * load, form, progress)
+    def plain(self: ContactProblem, load, *others):
+        return solve(self, load if self.reference is None else 1.01 * load, *others)
 
     monkeypatch.setattr(ContactProblem, "solve", plain)
     monkeypatch.setattr("signorini.contact.budget._MOST", 0.0)
@@ -208,18 +206,17 @@ def test_what_memory_does_not_hold_is_not_tried(monkeypatch: pytest.MonkeyPatch)
     problem = contact_problem(plate(CLAMPED, PROPS, BED, method="active_set"))
     size = problem.discretisation.dof_count, len(problem.gaps)
 
-    def methods(free: float) -> list[float | str]:
+    def methods(free: float) -> list[str]:
         monkeypatch.setattr("signorini.base.memory.available", lambda: free)
-        return list(dict.fromkeys(attempt.part or attempt.problem.method for attempt in attempts(problem)))
+        return list(dict.fromkeys(attempt.problem.method for attempt in attempts(problem)))
 
     assert methods(0.0) == ["active_set"]
-    assert [way.method for way, _ in ways_along(problem)] == ["active_set"]
+    assert [other.method for other in methods_along(problem)] == ["active_set"]
     assert methods(np.inf)[:2] == ["active_set", "lemke"] and methods(np.inf)[-1] == "interior_point"
     problem.by("lemke").solve(problem.discretisation.cases["load"])
     assert methods(0.0) == ["active_set", "lemke"]
-    assert needed_by_interior_point(*size) < needed_by_proximal_steps(*size)
+    assert needed_by_interior_point(*size) < needed(len(problem.mesh.elements))
     assert methods(needed_by_interior_point(*size)) == ["active_set", "lemke", "interior_point"]
-    assert 1e-15 in methods(needed_by_proximal_steps(*size))
 
 
 def test_a_method_that_was_asked_for_and_does_not_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -231,6 +228,3 @@ def test_a_method_that_was_asked_for_and_does_not_fit_is_refused(monkeypatch: py
     with pytest.raises(InputError, match=r'interior point method takes .* Leave solver.method at "auto"') as caught:
         signorini.solve(model)
     assert caught.value.place == "solver.method"
-    monkeypatch.setattr("signorini.base.memory.available", lambda: 2e9)
-    with pytest.raises(InputError, match=r"Solving 600,000 dofs by proximal .* 2.0 GB are free, enough for about 6"):
-        require_memory_for_proximal_steps(600_000, 4)

@@ -108,7 +108,7 @@ pub fn load_responses(
 /// The responses to one unit of the own action of contact points `first` to `end`, the last excluded.
 #[pyfunction]
 pub fn point_responses(problem: &ContactProblem, py: Python<'_>, first: usize, end: usize) -> PyResult<Vec<Response>> {
-    let count = problem.inner.constraints.rows.len();
+    let count = problem.inner.points.len();
     if end > count {
         return Err(invalid(format!("there are {count} contact points, not {end}")));
     }
@@ -125,7 +125,7 @@ pub fn combined_cases(
     cases: Vec<PyRef<'_, Response>>,
     points: Vec<PyRef<'_, Response>>,
 ) -> PyResult<CombinedCases> {
-    let count = problem.inner.constraints.rows.len();
+    let count = problem.inner.points.len();
     if points.len() != count {
         return Err(invalid(format!("{} responses for {count} contact points", points.len())));
     }
@@ -162,7 +162,7 @@ pub fn combine<'py>(
     let factors = rows(&factors);
     let shared = &cases.inner;
     let found = interruptible(py, |watch| problem.inner.combine(shared, &factors, watch))?.map_err(failed)?;
-    let count = problem.inner.constraints.rows.len();
+    let count = problem.inner.points.len();
     let verdict = |outcome: Outcome| match outcome {
         Outcome::Solved => 0,
         Outcome::NoEquilibrium => 1,
@@ -172,7 +172,7 @@ pub fn combine<'py>(
         let values = found.iter().flat_map(|combined| of(combined).iter().copied()).collect();
         PyArray1::from_vec(py, values).reshape([found.len(), count])
     };
-    let closed = found.iter().flat_map(|combined| combined.closed.iter().copied()).collect();
+    let closed = found.iter().flat_map(|combined| problem.inner.points.holding(&combined.piece)).collect();
     Ok((
         PyArray1::from_vec(py, found.iter().map(|combined| verdict(combined.outcome)).collect()),
         table(|combined| &combined.factor)?,

@@ -6,7 +6,8 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 use signorini_core::cholesky::FactorError;
-use signorini_core::contact::{self, Constraints, Form, PathEnd, PathLoad, Progress, Stop};
+use signorini_core::contact::{self, Form, Graph, Method, PathEnd, PathLoad, Points, Progress, Stop, Supported};
+use signorini_core::rows::Rows;
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -15,8 +16,9 @@ use std::sync::Arc;
 /// `held` (3n,) marks dofs with a prescribed value; `springs` is (elements, rows, further, stiffness, base);
 /// `constraints` is (elements, rows, further, distance, compliance, two_sided, regularization), one entry a contact point,
 /// whose row may go on in further elements, at the end of `elements` and `rows`:
-/// row·u + gap − compliance·reaction = distance. `free_motions` (d, 3n) are the rigid motions that held dofs, springs and
-/// two-sided points leave free; none if absent. One-sided points are solved for by Lemke's algorithm, or `by_active_set`.
+/// row·u + gap − compliance·reaction = distance. `regularization` is the stiffness that the factor carries of points that
+/// are condensed. `free_motions` (d, 3n) are the rigid motions that held dofs, springs and two-sided points leave free; none
+/// if absent. `method` is "lemke", "active_set" or "saddle".
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactProblem {
     pub inner: Arc<contact::ContactProblem>,
@@ -42,6 +44,39 @@ pub fn failed(error: FactorError) -> PyErr {
     }
 }
 
+fn method_of(name: &str) -> PyResult<Method> {
+    match name {
+        "lemke" => Ok(Method::Lemke),
+        "active_set" => Ok(Method::ActiveSet),
+        "saddle" => Ok(Method::Saddle),
+        other => Err(invalid(format!("unknown method '{other}'; there are lemke, active_set and saddle"))),
+    }
+}
+
+/// Points that hold one way or both ways, each with a spring unless it has no compliance.
+fn points_of(
+    plate: &signorini_core::plate::Plate,
+    rows: &Rows,
+    distance: &[f64],
+    compliance: &[f64],
+    two_sided: &[bool],
+) -> Points {
+    let mut points = Points::default();
+    let laws = [
+        Graph::one_sided(1.0),
+        Graph::one_sided(f64::INFINITY),
+        Graph::two_sided(1.0),
+        Graph::two_sided(f64::INFINITY),
+    ]
+    .map(|law| points.add_graph(law));
+    for i in 0..rows.len() {
+        let is_rigid = compliance[i] == 0.0;
+        let law = laws[2 * usize::from(two_sided[i]) + usize::from(is_rigid)];
+        points.push_row(plate, rows, i, law, distance[i], if is_rigid { 1.0 } else { 1.0 / compliance[i] });
+    }
+    points
+}
+
 fn form_of(name: &str) -> PyResult<Form> {
     match name {
         "dual" => Ok(Form::Dual),
@@ -63,7 +98,7 @@ impl ContactProblem {
 
     /// Refuses what asks for an LCP of all points.
     fn require_condensed(&self) -> PyResult<()> {
-        let condensed = self.inner.order.active.is_empty();
+        let condensed = self.inner.is_condensed();
         if condensed { Ok(()) } else { Err(invalid("points of an active set are not condensed")) }
     }
 
@@ -73,7 +108,7 @@ impl ContactProblem {
     }
 
     pub fn solution(&self, inner: contact::ContactSolution) -> ContactSolution {
-        ContactSolution { inner, plate: self.inner.plate.clone() }
+        ContactSolution { inner, of: self.inner.clone() }
     }
 }
 
@@ -103,7 +138,7 @@ enum News {
 #[pymethods]
 impl ContactProblem {
     #[new]
-    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, by_active_set=false, room=None))]
+    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, method="lemke", room=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -112,7 +147,7 @@ impl ContactProblem {
         spring_arrays: SpringArrays<'_>,
         constraint_arrays: ConstraintArrays<'_>,
         free_motions: Option<PyReadonlyArray2<'_, f64>>,
-        by_active_set: bool,
+        method: &str,
         room: Option<usize>,
     ) -> PyResult<Self> {
         let room = room.unwrap_or(usize::MAX);
@@ -122,77 +157,52 @@ impl ContactProblem {
         let (elements, coefficients, further, distance, compliance, two_sided, regularization) = &constraint_arrays;
         let own = element_rows(elements, coefficients, further, count)?;
         let m = own.len();
-        let constraints = Constraints {
-            rows: own,
-            distance: sized("distance", distance, m)?,
-            compliance: sized("compliance", compliance, m)?,
-            two_sided: flags("two_sided", two_sided, m)?,
-            regularization: sized("regularization", regularization, m)?,
-            free_motions: free_motions.map_or(Vec::new(), |motions| rows(&motions)),
-        };
-        if constraints.free_motions.iter().any(|motion| motion.len() != held.len()) {
+        let distance = sized("distance", distance, m)?;
+        let compliance = sized("compliance", compliance, m)?;
+        let two_sided = flags("two_sided", two_sided, m)?;
+        let delta = sized("regularization", regularization, m)?;
+        let free_motions = free_motions.map_or(Vec::new(), |motions| rows(&motions));
+        if free_motions.iter().any(|motion| motion.len() != held.len()) {
             return Err(invalid(format!("free_motions must have {} columns", held.len())));
         }
         let not_negative = |v: &[f64]| v.iter().all(|x| *x >= 0.0 && x.is_finite());
-        if !not_negative(&constraints.compliance)
-            || !not_negative(&constraints.regularization)
-            || constraints.distance.iter().any(|d| !d.is_finite())
-        {
+        if !not_negative(&compliance) || !not_negative(&delta) || distance.iter().any(|d| !d.is_finite()) {
             return Err(invalid("compliance and regularization must be finite and not negative, distances finite"));
         }
+        let method = method_of(method)?;
+        let points = points_of(&plate.inner, &own, &distance, &compliance, &two_sided);
+        let on = Supported { springs, held, points, delta, free_motions };
         let shared = plate.inner.clone();
-        let inner =
-            released(py, || contact::ContactProblem::new(shared, springs, held, constraints, by_active_set, room))?
-                .map_err(failed)?;
+        let inner = released(py, || contact::ContactProblem::new(shared, on, method, room))?.map_err(failed)?;
         Ok(Self { inner: Arc::new(inner) })
     }
 
-    /// Solves one load; `form` is "dual", "stiffness", or None for the better conditioned of them.
+    /// Solves one load; `form` is "dual", "stiffness", or None for the better conditioned of them. It begins with the
+    /// solution of another load on the same problem, if there is one.
     ///
     /// `progress(step, changing, residual)` is called after every step of the active set: points that opened or closed,
     /// and the imbalance over the largest nodal force. What it raises ends the solve.
-    #[pyo3(signature = (load, held_value, form=None, progress=None))]
+    #[pyo3(signature = (load, held_value, form=None, start=None, progress=None))]
     fn solve(
         &self,
         py: Python<'_>,
         load: PyReadonlyArray1<'_, f64>,
         held_value: PyReadonlyArray1<'_, f64>,
         form: Option<&str>,
+        start: Option<PyRef<'_, ContactSolution>>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<ContactSolution> {
         let (load, held_value) = self.load_and_held(&load, &held_value)?;
         let form = form.map(form_of).transpose()?;
-        let inner = watched(py, progress, |watch| self.inner.solve(&load, &held_value, form, watch))?;
-        Ok(self.solution(inner))
-    }
-
-    /// Solves one load by proximal steps in which an increment of reaction meets at least a part of the plate's own
-    /// compliance, beginning with a contact set `closed` (m,) if there is one; `progress` sees every step. All points
-    /// must be condensed.
-    #[pyo3(signature = (load, held_value, part, closed=None, progress=None))]
-    fn solve_by_proximal_steps(
-        &self,
-        py: Python<'_>,
-        load: PyReadonlyArray1<'_, f64>,
-        held_value: PyReadonlyArray1<'_, f64>,
-        part: f64,
-        closed: Option<PyReadonlyArray1<'_, bool>>,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<ContactSolution> {
-        let (load, held_value) = self.load_and_held(&load, &held_value)?;
-        let points = self.inner.order.condensed.len();
-        let closed = closed.map(|closed| flags("closed", &closed, points)).transpose()?;
-        self.require_condensed()?;
-        if !(part > 0.0 && part.is_finite()) {
-            return Err(invalid("part must be positive and finite"));
+        if let Some(start) = &start {
+            self.require_own(&start.of, "The solution to begin with")?;
         }
-        let inner = watched(py, progress, |watch| {
-            self.inner.solve_by_proximal_steps(&load, &held_value, part, closed.as_deref(), watch)
-        })?;
+        let start = start.as_ref().map(|start| &start.inner);
+        let inner = watched(py, progress, |watch| self.inner.solve(&load, &held_value, form, start, watch))?;
         Ok(self.solution(inner))
     }
 
-    /// Solves one load beginning with the solution of another; `progress` as for `solve`.
+    /// Solves one load beginning with a reference; `progress` as for `solve`.
     #[pyo3(signature = (reference, load, held_value, progress=None))]
     fn solve_near(
         &self,
@@ -248,9 +258,9 @@ impl ContactProblem {
         closed: PyReadonlyArray1<'_, bool>,
     ) -> PyResult<ContactSolution> {
         let (load, held_value) = self.load_and_held(&load, &held_value)?;
-        let points = self.inner.order.condensed.len() + self.inner.order.active.len();
-        let closed = flags("closed", &closed, points)?;
-        let inner = released(py, || self.inner.solve_on(&load, &held_value, &closed))?.map_err(failed)?;
+        let closed = flags("closed", &closed, self.inner.points.len())?;
+        let pieces = self.inner.points.pieces_holding(&closed);
+        let inner = released(py, || self.inner.solve_on(&load, &held_value, &pieces))?.map_err(failed)?;
         Ok(self.solution(inner))
     }
 
@@ -258,9 +268,9 @@ impl ContactProblem {
     /// events), "no_equilibrium", "too_many" or "unsolved".
     ///
     /// `visit(t, switched, solution)` is called where it begins, at every event and where it ends, with the points that
-    /// open or close there and the contact set from there on. What it raises ends the path. `proximal` solves by proximal
-    /// steps, as `solve_by_proximal_steps` does. `progress` is called between events, by steps of the solves that find them.
-    #[pyo3(signature = (start, add, held_value, end, visit, proximal=false, progress=None))]
+    /// open or close there and the contact set from there on. What it raises ends the path. `progress` is
+    /// called between events, by steps of the solves that find them.
+    #[pyo3(signature = (start, add, held_value, end, visit, progress=None))]
     #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
     fn path(
         &self,
@@ -270,17 +280,13 @@ impl ContactProblem {
         held_value: PyReadonlyArray1<'_, f64>,
         end: f64,
         visit: Py<PyAny>,
-        proximal: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<&'static str> {
         let dofs = self.inner.plate.dof_count();
         let start = sized("the load", &start, dofs)?;
         let add = sized("the load to be added", &add, dofs)?;
         let held_value = sized("held_value", &held_value, dofs)?;
-        if proximal {
-            self.require_condensed()?;
-        }
-        let load = PathLoad { start: &start, add: &add, held_value: &held_value, end, proximal };
+        let load = PathLoad { start: &start, add: &add, held_value: &held_value, end };
         let hear = |py: Python<'_>, news: News| match news {
             News::Stop(t, switched, inner) => {
                 visit.call1(py, (t, PyArray1::from_vec(py, switched), self.solution(inner))).map(|_| ())
@@ -315,13 +321,14 @@ impl ContactProblem {
     ) -> PyResult<PosedLcp<'py>> {
         let (load, held_value) = self.load_and_held(&load, &held_value)?;
         let form = form.map(form_of).transpose()?;
+        self.require_condensed()?;
         let posed = released(py, || self.inner.lcp(&load, &held_value, form))?.map_err(failed)?;
         let size = posed.q.len();
         Ok((
             matrix(py, posed.matrix, size)?,
             PyArray1::from_vec(py, posed.q),
-            PyArray1::from_vec(py, posed.point.into_iter().map(|i| i as i64).collect()),
-            PyArray1::from_vec(py, posed.gap_is_z),
+            PyArray1::from_vec(py, posed.rows.iter().map(|row| row.point as i64).collect()),
+            PyArray1::from_vec(py, posed.rows.iter().map(|row| row.w_is_a_force(&self.inner.points)).collect()),
         ))
     }
 
@@ -346,12 +353,12 @@ impl ContactProblem {
     /// Numbers stored for the factor.
     #[getter]
     fn factor_entries(&self) -> usize {
-        self.inner.base.factor.entries()
+        self.inner.factor_size().0
     }
 
     /// Multiplications and additions that the factorization takes.
     #[getter]
     fn factor_flops(&self) -> f64 {
-        self.inner.base.factor.flops()
+        self.inner.factor_size().1
     }
 }

@@ -1,7 +1,6 @@
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use signorini_core::contact::{self, Outcome};
-use signorini_core::plate;
 use std::sync::Arc;
 
 /// One load's solution with its contact set factored; see `ContactProblem.reference`.
@@ -11,11 +10,11 @@ pub struct Reference {
     pub of: Arc<contact::ContactProblem>,
 }
 
-/// Displacements (3n,) as two doubles, reactions, gaps and states (m,) of one load.
+/// Displacements (3n,) as two doubles, reactions, gaps and pieces (m,) of one load.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactSolution {
     pub inner: contact::ContactSolution,
-    pub plate: Arc<plate::Plate>,
+    pub of: Arc<contact::ContactProblem>,
 }
 
 #[pymethods]
@@ -52,7 +51,7 @@ impl ContactSolution {
 
     #[getter]
     fn closed<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        PyArray1::from_slice(py, &self.inner.closed)
+        PyArray1::from_vec(py, self.of.points.holding(&self.inner.piece))
     }
 
     #[getter]

@@ -25,7 +25,7 @@ pub fn solve_together(
     if loads.shape()[1] != dofs {
         return Err(invalid(format!("loads must have {dofs} columns")));
     }
-    if problem.inner.active.is_empty() {
+    if problem.inner.is_condensed() {
         return Err(invalid("there is no active set"));
     }
     if let Some(reference) = reference {
@@ -49,6 +49,6 @@ pub fn solution_stresses<'py>(
     curvatures: PyReadonlyArray2<'_, f64>,
     couples: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    let found = solutions.iter().map(|s| (&*s.plate, &s.inner.displacement)).collect();
+    let found = solutions.iter().map(|s| (&*s.of.plate, &s.inner.displacement)).collect();
     stresses(py, plate, found, &curvatures, &couples)
 }

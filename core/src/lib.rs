@@ -13,7 +13,6 @@ pub mod displacement;
 pub mod double_double;
 pub mod element;
 pub mod lcp;
-pub mod monotone;
 pub mod ordering;
 pub mod plate;
 pub mod residual;

@@ -9,7 +9,7 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 use proptest::prelude::*;
 use signorini_core::assembly::{Assembly, Numbering};
-use signorini_core::monotone::{ContactProblem, ContactSolution, Form, Graph, Method, Outcome, Points, Supported};
+use signorini_core::contact::{ContactProblem, ContactSolution, Form, Graph, Method, Outcome, Points, Supported};
 use signorini_core::plate::Plate;
 use signorini_core::rows::Springs;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
 //! What the fuzzers do with their bytes; core/tests/fuzz_corpus.rs does the same with the corpus.
-use signorini_core::contact::{Constraints, ContactProblem, ContactSolution, Form, Outcome};
+use signorini_core::contact::{ContactProblem, ContactSolution, Form, Graph, Method, Outcome, Points, Supported};
 use signorini_core::element::{Kind, Layered, Material, Thickness};
 use signorini_core::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from, parametric};
 use signorini_core::plate::Plate;
@@ -96,19 +96,23 @@ pub fn contact(data: &[u8]) {
     let Ok(plate) = Plate::new(points, elements, thickness, material, kind, None) else { return };
     let plate = Arc::new(plate);
     let count = bytes.below(5);
-    let mut constraints = Constraints { two_sided: bytes.flags(count), ..Constraints::default() };
-    for _ in 0..count {
+    let (mut points, mut rows, mut delta) = (Points::default(), Rows::default(), Vec::new());
+    for i in 0..count {
         let (xi, eta) = (f64::from(bytes.byte()) / 127.5 - 1.0, f64::from(bytes.byte()) / 127.5 - 1.0);
         let element = bytes.below(2);
-        constraints.rows.element.push(element);
-        constraints.rows.coefficient.push(plate.interpolation_row(element, xi, eta, 0).0);
-        constraints.distance.push(bytes.number());
-        constraints.compliance.push(if bytes.byte() & 1 == 0 { 0.0 } else { bytes.number().abs() });
-        constraints.regularization.push(if bytes.byte() & 1 == 0 { 0.0 } else { 10.0 });
-    }
-    let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
-    if !finite(&constraints.distance) || !finite(&constraints.compliance) {
-        return; // the bindings refuse them
+        rows.element.push(element);
+        rows.coefficient.push(plate.interpolation_row(element, xi, eta, 0).0);
+        // Travels and forces, falling or not, and the slopes at the ends.
+        let vertices = (0..bytes.below(4)).map(|_| [bytes.number(), bytes.number()]).collect();
+        let ends = [bytes.number(), if bytes.byte() & 1 == 0 { f64::INFINITY } else { bytes.number() }];
+        let Ok(graph) = Graph::new(vertices, ends) else { return };
+        let graph = points.add_graph(graph);
+        let (shift, weight) = (bytes.number(), 1.0 + f64::from(bytes.byte()));
+        if !shift.is_finite() {
+            return; // the bindings refuse it
+        }
+        points.push_row(&plate, &rows, i, graph, shift, weight);
+        delta.push(if bytes.byte() & 1 == 0 { 0.0 } else { 10.0 });
     }
     let mut held = vec![false; plate.dof_count()];
     for _ in 0..bytes.below(8) {
@@ -125,25 +129,30 @@ pub fn contact(data: &[u8]) {
     };
     let load: Vec<f64> = (0..plate.dof_count()).map(|_| bytes.number()).collect();
     let values = vec![0.0; plate.dof_count()];
-    for by_active_set in [false, true] {
-        let (springs, held, constraints) = (springs.clone(), held.clone(), constraints.clone());
-        let Ok(problem) = ContactProblem::new(plate.clone(), springs, held, constraints, by_active_set, usize::MAX)
-        else {
-            continue;
-        };
-        let finite_if_solved = |answer: &ContactSolution| {
-            if answer.outcome == Outcome::Solved && load.iter().all(|f| f.abs() < 1e100) {
-                assert!(answer.reaction.iter().all(|r| r.is_finite()), "{:?}", answer.reaction);
-            }
-        };
+    for method in [Method::Lemke, Method::ActiveSet, Method::Saddle] {
+        let (springs, held, points, delta) = (springs.clone(), held.clone(), points.clone(), delta.clone());
+        let on = Supported { springs, held, points, delta, free_motions: Vec::new() };
+        let Ok(problem) = ContactProblem::new(plate.clone(), on, method, usize::MAX) else { continue };
         for form in [None, Some(Form::Dual), Some(Form::Stiffness)] {
-            let Ok(answer) = problem.solve(&load, &values, form, &mut |_| true) else { continue };
-            finite_if_solved(&answer);
+            let Ok(answer) = problem.solve(&load, &values, form, None, &mut |_| true) else { continue };
+            meets_the_conditions(&problem, &load, &answer);
         }
-        if !by_active_set {
-            if let Ok(answer) = problem.solve_by_proximal_steps(&load, &values, 1e-9, None, &mut |_| true) {
-                finite_if_solved(&answer);
-            }
+        if let Ok(answer) = problem.solve_by_interior_point(&load, &values, &mut |_| true) {
+            meets_the_conditions(&problem, &load, &answer);
         }
     }
+}
+
+/// What claims to solve meets equilibrium and every point's law, as far as its numbers are those of a plate.
+fn meets_the_conditions(problem: &ContactProblem, load: &[f64], answer: &ContactSolution) {
+    let size = load.iter().chain(&problem.points.shift).chain(&problem.points.weight);
+    if answer.outcome != Outcome::Solved || size.clone().any(|value| value.abs() > 1e6) {
+        return;
+    }
+    let (forces, points) = problem.violations(load, answer);
+    let worst = |values: &[f64], is_free: &dyn Fn(usize) -> bool| {
+        (0..values.len()).filter(|&i| is_free(i)).fold(0.0, |worst: f64, i| worst.max(values[i].abs()))
+    };
+    let (forces, points) = (worst(&forces, &|dof| !problem.held[dof]), worst(&points, &|_| true));
+    assert!(forces <= 1e-8 && points <= 1e-8, "{forces:e} {points:e}");
 }

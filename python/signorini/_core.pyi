@@ -161,7 +161,7 @@ class ContactProblem:
         spring_arrays: _Springs,
         constraint_arrays: _Constraints,
         free_motions: _Floats | None = None,
-        by_active_set: bool = False,
+        method: Literal["lemke", "active_set", "saddle"] = "lemke",
         room: int | None = None,
     ) -> ContactProblem: ...
     def solve(
@@ -169,14 +169,7 @@ class ContactProblem:
         load: _Floats,
         held_value: _Floats,
         form: _Form = None,
-        progress: Callable[[int, int, float], object] | None = None,
-    ) -> ContactSolution: ...
-    def solve_by_proximal_steps(
-        self,
-        load: _Floats,
-        held_value: _Floats,
-        part: float,
-        closed: _Bools | None = None,
+        start: ContactSolution | None = None,
         progress: Callable[[int, int, float], object] | None = None,
     ) -> ContactSolution: ...
     def solve_near(
@@ -200,7 +193,6 @@ class ContactProblem:
         held_value: _Floats,
         end: float,
         visit: Callable[[float, _Ints, ContactSolution], object],
-        proximal: bool = False,
         progress: Callable[[int, int, float], object] | None = None,
     ) -> Literal["reached", "unbounded", "no_equilibrium", "too_many", "unsolved"]: ...
     def lcp(self, load: _Floats, held_value: _Floats, form: _Form = None) -> tuple[_Floats, _Floats, _Ints, _Bools]: ...

@@ -76,10 +76,10 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
     ]
 
     def contact(
-        elements, coefficients, further, distance, compliance, two_sided, regularization, dofs, motions, active, *spring
+        elements, coefficients, further, distance, compliance, two_sided, regularization, dofs, motions, method, *spring
     ):
         arrays = (elements, coefficients, further, distance, compliance, two_sided, regularization)
-        _core.ContactProblem(found.plate, dofs, spring, arrays, motions, active).solve(load, held.values)
+        _core.ContactProblem(found.plate, dofs, spring, arrays, motions, method).solve(load, held.values)
 
     def residual(load, hi, lo, *spring):
         found.plate.residual(spring, load, hi, lo)
@@ -133,9 +133,8 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
         (residual, [load, u, 1e-17 * u, *spring]),
         (found.plate.internal_magnitude, [held.dofs, u, u]),
         (found.plate.stresses, [u, u, np.array([0.1, 0.0, 0.2]), centre]),
-        (contact, [*constraints, held.dofs, np.zeros((0, found.dof_count)), False, *spring]),
-        (problem.core.solve, [load, held.values, None, 100]),
-        (problem.core.solve_by_proximal_steps, [load, held.values, 1e-9, np.ones(len(rows), np.bool_)]),
+        (contact, [*constraints, held.dofs, np.zeros((0, found.dof_count)), "saddle", *spring]),
+        (problem.core.solve, [load, held.values, None, solved[0]]),
         (problem.core.lcp, [load, held.values, "dual"]),
         (problem.core.apply_inverse, [load]),
         (_core.lemke, [lcp.M, lcp.q, np.ones(len(lcp.q)), 1000, np.zeros(len(lcp.q), np.bool_)]),

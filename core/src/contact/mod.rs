@@ -1,34 +1,35 @@
-//! Plates on one-sided supports: min ½uᵀKu − fᵀu subject to Gu ≤ g.
+//! Plates on supports that may hold one way only: min ½uᵀKu − fᵀu + Σ energies of the points' laws.
 //!
-//! From the ground up: `tolerances`; `scale`, what forces and lengths are compared with; `condense`, from a plate on
-//! constraints to a linear complementarity problem and back; `points`, as rows and of an active set; `problem`, the factor
-//! that every load case shares; `solution`, what one is answered with and begins at; `rigid` motions; `kkt`, the equations
-//! of one contact set, their solvers and their refinement. On these stand the methods that look for the closed set:
-//! `active_set`, `proximal` where rounding decides, `interior_point`; and `solve`, from a load to displacements, reactions
-//! and gaps, of condensed points by `lcp`. `path` follows a load that grows; `responses` and `combine` solve many
-//! combinations of a few load cases at once.
+//! From the ground up: `tolerances`; `graph`, the law of a point; `points`, rows and laws; `scale`, what forces and lengths
+//! are compared with; `system`, K with springs, factored; `interface`, the plate condensed onto its points; `residual`;
+//! `kkt`, the equations on given pieces and their solvers; `refine`; `finders` of the pieces; `problem`, what all loads
+//! share; `solve`. On these stand `path`, a load that grows, and `responses` and `combine`, many combinations of a few load cases.
 
-mod active_set;
-pub mod combine;
-pub mod condense;
-pub mod interior_point;
+mod combine;
+mod finders;
+mod floating;
+mod graph;
+mod interface;
 mod kkt;
-mod lcp;
-pub mod path;
+mod path;
 mod points;
-pub mod problem;
-mod proximal;
-pub mod responses;
+mod problem;
+mod refine;
+mod residual;
+mod responses;
 mod rigid;
 mod scale;
-pub mod solution;
-pub mod solve;
+mod solution;
+mod solve;
+mod system;
 mod tolerances;
 
 pub use combine::{Combined, CombinedCases};
-pub use condense::{Condensed, Form};
+pub use finders::Reference;
+pub use graph::{Graph, GraphError, Piece};
+pub use interface::{Form, PosedLcp, VertexRow};
 pub use path::{PathEnd, PathLoad, Stop};
-pub use points::Constraints;
-pub use problem::ContactProblem;
+pub use points::Points;
+pub use problem::{ContactProblem, Method, Seconds, Supported};
 pub use responses::Response;
-pub use solution::{ContactSolution, Outcome, Progress, Reference};
+pub use solution::{ContactSolution, Outcome, Progress, Watch};

@@ -1,184 +1,230 @@
-//! Contact points as rows, and one-sided ones in any number as piecewise linear springs.
+//! Contact points: rows over dofs, and the law of force over travel of each.
 
+use super::graph::{Graph, Piece};
 use crate::displacement::Displacement;
-use crate::element::{DOFS, packed};
+use crate::element::packed;
 use crate::plate::Plate;
-use crate::rows::{Rows, Springs};
+use crate::rows::Rows;
 use crate::vectorized::vectorized;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
-/// Contact points: row_i·u + gap_i − compliance_i·reaction_i = distance_i.
+/// Marks a row that is over more than one element.
+const NO_ELEMENT: u32 = u32::MAX;
+
+/// Contact points in the caller's order. Point i travels by row_i·u − shift_i and pushes with weight_i times the force of its
+/// graph at that travel, against its row: Ku + Gᵀr = f.
 #[derive(Clone, Debug, Default)]
-pub struct Constraints {
-    pub rows: Rows,
-    /// Free travel before the point acts.
-    pub distance: Vec<f64>,
-    /// Inverse stiffness of the support; 0 is rigid.
-    pub compliance: Vec<f64>,
-    /// An equation rather than an inequality.
-    pub two_sided: Vec<bool>,
-    /// Stiffness that the factor carries at the point so that K̃ is regular; 0 for most.
-    pub regularization: Vec<f64>,
-    /// Rigid motions over all dofs that springs, held dofs and two-sided points leave free.
-    pub free_motions: Vec<Vec<f64>>,
+pub struct Points {
+    start: Vec<usize>,
+    dof: Vec<u32>,
+    coefficient: Vec<f64>,
+    /// The element whose dofs a row is over, if it is one, and whether it is over its deflections alone.
+    element: Vec<u32>,
+    deflects: Vec<bool>,
+    graphs: Vec<Graph>,
+    graph: Vec<u32>,
+    /// Travel of the row before the graph's begins: a gap, a settlement.
+    pub shift: Vec<f64>,
+    /// Force for a unit of the graph's: an area, a stiffness.
+    pub weight: Vec<f64>,
+    /// By what a reaction is a force, and one over that a travel is a length: 1, or the arm of a couple.
+    pub arm: Vec<f64>,
 }
 
-/// One-sided points: force δ⟨s⟩₊ against their row, with s = w(point) − distance + series·multiplier.
-///
-/// A support that is stiffer than a limit acts through a spring that is as stiff as the limit and a multiplier: its law
-/// stays exact, and the equations stay about as well conditioned as the plate's.
-/// A point hangs on the eight deflections of one element, so that its row is eight numbers; a footprint's on those of some.
-#[derive(Clone, Debug, Default)]
-pub struct ActivePoints {
-    pub element: Vec<usize>,
-    pub value: Vec<[f64; 8]>,
-    pub distance: Vec<f64>,
-    /// Inverse stiffness of the support; 0 is rigid.
-    pub compliance: Vec<f64>,
-    /// The plate's own stiffness there, which its shear makes.
-    pub shear: Vec<f64>,
-    /// What footprints, few of the points, have in further elements.
-    pub further: BTreeMap<usize, Vec<(usize, [f64; 8])>>,
-}
-
-/// What the equations see of the points.
-#[derive(Clone, Debug, Default)]
-pub struct Penalty {
-    /// δ = 1/(compliance + series).
-    pub stiffness: Vec<f64>,
-    /// Compliance put in series with a support that is stiffer than the limit; 0 for the others.
-    pub series: Vec<f64>,
-}
-
-impl ActivePoints {
+impl Points {
     pub fn len(&self) -> usize {
-        self.element.len()
+        self.graph.len()
     }
 
     pub fn is_empty(&self) -> bool {
-        self.element.is_empty()
+        self.graph.is_empty()
     }
 
-    pub fn push(&mut self, plate: &Plate, rows: &Rows, row: usize, distance: f64, compliance: f64) {
-        let values = |row: &[f64; DOFS]| std::array::from_fn(|node| row[3 * node]);
-        let lower = plate.element_stiffness(rows.element[row]);
-        if let Some(further) = rows.further.get(&row) {
-            self.further.insert(self.len(), further.iter().map(|(e, row)| (*e, values(row))).collect());
+    /// Adds a law that points may have, and returns its number.
+    pub fn add_graph(&mut self, graph: Graph) -> u32 {
+        self.graphs.push(graph);
+        self.graphs.len() as u32 - 1
+    }
+
+    /// Puts a point behind the others: its row as dofs and coefficients, no dof twice.
+    pub fn push(&mut self, row: impl Iterator<Item = (usize, f64)>, graph: u32, shift: f64, weight: f64) {
+        if self.start.is_empty() {
+            self.start.push(0);
         }
-        self.element.push(rows.element[row]);
-        self.value.push(values(&rows.coefficient[row]));
-        self.distance.push(distance);
-        self.compliance.push(compliance);
-        self.shear.push((0..8).fold(0.0, |most: f64, node| most.max(lower[packed(3 * node, 3 * node)])));
+        for (dof, coefficient) in row.filter(|(_, coefficient)| *coefficient != 0.0) {
+            self.dof.push(dof as u32);
+            self.coefficient.push(coefficient);
+        }
+        self.start.push(self.dof.len());
+        self.arm.push(1.0);
+        self.element.push(NO_ELEMENT);
+        self.deflects.push(self.dof[self.start[self.len()]..].iter().all(|dof| dof % 3 == 0));
+        self.graph.push(graph);
+        self.shift.push(shift);
+        self.weight.push(weight);
     }
 
-    /// No support stiffer than `limit` times the plate's own stiffness in shear.
-    pub fn penalized(&self, limit: f64) -> Penalty {
-        let series = |i: usize| {
-            let least = 1.0 / (limit * self.shear[i]);
-            if self.compliance[i] < least { least } else { 0.0 }
-        };
-        let series: Vec<f64> = (0..self.len()).map(series).collect();
-        let stiffness = series.iter().zip(&self.compliance).map(|(s, c)| 1.0 / (s + c)).collect();
-        Penalty { stiffness, series }
+    /// Puts row i of a table behind the others.
+    pub fn push_row(&mut self, plate: &Plate, rows: &Rows, i: usize, graph: u32, shift: f64, weight: f64) {
+        self.push(rows.entries(plate, i), graph, shift, weight);
+        if !rows.further.contains_key(&i) {
+            *self.element.last_mut().expect("just pushed") = rows.element[i] as u32;
+        }
     }
 
-    /// w(point) − distance (m,), in double-double.
-    pub fn overlap(&self, plate: &Plate, displacement: &Displacement) -> Vec<f64> {
+    /// Gives rows that turn the plate alone, so that their reactions are couples, an arm.
+    pub(super) fn set_arm(&mut self, arm: f64) {
+        for i in 0..self.len() {
+            let mut dofs = self.dof[self.start[i]..self.start[i + 1]].iter();
+            self.arm[i] = if dofs.len() > 0 && dofs.all(|dof| dof % 3 != 0) { arm } else { 1.0 };
+        }
+    }
+
+    /// Dofs and coefficients of a row.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let at = self.start[i]..self.start[i + 1];
+        self.dof[at.clone()].iter().zip(&self.coefficient[at]).map(|(&dof, &coefficient)| (dof as usize, coefficient))
+    }
+
+    pub fn dot(&self, i: usize, vector: &[f64]) -> f64 {
+        self.row(i).map(|(dof, coefficient)| coefficient * vector[dof]).sum()
+    }
+
+    /// Adds `force` times a row to a nodal vector.
+    pub fn scatter(&self, i: usize, force: f64, vector: &mut [f64]) {
+        self.row(i).for_each(|(dof, coefficient)| vector[dof] += force * coefficient);
+    }
+
+    /// Adds Σ force_i row_i, zeros left out.
+    pub fn scatter_all(&self, force: &[f64], factor: f64, vector: &mut [f64]) {
+        for (i, force) in force.iter().enumerate().filter(|(_, force)| **force != 0.0) {
+            self.scatter(i, factor * force, vector);
+        }
+    }
+
+    /// Rows times a nodal vector (m,).
+    pub fn change(&self, vector: &[f64]) -> Vec<f64> {
+        (0..self.len()).into_par_iter().with_min_len(4096).map(|i| self.dot(i, vector)).collect()
+    }
+
+    /// Rows times a displacement less `from` (m,), in double-double.
+    pub fn travel_from(&self, from: &[f64], displacement: &Displacement) -> Vec<f64> {
         let mut out = vec![0.0; self.len()];
         out.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
             vectorized(
                 #[inline(always)]
-                || self.overlap_from(1024 * chunk, plate, displacement, out),
+                || self.some_travels(1024 * chunk, from, displacement, out),
             );
         });
         out
     }
 
     #[inline(always)]
-    fn overlap_from(&self, first: usize, plate: &Plate, displacement: &Displacement, out: &mut [f64]) {
+    fn some_travels(&self, first: usize, from: &[f64], displacement: &Displacement, out: &mut [f64]) {
         for (i, out) in (first..).zip(out) {
-            let (mut high, mut low) = (-self.distance[i], 0.0);
-            let mut add = |element: usize, values: &[f64; 8]| {
-                for (&node, &value) in plate.elements()[element].iter().zip(values) {
-                    let (hi, lo) = (displacement.hi[3 * node], displacement.lo[3 * node]);
-                    let product = hi * value;
-                    let error = hi.mul_add(value, -product);
-                    let sum = high + product;
-                    let part = sum - high;
-                    low += (high - (sum - part)) + (product - part) + error + lo * value;
-                    high = sum;
-                }
-            };
-            add(self.element[i], &self.value[i]);
-            self.elsewhere(i).for_each(|(element, values)| add(*element, values));
+            let (mut high, mut low) = (-from[i], 0.0);
+            for at in self.start[i]..self.start[i + 1] {
+                let (dof, value) = (self.dof[at] as usize, self.coefficient[at]);
+                let (hi, lo) = (displacement.hi[dof], displacement.lo[dof]);
+                let product = hi * value;
+                let error = hi.mul_add(value, -product);
+                let sum = high + product;
+                let part = sum - high;
+                low += (high - (sum - part)) + (product - part) + error + lo * value;
+                high = sum;
+            }
             *out = high + low;
         }
     }
 
-    /// What a point has in further elements.
-    fn elsewhere(&self, i: usize) -> impl Iterator<Item = &(usize, [f64; 8])> {
-        self.further.get(&i).into_iter().flatten()
+    pub fn graph(&self, i: usize) -> &Graph {
+        &self.graphs[self.graph[i] as usize]
     }
 
-    fn entries<'a>(&'a self, plate: &'a Plate, i: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let of_element = |e: usize, values: &'a [f64; 8]| {
-            plate.elements()[e].iter().zip(values).map(|(&node, &value)| (node, value))
-        };
-        let further = self.elsewhere(i).flat_map(move |(e, values)| of_element(*e, values));
-        of_element(self.element[i], &self.value[i]).chain(further)
+    /// The line of a piece of a point, over the travel of its row and in its own force.
+    pub fn piece(&self, i: usize, number: u8) -> Piece {
+        let Piece { travel, force, slope } = self.graph(i).piece(number);
+        let weight = self.weight[i];
+        Piece { travel: self.shift[i] + travel, force: weight * force, slope: weight * slope }
     }
 
-    /// w(point) of a nodal vector (m,).
-    pub fn change(&self, plate: &Plate, vector: &[f64]) -> Vec<f64> {
-        (0..self.len()).into_par_iter().with_min_len(4096).map(|i| self.dot(plate, i, vector)).collect()
+    /// Where a piece of a point ends below and above, [travel of its row, force].
+    pub fn ends(&self, i: usize, number: u8) -> [Option<[f64; 2]>; 2] {
+        let own = |[travel, force]: [f64; 2]| [self.shift[i] + travel, self.weight[i] * force];
+        self.graph(i).ends(number).map(|end| end.map(own))
     }
 
-    pub fn dot(&self, plate: &Plate, i: usize, vector: &[f64]) -> f64 {
-        self.entries(plate, i).map(|(n, v)| v * vector[3 * n]).sum()
+    /// The piece at a stretch, travel + compliance · force, beyond `shift`, of the graph in series with a compliance.
+    pub fn piece_at(&self, i: usize, compliance: f64, stretch: f64) -> u8 {
+        self.graph(i).piece_at(compliance * self.weight[i], stretch)
     }
 
-    pub fn scatter(&self, plate: &Plate, i: usize, factor: f64, vector: &mut [f64]) {
-        for (node, value) in self.entries(plate, i) {
-            vector[3 * node] += factor * value;
-        }
+    /// Force at such a stretch, and the slope of force over stretch.
+    pub fn force_at(&self, i: usize, compliance: f64, stretch: f64) -> (f64, f64) {
+        let (force, slope) = self.graph(i).force_at(compliance * self.weight[i], stretch);
+        (self.weight[i] * force, self.weight[i] * slope)
     }
 
-    /// Adds the row of a point to others, over all dofs of its elements.
-    pub fn push_row(&self, i: usize, rows: &mut Rows) {
-        let over_dofs = |values: &[f64; 8]| std::array::from_fn(|j| if j % 3 == 0 { values[j / 3] } else { 0.0 });
-        if let Some(further) = self.further.get(&i) {
-            rows.further.insert(rows.len(), further.iter().map(|(e, values)| (*e, over_dofs(values))).collect());
-        }
-        rows.element.push(self.element[i]);
-        rows.coefficient.push(over_dofs(&self.value[i]));
+    /// Whether forces on the pieces depend on travels, by point.
+    pub fn holding(&self, pieces: &[u8]) -> Vec<bool> {
+        (0..self.len()).map(|i| self.graph(i).piece(pieces[i]).holds()).collect()
     }
 
-    /// Σ k v vᵀ of every element's points over its eight deflections, as packed lower triangles; empty without points.
-    /// Footprints are left out: see [`ActivePoints::add_footprint_springs`].
+    /// Pieces of points that hold or do not; of graphs with more than two pieces the first one that does.
+    pub fn pieces_holding(&self, holds: &[bool]) -> Vec<u8> {
+        let first = |i: usize| (0..self.graph(i).pieces() as u8).find(|&p| self.graph(i).piece(p).holds() == holds[i]);
+        (0..self.len()).map(|i| first(i).unwrap_or(0)).collect()
+    }
+
+    /// The first piece of every point: open, where it is one-sided.
+    pub fn first_pieces(&self) -> Vec<u8> {
+        vec![0; self.len()]
+    }
+
+    pub fn has_straight(&self) -> bool {
+        self.graph.iter().any(|&graph| self.graphs[graph as usize].is_straight())
+    }
+
+    pub fn is_straight(&self, i: usize) -> bool {
+        self.graph(i).is_straight()
+    }
+
+    /// Whether a row is over the dofs of one element.
+    pub(super) fn is_narrow(&self, i: usize) -> bool {
+        self.element[i] != NO_ELEMENT
+    }
+
+    /// Whether springs of a point are summed with its element's matrix.
+    pub(super) fn is_bedding(&self, i: usize) -> bool {
+        self.is_narrow(i) && self.deflects[i]
+    }
+
+    /// The thinnest of some lengths by element, at the elements of rows.
+    pub(super) fn least_at(&self, of_element: impl Fn(usize) -> f64) -> f64 {
+        let elements = self.element.iter().filter(|&&element| element != NO_ELEMENT);
+        elements.map(|&element| of_element(element as usize)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Σ k r rᵀ of every element's points over its eight deflections, as packed lower triangles; empty without points.
     pub fn stiffness_by_element(&self, plate: &Plate, stiffness: &[f64]) -> Vec<[f64; 36]> {
-        if self.is_empty() {
+        if stiffness.iter().all(|&k| k == 0.0) {
             return Vec::new();
         }
         let mut out = vec![[0.0; 36]; plate.elements().len()];
-        for i in (0..self.len()).filter(|i| !self.further.contains_key(i)) {
-            let (sum, v) = (&mut out[self.element[i]], &self.value[i]);
+        for i in (0..self.len()).filter(|&i| self.is_bedding(i) && stiffness[i] != 0.0) {
+            let element = self.element[i] as usize;
+            let nodes = &plate.elements()[element];
+            let mut row = [0.0; 8];
+            for (dof, coefficient) in self.row(i) {
+                row[nodes.iter().position(|&node| node == dof / 3).expect("a node of its element")] += coefficient;
+            }
+            let sum = &mut out[element];
             for a in 0..8 {
                 for b in 0..=a {
-                    sum[packed(a, b)] += stiffness[i] * v[a] * v[b];
+                    sum[packed(a, b)] += stiffness[i] * row[a] * row[b];
                 }
             }
         }
         out
-    }
-
-    /// Adds the springs of points that hang on several elements, those of no stiffness too: K keeps its pattern.
-    pub fn add_footprint_springs(&self, stiffness: &[f64], springs: &mut Springs) {
-        let mut rows = Rows::default();
-        for (at, &i) in self.further.keys().enumerate() {
-            self.push_row(i, &mut rows);
-            springs.push(&rows, at, stiffness[i], 0.0);
-        }
     }
 }

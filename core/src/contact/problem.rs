@@ -1,23 +1,18 @@
 //! A plate on its supports, factored once.
 
-use super::condense::{Condensed, WideSprings, picks_single_dofs, pins};
-use super::points::{ActivePoints, Constraints};
+use super::floating::Floating;
+use super::graph::Piece;
+use super::interface::Interface;
+use super::points::Points;
 use super::scale::Scale;
-use crate::assembly::{Assembly, HELD, Numbering};
-use crate::cholesky::{Analysis, Factor, FactorError};
-use crate::contact::tolerances;
-use crate::element::Kind;
+use super::system::{Blueprint, System};
+use super::tolerances;
+use crate::cholesky::FactorError;
+use crate::element::{Kind, packed};
 use crate::plate::Plate;
-use crate::rows::{Rows, Springs};
+use crate::rows::Springs;
 use std::sync::Arc;
 use std::time::Instant;
-
-/// Positions, in the caller's order, of the points that are condensed and of those of the active set.
-#[derive(Clone, Debug, Default)]
-pub struct PointOrder {
-    pub condensed: Vec<usize>,
-    pub active: Vec<usize>,
-}
 
 /// Seconds of each stage.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,331 +22,217 @@ pub struct Seconds {
     pub condense: f64,
 }
 
-/// K with the springs of some points on top, factored, and what it is at the condensed points.
-pub struct Factored {
-    pub factor: Factor,
-    /// Springs over several elements, unless they are in the factor.
-    wide: Option<WideSprings>,
-    pub condensed: Condensed,
-    /// Stiffness carried at each point of the active set.
-    pub carried: Vec<f64>,
-    /// Whether every dof is a little stiffer than it is, since what holds the plate is lost in rounding.
-    pub firmer: bool,
+/// Which method the plate is factored for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Lemke's algorithm: all points are condensed, of which there are few.
+    Lemke,
+    /// The active set: points in any number, springs in the factor.
+    ActiveSet,
+    /// The active set with nothing eliminated: every point's force is an unknown of the factor. Springs may be as stiff as
+    /// rigid supports are but for rounding, which tells points apart that nearly repeat each other.
+    Saddle,
 }
 
-impl Factored {
-    /// Overwrites vectors in elimination order, one after the other, with what [`Factored::backward`] makes K̃⁻¹ times each.
-    pub(super) fn forward(&self, vectors: &mut [f64]) -> Result<(), FactorError> {
-        self.factor.forward(vectors)?;
-        self.hold(vectors);
-        Ok(())
-    }
-
-    pub(super) fn backward(&self, vectors: &mut [f64]) -> Result<(), FactorError> {
-        self.factor.backward(vectors)
-    }
-
-    fn hold(&self, forward: &mut [f64]) {
-        if let Some(springs) = &self.wide {
-            forward.chunks_exact_mut(self.factor.len()).for_each(|vector| springs.hold(vector));
-        }
-    }
-
-    /// Overwrites vectors in elimination order, one after the other, with K̃⁻¹ times each, with the bits that it has alone.
-    pub(super) fn solve_side_by_side(&self, vectors: &mut [f64]) -> Result<(), FactorError> {
-        if self.wide.is_none() {
-            return self.factor.solve_side_by_side(vectors);
-        }
-        self.forward(vectors)?;
-        self.backward(vectors)
-    }
-
-    /// Lets the points be pushed: adds forces on them to a vector after [`Factored::forward`].
-    pub(super) fn push(&self, force: &[f64], forward: &mut [f64]) -> Result<(), FactorError> {
-        let mut pushed = vec![0.0; forward.len()];
-        self.condensed.push(force, &mut pushed)?;
-        self.hold(&mut pushed);
-        forward.iter_mut().zip(&pushed).for_each(|(total, value)| *total += value);
-        Ok(())
-    }
+/// What a contact problem is made of.
+pub struct Supported {
+    pub springs: Springs,
+    /// Dofs with a prescribed value (3n,).
+    pub held: Vec<bool>,
+    pub points: Points,
+    /// Slope (m,) that the factor carries at points that are condensed, so that it is regular; 0 for most.
+    pub delta: Vec<f64>,
+    /// Rigid motions over all dofs that springs, held dofs and two-sided points do not hold.
+    pub free_motions: Vec<Vec<f64>>,
 }
 
+/// A plate on its supports, factored once.
 pub struct ContactProblem {
     pub plate: Arc<Plate>,
     pub springs: Springs,
     pub held: Vec<bool>,
-    /// Points that are condensed: all of them, or, beside an active set, the two-sided ones.
-    pub constraints: Constraints,
-    /// One-sided points of the active set, and where both kinds stand in the caller's order.
-    pub active: ActivePoints,
-    pub order: PointOrder,
-    pub numbering: Numbering,
-    pub base: Factored,
+    pub points: Points,
     pub seconds: Seconds,
+    pub(super) method: Method,
+    pub(super) delta: Vec<f64>,
+    pub(super) free_motions: Vec<Vec<f64>>,
     pub(super) scale: Scale,
-    /// By what what is left of a condensed point's gap is a length.
-    pub(super) levers: Vec<f64>,
-    analysis: Analysis,
-    way: Way,
+    pub(super) blueprint: Arc<Blueprint>,
+    pub(super) base: System,
+    /// Where the points are condensed.
+    pub(super) interface: Option<Interface>,
+    /// The plate's own stiffness at every point, which its shear makes; empty where the points are condensed.
+    shear: Vec<f64>,
+    /// The limit of springs that the active set begins with.
     pub(super) first_limit: f64,
+    /// The rigid motions, where no dof is held; of points that are condensed they are not asked for.
+    pub(super) floating: Option<Floating>,
+    /// Part of its own by which every dof is stiffer in a factor.
+    firmer: f64,
 }
 
 impl ContactProblem {
-    /// Orders with the condensed dofs last, factors, and condenses.
-    ///
-    /// With `by_active_set` the one-sided points are the active set's instead of an LCP's: the factor carries them all.
-    /// A factor that takes more than `room`, in bytes, is refused before it is begun.
-    pub fn new(
-        plate: Arc<Plate>,
-        springs: Springs,
-        held: Vec<bool>,
-        constraints: Constraints,
-        by_active_set: bool,
-        room: usize,
-    ) -> Result<Self, FactorError> {
+    /// Orders, factors, and condenses. A factor that takes more than `room`, in bytes, is refused before it is begun.
+    pub fn new(plate: Arc<Plate>, on: Supported, method: Method, room: usize) -> Result<Self, FactorError> {
+        let Supported { springs, held, mut points, delta, free_motions } = on;
         let clock = Instant::now();
-        let (constraints, active, order) = split(&plate, constraints, by_active_set);
-        let rows = &constraints.rows;
-        let mut trailing = vec![false; plate.dof_count()];
-        for row in (0..rows.len()).filter(|row| !rows.further.contains_key(row)) {
-            rows.entries(&plate, row).for_each(|(dof, _)| trailing[dof] = true);
-        }
-        let numbering = Numbering::new(&plate, &held, &trailing);
-        let ordering = clock.elapsed().as_secs_f64();
-
-        let first_limit = Self::first_limit(&plate, &active);
-        let all_closed = active.penalized(first_limit).stiffness;
         let scale = Scale::of(&plate);
-        let mut parts = Parts {
-            plate: &plate,
-            springs: &springs,
-            constraints: &constraints,
-            active: &active,
-            numbering: &numbering,
-            scale: &scale,
-            way: Way::Apart,
-            room,
-            seconds: Seconds { order: ordering, ..Seconds::default() },
+        points.set_arm(scale.size);
+        let condensed = method == Method::Lemke;
+        let mut trailing = vec![false; plate.dof_count()];
+        let last = (0..points.len()).filter(|&i| condensed && points.is_narrow(i));
+        last.flat_map(|i| points.row(i)).for_each(|(dof, _)| trailing[dof] = true);
+        let is_border = |i: usize| match method {
+            Method::Lemke => delta[i] > 0.0 && !points.is_bedding(i),
+            Method::ActiveSet => !points.is_bedding(i),
+            Method::Saddle => true,
         };
-        // Of a plate that may float, where what holds it is lost in rounding, the factor is a little firmer. Rigid motions are
-        // found apart from it, exactly, and solves with care take back what it adds. Beside held dofs they would be rounded,
-        // and elements with motions of their own that nothing resists are no such plate.
-        let may_float = plate.kind == Kind::Mitc9 && !held.contains(&true);
-        let apart = plate.kind == Kind::Mitc9 && parts.has_wide_springs();
-        let mut base = Err(FactorError::NotPositiveDefinite { column: 0 });
-        for (_, way) in
-            [(apart, Way::Apart), (true, Way::Whole), (may_float, Way::Firmer)].into_iter().filter(|way| way.0)
-        {
-            parts.way = way;
-            base = parts.factored(all_closed.clone(), None);
-            if !matches!(base, Err(FactorError::NotPositiveDefinite { .. })) {
-                break;
+        let blueprint = Arc::new(Blueprint::new(&plate, &held, &springs, &points, &trailing, is_border));
+        let order = clock.elapsed().as_secs_f64();
+
+        let clock = Instant::now();
+        let (mut shear, mut first_limit) = (Vec::new(), tolerances::newton::STIFFEST);
+        let (mut floating, mut firmer) = (None, 0.0);
+        let mut carried = delta.clone();
+        if !condensed {
+            if method == Method::ActiveSet {
+                shear = shear_at(&plate, &points);
+                first_limit = limit_to_begin_with(&plate, &points, &shear);
+            } else {
+                let stiffest = scale.stiffness / (tolerances::COMPLIANCE * tolerances::newton::STIFFEST);
+                shear = points.arm.iter().map(|arm| stiffest * arm * arm).collect();
             }
+            let series = series(&points, &shear, first_limit);
+            carried = (0..points.len()).map(|i| steepest(&points, i).in_series(series[i])).collect();
+            floating = Floating::on(&plate, &held, &scale, &points, &springs);
+            let softest = floating.as_ref().map(|floating| floating.softest(|i| carried[i], &springs.stiffness));
+            firmer = softest.map_or(0.0, |softest| firmness(&plate, softest));
         }
-        let (base, analysis) = base?;
-        let Parts { seconds, way, .. } = parts;
-        let levers = (0..constraints.rows.len()).map(|row| scale.lever(&constraints.rows, row)).collect();
+        let base = blueprint.factored(&plate, &springs, &points, carried, firmer, room)?;
+        let factor = clock.elapsed().as_secs_f64();
+
+        let clock = Instant::now();
+        let interface = if condensed {
+            let moves = |motion: &Vec<f64>| (0..points.len()).map(|i| points.dot(i, motion)).collect();
+            let moves: Vec<Vec<f64>> = free_motions.iter().map(moves).collect();
+            let (rows, borders) = (blueprint.rows(&points), blueprint.borders(plate.dof_count()));
+            let last = blueprint.numbering.trailing;
+            Some(Interface::on(&base.factor, last, &rows, &borders, delta.clone(), &moves)?)
+        } else {
+            None
+        };
+        let seconds = Seconds { order, factor, condense: clock.elapsed().as_secs_f64() };
         Ok(Self {
             plate,
             springs,
             held,
-            constraints,
-            active,
-            order,
-            numbering,
-            base,
+            points,
             seconds,
+            method,
+            delta,
+            free_motions,
             scale,
-            levers,
-            analysis,
-            way: if way == Way::Firmer { Way::Whole } else { way },
+            blueprint,
+            base,
+            interface,
+            shear,
             first_limit,
+            floating,
+            firmer,
         })
-    }
-
-    /// The factor with other stiffnesses at the points of the active set; the analysis is kept.
-    pub(super) fn refactored(&self, carried: Vec<f64>) -> Result<Factored, FactorError> {
-        let mut parts = Parts {
-            plate: &self.plate,
-            springs: &self.springs,
-            constraints: &self.constraints,
-            active: &self.active,
-            numbering: &self.numbering,
-            scale: &self.scale,
-            way: self.way,
-            room: usize::MAX,
-            seconds: Seconds::default(),
-        };
-        Ok(parts.factored(carried, Some(&self.analysis))?.0)
-    }
-
-    /// Every contact point, in the caller's order; the factor's part left out.
-    pub fn all_constraints(&self) -> Constraints {
-        let (rest, active) = (&self.constraints, &self.active);
-        let (condensed, count) = (rest.rows.len(), rest.rows.len() + active.len());
-        let mut rows = Rows::default();
-        for at in self.in_order(&(0..count).collect::<Vec<_>>()) {
-            match at.checked_sub(condensed) {
-                Some(at) => active.push_row(at, &mut rows),
-                None => rows.push_from(&rest.rows, at),
-            }
-        }
-        let mut two_sided = rest.two_sided.clone();
-        two_sided.resize(count, false);
-        Constraints {
-            rows,
-            distance: self.in_order(&[&rest.distance[..], &active.distance].concat()),
-            compliance: self.in_order(&[&rest.compliance[..], &active.compliance].concat()),
-            two_sided: self.in_order(&two_sided),
-            regularization: vec![0.0; count],
-            free_motions: rest.free_motions.clone(),
-        }
-    }
-
-    /// A nodal load in elimination order, without the dofs held.
-    pub fn gather(&self, load: &[f64]) -> Vec<f64> {
-        self.numbering.dof.iter().map(|&dof| load[dof]).collect()
-    }
-
-    /// A vector in elimination order as a nodal one; dofs held are zero.
-    pub fn scatter(&self, ordered: &[f64]) -> Vec<f64> {
-        let mut out = vec![0.0; self.plate.dof_count()];
-        for (&dof, &value) in self.numbering.dof.iter().zip(ordered) {
-            out[dof] = value;
-        }
-        out
     }
 
     /// K̃⁻¹ times a nodal load.
     pub fn apply_inverse(&self, load: &[f64]) -> Result<Vec<f64>, FactorError> {
-        let mut ordered = self.gather(load);
-        self.base.forward(&mut ordered)?;
-        self.base.backward(&mut ordered)?;
-        Ok(self.scatter(&ordered))
+        self.base.solve(load)
     }
 
-    /// Takes what the condensed points' reactions do, Gᵀ·reaction, off a nodal vector.
-    pub(super) fn take_off(&self, reaction: &[f64], vector: &mut [f64]) {
-        for (i, &reaction) in reaction.iter().enumerate().filter(|(_, reaction)| **reaction != 0.0) {
-            self.constraints.rows.scatter(&self.plate, i, -reaction, vector);
+    /// Entries of the factor, and the multiplications and additions that it takes.
+    pub fn factor_size(&self) -> (usize, f64) {
+        (self.base.factor.entries(), self.base.factor.flops())
+    }
+
+    pub fn is_condensed(&self) -> bool {
+        self.interface.is_some()
+    }
+
+    pub(super) fn interface(&self) -> &Interface {
+        self.interface.as_ref().expect("the points are condensed")
+    }
+
+    /// The factor with other slopes at the points.
+    pub(super) fn factored(&self, carried: Vec<f64>) -> Result<System, FactorError> {
+        let Self { plate, springs, points, .. } = self;
+        self.blueprint.factored(plate, springs, points, carried, self.firmer, usize::MAX)
+    }
+
+    /// Compliance in series with every point so that none is stiffer than a limit.
+    pub(super) fn series(&self, limit: f64) -> Vec<f64> {
+        series(&self.points, &self.shear, limit)
+    }
+
+    pub(super) fn steepest(&self, i: usize) -> Piece {
+        steepest(&self.points, i)
+    }
+
+    pub(super) fn steepest_pieces(&self) -> Vec<u8> {
+        (0..self.points.len()).map(|i| self.points.graph(i).steepest()).collect()
+    }
+
+    /// Zeroes a nodal vector at the dofs held.
+    pub(super) fn release_held(&self, vector: &mut [f64]) {
+        for (value, _) in vector.iter_mut().zip(&self.held).filter(|(_, held)| **held) {
+            *value = 0.0;
         }
     }
 }
 
-/// How a plate is factored.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Way {
-    /// Springs over several elements apart from the factor.
-    Apart,
-    /// All springs in it.
-    Whole,
-    /// All springs in it, and every dof a little stiffer than it is.
-    Firmer,
+fn steepest(points: &Points, i: usize) -> Piece {
+    points.piece(i, points.graph(i).steepest())
 }
 
-/// What a factor is made of, and the seconds that making it takes.
-struct Parts<'a> {
-    plate: &'a Plate,
-    springs: &'a Springs,
-    constraints: &'a Constraints,
-    active: &'a ActivePoints,
-    numbering: &'a Numbering,
-    scale: &'a Scale,
-    way: Way,
-    room: usize,
-    seconds: Seconds,
-}
-
-impl Parts<'_> {
-    /// Whether springs over several elements can, and need, be kept out of the factor. Beside points at dofs of their own, whose
-    /// stiffness the factor's last block is, they cannot.
-    fn has_wide_springs(&self) -> bool {
-        let Constraints { rows, regularization, .. } = self.constraints;
-        let carried = rows.further.keys().any(|&row| regularization[row] > 0.0);
-        let any = carried || !self.springs.rows.further.is_empty() || !self.active.further.is_empty();
-        any && (rows.is_empty() || !picks_single_dofs(&self.by_column(rows)))
-    }
-
-    /// Rows by columns of the factor.
-    fn by_column(&self, rows: &Rows) -> Vec<Vec<(usize, f64)>> {
-        let column = &self.numbering.column;
-        let entries = |row| rows.entries(self.plate, row).map(|(dof, c)| (column[dof], c));
-        (0..rows.len()).map(|row| entries(row).filter(|entry| entry.0 != HELD).collect()).collect()
-    }
-
-    /// The factor, with the analysis of one before it if there is one, and that.
-    fn factored(&mut self, carried: Vec<f64>, known: Option<&Analysis>) -> Result<(Factored, Analysis), FactorError> {
-        let &mut Self { plate, constraints, numbering, way, .. } = self;
-        let clock = Instant::now();
-        let bedding = self.active.stiffness_by_element(plate, &carried);
-        let mut springs = with_regularization(self.springs, constraints);
-        self.active.add_footprint_springs(&carried, &mut springs);
-        let mut wide = Springs::default();
-        if way == Way::Apart {
-            (springs, wide) = springs.narrow_and_wide();
-        }
-        if !wide.rows.is_empty() {
-            let pins = pins(plate, numbering, self.scale);
-            for (pin, &stiffness) in pins.stiffness.iter().enumerate() {
-                springs.push(&pins.rows, pin, stiffness, 0.0);
-                wide.push(&pins.rows, pin, -stiffness, 0.0);
+/// The largest stiffness of an element against a deflection or slope of a row.
+fn shear_at(plate: &Plate, points: &Points) -> Vec<f64> {
+    let mut largest = vec![0.0_f64; plate.dof_count()];
+    for (e, nodes) in plate.elements().iter().enumerate() {
+        let lower = plate.element_stiffness(e);
+        for (local, node) in nodes.iter().enumerate() {
+            for k in 0..3 {
+                let at = packed(3 * local + k, 3 * local + k);
+                largest[3 * node + k] = largest[3 * node + k].max(lower[at]);
             }
         }
-        let firmer = if way == Way::Firmer { tolerances::FIRMER } else { 0.0 };
-        let matrix = Assembly::new(plate, &springs, &bedding, numbering).firmer(firmer);
-        let analysis = known.cloned().map_or_else(|| Analysis::new(&matrix), Ok)?;
-        analysis.require_room(self.room)?;
-        let factor = analysis.factorize(&matrix)?;
-        // Elements of q8r bend in some shapes without resistance, and not all supports hold them.
-        if carried.contains(&0.0) || plate.kind == Kind::Q8r {
-            let (column, part) = factor.weakest_pivot();
-            if part < tolerances::LOOSE_PIVOT {
-                return Err(FactorError::NotPositiveDefinite { column });
-            }
-        }
-        self.seconds.factor += clock.elapsed().as_secs_f64();
-
-        let clock = Instant::now();
-        let trailing = factor.trailing_block(numbering.trailing)?;
-        let wide = match wide.rows.is_empty() {
-            true => None,
-            false => Some(WideSprings::of(&factor, &trailing, &self.by_column(&wide.rows), &wide.stiffness)?),
-        };
-        let rows = &constraints.rows;
-        let moves = |motion: &Vec<f64>| (0..rows.len()).map(|row| rows.dot(plate, row, motion)).collect();
-        let moves: Vec<Vec<f64>> = constraints.free_motions.iter().map(moves).collect();
-        let condensed = Condensed::on(&factor, trailing, constraints, &self.by_column(rows), &moves, wide.as_ref())?;
-        self.seconds.condense += clock.elapsed().as_secs_f64();
-        Ok((Factored { factor, wide, condensed, carried, firmer: way == Way::Firmer }, analysis))
     }
+    let of = |i: usize| points.row(i).fold(0.0, |most: f64, (dof, _)| most.max(largest[dof]));
+    (0..points.len()).map(of).collect()
 }
 
-pub(super) fn with_regularization(springs: &Springs, constraints: &Constraints) -> Springs {
-    let mut all = springs.clone();
-    for (i, &delta) in constraints.regularization.iter().enumerate().filter(|(_, delta)| **delta > 0.0) {
-        all.push(&constraints.rows, i, delta, 0.0);
-    }
-    all
+/// Compliance in series with every point so that none is stiffer than a limit, over the plate's stiffness in shear; a point
+/// that never changes its piece has the stiffest spring from the beginning.
+fn series(points: &Points, shear: &[f64], limit: f64) -> Vec<f64> {
+    let of = |i: usize| {
+        let limit = if points.is_straight(i) { tolerances::newton::STIFFEST } else { limit };
+        let least = 1.0 / (limit * shear[i]);
+        if steepest(points, i).compliance() < least { least } else { 0.0 }
+    };
+    (0..points.len()).map(of).collect()
 }
 
-/// Sets the one-sided points apart if the active set is to solve them.
-fn split(plate: &Plate, constraints: Constraints, by_active_set: bool) -> (Constraints, ActivePoints, PointOrder) {
-    let mut rest = Constraints { free_motions: constraints.free_motions, ..Constraints::default() };
-    let mut active = ActivePoints::default();
-    let mut order = PointOrder::default();
-    for i in 0..constraints.rows.len() {
-        let (distance, compliance) = (constraints.distance[i], constraints.compliance[i]);
-        if by_active_set && !constraints.two_sided[i] {
-            active.push(plate, &constraints.rows, i, distance, compliance);
-            order.active.push(i);
-        } else {
-            rest.rows.push_from(&constraints.rows, i);
-            rest.distance.push(distance);
-            rest.compliance.push(compliance);
-            rest.two_sided.push(constraints.two_sided[i]);
-            rest.regularization.push(constraints.regularization[i]);
-            order.condensed.push(i);
-        }
-    }
-    (rest, active, order)
+/// The limit that the active set begins with: springs that bend the plate over many elements find the pieces in few steps.
+fn limit_to_begin_with(plate: &Plate, points: &Points, shear: &[f64]) -> f64 {
+    let slenderness = |e: usize| plate.thickness.first(plate.kind, e) / plate.geometry(e).size();
+    let thinnest = points.least_at(slenderness);
+    let limit = f64::min(tolerances::newton::LONG_WAVE * thinnest * thinnest, 1.0);
+    let softened = series(points, shear, limit);
+    let all_softer = (0..points.len()).all(|i| points.is_straight(i) || softened[i] == 0.0);
+    if all_softer { tolerances::newton::STIFFEST } else { limit }
+}
+
+/// Part of its own by which every dof is to be stiffer where springs alone hold the plate, by their softest hold on a rigid
+/// motion: none where that is no rounding of the factor. What it adds is taken back with the residual.
+fn firmness(plate: &Plate, softest: f64) -> f64 {
+    let diagonal = |e: usize| (0..8).map(|node| plate.element_stiffness(e)[packed(3 * node, 3 * node)]).sum::<f64>();
+    let all: f64 = (0..plate.elements().len()).map(diagonal).sum();
+    let added = tolerances::FIRMER * all;
+    if plate.kind == Kind::Mitc9 && softest < tolerances::FIRM_BELOW * added { tolerances::FIRMER } else { 0.0 }
 }

@@ -4,11 +4,12 @@
 //! equilibrium by itself: Ku + Gᵀ·reaction = f. Where the rows pick single dofs, x is the points' displacement and the
 //! cases act with all points held; else x is the force δ·Gu − reaction, and the cases act on K̃.
 
-use super::condense::{Form, Work};
-use super::problem::{ContactProblem, Factored, with_regularization};
-use super::solution::held_at;
+use super::interface::{Form, Work};
+use super::problem::ContactProblem;
+use super::residual::largest_force;
+use super::solution::ContactSolution;
+use super::tolerances;
 use crate::cholesky::FactorError;
-use crate::contact::tolerances;
 use crate::displacement::Displacement;
 use crate::residual::residual;
 use crate::rows::Springs;
@@ -36,6 +37,8 @@ struct Draft<'a> {
     force: Vec<f64>,
     acting: f64,
     springs: &'a Springs,
+    /// Slopes that act at the points.
+    carried: &'a [f64],
     /// The point whose x is 1.
     point: Option<usize>,
     response: Response,
@@ -49,7 +52,9 @@ struct Draft<'a> {
 impl ContactProblem {
     /// The response to no load, with the held dofs at `held_value` (3n,) and the springs on their bases.
     pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, FactorError> {
-        let begin = |_, draft: &mut Draft| draft.response.displacement = held_at(&self.held, held_value);
+        let begin = |_, draft: &mut Draft| {
+            draft.response.displacement = ContactSolution::at_rest(&self.points, &self.held, held_value).displacement;
+        };
         Ok(self.responses(1, true, begin, &mut || true)?.remove(0))
     }
 
@@ -63,7 +68,7 @@ impl ContactProblem {
         let begin = |i: usize, draft: &mut Draft| {
             draft.force.clone_from(&loads[i]);
             draft.acting = self.scale.largest(&loads[i]);
-            draft.response.work = self.work(&loads[i]);
+            draft.response.work = Work::of(&self.free_motions, &loads[i]);
         };
         self.responses(loads.len(), false, begin, watch)
     }
@@ -78,7 +83,7 @@ impl ContactProblem {
             draft.point = Some(points.start + i);
             if !self.imposed() {
                 draft.acting = 1.0;
-                self.constraints.rows.scatter(&self.plate, points.start + i, 1.0, &mut draft.force);
+                self.points.scatter(points.start + i, 1.0, &mut draft.force);
             }
         };
         self.responses(points.len(), false, begin, watch)
@@ -86,7 +91,7 @@ impl ContactProblem {
 
     /// Whether x is the points' displacement.
     fn imposed(&self) -> bool {
-        self.base.condensed.better_form() == Form::Stiffness
+        self.interface().better_form() == Form::Stiffness
     }
 
     /// Refined from what they begin with, with springs on their bases, or with these at zero.
@@ -97,17 +102,19 @@ impl ContactProblem {
         begin: impl Fn(usize, &mut Draft) + Sync,
         watch: &mut dyn FnMut() -> bool,
     ) -> Result<Vec<Response>, FactorError> {
-        let mut springs =
-            if self.imposed() { self.springs.clone() } else { with_regularization(&self.springs, &self.constraints) };
+        let none = vec![0.0; self.points.len()];
+        let carried = if self.imposed() { &none } else { &self.delta };
+        let mut springs = self.springs.clone();
         springs.base.iter_mut().filter(|_| !on_bases).for_each(|base| *base = 0.0);
         let dofs = self.plate.dof_count();
         let draft = |i: usize| {
-            let reaction = vec![0.0; self.constraints.rows.len()];
-            let (displacement, work) = (Displacement::zeros(dofs), self.work(&[]));
+            let reaction = none.clone();
+            let (displacement, work) = (Displacement::zeros(dofs), Work::of(&self.free_motions, &[]));
             let mut draft = Draft {
                 force: vec![0.0; dofs],
                 acting: 0.0,
                 springs: &springs,
+                carried,
                 point: None,
                 response: Response { displacement, reaction, moved: Vec::new(), work },
                 imbalance: Vec::new(),
@@ -150,10 +157,13 @@ impl ContactProblem {
         let mut out =
             if moved { residual(&self.plate, draft.springs, &draft.force, displacement) } else { draft.force.clone() };
         if self.imposed() {
-            self.take_off(reaction, &mut out);
-            let target = |i: usize| f64::from(draft.point == Some(i));
-            let left = |i: usize| -self.constraints.rows.beyond(&self.plate, i, displacement, target(i));
-            draft.remaining = (0..reaction.len()).map(left).collect();
+            self.points.scatter_all(reaction, -1.0, &mut out);
+            let target: Vec<f64> = (0..reaction.len()).map(|i| f64::from(draft.point == Some(i))).collect();
+            draft.remaining = self.points.travel_from(&target, displacement).iter().map(|beyond| -beyond).collect();
+        } else if moved && draft.carried.iter().any(|&slope| slope > 0.0) {
+            let travel = self.points.travel_from(&vec![0.0; reaction.len()], displacement);
+            let force: Vec<f64> = travel.iter().zip(draft.carried).map(|(travel, slope)| slope * travel).collect();
+            self.points.scatter_all(&force, -1.0, &mut out);
         }
         self.release_held(&mut out);
         draft.worst = self.scale.largest(&out);
@@ -162,29 +172,28 @@ impl ContactProblem {
 
     /// One correction of every draft that is not settled.
     fn correct_together(&self, drafts: &mut [Draft], round: usize) -> Result<(), FactorError> {
-        let Factored { factor, condensed, .. } = &self.base;
+        let factor = &self.base.factor;
         let mut open: Vec<&mut Draft> = drafts.iter_mut().filter(|draft| !draft.settled).collect();
-        let mut block: Vec<f64> = open.iter().flat_map(|draft| self.gather(&draft.imbalance)).collect();
-        self.base.forward(&mut block)?;
+        let mut block: Vec<f64> = open.iter().flat_map(|draft| self.blueprint.gather(&draft.imbalance)).collect();
+        factor.forward(&mut block)?;
         let mut increments = vec![Vec::new(); open.len()];
-        if let Some(stiffness) = &condensed.stiffness {
-            for ((column, draft), increment) in block.chunks_exact_mut(factor.len()).zip(&open).zip(&mut increments) {
-                *increment = stiffness.holding_forces(&stiffness.condensed_force(column), &draft.remaining);
-                stiffness.prescribe(&draft.remaining, column);
-            }
+        for ((column, draft), increment) in block.chunks_exact_mut(factor.len()).zip(&open).zip(&mut increments) {
+            *increment = self.interface().impose(&draft.remaining, column);
         }
-        self.base.backward(&mut block)?;
+        factor.backward(&mut block)?;
         for ((column, draft), increment) in block.chunks_exact(factor.len()).zip(&mut open).zip(&increments) {
             let (before, worst) = (draft.response.clone(), draft.worst);
-            for (&dof, &value) in self.numbering.dof.iter().zip(column) {
-                draft.response.displacement.add(dof, value);
+            for (&dof, &value) in self.blueprint.numbering.dof.iter().zip(column) {
+                if dof < self.held.len() {
+                    draft.response.displacement.add(dof, value);
+                }
             }
             draft.response.reaction.iter_mut().zip(increment).for_each(|(total, part)| *total += part);
             self.judge(draft);
             if round > 0 && !(draft.worst < worst) {
                 (draft.response, draft.worst, draft.settled) = (before, worst, true);
             } else {
-                let force = self.largest_force(&[], &draft.response.reaction).max(draft.acting);
+                let force = largest_force(self, &[], &draft.response.reaction).max(draft.acting);
                 draft.settled = draft.worst <= tolerances::RESPONSE * force
                     || (round > 0 && draft.worst > tolerances::PROGRESS * worst);
             }
@@ -193,10 +202,9 @@ impl ContactProblem {
     }
 
     fn response(&self, Draft { mut response, point, .. }: Draft) -> Response {
-        let rows = &self.constraints.rows;
-        response.moved = (0..rows.len()).map(|i| rows.beyond(&self.plate, i, &response.displacement, 0.0)).collect();
+        response.moved = self.points.travel_from(&vec![0.0; self.points.len()], &response.displacement);
         if !self.imposed() {
-            let carried = self.base.condensed.regularization.iter().zip(&response.moved).enumerate();
+            let carried = self.delta.iter().zip(&response.moved).enumerate();
             response.reaction = carried.map(|(i, (k, moved))| k * moved - f64::from(point == Some(i))).collect();
         }
         response

@@ -19,25 +19,6 @@ pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) 
     [motion(0), motion(1), motion(2)]
 }
 
-/// The rigid motion (deflection and slopes at the middle) nearest to the deflections of the nodes.
-pub(super) fn rigid_part(plate: &Plate, scale: &Scale, nodal: &[f64]) -> [f64; 3] {
-    let &Scale { centre, size, .. } = scale;
-    let mut matrix = [[DoubleDouble::default(); 3]; 3];
-    let mut right = [DoubleDouble::default(); 3];
-    for (node, deflection) in nodal.iter().step_by(3).enumerate() {
-        let [x, y] = plate.point(node);
-        let arm = [1.0, (x - centre[0]) / size, (y - centre[1]) / size];
-        for j in 0..3 {
-            right[j].add_product(arm[j], *deflection);
-            for k in 0..3 {
-                matrix[j][k].add_product(arm[j], arm[k]);
-            }
-        }
-    }
-    let ([w, sx, sy], _) = eliminated(matrix, right);
-    [w, sx / size, sy / size]
-}
-
 /// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero.
 pub(super) fn eliminated(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleDouble; 3]) -> ([f64; 3], f64) {
     let mut order = Vec::new();

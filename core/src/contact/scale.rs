@@ -2,7 +2,6 @@
 //! numbering begins.
 
 use crate::plate::Plate;
-use crate::rows::Rows;
 
 /// A plate's sizes.
 #[derive(Clone, Copy, Debug)]
@@ -10,8 +9,7 @@ pub(super) struct Scale {
     /// Middle and size of the box around the plate.
     pub(super) centre: [f64; 2],
     pub(super) size: f64,
-    /// Size of an element, in the mean of squares, as a power of two, by which multiplying rounds nothing: the arm at which
-    /// a nodal couple counts as a force. A plate's stiffness against slopes is that against deflections times its square.
+    /// Size of an element, in the mean of squares, as a power of two: the arm at which a nodal couple counts as a force.
     pub(super) arm: f64,
     /// D/a², about the plate's own stiffness under a point load.
     pub(super) stiffness: f64,
@@ -45,9 +43,11 @@ impl Scale {
         nodal.chunks_exact(3).map(|f| f[0].abs() + (f[1].abs() + f[2].abs()) / self.size).sum()
     }
 
-    /// By what what is left of a row's gap is a length: 1, or where the row is of slopes alone, the plate's size.
-    pub(super) fn lever(&self, rows: &Rows, row: usize) -> f64 {
-        if rows.coefficient[row].iter().step_by(3).all(|&value| value == 0.0) { self.size } else { 1.0 }
+    /// Length of nodal forces, couples as for the largest.
+    pub(super) fn length(&self, nodal: &[f64]) -> f64 {
+        let of_couples = 1.0 / self.arm;
+        let square = |f: &[f64]| f[0] * f[0] + (of_couples * f[1]).powi(2) + (of_couples * f[2]).powi(2);
+        nodal.chunks_exact(3).map(square).sum::<f64>().sqrt()
     }
 }
 

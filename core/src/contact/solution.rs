@@ -1,25 +1,30 @@
-//! What a contact problem is answered with, and answers to begin with.
+//! What a contact problem is answered with.
 
-use super::problem::{ContactProblem, Factored};
+use super::points::Points;
+use super::system::System;
 use crate::displacement::Displacement;
+use std::sync::Arc;
 
 /// One step of a solve, to whoever watches.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     pub step: usize,
-    /// Points that have opened or closed since the step before.
+    /// Points that are on another piece than in the step before.
     pub changing: usize,
     /// Largest imbalance over the largest nodal force.
     pub residual: f64,
 }
 
+/// Sees every step of a solve, and ends it by returning false.
+pub type Watch<'a> = dyn FnMut(Progress) -> bool + 'a;
+
 /// How a contact problem ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Outcome {
     Solved,
-    /// Lemke's ray: no reactions balance the load.
+    /// No reactions balance the load, or gaps contradict each other.
     NoEquilibrium,
-    /// The pivot limit was reached, or the contact state is beyond the arithmetic.
+    /// A limit of steps was reached, or the pieces are beyond the arithmetic.
     #[default]
     Unsolved,
     /// Whoever watched wanted no more.
@@ -27,32 +32,64 @@ pub enum Outcome {
 }
 
 /// Displacements, reactions and gaps; NaN unless solved.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct ContactSolution {
     pub outcome: Outcome,
     pub displacement: Displacement,
     /// Force of every contact point, against its row.
     pub reaction: Vec<f64>,
-    /// What is left of every gap; 0 where closed.
+    /// Travel from every point to the vertex of its piece, where that is flat; 0 where it holds.
     pub gap: Vec<f64>,
-    pub closed: Vec<bool>,
+    /// The piece that every point is on.
+    pub piece: Vec<u8>,
     pub pivots: usize,
     /// Newton steps of the active set, and steps of the interior point method.
     pub iterations: usize,
     /// Conjugate gradient steps in them.
     pub gradients: usize,
-    /// Contact sets factored anew.
+    /// Matrices factored for other pieces than the problem's own.
     pub factorizations: usize,
     /// Corrections made with the refined residual.
     pub corrections: usize,
+    /// The factor that an active set came to, for solves that begin with this one.
+    pub(super) system: Option<Arc<System>>,
 }
 
 impl ContactSolution {
+    /// No load and no motion but that of held dofs.
+    pub(super) fn at_rest(points: &Points, held: &[bool], held_value: &[f64]) -> Self {
+        let hi: Vec<f64> = held.iter().zip(held_value).map(|(&held, &v)| if held { v } else { 0.0 }).collect();
+        let displacement = Displacement { lo: vec![0.0; hi.len()], hi };
+        let none = vec![0.0; points.len()];
+        Self { displacement, reaction: none.clone(), gap: none, piece: points.first_pieces(), ..Self::default() }
+    }
+
     /// Solved, unless numbers beyond the arithmetic have made some of it NaN or infinite.
     pub(super) fn solved(self) -> Self {
         let d = &self.displacement;
         let finite = d.hi.iter().chain(&self.reaction).chain(&self.gap).all(|value| value.is_finite());
         if finite { Self { outcome: Outcome::Solved, ..self } } else { self.failed(Outcome::Unsolved) }
+    }
+
+    /// Every number NaN, and why.
+    pub(super) fn failed(mut self, outcome: Outcome) -> Self {
+        let d = &mut self.displacement;
+        for value in d.hi.iter_mut().chain(&mut d.lo).chain(&mut self.reaction).chain(&mut self.gap) {
+            *value = f64::NAN;
+        }
+        self.piece.fill(0);
+        Self { outcome, ..self }
+    }
+
+    /// Puts the points on pieces: on flat ones their forces are known.
+    pub(super) fn put_on(&mut self, points: &Points, pieces: Vec<u8>) {
+        for (i, reaction) in self.reaction.iter_mut().enumerate() {
+            let piece = points.piece(i, pieces[i]);
+            if !piece.holds() {
+                *reaction = piece.force;
+            }
+        }
+        self.piece = pieces;
     }
 
     /// Goes a part of the way to another solution.
@@ -66,102 +103,9 @@ impl ContactSolution {
             *from += part * (to - *from);
         }
     }
-
-    /// Takes what is left of the gaps for those of open points.
-    pub(super) fn leave_open(&mut self, remaining: &[f64]) {
-        for (i, gap) in self.gap.iter_mut().enumerate() {
-            *gap = if self.closed[i] { 0.0 } else { remaining[i] };
-        }
-    }
-
-    /// Every number NaN, and why.
-    pub(super) fn failed(mut self, outcome: Outcome) -> Self {
-        let d = &mut self.displacement;
-        for value in d.hi.iter_mut().chain(&mut d.lo).chain(&mut self.reaction).chain(&mut self.gap) {
-            *value = f64::NAN;
-        }
-        self.closed.fill(false);
-        Self { outcome, ..self }
-    }
 }
 
-/// Where to begin: at an answer in the caller's order, with a factor, if not the problem's own.
-pub(super) struct Start<'a> {
-    pub solution: &'a ContactSolution,
-    pub factored: Option<&'a Factored>,
-    /// Where the answer is known to balance a load.
-    pub reference: Option<&'a Reference>,
-}
-
-/// One load's solution and the factor of its contact set, for loads not unlike it to begin with.
-pub struct Reference {
-    pub solution: ContactSolution,
-    pub(super) factored: Factored,
-    pub(super) load: Vec<f64>,
-    /// How far the points of the active set overlap in it.
-    pub(super) overlap: Vec<f64>,
-}
-
-impl Reference {
-    pub(super) fn start(&self) -> Start<'_> {
-        Start { solution: &self.solution, factored: Some(&self.factored), reference: Some(self) }
-    }
-}
-
-impl ContactProblem {
-    /// Without a load or a reaction, and with the condensed points alone.
-    pub(super) fn at_rest(&self, held_value: &[f64]) -> ContactSolution {
-        let m = self.constraints.rows.len();
-        let displacement = held_at(&self.held, held_value);
-        let closed = self.constraints.two_sided.clone();
-        ContactSolution { displacement, reaction: vec![0.0; m], gap: vec![0.0; m], closed, ..Default::default() }
-    }
-
-    /// Why there is no answer, with numbers that are none for every point.
-    pub(super) fn unanswered(&self, held_value: &[f64], outcome: Outcome) -> ContactSolution {
-        let count = self.constraints.rows.len() + self.active.len();
-        let (reaction, gap, closed) = (vec![0.0; count], vec![0.0; count], vec![false; count]);
-        ContactSolution { reaction, gap, closed, ..self.at_rest(held_value) }.failed(outcome)
-    }
-
-    /// Values of every point in the problem's order, the condensed points before those of the active set.
-    pub(super) fn in_place<T: Copy>(&self, values: &[T]) -> Vec<T> {
-        self.order.condensed.iter().chain(&self.order.active).map(|&i| values[i]).collect()
-    }
-
-    /// Values of every point, given in the problem's order, in the caller's.
-    pub(super) fn in_order<T: Copy>(&self, values: &[T]) -> Vec<T> {
-        let mut ordered = values.to_vec();
-        self.order.condensed.iter().chain(&self.order.active).zip(values).for_each(|(&i, &value)| ordered[i] = value);
-        ordered
-    }
-
-    /// A solution of every point in the caller's order.
-    pub(super) fn solution_in_order(&self, found: ContactSolution) -> ContactSolution {
-        let (reaction, gap) = (self.in_order(&found.reaction), self.in_order(&found.gap));
-        ContactSolution { reaction, gap, closed: self.in_order(&found.closed), ..found }
-    }
-
-    /// Takes back the reactions of points that are open now.
-    pub(super) fn release_open(&self, solution: &mut ContactSolution) -> bool {
-        let mut any = false;
-        for (reaction, &closed) in solution.reaction.iter_mut().zip(&solution.closed) {
-            if !closed && *reaction != 0.0 {
-                *reaction = 0.0;
-                any = true;
-            }
-        }
-        any
-    }
-}
-
-/// The held dofs at their values, the others at zero.
-pub(super) fn held_at(held: &[bool], held_value: &[f64]) -> Displacement {
-    let hi: Vec<f64> = held.iter().zip(held_value).map(|(&held, &value)| if held { value } else { 0.0 }).collect();
-    Displacement { lo: vec![0.0; hi.len()], hi }
-}
-
-/// Points whose states differ.
-pub(super) fn differing(one: &[bool], other: &[bool]) -> Vec<usize> {
+/// Points whose pieces differ.
+pub(super) fn differing(one: &[u8], other: &[u8]) -> Vec<usize> {
     (0..one.len()).filter(|&i| one[i] != other[i]).collect()
 }

@@ -1,143 +1,156 @@
 //! From a load to displacements, reactions and gaps.
 
-use super::condense::{Form, PosedLcp, Work};
-use super::kkt::{Interface, Reduced};
+use super::finders::{ActiveSet, InteriorPoint, Lemke, Reference, SetFinder, Start, posed_from};
+use super::interface::{Form, PosedLcp, Work};
+use super::kkt::{Condensed, Factored, Kkt};
 use super::problem::ContactProblem;
+use super::refine::refine;
+use super::residual::Residual;
 use super::scale::largest;
-use super::solution::{ContactSolution, Outcome, Progress, Start};
+use super::solution::{ContactSolution, Outcome, Watch};
+use super::tolerances;
 use crate::cholesky::FactorError;
-use crate::contact::tolerances;
-
-/// At most this many contact states.
-const STATES: usize = 60;
 
 impl ContactProblem {
-    /// Solves for one nodal load with the held dofs at `held_value` (both vectors over all dofs).
+    /// Displacements, reactions and gaps under a nodal load with the held dofs at `held_value`, both over all dofs, beginning
+    /// with a solution's pieces, and in an active set with its displacement and reactions, if there is one.
     ///
-    /// `form` chooses the unknowns of the LCP, see [`super::condense`]; the better conditioned one if `None`. The
-    /// solution is refined with the double-double residual; if that shows a point on the wrong side, the LCP is posed
-    /// again with the refined figures. `watch` sees every step of an active set and stops it by returning false.
+    /// `form` chooses the unknowns of the LCP; the better conditioned one if `None`.
     pub fn solve(
         &self,
         load: &[f64],
         held_value: &[f64],
         form: Option<Form>,
-        watch: &mut dyn FnMut(Progress) -> bool,
+        start: Option<&ContactSolution>,
+        watch: &mut Watch<'_>,
     ) -> Result<ContactSolution, FactorError> {
-        self.solve_from(load, held_value, form, None, watch)
+        let start = start.map(|solution| Start { solution, reference: None });
+        self.finder(form).find(self, load, held_value, start.as_ref(), watch)
     }
 
-    /// As [`ContactProblem::solve`], beginning with the contact set, and for an active set with the displacement and the
-    /// reactions, of an answer if there is one.
-    pub(super) fn solve_from(
+    /// The method that the plate is factored for.
+    pub(super) fn finder(&self, form: Option<Form>) -> Box<dyn SetFinder> {
+        if self.interface.is_some() { Box::new(Lemke { form }) } else { Box::new(ActiveSet) }
+    }
+
+    /// The equations of given pieces: condensed, or with springs in the factor.
+    pub(super) fn kkt(&self) -> Box<dyn Kkt + '_> {
+        match self.interface {
+            Some(_) => Box::new(Condensed::new(self)),
+            None => Box::new(Factored::new(self, None, tolerances::newton::STIFFEST, false)),
+        }
+    }
+
+    /// The same under one load, by an interior point method, from whose pieces the exact ones are sought.
+    pub fn solve_by_interior_point(
         &self,
         load: &[f64],
         held_value: &[f64],
-        form: Option<Form>,
-        start: Option<&Start<'_>>,
-        watch: &mut dyn FnMut(Progress) -> bool,
+        watch: &mut Watch<'_>,
     ) -> Result<ContactSolution, FactorError> {
-        if !self.active.is_empty() {
-            return self.solve_active(load, held_value, start, watch);
-        }
-        let with = &self.base;
-        let form = form.unwrap_or(with.condensed.better_form());
-        let mut solution = self.at_rest(held_value);
-        let mut first = start.map(|start| &start.solution.closed[..]);
-        let mut step = self.residual(load, &solution);
-        let work = self.work(load);
-        let mut reduced = self.reduced(with, &step.imbalance, &step.remaining, form)?;
-        let travel = largest(&reduced.interface.displacement);
-        for _ in 0..STATES {
-            let closed = match self.contact_set(&reduced, &work, &mut solution, form, first.take(), watch)? {
-                Ok(closed) => closed,
-                Err(outcome) => return Ok(solution.failed(outcome)),
-            };
-            let settled = closed == solution.closed && solution.corrections > 0;
-            solution.closed = closed;
-            if !settled {
-                let Some(state) = with.condensed.state(solution.closed.clone())? else {
-                    return Ok(solution.failed(Outcome::Unsolved));
-                };
-                if self.release_open(&mut solution) {
-                    step = self.residual(load, &solution);
-                    reduced = self.reduced(with, &step.imbalance, &step.remaining, form)?;
-                }
-                let mut interface = Interface { problem: self, with, state: &state, reduced: Some(reduced) };
-                let Some(left) = self.refine(load, 0.0, &mut interface, step, &mut solution)? else {
-                    return Ok(solution.failed(Outcome::Unsolved));
-                };
-                step = left;
-            }
-            solution.leave_open(&step.remaining);
-            if settled || self.signs_hold(load, tolerances::RESIDUAL * travel, &solution) {
-                // A set whose equations only rounding keeps regular has no solution. What settlements leave by rounding,
-                // where nothing else acts, is none of its fault.
-                let size = |dof: usize| if dof % 3 == 0 { 1.0 } else { self.scale.size };
-                let moved =
-                    held_value.iter().enumerate().fold(0.0, |most: f64, (dof, v)| most.max(v.abs() * size(dof)));
-                let least = f64::EPSILON * self.scale.stiffness * moved;
-                let satisfied = self.satisfies(load, &step, &solution, least);
-                return Ok(if satisfied { solution.solved() } else { solution.failed(Outcome::Unsolved) });
-            }
-            reduced = self.reduced(with, &step.imbalance, &step.remaining, form)?;
-        }
-        Ok(solution.failed(Outcome::Unsolved))
+        InteriorPoint.find(self, load, held_value, None, watch)
     }
 
-    /// The LCP that [`ContactProblem::solve`] poses first.
-    pub fn lcp(&self, load: &[f64], held_value: &[f64], form: Option<Form>) -> Result<PosedLcp, FactorError> {
-        let rest = self.at_rest(held_value);
-        let form = form.unwrap_or(self.base.condensed.better_form());
-        let step = self.residual(load, &rest);
-        let reduced = self.reduced(&self.base, &step.imbalance, &step.remaining, form)?;
-        Ok(self.base.condensed.lcp(form, &reduced.interface, &self.work(load), &rest.reaction)?)
+    /// Displacements, reactions and gaps under one load on pieces that are given, beyond whose ends points may be.
+    pub fn solve_on(&self, load: &[f64], held_value: &[f64], pieces: &[u8]) -> Result<ContactSolution, FactorError> {
+        self.solve_with(&mut *self.kkt(), load, held_value, pieces, None, 0.0)
     }
 
-    /// Poses the LCP from where the solution stands and solves it, beginning with a contact set if there is one; the set
-    /// found, or why there is none.
-    fn contact_set(
+    /// As [`ContactProblem::solve_on`], with equations that have solved others before, from another solution if there is one;
+    /// forces far below `least` are rounding.
+    pub(super) fn solve_with(
         &self,
-        reduced: &Reduced,
-        work: &Work,
-        solution: &mut ContactSolution,
-        form: Form,
-        first: Option<&[bool]>,
-        watch: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<Result<Vec<bool>, Outcome>, FactorError> {
-        if self.constraints.two_sided.iter().all(|&t| t) {
-            return Ok(Ok(self.constraints.two_sided.clone()));
+        kkt: &mut dyn Kkt,
+        load: &[f64],
+        held_value: &[f64],
+        pieces: &[u8],
+        start: Option<&ContactSolution>,
+        least: f64,
+    ) -> Result<ContactSolution, FactorError> {
+        let mut solution = ContactSolution::at_rest(&self.points, &self.held, held_value);
+        if let Some(start) = start {
+            solution.displacement.clone_from(&start.displacement);
+            solution.reaction.clone_from(&start.reaction);
         }
-        let condensed = &self.base.condensed;
-        let posed = condensed.lcp(form, &reduced.interface, work, &solution.reaction)?;
-        let basis = first.map(|closed| condensed.basis(&posed, closed));
-        let found = self.solve_lcp(&posed, basis.as_deref(), &mut solution.pivots, watch)?;
-        Ok(found.map(|basis| condensed.closed_points(&posed, &basis)))
-    }
-
-    /// Whether no reaction pulls and no gap is negative, points in the problem's order; lengths up to `nil` are none.
-    pub(super) fn signs_hold(&self, load: &[f64], nil: f64, solution: &ContactSolution) -> bool {
-        let c = &self.constraints;
-        // Without a load, reactions are what the plate's stiffness makes of gaps.
-        let load = match self.scale.largest(load) {
-            0.0 => largest(&c.regularization) * largest(&c.distance),
-            load => load,
+        if !kkt.prepare(pieces)? {
+            return Ok(solution.failed(Outcome::Unsolved));
+        }
+        solution.put_on(&self.points, pieces.to_vec());
+        let residual = Residual::of(self, load, &solution);
+        let Some(last) = refine(self, load, least, kkt, residual, &mut solution)? else {
+            return Ok(solution.failed(Outcome::Unsolved));
         };
-        let force = tolerances::SIGN * self.largest_force(&[], &solution.reaction).max(load);
-        let lengths = self.lengths(solution);
-        let length = |i: usize| (tolerances::SIGN * lengths[i]).max(nil / self.lever(i));
-        self.push_and_open(&solution.reaction, &solution.gap, force, length)
+        solution.measure_gaps(&self.points, &last);
+        let is_solved = last.is_solved(self, load, &solution, least);
+        Ok(if is_solved { solution.solved() } else { solution.failed(Outcome::Unsolved) })
     }
 
-    /// Whether no one-sided point pulls by more than a force, or overlaps by more than its length.
-    pub(super) fn push_and_open(
+    /// What a solution leaves of the conditions: nodal forces out of balance (3n,), and by how much points are off their
+    /// pieces (m,), beyond an end or beside the line, each over the largest force, or what bends the plate, or travel.
+    ///
+    /// It asks no solver.
+    pub fn violations(&self, load: &[f64], solution: &ContactSolution) -> (Vec<f64>, Vec<f64>) {
+        let residual = Residual::of(self, load, solution);
+        let travel = self.points.travel_from(&vec![0.0; self.points.len()], &solution.displacement);
+        let bending = self.scale.stiffness * largest(&solution.displacement.hi);
+        let force = largest(&solution.reaction).max(largest(load)).max(bending).max(f64::MIN_POSITIVE);
+        let length = largest(&travel).max(largest(&self.points.shift)).max(f64::MIN_POSITIVE);
+        let off = |i: usize| {
+            let (piece, ends) = (self.points.piece(i, solution.piece[i]), self.points.ends(i, solution.piece[i]));
+            let (value, axis, size) =
+                if piece.holds() { (solution.reaction[i], 1, force) } else { (travel[i], 0, length) };
+            let beside = match piece.holds() {
+                true => residual.violation[i].abs() / length,
+                false => (solution.reaction[i] - piece.force).abs() / force,
+            };
+            let below = ends[0].map_or(0.0, |end| (end[axis] - value) / size);
+            let above = ends[1].map_or(0.0, |end| (value - end[axis]) / size);
+            beside.max(below).max(above)
+        };
+        let points = (0..self.points.len()).map(off).collect();
+        (residual.imbalance.iter().map(|f| f / force).collect(), points)
+    }
+
+    /// Solves one load and factors its pieces, for others to begin with; `None` where points are condensed, there is no
+    /// solution, or its pieces do not hold the plate.
+    pub fn reference(
         &self,
-        reaction: &[f64],
-        gap: &[f64],
-        force: f64,
-        length: impl Fn(usize) -> f64,
-    ) -> bool {
-        let mut one_sided = (0..reaction.len()).filter(|&i| self.constraints.two_sided.get(i) != Some(&true));
-        one_sided.all(|i| reaction[i] >= -force * self.lever(i) && gap[i] >= -length(i))
+        load: &[f64],
+        held_value: &[f64],
+        watch: &mut Watch<'_>,
+    ) -> Result<Option<Reference>, FactorError> {
+        if self.interface.is_some() { Ok(None) } else { Reference::of(self, load, held_value, watch) }
+    }
+
+    /// As [`ContactProblem::solve`], beginning with a reference.
+    pub fn solve_near(
+        &self,
+        reference: &Reference,
+        load: &[f64],
+        held_value: &[f64],
+        watch: &mut Watch<'_>,
+    ) -> Result<ContactSolution, FactorError> {
+        ActiveSet.find(self, load, held_value, Some(&reference.start()), watch)
+    }
+
+    /// As [`ContactProblem::solve`], for many loads (3n,) each, by an active set, beginning with the reference if there is
+    /// one. `watch` is asked now and then and ends it by returning false; then answers are missing.
+    pub fn solve_together(
+        &self,
+        reference: Option<&Reference>,
+        loads: &[Vec<f64>],
+        held_value: &[f64],
+        watch: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<ContactSolution>, FactorError> {
+        Reference::solve_together(self, reference, loads, held_value, watch)
+    }
+
+    /// The LCP that [`ContactProblem::solve`] poses first; points are condensed.
+    pub fn lcp(&self, load: &[f64], held_value: &[f64], form: Option<Form>) -> Result<PosedLcp, FactorError> {
+        let rest = ContactSolution::at_rest(&self.points, &self.held, held_value);
+        let form = form.unwrap_or(self.interface().better_form());
+        let reduced = posed_from(self, load, form, &rest)?;
+        let work = Work::of(&self.free_motions, load);
+        Ok(self.interface().lcp(&self.points, form, &reduced.at_points, &work, &rest.reaction)?)
     }
 }

@@ -23,9 +23,8 @@ pub(super) const ROUNDINGS: f64 = 4.0;
 /// Ten directions that together leave more than this part of the residual are the last.
 pub(super) const SLOW: f64 = 0.7;
 
-/// What a set's solution may leave before it is found anew, with nothing kept of the set before: four digits more than
-/// [`SIGN`] needs to be sure of what it judges.
-pub(super) const STALE: f64 = 1e-11;
+/// Part of the deflection by which the load scales on the plate, below which no deflection counts.
+pub(super) const NIL: f64 = 1e-6;
 
 /// A pivot, in double-double, below this part of the largest is rounding of the lever arms: nothing holds that motion.
 /// 10¹⁰ times the square of ε.
@@ -38,6 +37,10 @@ pub(super) const RESPONSE: f64 = 1e-13;
 /// What rounding leaves of a sum, over the magnitudes of its terms.
 pub(super) const SUM: f64 = 4.0 * f64::EPSILON;
 
+/// Part of the plate's own compliance that is put in series with rigid points where nothing is eliminated: the root of what
+/// tells points apart that double precision can.
+pub(super) const COMPLIANCE: f64 = 1e-9;
+
 /// A pivot below this part of its diagonal entry is rounding: the points that are carried need not hold the plate, nor the
 /// supports a mechanism of q8r. Of what holds, slender and soft plates included, the least seen was 1e-9.
 pub(super) const LOOSE_PIVOT: f64 = 1e-13;
@@ -46,15 +49,9 @@ pub(super) const LOOSE_PIVOT: f64 = 1e-13;
 /// enough for its arithmetic: several roundings, so that every pivot is positive.
 pub(super) const FIRMER: f64 = 64.0 * f64::EPSILON;
 
-/// Stiffness of pins, over D/a²: about a plate's own under a point load.
-pub(super) const PIN: f64 = 100.0;
-
-/// Lever, over the plate's size, at which held dofs hold a motion so weakly that a pin had better.
-pub(super) const LEVER: f64 = 1e-3;
-
-/// Flexibility of pins, of which springs over several elements leave less than this part where they hold the plate as softly:
-/// the least part that elimination keeps of slender plates.
-pub(super) const WIDE_PIVOT: f64 = 1e-9;
+/// Over what that adds to a rigid motion, how softly springs hold it at least in a factor without it: three digits more
+/// than the factor's own rounding.
+pub(super) const FIRM_BELOW: f64 = 1e3;
 
 /// Condensation onto the contact points.
 pub(super) mod interface {
@@ -130,22 +127,6 @@ pub(super) mod newton {
 
     /// Resultants, over the forces that they are the sum of, that are rounding.
     pub(crate) const RESULTANT: f64 = 8.0 * f64::EPSILON;
-}
-
-/// Subproblem steps, where rounding decides.
-pub(super) mod proximal {
-    /// Part of the plate's own compliance that increments of reaction meet where the contact set is given, and along a
-    /// path: the root of what tells points apart that double precision can.
-    pub(crate) const COMPLIANCE: f64 = 1e-9;
-
-    /// Part of the plate's own stiffness that increments of deflection meet, all nodes together: so many times the root of
-    /// the part by which reactions yield, and at least [`LEAST_STIFFNESS`]. Much less would drown the rest of an LCP in
-    /// how far a loose plate goes.
-    pub(crate) const STIFFNESS: f64 = 100.0;
-    pub(crate) const LEAST_STIFFNESS: f64 = 1e-3;
-
-    /// Part of the deflection by which the load scales on the plate, below which no deflection counts.
-    pub(crate) const NIL: f64 = 1e-6;
 }
 
 /// Load paths. Reactions count over the largest, gaps over the largest deflection or their own travel.

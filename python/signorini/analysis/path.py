@@ -19,7 +19,7 @@ from signorini.contact.answer import Answer
 from signorini.contact.certificate import Certificate
 from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.contact.refusal import uncertain
-from signorini.contact.strategy import BY_PROXIMAL_STEPS, WORDS, ways_along
+from signorini.contact.strategy import WORDS, methods_along
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Ints
 from signorini.equilibrium.imbalance import imbalance
@@ -120,8 +120,8 @@ def _followed(problem: ContactProblem, watcher: Watcher, start: str | None, add:
         for bearing in (problem.freedom.outline, problem.freedom.on_mesh)
     )
     traced: LoadPath | None = None
-    for way, proximal in ways_along(problem):
-        other = _trace(way, problem, (start, add), loads, until, (limit, reached), watcher, proximal)
+    for other_problem in methods_along(problem):
+        other = _trace(other_problem, problem, (start, add), loads, until, (limit, reached), watcher)
         traced = other if traced is None or (other is not None and other.end > traced.end) else traced
         if traced is not None and (traced.ending != "stopped" or traced.ends_with_the_mesh):
             break
@@ -157,7 +157,6 @@ def _trace(
     until: float | None,
     limits: tuple[float, float],
     watcher: Watcher,
-    proximal: bool,
 ) -> LoadPath | None:
     """Follow the path by one method, as far as its answers are certified and confirmed; None if not at all.
 
@@ -165,8 +164,7 @@ def _trace(
     """
     found = problem.discretisation
     judge, at = PathJudge(problem, loads), list[float]()
-    method = BY_PROXIMAL_STEPS if proximal else WORDS[problem.method]
-
+    method = WORDS[problem.method]
     limit, asked = limits[0], np.inf if until is None else until
     end = min(*limits, asked)
 
@@ -181,7 +179,7 @@ def _trace(
         watcher(Progress(where, step, changing, residual, method=method))
 
     try:
-        ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, proximal, show)
+        ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, show)
         judge.judge()
     except NotCertifiedError:
         ended = "unsolved"

@@ -57,7 +57,7 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
     def steps(method: str, step: int, changing: int, residual: float) -> None:
         watcher(Progress(f"t = {stop.t:.6g}, solved anew", step, changing, residual, method=method))
 
-    tried = answered(problem, load, steps, proximal=False)
+    tried = answered(problem, load, steps)
     if not tried.passed:
         return True
     none = [stop.points[:0]]

@@ -21,9 +21,6 @@ _PER_FOOTPRINT = 300.0
 """Bytes that the row of a footprint takes after substitution, over the root of the dofs: of so many it reaches a few
 times that in the elimination tree. 900 on 232 thousand dofs took 270."""
 
-_PER_PAIR_IN_STEPS = 32.0
-"""Bytes beside these that proximal steps take for a pair, for the M of one step and its tableau; on 3844 points."""
-
 _PER_POINT = 1700.0
 """Bytes that the interior point method takes for a point and its slack, measured on 3844 and 14,884 elastic points."""
 
@@ -58,19 +55,6 @@ def needed_by_points(points: int) -> float:
     7.2
     """
     return _PER_PAIR * points**2
-
-
-def needed_by_proximal_steps(dofs: int, points: int) -> float:
-    """Estimate the bytes of the uncondensed equations of one contact set, factored, and of the LCP of one step.
-
-    Measured on 4 to 59 thousand dofs of square plates; their LU fills faster than a factor in nested dissection.
-
-    Examples
-    --------
-    >>> round(needed_by_proximal_steps(58_563, 800) / 1e9, 1)
-    1.8
-    """
-    return 2200.0 * math.pow(dofs, 1.24) + _PER_PAIR_IN_STEPS * points**2
 
 
 def needed_by_interior_point(dofs: int, points: int) -> float:
@@ -173,18 +157,6 @@ def require_memory_for_footprints(footprints: int, dofs: int, place: Place) -> N
     """
     what = f"The problem of {footprints:,} supports with footprints"
     _require(lambda count: needed_by_footprints(count, dofs), footprints, what, "Take fewer of them.", place)
-
-
-def require_memory_for_proximal_steps(dofs: int, points: int) -> None:
-    """Refuse proximal steps that cannot fit.
-
-    Raises
-    ------
-    InputError
-        If they would take more memory than there is; the message says how many dofs fit.
-    """
-    what = f"Solving {dofs:,} dofs by proximal steps"
-    _require(lambda count: needed_by_proximal_steps(count, points), dofs, what, "Take a coarser mesh.", ("mesh",))
 
 
 def require_memory_for_interior_point(dofs: int, points: int) -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Literal, Self
 
 import numpy as np
 
 from signorini import _core
-from signorini.base.brief import Brief
+from signorini.base.remade import Remade
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 
@@ -49,7 +50,7 @@ class NotUnique:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Answer(Brief):
+class Answer(Remade):
     """Displacements, reactions, gaps and states of one load; numbers are NaN unless solved.
 
     Parameters
@@ -68,6 +69,8 @@ class Answer(Brief):
         Empty where this is the only answer.
     somehow : Answer or None
         What the solver came to, where this was chosen instead.
+    solution : signorini._core.ContactSolution or None
+        The solver's own, for other loads of the same problem to begin with; not pickled.
     """
 
     status: Literal["solved", "no_equilibrium", "unsolved"]
@@ -84,6 +87,9 @@ class Answer(Brief):
     corrections: int
     not_unique: tuple[NotUnique, ...] = ()
     somehow: Self | None = None
+    solution: _core.ContactSolution | None = None
+
+    _made = MappingProxyType({"solution": lambda answer: None})
 
     @property
     def in_turn(self) -> tuple[Self, ...]:
@@ -115,4 +121,5 @@ class Answer(Brief):
             solution.gradients,
             solution.factorizations,
             solution.corrections,
+            solution=solution,
         )

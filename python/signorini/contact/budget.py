@@ -1,4 +1,4 @@
-"""How long the ways that take over may take for a load, in operations: the same on every machine."""
+"""How long the methods that take over may take for a load, in operations: the same on every machine."""
 
 from __future__ import annotations
 
@@ -8,31 +8,29 @@ from signorini.contact.factoring import Method
 from signorini.contact.problem import Steps
 
 _MOST = 1e11
-"""Operations of all ways that take over together: one or two minutes. The random plate that took longest to be
+"""Operations of all methods that take over together: one or two minutes. The random plate that took longest to be
 certified, of 3285 points, had used 5e10."""
 
-_A_ROW = 600.0
-"""Operations for a dof and a point that proximal steps take before the first: 56 s for 1600 points on 58,563 dofs."""
 _A_FACTOR, _FILL = 6000.0, 1.2
 """Of a factor, times this power of the dofs: 3.4 s on 58,563, 0.5 s on 14,883."""
 _A_SOLVE, _FACTORED = 1000.0, 0.125
 """Of a step of an active set, a dof: it reads a factor a few times. And the part of the steps that need a new one: 6 of
-69, 22 of 150 and, on the way that is longest, 197 of 732."""
+69, 22 of 150 and, of the longest, 197 of 732."""
 _PIVOTS = 64
 """From one call of whoever watches Lemke's algorithm to the next; each goes through a tableau once."""
 
 
 class BudgetSpent(Exception):
-    """Raised out of a way that takes over where nothing is left."""
+    """Raised out of a method that takes over where nothing is left."""
 
 
 class Budget:
-    """What is left for the ways that take over, on a plate of so many dofs and contact points.
+    """What is left for the methods that take over, on a plate of so many dofs and contact points.
 
     Examples
     --------
     >>> budget = Budget(58_563, 1600)
-    >>> budget.allows("lemke", proximal=True), Budget(58_563, 6400).allows("lemke", proximal=True)
+    >>> budget.allows("lemke"), Budget(58_563, 30_000).allows("lemke")
     (True, False)
     """
 
@@ -40,14 +38,13 @@ class Budget:
         self._left = _MOST
         self._dofs, self._points = float(dofs), float(points)
 
-    def allows(self, method: Method, proximal: bool) -> bool:
-        """Whether the first step of a way, or of its proximal steps, can still be made."""
-        return self._before(proximal) + self._a_step(method, proximal) <= self._left
+    def allows(self, method: Method) -> bool:
+        """Whether the first step of a method can still be made."""
+        return self._a_step(method) <= self._left
 
-    def watching(self, method: Method, proximal: bool, progress: Steps | None) -> Steps:
-        """Watch a way: count its steps, hand them on to whoever watches it, and raise `BudgetSpent` at the end."""
-        self._left -= self._before(proximal)
-        a_step = self._a_step(method, proximal)
+    def watching(self, method: Method, progress: Steps | None) -> Steps:
+        """Watch a method: count its steps, hand them on to whoever watches it, and raise `BudgetSpent` at the end."""
+        a_step = self._a_step(method)
 
         def watch(step: int, changing: int, residual: float) -> None:
             self._left -= a_step
@@ -58,13 +55,9 @@ class Budget:
 
         return watch
 
-    def _before(self, proximal: bool) -> float:
-        return _A_ROW * self._dofs * self._points if proximal else 0.0
-
-    def _a_step(self, method: Method, proximal: bool) -> float:
+    def _a_step(self, method: Method) -> float:
         pivots = 2.0 * _PIVOTS * self._points**2
         factor = _A_FACTOR * math.pow(self._dofs, _FILL)
-        if proximal:
-            return max(pivots, factor)
         newton = _A_SOLVE * self._dofs + _FACTORED * factor
-        return {"lemke": pivots, "active_set": newton, "interior_point": factor}[method]
+        saddle = _A_FACTOR * math.pow(self._dofs + self._points, _FILL)
+        return {"lemke": pivots, "active_set": newton, "saddle": saddle, "interior_point": factor}[method]

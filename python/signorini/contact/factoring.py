@@ -23,7 +23,10 @@ from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import RigidFreedom, restraining_points
 from signorini.errors import InputError, SignoriniError
 
-Method = Literal["lemke", "active_set", "interior_point"]
+Base = Literal["lemke", "active_set", "saddle"]
+"""What a plate is factored for."""
+
+Method = Base | Literal["interior_point"]
 
 MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
@@ -55,21 +58,25 @@ def method_of(found: Discretisation) -> Method:
     return "active_set" if many else "lemke"
 
 
-def base_of(found: Discretisation, method: Method) -> Method:
+def base_of(found: Discretisation, method: Method) -> Base:
     """The method whose factor a method takes: what that of interior points finds is made exact by one of the others."""
     if method != "interior_point":
         return method
     return "active_set" if len(found.contacts) > MOST_POINTS else "lemke"
 
 
-def can_be_factored(found: Discretisation, base: Method) -> bool:
+def can_be_factored(found: Discretisation, base: Base) -> bool:
     """Whether its points are few enough to be condensed, and memory is left for them and for one more factor."""
-    points = _condensed_points(found, base)
+    if base != "lemke":
+        # Where nothing is eliminated, every point is one more unknown beside the nine dofs of an element.
+        more = len(found.contacts) // 9 if base == "saddle" else 0
+        return fits(needed(len(found.mesh.elements) + more))
+    points = len(found.contacts)
     return points <= MOST_POINTS and fits(needed(len(found.mesh.elements)) + needed_by_points(points))
 
 
-def factored(found: Discretisation, freedom: RigidFreedom, base: Method) -> _core.ContactProblem:
-    """Order, factor and condense for Lemke's algorithm or for an active set.
+def factored(found: Discretisation, freedom: RigidFreedom, base: Base) -> _core.ContactProblem:
+    """Order and factor; for Lemke's algorithm, condense.
 
     Raises
     ------
@@ -78,29 +85,16 @@ def factored(found: Discretisation, freedom: RigidFreedom, base: Method) -> _cor
     SignoriniError
         If it does not fit into memory.
     """
-    by_active_set = base == "active_set"
-    _require_condensable(_condensed_points(found, base), not by_active_set, found.model.solver.method)
-    require_memory_for_footprints(_condensed_footprints(found, base), found.dof_count, ("support",))
-    # The points of the active set are springs to the condensed ones, and hold what they hold.
-    motions = freedom.motions[:, :0] if by_active_set else freedom.motions
-    return core_problem(found, found.contacts, regularization(found, freedom), motions, by_active_set)
+    if base == "lemke":
+        _require_condensable(len(found.contacts), found.model.solver.method)
+        footprints = len(np.unique(found.contacts.rows.further.owners))
+        require_memory_for_footprints(footprints, found.dof_count, ("support",))
+    return core_problem(found, found.contacts, regularization(found, freedom), freedom.motions, base)
 
 
-def _condensed_points(found: Discretisation, base: Method) -> int:
-    """How many contact points are condensed: all, or beside an active set the two-sided ones."""
-    return int(found.contacts.two_sided.sum()) if base == "active_set" else len(found.contacts)
-
-
-def _condensed_footprints(found: Discretisation, base: Method) -> int:
-    """How many of them have footprints over several elements."""
-    contacts = found.contacts
-    condensed = contacts.two_sided if base == "active_set" else np.ones(len(contacts), np.bool_)
-    return len(np.unique(contacts.rows[condensed].further.owners))
-
-
-def _require_condensable(points: int, of_all: bool, asked: str) -> None:
+def _require_condensable(points: int, asked: str) -> None:
     advice = "Take a coarser mesh, or give long lines and areas a stiffness."
-    if of_all and asked == "lemke":
+    if asked == "lemke":
         advice = 'Leave solver.method at "auto", which condenses fewer.'
     if points > MOST_POINTS:
         raise InputError(
@@ -111,9 +105,9 @@ def _require_condensable(points: int, of_all: bool, asked: str) -> None:
 
 
 def core_problem(
-    found: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, by_active_set: bool
+    found: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, base: Base
 ) -> _core.ContactProblem:
-    """Order, factor and condense; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
+    """Order and factor for a method; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
     free = available()
     free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T
     try:
@@ -129,7 +123,7 @@ def core_problem(
                 carried,
             ),
             free_motions,
-            by_active_set,
+            base,
             room=None if math.isinf(free) else int(free),
         )
     except RuntimeError as error:

@@ -11,8 +11,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from signorini import _core
-from signorini.base.arguments import known, made_by, number, vector
-from signorini.base.memory import require_memory_for_interior_point, require_memory_for_proximal_steps
+from signorini.base.arguments import known, made_by, vector
+from signorini.base.memory import require_memory_for_interior_point
 from signorini.base.remade import Remade
 from signorini.contact.answer import Answer
 from signorini.contact.dependence import repeats_itself
@@ -21,7 +21,7 @@ from signorini.contact.lcp import Lcp
 from signorini.contact.selection import chosen
 from signorini.contact.statement import Statement
 from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import RigidFreedom, rigid_freedom
 from signorini.errors import InputError, SignoriniError
 from signorini.model import Model
@@ -32,7 +32,7 @@ Steps: TypeAlias = Callable[[int, int, float], object]
 """Called with a step's number, the contact points it changed and its relative imbalance; what it raises ends it."""
 
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
-_METHODS: tuple[Method, ...] = ("lemke", "active_set", "interior_point")
+_METHODS: tuple[Method, ...] = ("lemke", "active_set", "saddle", "interior_point")
 _NOT_OUTLINE = {"thickness", "element", "shear_factor"}
 """What a plate may change and keep its mesh."""
 _LOAD = "Take discretisation.load(combination) or one of discretisation.cases."
@@ -76,7 +76,8 @@ class ContactProblem(Statement, Remade):
     reference: _core.Reference | None = None
     """A solved load that others begin with; see `near`."""
     _cores: dict[str, _core.ContactProblem] = field(default_factory=dict, repr=False)
-    """All that have been asked for, by the method they are factored for; "dual" carries no contact point. See `by`."""
+    """All that have been asked for, by the method they are factored for; "dual" carries no contact
+    point. See `by`."""
 
     _made = MappingProxyType(
         {
@@ -222,7 +223,7 @@ class ContactProblem(Statement, Remade):
         if "dual" not in self._cores:
             one_sided = replace(points, two_sided=np.zeros(len(points), np.bool_))
             motions = self.freedom.motions[:, :0]
-            self._cores["dual"] = core_problem(found, one_sided, np.zeros(len(points)), motions, False)
+            self._cores["dual"] = core_problem(found, one_sided, np.zeros(len(points)), motions, "lemke")
         return self._cores["dual"]
 
     @property
@@ -291,14 +292,19 @@ class ContactProblem(Statement, Remade):
             return self
         return replace(self, reference=self.core.reference(load, self.discretisation.held.values, progress))
 
-    def solve(self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None) -> Answer:
+    def solve(
+        self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None, start: Answer | None = None
+    ) -> Answer:
         """Displacements, reactions and gaps of one load; of answers that are equally right the least.
 
         ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set, and
-        now and then by other methods.
+        now and then by other methods. ``start`` is the answer to another load of this problem, from whose contact set
+        the method begins.
         """
         made_by(load, CaseLoad, _LOAD, "load")
         known(form, _FORMS, "form", "form", "The LCP")
+        if start is not None:
+            made_by(start, Answer, "Take what solve returned for another load.", "start")
         held = self.discretisation.held.values
         if self.method == "interior_point":
             require_memory_for_interior_point(len(load.nodal), len(self.gaps))
@@ -307,24 +313,12 @@ class ContactProblem(Statement, Remade):
             solution = self.core.solve_near(self.reference, load.nodal, held, progress=progress)
         else:
             form = self.better_form if form == "auto" else form
-            solution = self.core.solve(load.nodal, held, form, progress=progress)
+            near = None if start is None else start.solution
+            try:
+                solution = self.core.solve(load.nodal, held, form, near, progress)
+            except ValueError as error:
+                raise InputError(f"{error}.", place="start") from None
         return self._chosen(load, solution)
-
-    def solve_by_proximal_steps(
-        self, load: CaseLoad, part: float, closed: Bools | None = None, progress: Steps | None = None
-    ) -> Answer:
-        """Displacements, reactions and gaps of one load where rounding decides (docs/theory.md, section 6).
-
-        By proximal steps, in which every increment of reaction yields by a part of the plate's own compliance: points
-        that nearly repeat each other then share what rounding would decide, and a plate on the brink stays where it is.
-        ``closed`` (m,) is a contact set to begin with; ``progress`` is called after every step.
-        """
-        made_by(load, CaseLoad, _LOAD, "load")
-        if not 0.0 < number(part, "part") < np.inf:
-            raise InputError(f"found {part:g}; it must be a finite number greater than 0.", place="part")
-        require_memory_for_proximal_steps(len(load.nodal), len(self.gaps))
-        held = self.discretisation.held.values
-        return self._chosen(load, self.condensed.core.solve_by_proximal_steps(load.nodal, held, part, closed, progress))
 
     def _chosen(self, load: CaseLoad, solution: _core.ContactSolution) -> Answer:
         return chosen(self.discretisation, self.freedom, load.nodal, Answer.of(self.discretisation, solution))

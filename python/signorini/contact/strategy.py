@@ -1,68 +1,45 @@
-"""Which method, form and care a load is solved with: in what order, nothing twice, until an answer is certified."""
+"""Which method a load is solved by: each once, in turn, until an answer is certified."""
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple, TypeAlias
 
-from signorini.base.memory import fits, needed_by_interior_point, needed_by_proximal_steps
+from signorini.base.memory import fits, needed_by_interior_point
 from signorini.contact.answer import Answer
 from signorini.contact.budget import Budget, BudgetSpent
 from signorini.contact.certificate import Certificate, certified
 from signorini.contact.factoring import Method, base_of, can_be_factored
 from signorini.contact.problem import ContactProblem, Form, Steps
-from signorini.discretise import CaseLoad, Discretisation
-from signorini.discretise.rows import Bools
+from signorini.discretise import CaseLoad
 from signorini.equilibrium.limits import supports_contradict
 
-_FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "interior_point")
+_FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "saddle", "interior_point")
 """Methods that take over, in turn, where one does not settle; a prescribed one is only the first."""
-
-_YIELDING = (1e-6, 1e-9, 1e-11, 1e-13, 1e-15)
-"""Parts of the plate's own compliance that are tried, each from the contact set of the one before; see `Attempt`."""
 
 WORDS: dict[Method, str] = {
     "lemke": "Lemke's algorithm",
     "active_set": "the active set",
+    "saddle": "the saddle-point system",
     "interior_point": "the interior point method",
 }
 """What methods are called where they tell how far they are."""
 
-BY_PROXIMAL_STEPS = "proximal steps"
-
 Told: TypeAlias = Callable[[str, int, int, float], object]
 """Called with what is at work, in words, and what `Steps` are called with; what it raises ends it."""
 
-_MOST_DOFS = 200_000
-"""Dofs up to which proximal steps are tried, on load paths too: one step took 14 s on 59,000 dofs."""
-
 
 class Attempt(NamedTuple):
-    """A way to an answer: a method, the form of its LCP, and where rounding decides, what increments yield by.
-
-    ``near`` says that it begins with the contact set of the last answer, if there is one; ``only_near``, that it is
-    left out if there is none.
-    """
+    """A method, and the form of its LCP."""
 
     problem: ContactProblem
     form: Form = "auto"
-    part: float | None = None
-    near: bool = False
-    only_near: bool = False
 
-    @property
-    def words(self) -> str:
-        """What is at work."""
-        return WORDS[self.problem.method] if self.part is None else BY_PROXIMAL_STEPS
-
-    def solve(self, load: CaseLoad, progress: Steps | None = None, closed: Bools | None = None) -> Answer:
-        """Solve a load; where rounding decides, beginning with a contact set (m,) if there is one."""
-        if self.part is None:
-            return self.problem.solve(load, self.form, progress)
-        return self.problem.solve_by_proximal_steps(load, self.part, closed, progress)
+    def solve(self, load: CaseLoad, progress: Steps | None = None, start: Answer | None = None) -> Answer:
+        """Solve a load, from an answer of the same problem to another one if there is one."""
+        return self.problem.solve(load, self.form, progress, start)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,45 +57,24 @@ class Tried:
         return self.certificate is not None and self.certificate.passed
 
 
-def attempts(problem: ContactProblem, proximal: bool = True) -> Iterator[Attempt]:
-    """Every way to an answer, in the order in which they are tried until one is certified.
+def attempts(problem: ContactProblem) -> Iterator[Attempt]:
+    """Every method, in the order in which they are tried until an answer is certified.
 
-    Without ``proximal`` only those of pivots and of active sets. What memory is not left for is not tried, but for the
-    method of the problem itself.
+    What memory is not left for is not tried, but for the method of the problem itself.
     """
     if problem.reference is not None:
         yield Attempt(problem)
-    condensed: ContactProblem | None = None
-    parts: Sequence[float] = _YIELDING
-    for way in _methods(replace(problem, reference=None)):
-        if way.method == "lemke":
-            condensed = way
-            yield from (Attempt(way, form) for form in _forms(way))
-            if proximal and _may_take_steps(way.discretisation):
-                # A set that is right but for rounding takes a step or two, and from rest each takes a factor.
-                yield Attempt(way, part=_YIELDING[0], near=True, only_near=True)
-        elif way.method == "active_set":
-            yield Attempt(way)
-        elif proximal:
-            if condensed is not None:
-                yield from _proximal(condensed, parts)
-                # What is left imprecise by what comes next.
-                parts = _YIELDING[1:]
-            yield Attempt(way)
-    if proximal and condensed is not None:
-        yield from _proximal(condensed, parts)
+    for other in _methods(replace(problem, reference=None)):
+        forms = _forms(other) if other.method == "lemke" else ("auto",)
+        yield from (Attempt(other, form) for form in forms)
 
 
-def ways_along(problem: ContactProblem) -> Iterator[tuple[ContactProblem, bool]]:
-    """Problems that can follow a load path, in turn, and whether by proximal steps."""
-    found, condensed = problem.discretisation, None
-    for way in _methods(problem):
-        if way is problem or way.method not in ("interior_point", base_of(found, problem.method)):
-            yield way, False
-        if way.method == "lemke":
-            condensed = way
-    if condensed is not None and _may_take_steps(found):
-        yield condensed, True
+def methods_along(problem: ContactProblem) -> Iterator[ContactProblem]:
+    """Problems that can follow a load path, in turn."""
+    base = base_of(problem.discretisation, problem.method)
+    for other in _methods(problem):
+        if other is problem or other.method not in ("interior_point", base):
+            yield other
 
 
 def _methods(problem: ContactProblem) -> Iterator[ContactProblem]:
@@ -148,59 +104,37 @@ def _forms(problem: ContactProblem) -> tuple[Form, ...]:
     return ("stiffness", "dual") if problem.better_form == "stiffness" else ("dual", "stiffness")
 
 
-def _proximal(problem: ContactProblem, parts: Sequence[float]) -> Iterator[Attempt]:
-    # Asked each time, since memory may be less than it was.
-    for part, near in itertools.product(parts, (True, False)):
-        if _may_take_steps(problem.discretisation):
-            yield Attempt(problem, part=part, near=near)
-
-
-def _may_take_steps(found: Discretisation) -> bool:
-    """Whether there is time and memory for proximal steps."""
-    return found.dof_count <= _MOST_DOFS and fits(needed_by_proximal_steps(found.dof_count, len(found.contacts)))
-
-
 def answered(
     problem: ContactProblem,
     load: CaseLoad,
     progress: Told | None = None,
-    proximal: bool = True,
     beside: Sequence[CaseLoad] = (),
+    start: Answer | None = None,
 ) -> Tried:
-    """Solve one load and certify the answer; where that fails, ask in every other form and by every other method.
+    """Solve one load and certify the answer; where that fails, ask in the other form and by every other method.
 
-    A basis that rounding makes singular in one form is regular in another. What takes over from the problem's own
-    method has a `Budget`. ``progress`` watches all that is tried, and what it raises ends it. ``proximal`` is that of
-    `attempts`, ``beside`` that of `certify`.
+    What takes over from the problem's own method has a `Budget`. ``progress`` watches all that is tried, and what it
+    raises ends it. ``beside`` is that of `certify`; ``start`` is an answer of the same problem to another load, which
+    the problem's own method begins with.
     """
     found = problem.discretisation
     budget = Budget(found.dof_count, len(found.contacts))
     first: Tried | None = None
-    near: Bools | None = None
     methods: tuple[Method, ...] = ()
-    stepped = set[tuple[float, bytes | None]]()
     consistent = False
-    for attempt in attempts(problem, proximal):
-        if attempt.only_near and near is None:
-            continue
-        closed = near if attempt.near else None
-        if attempt.part is not None:
-            steps = attempt.part, None if closed is None else closed.tobytes()
-            if steps in stepped:
-                continue
-            stepped.add(steps)
-        watch: Steps | None = None if progress is None else partial(progress, attempt.words)
-        way = attempt.problem.method, attempt.part is not None
-        takes_over = way != (problem.method, False)
-        if takes_over and not budget.allows(*way):
+    for attempt in attempts(problem):
+        method = attempt.problem.method
+        watch: Steps | None = None if progress is None else partial(progress, WORDS[method])
+        takes_over = method != problem.method
+        if takes_over and not budget.allows(method):
             continue
         if first is not None and watch is not None:
             watch(0, 0, 1.0)
         if takes_over:
-            watch = budget.watching(*way, watch)
-        methods += () if attempt.problem.method in methods else (attempt.problem.method,)
+            watch = budget.watching(method, watch)
+        methods += () if method in methods else (method,)
         try:
-            answer = attempt.solve(load, watch, closed)
+            answer = attempt.solve(load, watch, None if first or takes_over else start)
         except BudgetSpent:
             break
         certificate = None
@@ -213,8 +147,6 @@ def answered(
         tried = Tried(methods, answer, certificate)
         if tried.passed:
             return tried
-        if certificate is not None:
-            near = answer.closed
         first = first if first and (first.certificate or not certificate) else tried
     assert first is not None, "there are attempts"
     contradiction = not consistent and supports_contradict(found)

@@ -352,7 +352,7 @@ class LoadPath(States[float]):
         answer, certificate = certified(found, load, answer, made_of)
         if not certificate.passed:
             # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
-            tried = answered(self.problem, load, proximal=False, beside=made_of)
+            tried = answered(self.problem, load, beside=made_of)
             answer, certificate = certified(found, load, tried.answer.somehow or tried.answer, made_of)
             methods = tried.methods
         if not certificate.passed:

@@ -1,83 +1,62 @@
-//! A set of many points: their reactions are eliminated into K as springs, which a step of the method of multipliers
-//! (Rockafellar 1976) takes the excess of back.
+//! Many points: their forces are eliminated into K as springs, none much stiffer than the plate; what that adds to rigid
+//! ones the method of multipliers takes back (Rockafellar 1976).
 
-use super::active_factor::ActiveFactor;
+use super::factored::{Direction, Factored};
 use super::floating::Held;
-use super::refinement::{Correction, KktSolver};
-use super::residual::Residual;
+use super::gradients::Gradients;
+use super::solver::{Correction, Kkt};
 use crate::cholesky::FactorError;
-use crate::contact::problem::{ContactProblem, Factored};
+use crate::contact::residual::Residual;
 use crate::contact::tolerances;
 
-/// The factor with conjugate gradients, and one set of the active points.
-pub(super) struct Penalized<'a> {
-    pub(super) factor: ActiveFactor<'a>,
-    closed: Vec<bool>,
-    held: Option<Held>,
+impl Factored<'_> {
+    /// The motion that balances an imbalance on some pieces, to `tolerance`.
+    fn direction(&mut self, pieces: &[u8], imbalance: &[f64], tolerance: f64) -> Result<Direction, FactorError> {
+        let mut gradients = Gradients::begin(self, pieces, imbalance.to_vec(), tolerance, 0.0);
+        Ok(gradients.go_on(self, imbalance, None)?.expect("no one else asks the factor"))
+    }
 }
 
-impl<'a> Penalized<'a> {
-    /// `closed` is of all points, in the problem's order; `None` if two-sided points contradict each other.
-    pub(super) fn of(
-        problem: &'a ContactProblem,
-        given: &'a Factored,
-        closed: &[bool],
-    ) -> Result<Option<Self>, FactorError> {
-        let Some(factor) = ActiveFactor::of(problem, given, tolerances::newton::STIFFEST, false)? else {
-            return Ok(None);
+impl Kkt for Factored<'_> {
+    fn prepare(&mut self, pieces: &[u8]) -> Result<bool, FactorError> {
+        self.pieces = pieces.to_vec();
+        let points = &self.problem.points;
+        let softened = |i: usize| {
+            let piece = points.piece(i, pieces[i]);
+            piece.holds().then(|| piece.compliance() + self.series[i])
         };
-        let softened = problem.active.compliance.iter().zip(&factor.penalty.series).map(|(c, s)| c + s);
-        let compliance: Vec<f64> = problem.constraints.compliance.iter().copied().chain(softened).collect();
-        // Beside rigid two-sided points the three equations are not all that holds.
-        let alone = problem.constraints.rows.is_empty();
-        let held = if alone { Held::by(problem, &compliance, closed) } else { None };
-        Ok(Some(Self { factor, closed: closed[problem.constraints.rows.len()..].to_vec(), held }))
+        self.held = Held::by(self.problem, (0..pieces.len()).map(softened).collect());
+        Ok(true)
     }
-}
 
-impl KktSolver for Penalized<'_> {
-    fn correction(&mut self, step: &Residual) -> Result<Option<Correction>, FactorError> {
-        let Self { factor, closed, .. } = self;
-        let (problem, points) = (factor.problem, &factor.problem.active);
-        let (two_sided, left) = step.remaining.split_at(problem.constraints.rows.len());
-        let pushing: Vec<usize> = (0..closed.len()).filter(|&i| closed[i]).collect();
-        let mut imbalance = step.imbalance.clone();
-        for &i in &pushing {
-            points.scatter(&problem.plate, i, factor.penalty.stiffness[i] * left[i], &mut imbalance);
+    fn solve(&mut self, right: &Residual) -> Result<Option<Correction>, FactorError> {
+        let points = &self.problem.points;
+        let pieces = std::mem::take(&mut self.pieces);
+        let slopes: Vec<f64> = (0..pieces.len()).map(|i| self.slope(i, pieces[i])).collect();
+        let mut imbalance = right.imbalance.clone();
+        for (i, slope) in slopes.iter().enumerate().filter(|(_, slope)| **slope > 0.0) {
+            points.scatter(i, slope * right.violation[i], &mut imbalance);
         }
-        problem.release_held(&mut imbalance);
-        let mut all = Correction::of(vec![0.0; imbalance.len()], vec![0.0; step.remaining.len()]);
-        if !two_sided.is_empty() {
-            let first = factor.response(&imbalance, two_sided)?;
-            imbalance = factor.difference(&factor.differing(closed), &first.nodal);
-            imbalance.iter_mut().for_each(|force| *force = -*force);
-            all.nodal = first.nodal;
-            all.reaction[..two_sided.len()].copy_from_slice(&first.reaction);
-        }
-        let mut gradients = factor.gradients(closed, imbalance.clone(), tolerances::newton::TIGHT, 0.0);
-        let found = factor.direction(&mut gradients, &imbalance, None)?;
-        let direction = found.expect("no one else asks the factor");
-        if direction.free {
+        self.problem.release_held(&mut imbalance);
+        let direction = self.direction(&pieces, &imbalance, tolerances::newton::TIGHT)?;
+        self.pieces = pieces;
+        if direction.is_free {
             return Ok(None);
         }
-        all.nodal.iter_mut().zip(&direction.nodal).for_each(|(total, part)| *total += part);
-        all.reaction.iter_mut().zip(&direction.reaction).for_each(|(total, part)| *total += part);
-        let moved = points.change(&problem.plate, &all.nodal);
-        for &i in &pushing {
-            all.reaction[two_sided.len() + i] = factor.penalty.stiffness[i] * (moved[i] - left[i]);
-        }
-        Ok(Some(all))
+        let moved = points.change(&direction.nodal);
+        let push = |i: usize| if slopes[i] > 0.0 { slopes[i] * (moved[i] - right.violation[i]) } else { 0.0 };
+        let reaction = (0..slopes.len()).map(push).collect();
+        Ok(Some(Correction::of(direction.nodal, reaction)))
     }
 
-    fn rigid(&self, step: &Residual) -> Option<Correction> {
-        self.held.as_ref().map(|held| held.response(step))
+    fn rigid(&self, right: &Residual) -> Option<Correction> {
+        self.held.as_ref().map(|held| held.response(right))
     }
 
-    fn is_settled(&self, step: &Residual, force: f64) -> bool {
-        let left = &step.remaining[self.factor.problem.constraints.rows.len()..];
-        let penalty = &self.factor.penalty;
+    fn is_settled(&self, right: &Residual, force: f64) -> bool {
         // A support's own law is exact; what was put in series with it is not.
-        let softened = (0..left.len()).filter(|&i| self.closed[i] && penalty.series[i] > 0.0);
-        softened.map(|i| penalty.stiffness[i] * left[i].abs()).all(|push| push <= tolerances::newton::SETTLED * force)
+        let softened = (0..self.pieces.len()).filter(|&i| self.series[i] > 0.0);
+        let mut pushes = softened.map(|i| self.slope(i, self.pieces[i]) * right.violation[i].abs());
+        pushes.all(|push| push <= tolerances::newton::SETTLED * force)
     }
 }

@@ -4,19 +4,20 @@ use super::line::{Line, travel};
 use super::load::{PathEnd, PathLoad, Stop};
 use super::trail::Trail;
 use crate::cholesky::FactorError;
-use crate::contact::kkt::OnSet;
+use crate::contact::kkt::Kkt;
 use crate::contact::problem::ContactProblem;
+use crate::contact::residual::{least_length, lengths};
 use crate::contact::scale::largest;
-use crate::contact::solution::{ContactSolution, Outcome, Progress, Start, differing};
+use crate::contact::solution::{ContactSolution, Outcome, Progress, Watch, differing};
 use crate::contact::tolerances;
 
 /// Who follows the path of one load.
 pub(super) struct Follower<'a> {
     pub problem: &'a ContactProblem,
     pub load: &'a PathLoad<'a>,
-    /// How the equations of its contact sets are solved.
-    how: OnSet,
-    watch: &'a mut dyn FnMut(Progress) -> bool,
+    /// The equations of given pieces, which keep their last factor.
+    kkt: Box<dyn Kkt + 'a>,
+    watch: &'a mut Watch<'a>,
     /// Whether whoever watches wanted no more.
     pub interrupted: bool,
     lines: usize,
@@ -31,36 +32,26 @@ impl<'a> Follower<'a> {
 
     /// The solution at one t, beginning with another if there is one.
     pub fn solution(&mut self, t: f64, near: Option<&ContactSolution>) -> Result<ContactSolution, FactorError> {
-        let PathLoad { held_value, proximal, .. } = *self.load;
         let (problem, load) = (self.problem, self.load.at(t));
-        let own = self.how.own.take();
-        let start = near.map(|near| Start { solution: near, factored: own.as_ref(), reference: None });
-        let mut watch = |now| self.goes_on(now);
-        let found = if proximal {
-            problem.solve_by_proximal_steps(&load, held_value, tolerances::proximal::COMPLIANCE, None, &mut watch)
-        } else {
-            problem.solve_from(&load, held_value, None, start.as_ref(), &mut watch)
-        };
-        self.how.own = own;
-        found
+        problem.solve(&load, self.load.held_value, None, near, &mut |now| self.goes_on(now))
     }
 
     /// The line on a contact set; `None` where that leaves the plate free.
     pub fn line(
         &mut self,
-        closed: &[bool],
+        pieces: &[u8],
         at: [f64; 2],
         start: Option<&ContactSolution>,
-    ) -> Result<Option<Line>, FactorError> {
-        match self.solution_on(closed, at, 0, start)? {
+    ) -> Result<Option<Line<'a>>, FactorError> {
+        match self.solution_on(pieces, at, 0, start)? {
             Some(from) => self.line_from(from, at),
             None => Ok(None),
         }
     }
 
     /// The line on the contact set of a solution, which holds at the first of two t.
-    pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line>, FactorError> {
-        let Some(to) = self.solution_on(&from.closed, at, 1, Some(&from))? else { return Ok(None) };
+    pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line<'a>>, FactorError> {
+        let Some(to) = self.solution_on(&from.piece, at, 1, Some(&from))? else { return Ok(None) };
         let loads = at.map(|t| self.load.at(t));
         // A load that hardly presses on the points says nothing of what they do, nor a plate that cannot deflect.
         let counts = |force: f64| match force {
@@ -68,31 +59,43 @@ impl<'a> Follower<'a> {
             force => force.max(tolerances::path::UNSEEN * self.size(at[0])),
         };
         let force = counts(f64::max(largest(&from.reaction), largest(&to.reaction)));
-        let least = loads.iter().map(|load| self.problem.least_length(load)).fold(0.0, f64::max);
+        let least = loads.iter().map(|load| least_length(self.problem, load)).fold(0.0, f64::max);
         let ends = [from, to];
         let deflection = ends.iter().flat_map(|end| end.displacement.hi.iter().step_by(3));
         let deflection = deflection.fold(least, |most, w| most.max(w.abs()));
-        let lengths: Vec<f64> = self.lengths(&ends[0]).into_iter().map(|length| length.max(deflection)).collect();
+        let lengths: Vec<f64> =
+            lengths(self.problem, &ends[0]).into_iter().map(|length| length.max(deflection)).collect();
         let forces = self.forces(force, &lengths);
-        Ok(Some(Line { at, ends, forces, lengths, deflection }))
+        Ok(Some(Line { points: &self.problem.points, at, ends, forces, lengths, deflection }))
     }
 
-    /// The solution with another contact set, if it stands on that too: points that differ neither press nor part.
-    pub fn standing_on(&self, solution: &ContactSolution, set: &[bool]) -> Option<ContactSolution> {
-        let lengths = self.lengths(solution);
+    /// The solution on other pieces, if it stands on them too: points that differ are where their pieces meet.
+    pub fn standing_on(&self, solution: &ContactSolution, pieces: &[u8]) -> Option<ContactSolution> {
+        let points = &self.problem.points;
+        let lengths = lengths(self.problem, solution);
         let forces = self.forces(largest(&solution.reaction), &lengths);
-        let idle = |&i: &usize| {
-            let nothing = tolerances::path::NOTHING;
-            solution.reaction[i].abs() <= nothing * forces[i] && solution.gap[i].abs() <= nothing * lengths[i]
-        };
-        let differing = differing(&solution.closed, set);
-        differing.iter().all(idle).then(|| {
-            let mut same = ContactSolution { closed: set.to_vec(), ..solution.clone() };
-            for i in differing {
-                (same.reaction[i], same.gap[i]) = (0.0, 0.0);
+        let differing = differing(&solution.piece, pieces);
+        let mut same = ContactSolution { piece: pieces.to_vec(), ..solution.clone() };
+        for i in differing {
+            let (from, to) = (solution.piece[i], pieces[i]);
+            if from.abs_diff(to) != 1 {
+                return None;
             }
-            same
-        })
+            let [travel, force] = points.ends(i, from)[usize::from(to > from)]?;
+            let old = points.piece(i, from);
+            let nothing = tolerances::path::NOTHING;
+            let at_end = match old.holds() {
+                true => (solution.reaction[i] - force).abs() <= nothing * forces[i],
+                false => (old.travel - solution.gap[i] - travel).abs() <= nothing * lengths[i],
+            };
+            if !at_end {
+                return None;
+            }
+            same.reaction[i] = force;
+            let new = points.piece(i, to);
+            same.gap[i] = if new.holds() { 0.0 } else { new.travel - travel };
+        }
+        Some(same)
     }
 
     /// Largest part of the load where the two that it is made of do not cancel, and both count.
@@ -121,13 +124,15 @@ impl<'a> Follower<'a> {
             return Ok(1.0);
         }
         // On bases that have moved, points in contact have gaps of rounding.
-        let least = tolerances::path::SIGN * travel(&self.problem.at_rest(self.load.held_value), rest);
-        let gap = self.one_sided().map(|i| rest.gap[i]).filter(|&gap| gap > least).fold(f64::INFINITY, f64::min);
+        let ContactProblem { points, held, .. } = self.problem;
+        let at_rest = ContactSolution::at_rest(points, held, self.load.held_value);
+        let least = tolerances::path::SIGN * travel(&at_rest, rest);
+        let gap = rest.gap.iter().copied().filter(|&gap| gap > least).fold(f64::INFINITY, f64::min);
         if gap.is_infinite() {
             return Ok(1.0);
         }
         let far = f64::min(1.0, 0.5 * self.load.end);
-        let moved = match self.line(&rest.closed, [0.0, far], Some(rest))? {
+        let moved = match self.line(&rest.piece, [0.0, far], Some(rest))? {
             Some(line) => line.travel(0.0, far),
             // How far a plate that floats at first falls does not go with its load; how it bends then does.
             None => {
@@ -148,24 +153,20 @@ impl<'a> Follower<'a> {
         [self.load.start, self.load.add].map(|load| self.problem.scale.largest(load))
     }
 
-    /// What the gap of every point is measured by, in the caller's order.
-    fn lengths(&self, solution: &ContactSolution) -> Vec<f64> {
-        self.problem.in_order(&self.problem.lengths(solution))
-    }
-
-    /// What the reaction of every point is measured by, in the caller's order: the largest, or, of a spring too soft for
-    /// that, what presses it by its length. Its gap and its reaction then tell alike when it opens and closes.
+    /// What the reaction of every point is measured by: the largest, or, of a spring too soft for that, what presses it by
+    /// its length. Its travel and its reaction then tell alike when it changes its piece.
     fn forces(&self, force: f64, lengths: &[f64]) -> Vec<f64> {
-        let (constraints, active) = (&self.problem.constraints, &self.problem.active);
-        let compliance = self.problem.in_order(&[&constraints.compliance[..], &active.compliance].concat());
-        let of = |(length, compliance): (&f64, f64)| if *length > 0.0 { force.min(length / compliance) } else { force };
-        lengths.iter().zip(compliance).map(of).collect()
+        let of = |(i, length): (usize, &f64)| match self.problem.steepest(i).compliance() {
+            compliance if *length > 0.0 => force.min(length / compliance),
+            _ => force,
+        };
+        lengths.iter().enumerate().map(of).collect()
     }
 
     /// The solution on a set at one end of a line.
     fn solution_on(
         &mut self,
-        closed: &[bool],
+        pieces: &[u8],
         at: [f64; 2],
         end: usize,
         start: Option<&ContactSolution>,
@@ -176,26 +177,19 @@ impl<'a> Follower<'a> {
         }
         let loads = at.map(|t| self.load.at(t));
         let scale = &self.problem.scale;
-        self.how.least = f64::max(scale.largest(&loads[0]), scale.largest(&loads[1]));
-        let found = self.problem.solve_on_set(&loads[end], self.load.held_value, closed, start, &mut self.how)?;
-        Ok((found.outcome == Outcome::Solved).then_some(found))
+        let least = f64::max(scale.largest(&loads[0]), scale.largest(&loads[1]));
+        let Self { problem, kkt, load, .. } = self;
+        let solution = problem.solve_with(&mut **kkt, &loads[end], load.held_value, pieces, start, least)?;
+        Ok((solution.outcome == Outcome::Solved).then_some(solution))
     }
 
     /// Ends the path on its last line: at the t asked for, or where there is none, at `far`.
-    pub fn end_on(&self, line: &Line, far: f64, trail: &mut Trail) -> PathEnd {
+    pub fn end_on(&self, line: &Line<'_>, far: f64, trail: &mut Trail) -> PathEnd {
         let (last, end) = match self.load.end.is_finite() {
             true => (self.load.end, PathEnd::Reached),
             false => (far, PathEnd::Unbounded),
         };
         trail.end(last, Some(&line.at(last)), end)
-    }
-
-    /// Contact points that may open, in the caller's order.
-    pub fn one_sided(&self) -> impl Iterator<Item = usize> + use<'a> {
-        let problem = self.problem;
-        let condensed = problem.order.condensed.iter().zip(&problem.constraints.two_sided);
-        let of_lcp = condensed.filter(|(_, two_sided)| !**two_sided).map(|(&i, _)| i);
-        of_lcp.chain(problem.order.active.iter().copied())
     }
 }
 
@@ -208,11 +202,12 @@ impl ContactProblem {
         &self,
         load: &PathLoad,
         visit: &mut dyn FnMut(Stop) -> bool,
-        watch: &mut dyn FnMut(Progress) -> bool,
+        watch: &mut Watch<'_>,
     ) -> Result<PathEnd, FactorError> {
-        let how = OnSet { uncondensed: load.proximal, ..OnSet::default() };
         let (add, counted);
-        let mut follower = Follower { problem: self, load, how, watch, interrupted: false, lines: 0 };
+        let mut watch = watch;
+        let mut follower =
+            Follower { problem: self, load, kkt: self.kkt(), watch: &mut watch, interrupted: false, lines: 0 };
         let first = follower.solution(0.0, None)?;
         let end = match first.outcome {
             Outcome::Solved => {
@@ -238,10 +233,6 @@ impl Follower<'_> {
         if self.load.end <= 0.0 {
             return Ok(trail.end(0.0, None, PathEnd::Reached));
         }
-        if self.problem.active.is_empty() && !self.load.proximal {
-            self.pivot_along(&mut trail)
-        } else {
-            self.step_along(0.0, &mut trail)
-        }
+        if self.problem.is_condensed() { self.pivot_along(&mut trail) } else { self.step_along(0.0, &mut trail) }
     }
 }

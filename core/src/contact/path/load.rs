@@ -9,17 +9,15 @@ pub struct PathLoad<'a> {
     pub add: &'a [f64],
     pub held_value: &'a [f64],
     pub end: f64,
-    /// Whether rounding is minded: event by event, every solution by proximal steps; without points of an active set.
-    pub proximal: bool,
 }
 
 /// Where the path is at its beginning, at an event, or at its end; a jump has a stop where it begins and one where it ends.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Stop<'a> {
     pub t: f64,
-    /// Points that open or close here; none at the beginning and at the end.
+    /// Points that go to another piece here; none at the beginning and at the end.
     pub switched: &'a [usize],
-    /// What holds here; `closed` is the contact set from here on.
+    /// What holds here; `piece` are the pieces from here on.
     pub solution: &'a ContactSolution,
 }
 
@@ -34,7 +32,7 @@ pub enum PathEnd {
     NoEquilibrium,
     /// More events than [`MOST_EVENTS`].
     TooMany,
-    /// The contact set after the last stop, or at t = 0, is beyond the arithmetic.
+    /// The pieces after the last stop, or at t = 0, is beyond the arithmetic.
     Unsolved,
     /// Whoever watched wanted no more.
     Interrupted,

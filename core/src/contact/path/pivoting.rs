@@ -5,19 +5,21 @@ use super::line::Line;
 use super::load::PathEnd;
 use super::trail::Trail;
 use crate::cholesky::FactorError;
-use crate::contact::lcp::in_memory;
-use crate::contact::solution::{Progress, differing};
+use crate::contact::finders::{in_memory, posed_from};
+use crate::contact::interface::{AtPoints, Work};
+use crate::contact::residual::Residual;
+use crate::contact::solution::{ContactSolution, Progress};
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
 
-/// The bases of the LCP along a path, and the contact set of each.
-type Pivoted = (ParametricPath, Vec<Vec<bool>>);
+/// The bases of the LCP along a path, and the pieces of each.
+type Pivoted = (ParametricPath, Vec<Vec<u8>>);
 
 impl Follower<'_> {
     /// As [`ContactProblem::path`], from the solution at t = 0 on. Where rounding stops the pivots it goes on in steps.
     pub(super) fn pivot_along(&mut self, trail: &mut Trail) -> Result<PathEnd, FactorError> {
         let load = self.load;
-        let Some((found, sets)) = self.pivoted(&trail.here().closed)? else {
+        let Some((found, sets)) = self.pivoted(&trail.here().piece)? else {
             return self.step_along(0.0, trail);
         };
         let mut t = 0.0;
@@ -34,19 +36,19 @@ impl Follower<'_> {
             };
             let next = sets.get(k + 1);
             let to = line.as_ref().map_or(far, |line| {
-                let leaving = next.map_or(Vec::new(), |next| differing(next, &sets[k]));
+                let leaving = next.map_or(Vec::new(), |next| line.crossed(next));
                 let within = tolerances::path::MOVED * (far - t) + tolerances::path::SEEN * span;
                 line.root(&leaving, far, within).unwrap_or(far).max(t)
             });
-            let stays = |line: &Line| line.travel(t, to) <= tolerances::path::SAME_PLACE * line.deflection;
+            let stays = |line: &Line<'_>| line.travel(t, to) <= tolerances::path::SAME_PLACE * line.deflection;
             if segment.to < load.end && line.as_ref().is_some_and(stays) {
                 continue;
             }
             // An event that rounding alone brings is none, nor are those that pivots find beyond it.
-            let real =
-                |line: &Line| next.is_none_or(|next| differing(next, &sets[k]).into_iter().any(|i| line.fall(i) > 0.0));
-            let Some(line) = line.filter(|line| real(line) && line.signs_hold(self.one_sided(), t, to.min(load.end)))
-            else {
+            let real = |line: &Line<'_>| {
+                next.is_none_or(|next| line.crossed(next).into_iter().any(|border| line.fall(border) > 0.0))
+            };
+            let Some(line) = line.filter(|line| real(line) && line.signs_hold(t, to.min(load.end))) else {
                 return self.step_along(t, trail);
             };
             if !trail.leave(t, &line) {
@@ -63,32 +65,29 @@ impl Follower<'_> {
         Ok(if infeasible { PathEnd::NoEquilibrium } else { end })
     }
 
-    /// The bases of the LCP along the path, and the contact set of each.
-    fn pivoted(&mut self, closed: &[bool]) -> Result<Option<Pivoted>, FactorError> {
+    /// The bases of the LCP along the path, and the pieces of each.
+    fn pivoted(&mut self, pieces: &[u8]) -> Result<Option<Pivoted>, FactorError> {
         let (problem, load) = (self.problem, self.load);
-        let condensed = &problem.base.condensed;
-        let form = condensed.better_form();
-        let rest = problem.at_rest(load.held_value);
-        let first = problem.residual(load.start, &rest);
+        let interface = problem.interface();
+        let form = interface.better_form();
+        let rest = ContactSolution::at_rest(&problem.points, &problem.held, load.held_value);
+        let first = posed_from(problem, load.start, form, &rest)?;
         // What is added, by itself: no gaps, nothing held elsewhere than at zero.
-        let mut added = load.add.to_vec();
-        problem.release_held(&mut added);
-        let still = vec![0.0; rest.reaction.len()];
-        let reduced = |imbalance: &[f64], remaining: &[f64]| {
-            Ok::<_, FactorError>(problem.reduced(&problem.base, imbalance, remaining, form)?.interface)
-        };
-        let interfaces = [reduced(&first.imbalance, &first.remaining)?, reduced(&added, &still)?];
-        let (mut begin, mut along) = condensed.posed(form, &interfaces, &rest.reaction)?;
-        let motions = condensed.impose_motions(&mut begin)?;
-        motions.balance(&mut begin.q, &interfaces[0], &problem.work(load.start));
-        motions.balance(&mut along[0], &interfaces[1], &problem.work(load.add));
-        let basis = condensed.basis(&begin, closed);
+        let mut imbalance = load.add.to_vec();
+        problem.release_held(&mut imbalance);
+        let added = Residual { imbalance, violation: vec![0.0; pieces.len()], worst: 0.0 };
+        let at_points: [AtPoints; 2] = [first.at_points, problem.reduced(&added, form)?.at_points];
+        let (mut begin, mut along) = interface.posed(&problem.points, form, &at_points, &rest.reaction)?;
+        let motions = interface.impose_motions(&problem.points, &mut begin)?;
+        motions.balance(&mut begin.q, &at_points[0], &Work::of(&problem.free_motions, load.start));
+        motions.balance_increment(&mut along[0], &at_points[1], &Work::of(&problem.free_motions, load.add));
+        let basis = begin.basis(pieces);
         let mut watch = |step| self.goes_on(Progress { step, changing: 0, residual: 0.0 });
         let solved =
             Lcp::new(&begin.matrix, &begin.q).and_then(|lcp| parametric(&lcp, &along[0], &basis, load.end, &mut watch));
-        Ok(in_memory(solved)?.map(|found| {
-            let sets = found.segments.iter().map(|segment| condensed.closed_points(&begin, &segment.basis)).collect();
-            (found, sets)
+        Ok(in_memory(solved)?.map(|path| {
+            let sets = path.segments.iter().map(|segment| begin.pieces(&segment.basis)).collect();
+            (path, sets)
         }))
     }
 }

@@ -1,7 +1,7 @@
 //! From event to event on the sparse K.
 
 use super::follower::Follower;
-use super::line::Line;
+use super::line::{Border, Line};
 use super::load::{MOST_EVENTS, PathEnd};
 use super::trail::Trail;
 use crate::cholesky::FactorError;
@@ -14,51 +14,51 @@ const ROUNDS: usize = 20;
 /// Times that a line without events is lengthened.
 const LENGTHENED: usize = 2;
 
-impl Follower<'_> {
+impl<'a> Follower<'a> {
     /// As [`ContactProblem::path`], from some t on.
     pub(super) fn step_along(&mut self, mut t: f64, trail: &mut Trail) -> Result<PathEnd, FactorError> {
         let load = self.load;
-        let mut closed = trail.here().closed.clone();
+        let mut pieces = trail.here().piece.clone();
         // Sets on which the path got no further than where it is.
-        let mut spent: Vec<Vec<bool>> = Vec::new();
+        let mut spent: Vec<Vec<u8>> = Vec::new();
         for _ in 0..=MOST_EVENTS {
-            let Some(mut line) = self.leaving(t, &closed, trail.here())? else {
+            let Some(mut line) = self.leaving(t, &pieces, trail.here())? else {
                 return Ok(trail.end(t, None, PathEnd::Unsolved));
             };
             // A set that comes back would lead round for ever: rounding decides what closes.
-            if spent.contains(&line.ends[0].closed) {
+            if spent.contains(&line.ends[0].piece) {
                 return Ok(trail.end(t, None, PathEnd::Unsolved));
             }
             if !trail.leave(t, &line) {
                 return Ok(PathEnd::Interrupted);
             }
-            let (mut to, mut points) = self.next_event(&line, t);
+            let (mut to, mut borders) = self.next_event(&line, t);
             if to.is_infinite()
                 && load.end.is_infinite()
                 && let Some(longer) = self.until_it_counts(&line)?
             {
                 line = longer;
-                (to, points) = self.next_event(&line, t);
+                (to, borders) = self.next_event(&line, t);
             }
             let reach = to.min(load.end);
             if reach > line.at[1] && reach.is_finite() {
                 // Beyond its far end a line is less exact than up to it.
                 if let Some(longer) = self.line_from(line.ends[0].clone(), [t, reach])? {
                     line = longer;
-                    (to, points) = self.next_event(&line, t);
+                    (to, borders) = self.next_event(&line, t);
                 }
             }
             if to >= load.end {
                 return Ok(self.end_on(&line, line.at[1], trail));
             }
             trail.arrive(&line, to);
-            closed.clone_from(&trail.here().closed);
-            points.into_iter().for_each(|i| closed[i] = !closed[i]);
+            pieces.clone_from(&trail.here().piece);
+            borders.into_iter().for_each(|border: Border| pieces[border.point] = border.beyond(&pieces));
             if to - t > tolerances::path::SAME_EVENT * self.span(t) {
                 spent.clear();
             } else {
                 let [from, _] = line.ends;
-                spent.push(from.closed);
+                spent.push(from.piece);
             }
             t = to;
         }
@@ -68,7 +68,7 @@ impl Follower<'_> {
     /// A line without events, so long that what is added moves the plate by as much as any gap, if it then has one.
     ///
     /// Beside little load, or far from a support, a first step may be too short to tell that a gap closes.
-    fn until_it_counts(&mut self, line: &Line) -> Result<Option<Line>, FactorError> {
+    fn until_it_counts(&mut self, line: &Line<'a>) -> Result<Option<Line<'a>>, FactorError> {
         let [t, mut far] = line.at;
         let gap = line.lengths.iter().fold(0.0, |most, &length| f64::max(most, length));
         let mut travel = line.travel(t, far);
@@ -87,9 +87,9 @@ impl Follower<'_> {
     }
 
     /// The line that leaves from t, beginning with a set that may be right.
-    fn leaving(&mut self, t: f64, closed: &[bool], here: &ContactSolution) -> Result<Option<Line>, FactorError> {
+    fn leaving(&mut self, t: f64, pieces: &[u8], here: &ContactSolution) -> Result<Option<Line<'a>>, FactorError> {
         let span = self.span(t);
-        let mut set = closed.to_vec();
+        let mut set = pieces.to_vec();
         for _ in 0..ROUNDS {
             let at = [t, t + span];
             let line = match self.standing_on(here, &set) {
@@ -100,8 +100,8 @@ impl Follower<'_> {
                 break;
             };
             match self.wrong(&line) {
-                Some(points) if points.is_empty() => return Ok(Some(line)),
-                Some(points) => points.into_iter().for_each(|i| set[i] = !set[i]),
+                Some(borders) if borders.is_empty() => return Ok(Some(line)),
+                Some(borders) => borders.into_iter().for_each(|border| set[border.point] = border.beyond(&set)),
                 None => break,
             }
         }
@@ -110,8 +110,8 @@ impl Follower<'_> {
             if near.outcome != Outcome::Solved {
                 continue;
             }
-            if let Some(line) = self.line(&near.closed, [t, t + span], Some(&near))?
-                && self.wrong(&line).is_some_and(|points| points.is_empty())
+            if let Some(line) = self.line(&near.piece, [t, t + span], Some(&near))?
+                && self.wrong(&line).is_some_and(|borders| borders.is_empty())
             {
                 return Ok(Some(line));
             }
@@ -119,33 +119,34 @@ impl Follower<'_> {
         Ok(None)
     }
 
-    /// Points at zero where the line begins that leave it the wrong way; `None` if some are beyond zero there.
-    fn wrong(&self, line: &Line) -> Option<Vec<usize>> {
-        let mut points = Vec::new();
-        for i in self.one_sided() {
-            let (now, fall) = (line.value(0, i), line.fall(i));
+    /// Ends of pieces at which points are where the line begins, and beyond which they go on; `None` if some are beyond them
+    /// there.
+    fn wrong(&self, line: &Line<'_>) -> Option<Vec<Border>> {
+        let mut wrong = Vec::new();
+        for border in line.borders() {
+            let (now, fall) = (line.value(0, border), line.fall(border));
             if now < -tolerances::path::SIGN {
                 return None;
             }
             if fall > 0.0 && now <= tolerances::path::SAME_EVENT * fall {
-                points.push(i);
+                wrong.push(border);
             }
         }
-        Some(points)
+        Some(wrong)
     }
 
-    /// The next t at which reactions or gaps fall to zero, infinite if none ever does, and whose do.
-    fn next_event(&self, line: &Line, from: f64) -> (f64, Vec<usize>) {
+    /// The next t at which points reach ends of their pieces, infinite if none ever does, and which.
+    fn next_event(&self, line: &Line<'_>, from: f64) -> (f64, Vec<Border>) {
         let span = line.at[1] - line.at[0];
-        let falls = |i: usize| (i, line.value(0, i), line.fall(i));
-        let roots: Vec<(f64, usize)> = self
-            .one_sided()
-            .map(falls)
+        let roots: Vec<(f64, Border)> = line
+            .borders()
+            .into_iter()
+            .map(|border| (border, line.value(0, border), line.fall(border)))
             .filter(|&(_, _, fall)| fall > 0.0)
-            .map(|(i, now, fall)| (from + span * (now / fall).max(0.0), i))
+            .map(|(border, now, fall)| (from + span * (now / fall).max(0.0), border))
             .collect();
         let first = roots.iter().map(|(t, _)| *t).fold(f64::INFINITY, f64::min);
-        let together = |&&(t, _): &&(f64, usize)| t <= first + tolerances::path::SAME_EVENT * span;
-        (first, roots.iter().filter(together).map(|&(_, i)| i).collect())
+        let together = |&&(t, _): &&(f64, Border)| t <= first + tolerances::path::SAME_EVENT * span;
+        (first, roots.iter().filter(together).map(|&(_, border)| border).collect())
     }
 }

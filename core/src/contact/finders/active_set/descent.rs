@@ -1,0 +1,157 @@
+//! A solution in the making: where the plate and its points are, and what is out of balance there.
+
+use super::super::finder::Reference;
+use crate::contact::kkt::{Afloat, Direction, Factored};
+use crate::contact::problem::ContactProblem;
+use crate::contact::residual::{Residual, rounding};
+use crate::contact::solution::ContactSolution;
+
+/// A solution in the making.
+pub(super) struct Descent<'a> {
+    pub(super) problem: &'a ContactProblem,
+    pub(super) load: &'a [f64],
+    pub(super) kkt: Factored<'a>,
+    pub(super) solution: ContactSolution,
+    pub(super) multiplier: Vec<f64>,
+    /// Travel beyond the shift, and series compliance times multiplier, of every point.
+    pub(super) stretch: Vec<f64>,
+    pub(super) residual: Residual,
+    /// Where springs and points alone hold the plate.
+    pub(super) afloat: Option<Afloat<'a>>,
+    /// Rounding of the internal forces, below which an imbalance says nothing; absent until it is asked for after a balance.
+    pub(super) rounding: Option<f64>,
+}
+
+impl Descent<'_> {
+    /// Force of a point.
+    pub(super) fn force(&self, i: usize) -> f64 {
+        self.force_at(i, self.stretch[i])
+    }
+
+    pub(super) fn force_at(&self, i: usize, stretch: f64) -> f64 {
+        self.problem.points.force_at(i, self.kkt.series[i], stretch).0
+    }
+
+    pub(super) fn piece_at(&self, i: usize, stretch: f64) -> u8 {
+        self.problem.points.piece_at(i, self.kkt.series[i], stretch)
+    }
+
+    /// The pieces that the points are on.
+    pub(super) fn pieces(&self) -> Vec<u8> {
+        (0..self.stretch.len()).map(|i| self.piece_at(i, self.stretch[i])).collect()
+    }
+
+    pub(super) fn largest_force(&self) -> f64 {
+        (0..self.stretch.len()).fold(0.0, |most: f64, i| most.max(self.force(i).abs() / self.problem.points.arm[i]))
+    }
+
+    /// Follows a direction to the least energy on it; what is out of balance then is known without the refined residual.
+    pub(super) fn advance(&mut self, direction: &Direction, pieces: &[u8]) {
+        let points = &self.problem.points;
+        let change = points.change(&direction.nodal);
+        let length = self.line_search(direction, &change, pieces);
+        for (dof, value) in direction.nodal.iter().enumerate() {
+            self.solution.displacement.add(dof, length * value);
+        }
+        let mut loss: Vec<f64> = direction.force.iter().map(|f| -length * f).collect();
+        for (i, &carried) in self.kkt.system().carried.iter().enumerate() {
+            let (moved, old) = (length * change[i], self.stretch[i]);
+            let new = old + moved;
+            self.stretch[i] = new;
+            let series = self.kkt.series[i];
+            let ((before, slope), (after, _)) = (points.force_at(i, series, old), points.force_at(i, series, new));
+            // What goes on with the stiffness that is carried stays in balance to the last bit.
+            let same = points.piece_at(i, series, old) == points.piece_at(i, series, new);
+            let increment = if same { slope * moved } else { after - before };
+            let force = carried * moved - increment;
+            if force != 0.0 {
+                points.scatter(i, force, &mut loss);
+            }
+        }
+        self.problem.release_held(&mut loss);
+        for (value, loss) in self.residual.imbalance.iter_mut().zip(&loss) {
+            *value += loss;
+        }
+        self.residual.worst = self.problem.scale.largest(&self.residual.imbalance);
+        self.solution.iterations += 1;
+    }
+
+    /// From the solution under another load, what is out of balance is what the loads differ by.
+    pub(super) fn depart(&mut self, from: &Reference) {
+        self.solution.displacement.lo.copy_from_slice(&from.solution.displacement.lo);
+        let softened = self.kkt.series.iter().zip(&self.multiplier);
+        self.stretch = from.travel.iter().zip(softened).map(|(travel, (s, force))| travel + s * force).collect();
+        let mut imbalance: Vec<f64> =
+            self.load.iter().zip(&from.load).map(|(load, balanced)| load - balanced).collect();
+        self.problem.release_held(&mut imbalance);
+        self.residual = Residual { worst: self.problem.scale.largest(&imbalance), imbalance, violation: Vec::new() };
+    }
+
+    pub(super) fn rounding(&mut self) -> f64 {
+        *self.rounding.get_or_insert_with(|| rounding(self.problem, &self.solution))
+    }
+
+    pub(super) fn measure_stretches(&mut self) {
+        let points = &self.problem.points;
+        self.stretch = points.travel_from(&points.shift, &self.solution.displacement);
+        for (i, stretch) in self.stretch.iter_mut().enumerate() {
+            *stretch += self.kkt.series[i] * self.multiplier[i];
+        }
+    }
+
+    /// Stretches and imbalance anew, in double-double.
+    pub(super) fn balance(&mut self) {
+        self.measure_stretches();
+        let mut solution = std::mem::take(&mut self.solution);
+        solution.reaction = (0..self.stretch.len()).map(|i| self.force(i)).collect();
+        self.residual = Residual::of_forces(self.problem, self.load, &solution);
+        self.solution = solution;
+    }
+
+    /// The solution with reactions, pieces and gaps.
+    pub(super) fn ended(self) -> ContactSolution {
+        let pieces = self.pieces();
+        let (points, series) = (&self.problem.points, &self.kkt.series);
+        let mut all = self.solution;
+        (all.gradients, all.factorizations) = (self.kkt.gradients, self.kkt.factorizations);
+        all.system = self.kkt.kept().cloned();
+        for i in 0..pieces.len() {
+            let piece = points.graph(i).piece(pieces[i]);
+            all.reaction[i] = points.force_at(i, series[i], self.stretch[i]).0;
+            let travel = self.stretch[i] - series[i] * self.multiplier[i];
+            all.gap[i] = if piece.holds() { 0.0 } else { piece.travel - travel };
+        }
+        all.piece = pieces;
+        all
+    }
+
+    /// Springs no stiffer than a limit, over the plate's stiffness in shear.
+    pub(super) fn limit_to(&mut self, limit: f64) {
+        self.kkt.limit_to(limit);
+        self.balance();
+    }
+
+    /// Multipliers become the present forces; the largest change of one.
+    pub(super) fn renew_multipliers(&mut self) -> f64 {
+        let points = &self.problem.points;
+        let mut largest: f64 = 0.0;
+        for i in 0..points.len() {
+            let series = self.kkt.series[i];
+            if series == 0.0 {
+                continue;
+            }
+            let force = self.force(i);
+            let change = force - self.multiplier[i];
+            self.stretch[i] += series * change;
+            largest = largest.max(change.abs());
+            self.multiplier[i] = force;
+            let more = self.force(i) - force;
+            if more != 0.0 {
+                points.scatter(i, -more, &mut self.residual.imbalance);
+            }
+        }
+        self.problem.release_held(&mut self.residual.imbalance);
+        self.residual.worst = self.problem.scale.largest(&self.residual.imbalance);
+        largest
+    }
+}

@@ -1,0 +1,70 @@
+//! Rigid motions of least energy of a plate on soft supports, for the shape that it has.
+
+use super::descent::Descent;
+use crate::contact::floating::Floating;
+use crate::contact::kkt::Afloat;
+use crate::contact::rigid::eliminated;
+use crate::contact::tolerances;
+use crate::superposition::sum_in_order;
+
+/// At most this many steps at a time.
+const STEPS: usize = 100;
+
+impl Descent<'_> {
+    /// What a point resists with.
+    fn resistance(&self, i: usize) -> f64 {
+        self.problem.points.force_at(i, self.kkt.series[i], self.stretch[i]).1
+    }
+
+    /// Where what holds is soft, moves the plate as it is bent to the least energy; whether it was.
+    pub(super) fn drift(&mut self) -> bool {
+        let Some(afloat) = self.afloat.take() else { return false };
+        let softest = afloat.floating.softest(|i| self.resistance(i), &self.problem.springs.stiffness);
+        let soft = softest < self.problem.scale.stiffness;
+        if soft && self.drifted(&afloat) {
+            self.balance();
+        }
+        self.afloat = Some(afloat);
+        soft
+    }
+
+    fn drifted(&mut self, afloat: &Afloat<'_>) -> bool {
+        let Afloat { floating, load, magnitude } = afloat;
+        let Floating { points, springs: arms, .. } = floating;
+        let springs = &self.problem.springs;
+        let all = (0..points.len()).map(|i| self.problem.steepest(i).in_series(self.kkt.series[i])).sum::<f64>()
+            + springs.stiffness.iter().sum::<f64>();
+        let mut moved = false;
+        for _ in 0..STEPS {
+            let (mut resultant, mut magnitude) = (*load, *magnitude);
+            let mut push = |force: f64, arm: &[f64; 3]| {
+                magnitude += force.abs();
+                (0..3).for_each(|k| resultant[k].add_product(-force, arm[k]));
+            };
+            for (i, (stiffness, arm)) in springs.stiffness.iter().zip(arms).enumerate() {
+                let u = &self.solution.displacement;
+                push(stiffness * springs.rows.beyond(&self.problem.plate, i, u, springs.base[i]), arm);
+            }
+            (0..points.len()).for_each(|i| push(self.force(i), &points[i]));
+            if resultant.iter().all(|sum| sum.value().abs() <= tolerances::newton::RESULTANT * magnitude) {
+                break;
+            }
+            let mut matrix = floating.holding(|i| self.resistance(i), &springs.stiffness);
+            (0..3).for_each(|k| matrix[k][k] += tolerances::newton::LEAST * all);
+            let (step, _) = eliminated(matrix, resultant);
+            let along = |arm: &[f64; 3]| (0..3).map(|k| arm[k] * step[k]).sum::<f64>();
+            let change: Vec<f64> = points.iter().map(along).collect();
+            let elastic = arms.iter().zip(&springs.stiffness).map(|(arm, k)| k * along(arm).powi(2)).sum();
+            let start = -sum_in_order(3, 3, |k| resultant[k].value() * step[k]);
+            let length = self.least_energy(start, elastic, &change);
+            if !(length > 0.0) {
+                break;
+            }
+            let motion = floating.motion(step.map(|s| length * s));
+            self.solution.displacement.add_rigid(&self.problem.plate, self.problem.scale.centre, motion);
+            self.measure_stretches();
+            moved = true;
+        }
+        moved
+    }
+}

@@ -1,0 +1,126 @@
+//! Points in any number: a semismooth Newton method on the sparse K (a primal–dual active set; Hintermüller, Ito & Kunisch
+//! 2002), inside the method of multipliers (Rockafellar 1976) where supports are rigid or nearly so.
+//!
+//! It cannot cycle: for given multipliers the energy is convex and continuously differentiable, every Newton direction
+//! is followed by an exact line search on it, and the multipliers are a proximal point iteration on the dual. Rigid
+//! points begin on springs that bend the plate over many elements, and stiffen from stage to stage.
+//! One factor preconditions every direction; only where the pieces turn out to be quite others are they factored anew.
+
+mod descent;
+mod drift;
+mod line_search;
+mod newton;
+mod together;
+
+use super::finder::{Reference, SetFinder, Start, signs_hold};
+use crate::cholesky::FactorError;
+use crate::contact::kkt::{Afloat, Factored};
+use crate::contact::problem::ContactProblem;
+use crate::contact::residual::Residual;
+use crate::contact::solution::{ContactSolution, Outcome, Watch};
+use crate::contact::system::System;
+use crate::contact::tolerances;
+use descent::Descent;
+use newton::{Newton, Next};
+use std::sync::Arc;
+
+/// Newton's method, from rest or from another load's solution.
+pub(in crate::contact) struct ActiveSet;
+
+impl SetFinder for ActiveSet {
+    fn find(
+        &self,
+        problem: &ContactProblem,
+        load: &[f64],
+        held_value: &[f64],
+        start: Option<&Start<'_>>,
+        watch: &mut Watch<'_>,
+    ) -> Result<ContactSolution, FactorError> {
+        let mut newton = begun(problem, load, held_value, start, false)?;
+        let Next::End(outcome) = newton.go_on(None, watch)? else { unreachable!("the factor is not shared") };
+        let fell_short = newton.fell_short;
+        let solution = newton.ended(outcome);
+        if !fell_short {
+            return Ok(solution);
+        }
+        let exact = problem.solve_on(load, held_value, &solution.piece)?;
+        if exact.outcome != Outcome::Solved || !signs_hold(problem, load, 0.0, &exact) {
+            return Ok(solution);
+        }
+        let corrections = solution.corrections + exact.corrections;
+        let ContactSolution { displacement, reaction, gap, .. } = exact;
+        Ok(ContactSolution { displacement, reaction, gap, corrections, ..solution })
+    }
+}
+
+/// Newton's method at its start, on a factor that others may share.
+fn begun<'a>(
+    problem: &'a ContactProblem,
+    load: &'a [f64],
+    held_value: &[f64],
+    start: Option<&Start<'a>>,
+    shares: bool,
+) -> Result<Newton<'a>, FactorError> {
+    let limit = if start.is_some() { tolerances::newton::STIFFEST } else { problem.first_limit };
+    let kkt = Factored::new(problem, start.and_then(|start| system_of(problem, start)), limit, shares);
+    let mut solution = ContactSolution::at_rest(&problem.points, &problem.held, held_value);
+    let mut multiplier = vec![0.0; problem.points.len()];
+    if let Some(Start { solution: start, .. }) = start {
+        solution.displacement.hi.copy_from_slice(&start.displacement.hi);
+        multiplier.copy_from_slice(&start.reaction);
+    }
+    let mut descent = Descent {
+        problem,
+        load,
+        kkt,
+        solution,
+        stretch: vec![0.0; multiplier.len()],
+        multiplier,
+        residual: Residual::default(),
+        afloat: Afloat::under(problem, load),
+        rounding: Some(0.0),
+    };
+    match start.and_then(|start| start.reference) {
+        Some(reference) => descent.depart(reference),
+        None => {
+            descent.balance();
+            descent.rounding = None;
+        }
+    }
+    Ok(Newton::new(descent, start.is_some(), held_value))
+}
+
+/// The factor that a start has for a problem.
+fn system_of<'a>(problem: &ContactProblem, start: &Start<'a>) -> Option<&'a Arc<System>> {
+    start.solution.system.as_ref().filter(|system| Arc::ptr_eq(&system.blueprint, &problem.blueprint))
+}
+
+impl Reference {
+    /// Solves one load and factors its pieces; `None` where there is no solution, or they do not hold the plate.
+    pub(in crate::contact) fn of(
+        problem: &ContactProblem,
+        load: &[f64],
+        held_value: &[f64],
+        watch: &mut Watch<'_>,
+    ) -> Result<Option<Self>, FactorError> {
+        let solution = ActiveSet.find(problem, load, held_value, None, watch)?;
+        if solution.outcome != Outcome::Solved {
+            return Ok(None);
+        }
+        let series = problem.series(tolerances::newton::STIFFEST);
+        let slope = |i: usize| problem.points.piece(i, solution.piece[i]).in_series(series[i]);
+        match problem.factored((0..series.len()).map(slope).collect()) {
+            Ok(system) => {
+                let travel = problem.points.travel_from(&problem.points.shift, &solution.displacement);
+                let solution = ContactSolution { system: Some(Arc::new(system)), ..solution };
+                Ok(Some(Self { solution, load: load.to_vec(), travel }))
+            }
+            Err(FactorError::NotPositiveDefinite { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    pub(in crate::contact) fn start(&self) -> Start<'_> {
+        Start { solution: &self.solution, reference: Some(self) }
+    }
+}

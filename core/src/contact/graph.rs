@@ -1,0 +1,181 @@
+//! Laws of contact points as monotone graphs: force over travel, a nondecreasing polyline (Moreau 1965; Rockafellar 1970,
+//! section 24).
+//!
+//! Horizontal pieces are open or yielding points, vertical ones rigid contact. The state of a point is the number of the
+//! piece that it is on; what a piece means to the equations is its slope alone.
+
+use std::fmt;
+
+/// A nondecreasing polyline of force over travel.
+///
+/// ```
+/// use signorini_core::contact::Graph;
+/// let soil = Graph::new(vec![[0.0, 0.0], [0.01, 5.0]], [0.0, 0.0]).unwrap(); // it crushes at 5
+/// assert_eq!((soil.pieces(), soil.piece(1).slope), (3, 500.0));
+/// assert!(Graph::new(vec![[0.0, 0.0], [0.01, -5.0]], [0.0, 0.0]).is_err());
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Graph {
+    /// Travel and force; one at least, through which a straight graph passes.
+    vertices: Vec<[f64; 2]>,
+    /// Of every piece, in order; infinite is vertical.
+    slopes: Vec<f64>,
+}
+
+/// The line of a piece: force − `force` = slope (travel − `travel`), or travel = `travel` where the slope is infinite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    pub travel: f64,
+    pub force: f64,
+    pub slope: f64,
+}
+
+/// Why a polyline is no law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GraphError {
+    NoVertex,
+    NotFinite,
+    /// The vertex whose travel or force is less than that of the one before it.
+    Falls(usize),
+    /// A slope at an end is negative.
+    NegativeSlope,
+    /// More pieces than a state can number.
+    TooManyPieces,
+}
+
+impl fmt::Display for GraphError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoVertex => write!(f, "a law needs a vertex"),
+            Self::NotFinite => write!(f, "a law's vertices must be finite, and its slopes numbers"),
+            Self::Falls(vertex) => write!(f, "a law must not fall, but it does at vertex {vertex}"),
+            Self::NegativeSlope => write!(f, "a law's slopes must not be negative"),
+            Self::TooManyPieces => write!(f, "a law has at most {} pieces", u8::MAX),
+        }
+    }
+}
+
+impl std::error::Error for GraphError {}
+
+impl Graph {
+    /// Through vertices [travel, force], with slopes before the first and beyond the last.
+    pub fn new(vertices: Vec<[f64; 2]>, ends: [f64; 2]) -> Result<Self, GraphError> {
+        if vertices.is_empty() {
+            return Err(GraphError::NoVertex);
+        }
+        if vertices.len() >= usize::from(u8::MAX) {
+            return Err(GraphError::TooManyPieces);
+        }
+        if vertices.iter().flatten().any(|value| !value.is_finite()) || ends.iter().any(|slope| slope.is_nan()) {
+            return Err(GraphError::NotFinite);
+        }
+        if ends.iter().any(|&slope| slope < 0.0) {
+            return Err(GraphError::NegativeSlope);
+        }
+        let falls = |pair: &[[f64; 2]]| pair[1][0] < pair[0][0] || pair[1][1] < pair[0][1] || pair[0] == pair[1];
+        if let Some(before) = vertices.windows(2).position(falls) {
+            return Err(GraphError::Falls(before + 1));
+        }
+        let inner = vertices.windows(2).map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
+        let slopes = std::iter::once(ends[0]).chain(inner).chain([ends[1]]).collect();
+        Ok(Self { vertices, slopes })
+    }
+
+    /// A support that acts one way only, at travel 0; an infinite stiffness is rigid.
+    pub fn one_sided(stiffness: f64) -> Self {
+        Self { vertices: vec![[0.0, 0.0]], slopes: vec![0.0, stiffness] }
+    }
+
+    /// A support that holds both ways, at travel 0: a single piece.
+    pub fn two_sided(stiffness: f64) -> Self {
+        Self { vertices: vec![[0.0, 0.0]], slopes: vec![stiffness] }
+    }
+
+    pub fn pieces(&self) -> usize {
+        self.slopes.len()
+    }
+
+    /// Whether there is a single piece, so that the state never changes.
+    pub fn is_straight(&self) -> bool {
+        self.slopes.len() == 1
+    }
+
+    pub fn piece(&self, number: u8) -> Piece {
+        let [travel, force] = self.vertices[usize::from(number).saturating_sub(1)];
+        Piece { travel, force, slope: self.slopes[usize::from(number)] }
+    }
+
+    /// Where a piece ends below and above; `None` where it goes on for ever.
+    pub fn ends(&self, number: u8) -> [Option<[f64; 2]>; 2] {
+        if self.is_straight() {
+            return [None, None];
+        }
+        let number = usize::from(number);
+        [number.checked_sub(1).map(|at| self.vertices[at]), self.vertices.get(number).copied()]
+    }
+
+    /// The number of the steepest piece, of several the first.
+    pub fn steepest(&self) -> u8 {
+        (1..self.slopes.len()).fold(0, |most, at| if self.slopes[at] > self.slopes[most] { at } else { most }) as u8
+    }
+
+    /// The piece at a stretch of the graph in series with a compliance: at travel + compliance · force.
+    pub fn piece_at(&self, compliance: f64, stretch: f64) -> u8 {
+        if self.is_straight() {
+            return 0;
+        }
+        self.vertices.iter().take_while(|[travel, force]| stretch > travel + compliance * force).count() as u8
+    }
+
+    /// Force at such a stretch, and the slope of force over stretch there: the Yosida regularization of the graph.
+    pub fn force_at(&self, compliance: f64, stretch: f64) -> (f64, f64) {
+        let piece = self.piece(self.piece_at(compliance, stretch));
+        let slope = piece.in_series(compliance);
+        (piece.force + slope * (stretch - piece.travel - compliance * piece.force), slope)
+    }
+}
+
+impl Piece {
+    /// Whether the force on it depends on the travel.
+    pub fn holds(self) -> bool {
+        self.slope > 0.0
+    }
+
+    /// Travel over force; 0 where it is rigid, and where it does not hold.
+    pub fn compliance(self) -> f64 {
+        if self.slope > 0.0 { 1.0 / self.slope } else { 0.0 }
+    }
+
+    /// Its slope in series with a compliance.
+    pub fn in_series(self, compliance: f64) -> f64 {
+        if self.slope == 0.0 { 0.0 } else { 1.0 / (1.0 / self.slope + compliance) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_regularized_graph_is_the_graph_in_series_with_a_spring() {
+        // Open, elastic, rigid, yielding.
+        let graph = Graph::new(vec![[0.0, 0.0], [1.0, 2.0], [1.0, 5.0]], [0.0, 0.0]).unwrap();
+        let compliance = 0.1;
+        for (stretch, number, force, slope) in
+            [(-1.0, 0, 0.0, 0.0), (0.6, 1, 1.0, 1.0 / 0.6), (1.3, 2, 3.0, 10.0), (9.0, 3, 5.0, 0.0)]
+        {
+            assert_eq!(graph.piece_at(compliance, stretch), number);
+            let found = graph.force_at(compliance, stretch);
+            assert!((found.0 - force).abs() < 1e-12 && (found.1 - slope).abs() < 1e-12, "{stretch}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_law_is_refused() {
+        let of = |vertices: &[[f64; 2]], ends| Graph::new(vertices.to_vec(), ends).unwrap_err();
+        assert_eq!(of(&[], [0.0, 1.0]), GraphError::NoVertex);
+        assert_eq!(of(&[[0.0, f64::NAN]], [0.0, 1.0]), GraphError::NotFinite);
+        assert_eq!(of(&[[0.0, 0.0], [1.0, -1.0]], [0.0, 1.0]), GraphError::Falls(1));
+        assert_eq!(of(&[[0.0, 0.0]], [0.0, -1.0]), GraphError::NegativeSlope);
+    }
+}

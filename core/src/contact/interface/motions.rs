@@ -1,0 +1,193 @@
+//! Free rigid motions in the LCP: what elimination knows of them only to rounding is imposed.
+//!
+//! Let N be how the free motions move the points, J the points whose unknown is the gap, O those whose it is the reaction.
+//! A motion changes every gap and no reaction, so M_JJ N_J = 0 and M_OJ N_J = N_O; and the reactions of the first pieces
+//! balance the load, N_Jᵀ q_J = work. Rounded, these would decide at random whether equilibrium exists where it is marginal.
+
+use super::condensed::{AtPoints, Form, Interface};
+use super::posed::PosedLcp;
+use crate::contact::points::Points;
+use crate::contact::tolerances;
+use crate::dense::{self, OutOfMemory};
+use faer::linalg::matmul::matmul;
+use faer::linalg::solvers::Solve;
+use faer::{Accum, Mat, MatRef};
+
+/// Work of a load in each free rigid motion, in which the plate's own forces do none, and the sum of the magnitudes it is
+/// made of.
+#[derive(Clone, Debug, Default)]
+pub struct Work {
+    pub sum: Vec<f64>,
+    pub size: Vec<f64>,
+}
+
+impl Work {
+    pub(in crate::contact) fn of(motions: &[Vec<f64>], load: &[f64]) -> Self {
+        let of = |motion: &Vec<f64>| {
+            let terms = motion.iter().zip(load).map(|(u, f)| u * f);
+            (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>())
+        };
+        let (sum, size) = motions.iter().map(of).unzip();
+        Self { sum, size }
+    }
+}
+
+/// The free motions in an LCP, as far as they do not depend on the load.
+pub(in crate::contact) struct FreeMotions {
+    /// N_J, and N_J(N_JᵀN_J)⁻¹.
+    moves: Mat<f64>,
+    dual: Mat<f64>,
+    /// Rows of J and O together.
+    paired: usize,
+    /// Work in the motions of reactions that the points have at z = 0, w = 0.
+    known: Vec<f64>,
+    /// Σ_c |M_rc| over J, before the motions are imposed.
+    held: Vec<f64>,
+    /// S itself keeps its soft modes, and q what goes with them, better than a projection does.
+    projected: bool,
+    /// Rows that say of another end of a piece what an earlier one says: (row, earlier, length of the piece).
+    mirrored: Vec<(usize, usize, f64)>,
+}
+
+impl Interface {
+    /// The LCP past reactions that act already, with the free motions imposed. `violation` is from the pieces of
+    /// [`Interface::first_pieces`].
+    pub(in crate::contact) fn lcp(
+        &self,
+        points: &Points,
+        form: Form,
+        right: &AtPoints,
+        work: &Work,
+        reaction: &[f64],
+    ) -> Result<PosedLcp, OutOfMemory> {
+        let (mut lcp, _) = self.posed(points, form, std::slice::from_ref(right), reaction)?;
+        let motions = self.impose_motions(points, &mut lcp)?;
+        motions.balance(&mut lcp.q, right, work);
+        Ok(lcp)
+    }
+
+    /// Imposes the free motions on M, which no load has a part in: M_JJ ← QM_JJQ with Q = I − N_J(N_JᵀN_J)⁻¹N_Jᵀ, and M_OJ
+    /// moved by the least that satisfies its equation.
+    pub(in crate::contact) fn impose_motions(
+        &self,
+        points: &Points,
+        lcp: &mut PosedLcp,
+    ) -> Result<FreeMotions, OutOfMemory> {
+        let free = self.moves.ncols();
+        let order = lcp.q.len();
+        let (inside, paired) = (lcp.gaps(), lcp.paired());
+        let moves = |r: usize, k: usize| self.moves[(lcp.rows[r].point, k)];
+        let n = Mat::from_fn(inside, free, moves);
+        let sum = |r: usize| lcp.matrix[r * order..r * order + inside].iter().map(|m| m.abs()).sum();
+        let held = (0..inside).map(sum).collect();
+        let projected = paired > inside || self.stiffness.is_none();
+        let reference = lcp.reference_forces(points);
+        let known = (0..free).map(|k| (0..self.len()).map(|i| self.moves[(i, k)] * reference[i]).sum()).collect();
+        let mirrored = lcp.mirrored(points);
+        let mut motions = FreeMotions { dual: n.clone(), moves: n, paired, known, held, projected, mirrored };
+        if free == 0 {
+            return Ok(motions);
+        }
+        let n = &motions.moves;
+        let gram = n.transpose() * n;
+        motions.dual = gram.partial_piv_lu().solve(n.transpose()).transpose().to_owned();
+        if !projected {
+            return Ok(motions);
+        }
+        let (n, dual) = (&motions.moves, &motions.dual);
+        let mut within = dense::matrix(inside, inside, |r, c| lcp.matrix[r * order + c])?;
+        let before: Vec<f64> = (0..inside).map(|r| within[(r, r)].abs()).collect();
+        let across = n.transpose() * &within;
+        subtract_product(&mut within, dual, across.as_ref());
+        let along = &within * n;
+        subtract_product(&mut within, &along, dual.transpose());
+        // Nothing resists the gap of a point of which the projection leaves little: what was there was rounding.
+        let loose: Vec<bool> = (0..inside)
+            .map(|r| inside == free || within[(r, r)] <= tolerances::interface::PROJECTED * before[r])
+            .collect();
+        let outside = paired - inside;
+        let mut across = dense::matrix(outside, inside, |r, c| lcp.matrix[(inside + r) * order + c])?;
+        let moved = Mat::from_fn(outside, free, |r, k| moves(inside + r, k));
+        let missed = &across * n - &moved;
+        subtract_product(&mut across, &missed, dual.transpose());
+        for r in 0..outside {
+            for c in 0..inside {
+                let size: f64 = (0..free).map(|k| (moved[(r, k)] * dual[(c, k)]).abs()).sum();
+                if across[(r, c)].abs() <= tolerances::interface::POSED * size {
+                    across[(r, c)] = 0.0;
+                }
+            }
+        }
+        for r in 0..inside {
+            for c in 0..inside {
+                let even = 0.5 * (within[(r, c)] + within[(c, r)]);
+                lcp.matrix[r * order + c] = if loose[r] || loose[c] { 0.0 } else { even };
+            }
+            for c in 0..outside {
+                lcp.matrix[(inside + c) * order + r] = across[(c, r)];
+                lcp.matrix[r * order + inside + c] = -across[(c, r)];
+            }
+        }
+        for &(row, earlier, _) in &motions.mirrored {
+            (0..order).for_each(|c| lcp.matrix[row * order + c] = -lcp.matrix[earlier * order + c]);
+            (0..order).for_each(|r| lcp.matrix[r * order + row] = -lcp.matrix[r * order + earlier]);
+        }
+        Ok(motions)
+    }
+
+    /// Travels of the points without the free motion nearest to them, which no reaction answers.
+    pub(super) fn without_rigid_motion(&self, travel: &[f64]) -> Vec<f64> {
+        let n = &self.moves;
+        if n.ncols() == 0 {
+            return travel.to_vec();
+        }
+        let column = Mat::from_fn(travel.len(), 1, |i, _| travel[i]);
+        let motion = (n.transpose() * n).partial_piv_lu().solve(n.transpose() * &column);
+        let rest = column - n * motion;
+        (0..travel.len()).map(|i| rest[(i, 0)]).collect()
+    }
+}
+
+impl FreeMotions {
+    /// Imposes on q that the reactions of the first pieces balance the load; what is rounding of either becomes zero.
+    pub(in crate::contact) fn balance(&self, q: &mut [f64], right: &AtPoints, work: &Work) {
+        self.balance_past(q, right, work, &self.known, 1.0);
+    }
+
+    /// The same of what a load adds to another.
+    pub(in crate::contact) fn balance_increment(&self, q: &mut [f64], right: &AtPoints, work: &Work) {
+        self.balance_past(q, right, work, &vec![0.0; self.known.len()], 0.0);
+    }
+
+    fn balance_past(&self, q: &mut [f64], right: &AtPoints, work: &Work, known: &[f64], lengths: f64) {
+        let (inside, free) = (self.moves.nrows(), self.moves.ncols());
+        let length = right.displacement.iter().chain(&right.violation).fold(0.0, |a: f64, b| a.max(b.abs()));
+        let gaps = q[inside..self.paired].iter_mut();
+        gaps.filter(|gap| gap.abs() <= tolerances::interface::POSED * length).for_each(|gap| *gap = 0.0);
+        if free == 0 {
+            return;
+        }
+        let done = |k: usize| known[k] + (0..inside).map(|r| self.moves[(r, k)] * q[r]).sum::<f64>();
+        let missing: Vec<f64> = (0..free).map(|k| work.sum[k] - done(k)).collect();
+        for r in 0..inside {
+            if self.projected {
+                q[r] += (0..free).map(|k| self.dual[(r, k)] * missing[k]).sum::<f64>();
+            }
+            let size: f64 = (0..free).map(|k| self.dual[(r, k)].abs() * work.size[k]).sum();
+            let rounding =
+                tolerances::interface::POSED * size + tolerances::interface::POSED_SUM * self.held[r] * length;
+            if q[r].abs() <= rounding {
+                q[r] = 0.0;
+            }
+        }
+        for &(row, earlier, length) in &self.mirrored {
+            q[row] = lengths * length - q[earlier];
+        }
+    }
+}
+
+/// from ← from − left · right, where right has few rows.
+fn subtract_product(from: &mut Mat<f64>, left: &Mat<f64>, right: MatRef<'_, f64>) {
+    let parallelism = dense::parallelism(from.nrows());
+    matmul(from.as_mut(), Accum::Add, left, right, -1.0, parallelism);
+}

@@ -1,0 +1,167 @@
+//! The motion that balances an imbalance on some pieces, by conjugate gradients on K with their springs, preconditioned
+//! with a factor that carries the springs of others.
+//!
+//! From one Newton step to the next few points change pieces, so that the last direction can be deflated (Saad, Yeung,
+//! Erhel & Guyomarc'h 2000): conjugate gradients go on from pieces to pieces instead of beginning anew.
+
+use super::factored::{Direction, Factored};
+use crate::cholesky::FactorError;
+use crate::contact::problem::Method;
+use crate::contact::scale::dot;
+use crate::contact::tolerances;
+
+/// Conjugate gradients on their way to a direction.
+pub(in crate::contact) struct Gradients {
+    pieces: Vec<u8>,
+    /// Points whose springs the factor carries otherwise than the pieces have them, and by how much.
+    differing: Vec<(usize, f64)>,
+    /// Length of the residual that ends them.
+    enough: f64,
+    /// Whether a factor of the pieces takes over after so many steps, or else the direction is taken as it is.
+    may_refactor: bool,
+    most: usize,
+    steps: usize,
+    /// What is to be preconditioned next.
+    pub(in crate::contact) residual: Vec<f64>,
+    total: Direction,
+    ahead: Direction,
+    deflated: Option<Deflated>,
+    /// Of the last residual and its preconditioned one.
+    product: f64,
+}
+
+/// The direction before the first, the force that the present pieces have for it, and its curvature.
+struct Deflated {
+    direction: Direction,
+    force: Vec<f64>,
+    curvature: f64,
+}
+
+/// Conjugate gradients take this many steps before a factor of the present pieces, which costs about as much, replaces
+/// them; where a factor is asked together with others, so that a step costs a part of that, so many times as many. Where
+/// every force is an unknown, springs differ by too much for any.
+const BEFORE_A_FACTOR: usize = 10;
+const SHARED: usize = 3;
+/// At most this many where they cannot be factored.
+const MOST: usize = 500;
+
+impl Gradients {
+    /// Begins to seek the direction that leaves `tolerance` of an imbalance, or no more than `rounding`.
+    pub(in crate::contact) fn begin(
+        kkt: &Factored,
+        pieces: &[u8],
+        imbalance: Vec<f64>,
+        tolerance: f64,
+        rounding: f64,
+    ) -> Self {
+        let size = imbalance.len();
+        Self {
+            pieces: pieces.to_vec(),
+            differing: kkt.differing(pieces),
+            enough: f64::max(tolerance * kkt.problem.scale.length(&imbalance), rounding),
+            may_refactor: true,
+            most: match kkt.problem.method {
+                Method::Saddle => 0,
+                _ if kkt.shares() => SHARED * BEFORE_A_FACTOR,
+                _ => BEFORE_A_FACTOR,
+            },
+            steps: 0,
+            residual: imbalance,
+            total: Direction::zeros(size),
+            ahead: Direction::zeros(size),
+            deflated: None,
+            product: f64::INFINITY,
+        }
+    }
+
+    /// Goes along the last direction as far as that leads down, and then keeps to directions conjugate to it.
+    pub(in crate::contact) fn deflate(&mut self, kkt: &mut Factored) {
+        let Some(direction) = kkt.last.take().filter(|_| !self.differing.is_empty()) else { return };
+        let mut force = kkt.difference(&self.differing, &direction.nodal);
+        force.iter_mut().zip(&direction.force).for_each(|(total, force)| *total += force);
+        let curvature = dot(&direction.nodal, &force);
+        if !(curvature > tolerances::newton::PLAIN * dot(&direction.nodal, &direction.force)) {
+            return;
+        }
+        let alpha = dot(&self.residual, &direction.nodal) / curvature;
+        self.total.combine(1.0, alpha, &direction);
+        self.residual.iter_mut().zip(&force).for_each(|(residual, force)| *residual -= alpha * force);
+        self.deflated = Some(Deflated { direction, force, curvature });
+    }
+
+    /// Goes on to the direction under an imbalance, at first with what a shared factor has answered; `None` where that is to
+    /// be asked. The pieces are factored if it takes long.
+    pub(in crate::contact) fn go_on(
+        &mut self,
+        kkt: &mut Factored,
+        imbalance: &[f64],
+        mut answer: Option<Vec<f64>>,
+    ) -> Result<Option<Direction>, FactorError> {
+        loop {
+            if self.steps == self.most && !self.differing.is_empty() {
+                if !self.may_refactor {
+                    return Ok(Some(std::mem::take(&mut self.total)));
+                }
+                self.refactor(kkt, imbalance)?;
+            }
+            let along = match answer.take() {
+                Some(nodal) => Direction { nodal, force: self.residual.clone(), is_free: false },
+                None if kkt.shares() => return Ok(None),
+                None => kkt.response(&self.residual)?,
+            };
+            if let Some(direction) = self.follow(kkt, along) {
+                return Ok(Some(direction));
+            }
+        }
+    }
+
+    /// Begins anew with a factor of the pieces.
+    fn refactor(&mut self, kkt: &mut Factored, imbalance: &[f64]) -> Result<(), FactorError> {
+        kkt.refactor(&self.pieces)?;
+        let anew = Self::begin(kkt, &self.pieces, imbalance.to_vec(), 0.0, self.enough);
+        *self = Self { may_refactor: false, most: MOST, ..anew };
+        Ok(())
+    }
+
+    /// One step, with the motion that the factor has for the residual; the direction, if that was the last one.
+    fn follow(&mut self, kkt: &mut Factored, mut along: Direction) -> Option<Direction> {
+        self.steps += 1;
+        kkt.gradients += 1;
+        if self.differing.is_empty() {
+            kkt.last = (!kkt.shares()).then(|| along.clone());
+            return Some(along);
+        }
+        let next = dot(&self.residual, &along.nodal);
+        if !(next > 0.0) {
+            return Some(std::mem::take(&mut self.total));
+        }
+        if let Some(Deflated { direction, force, curvature }) = &self.deflated {
+            along.combine(1.0, -dot(&along.nodal, force) / curvature, direction);
+        }
+        let ahead = &mut self.ahead;
+        ahead.combine(next / self.product, 1.0, &along);
+        self.product = next;
+        let difference = kkt.difference(&self.differing, &ahead.nodal);
+        let stiff = dot(&ahead.nodal, &ahead.force);
+        let mut curvature = stiff + dot(&ahead.nodal, &difference);
+        if !(curvature > tolerances::newton::PLAIN * stiff) {
+            curvature = kkt.curvature(&self.pieces, &ahead.nodal);
+        }
+        if !(curvature > tolerances::newton::FREE * stiff) {
+            // The line search goes as far as the next points, before which no other direction balances the load.
+            let mut free = std::mem::take(ahead);
+            free.is_free = true;
+            return Some(free);
+        }
+        let alpha = next / curvature;
+        self.total.combine(1.0, alpha, ahead);
+        for (residual, (force, difference)) in self.residual.iter_mut().zip(ahead.force.iter().zip(&difference)) {
+            *residual -= alpha * (force + difference);
+        }
+        if kkt.problem.scale.length(&self.residual) <= self.enough {
+            kkt.last = (!kkt.shares()).then(|| std::mem::take(&mut self.ahead));
+            return Some(std::mem::take(&mut self.total));
+        }
+        None
+    }
+}
