@@ -164,7 +164,6 @@ pub struct Assembly<'a> {
     borders: &'a [Border],
     /// Borders of a node, and places in their rows.
     at_nodes: BTreeMap<usize, Vec<(usize, usize)>>,
-    thick_only: bool,
     firmer: f64,
 }
 
@@ -190,7 +189,6 @@ impl<'a> Assembly<'a> {
             incidence,
             borders: &[],
             at_nodes: BTreeMap::new(),
-            thick_only: false,
             firmer: 0.0,
         }
     }
@@ -226,11 +224,6 @@ impl<'a> Assembly<'a> {
                 }
             }
         }
-    }
-
-    /// Without thin elements; where those are the entries stand, as zeros.
-    pub fn thick_only(self) -> Self {
-        Self { thick_only: true, ..self }
     }
 
     /// With every dof stiffer by a part of its own.
@@ -371,13 +364,10 @@ impl<'a> NodeColumns<'a> {
     /// Sums the blocks of a node's columns.
     fn sum(&mut self, node: usize) {
         self.meet(node);
-        let Assembly { plate, springs, attached, linked, bedding, incidence, thick_only, .. } = self.of;
+        let Assembly { plate, springs, attached, linked, bedding, incidence, .. } = self.of;
         self.block.clear();
         self.block.resize(self.neighbours.len(), [[0.0; 3]; 3]);
         for &(e, local) in incidence.of(node) {
-            if *thick_only && plate.is_thin(e) {
-                continue;
-            }
             let lower = plate.element_stiffness(e);
             for (i, &n) in plate.elements()[e].iter().enumerate() {
                 let Some(block) = self.block.get_mut(self.slot[n]) else { continue };

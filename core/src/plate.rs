@@ -4,8 +4,8 @@
 //! (c, s) and (−s, c), so that one of them can be held alone.
 
 use crate::double_double::DoubleDouble;
-use crate::element::thin::{self, Mixed, Strains};
-use crate::element::{self, ALL_DOFS, Centre, DOFS, Geometry, Kind, Material, Materials, PACKED, Sections, Thickness};
+use crate::element::thin::{self, Strains};
+use crate::element::{self, Centre, DOFS, Geometry, Kind, Material, Materials, PACKED, Sections, Thickness};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -248,21 +248,17 @@ impl Plate {
         Strains::of(&self.geometry(e), self.materials.at(e), self.sections(e), self.centre(e), stripped)
     }
 
-    /// Bending and shear of a thin element apart, in the nodes' frames.
-    pub fn mixed(&self, e: usize) -> Mixed {
-        let mut mixed =
-            Mixed::of(&self.geometry(e), self.materials.at(e), self.sections(e), self.thickness.least_of(self.kind, e));
-        let turn = |row: &mut [f64; ALL_DOFS]| {
-            let nodal = row.first_chunk_mut().expect("dofs of nodes come first");
-            self.into_frames(e, nodal);
-        };
-        mixed.rows.iter_mut().for_each(turn);
-        if self.frames.is_some() {
-            mixed.bending.iter_mut().for_each(turn);
-            mixed.bending = transposed(&mixed.bending);
-            mixed.bending.iter_mut().for_each(turn);
+    /// What an element's matrix lacks of its shear, if anything: springs with rows over its dofs, in the nodes' frames, and
+    /// compliances.
+    pub fn shear_springs(&self, e: usize) -> Vec<([f64; DOFS], f64)> {
+        if !self.is_thin(e) {
+            return Vec::new();
         }
-        mixed
+        let thinnest = self.thickness.least_of(self.kind, e);
+        let springs = thin::shear_springs(&self.geometry(e), self.materials.at(e), self.sections(e), thinnest);
+        let mut springs = springs.unwrap_or_default();
+        springs.iter_mut().for_each(|(row, _)| self.into_frames(e, row));
+        springs
     }
 
     /// What brings an element's centre rotations back.
@@ -428,10 +424,6 @@ fn check_thickness(thickness: &Thickness, points: usize, elements: usize) -> Res
 /// Whether the side from the third to the fourth corner is collapsed.
 fn is_triangle(nodes: &[usize; 8]) -> bool {
     nodes[2] == nodes[3] && nodes[2] == nodes[6]
-}
-
-fn transposed<const N: usize>(matrix: &[[f64; N]; N]) -> [[f64; N]; N] {
-    std::array::from_fn(|i| std::array::from_fn(|j| matrix[j][i]))
 }
 
 fn check_finite<'a>(what: &'static str, values: impl Iterator<Item = &'a f64>) -> Result<(), PlateError> {

@@ -15,6 +15,8 @@ use std::sync::{Arc, OnceLock};
 enum Owner {
     Spring(usize),
     Point(usize),
+    /// Shear that the matrix of a thin element lacks, and its compliance.
+    Shear(f64),
 }
 
 /// What every factor of a plate has in common: its columns, and which rows are borders.
@@ -65,6 +67,13 @@ impl Blueprint {
             owners.push(Owner::Point(i));
             absent.push(Border::new(points.row(i), f64::INFINITY));
         }
+        for e in 0..plate.elements().len() {
+            let dofs = plate.elements()[e].iter().flat_map(|&node| 3 * node..3 * node + 3);
+            for (row, compliance) in plate.shear_springs(e) {
+                owners.push(Owner::Shear(compliance));
+                absent.push(Border::new(dofs.clone().zip(row), f64::INFINITY));
+            }
+        }
         let numbering = Numbering::with_borders(plate, held, trailing, &absent);
         let is_border = (0..points.len()).map(bordered).collect();
         Self { numbering, owners, is_border, absent, narrow, analysis: OnceLock::new() }
@@ -81,11 +90,12 @@ impl Blueprint {
         firmer: f64,
         room: usize,
     ) -> Result<System, FactorError> {
-        let slope = |owner: &Owner| match *owner {
-            Owner::Spring(row) => springs.stiffness[row],
-            Owner::Point(i) => carried[i],
+        let compliance = |owner: &Owner| match *owner {
+            Owner::Spring(row) => 1.0 / springs.stiffness[row],
+            Owner::Point(i) => 1.0 / carried[i],
+            Owner::Shear(compliance) => compliance,
         };
-        let border = |(owner, absent): (&Owner, &Border)| Border { compliance: 1.0 / slope(owner), ..absent.clone() };
+        let border = |(owner, absent): (&Owner, &Border)| Border { compliance: compliance(owner), ..absent.clone() };
         let borders: Vec<Border> = self.owners.iter().zip(&self.absent).map(border).collect();
         let of_elements = |(&slope, &is_border): (&f64, &bool)| if is_border { 0.0 } else { slope };
         let of_elements: Vec<f64> = carried.iter().zip(&self.is_border).map(of_elements).collect();

@@ -10,6 +10,7 @@ use super::mitc7;
 use super::mitc9::{Apart, CENTRE, TIES, add_shear, condense};
 use super::section::{Material, Sections};
 use crate::double_double::DoubleDouble;
+use faer::{Mat, Side};
 
 /// Tied shears of an element.
 pub const SHEARS: usize = 2 * TIES;
@@ -18,12 +19,11 @@ pub const SHEARS: usize = 2 * TIES;
 const CENTRE_CORRECTIONS: usize = 2;
 
 /// So much stiffer in shear than in bending over the element a matrix keeps less than four digits of bending.
-const BENDING_LOST: f64 = 1e12;
+const BENDING_LOST: f64 = 1e8;
 
-/// How much stiffer than in bending over the element's length a shear that only preconditions is; fewer where the other
-/// direction is shorter, since bending over that is stiffer by the fourth power of the sides' ratio. At least the second.
-const SOFT_SHEAR: f64 = 1e11;
-const LEAST_SHEAR: f64 = 10.0;
+/// Over the stiffness of bending over the element's width, that of the part of such a shear that its matrix has: it holds
+/// what does not bend, and costs no digits of bending.
+const SOFT_SHEAR: f64 = 1.0;
 
 fn apart(geometry: &Geometry, material: &Material, sections: Sections) -> Apart {
     let section = |point| sections.at(point, material);
@@ -55,59 +55,64 @@ pub fn slenderness(geometry: &Geometry, thinnest: f64, size: f64) -> f64 {
     aspect(geometry) * size / thinnest
 }
 
-/// Stiffness against bending over the element of each tied shear, as if the plate bent to the tied values.
-fn bending_of_shears(geometry: &Geometry, material: &Material, thinnest: f64) -> [f64; SHEARS] {
-    let [a, b] = lengths(geometry);
-    let rigidity = material.bending_rigidity(thinnest) * a * b;
-    // Every shear of a triangle is of all its sides.
-    std::array::from_fn(|t| rigidity / if t < TIES || geometry.triangle { a.powi(4) } else { b.powi(4) })
+/// Compliance in series with the tied shears where bending would be lost beside their stiffness.
+fn series(geometry: &Geometry, material: &Material, thinnest: f64) -> Option<f64> {
+    let ([a, b], aspect) = (lengths(geometry), aspect(geometry));
+    let rigidity = material.bending_rigidity(thinnest);
+    let ratio = material.shear_rigidity(thinnest) * a.max(b).powi(2) / rigidity;
+    let across = rigidity * a * b / a.min(b).powi(4);
+    (ratio * aspect * aspect > BENDING_LOST).then(|| 1.0 / (SOFT_SHEAR * across))
 }
 
-/// The matrix that a factor is made of where bending would be lost in that of the element: with softer shear.
+/// The matrix that a factor is made of where bending would be lost in that of the element: with softer shear. What that
+/// lacks, [`shear_springs`] have.
 pub fn factored_stiffness(
     geometry: &Geometry,
     material: &Material,
     sections: Sections,
     thinnest: f64,
 ) -> Option<[f64; PACKED]> {
-    let ([a, b], aspect) = (lengths(geometry), aspect(geometry));
-    let ratio = material.shear_rigidity(thinnest) * a.max(b).powi(2) / material.bending_rigidity(thinnest);
-    if ratio * aspect * aspect <= BENDING_LOST {
-        return None;
-    }
-    let soft = (SOFT_SHEAR / aspect.powi(4)).max(LEAST_SHEAR);
+    let series = series(geometry, material, thinnest)?;
     let apart = apart(geometry, material, sections);
-    let springs = bending_of_shears(geometry, material, thinnest).map(|k| 1.0 / (soft * k));
     let mut sum = inverse(&apart.form);
-    (0..SHEARS).for_each(|t| sum[t][t] += springs[t]);
+    (0..SHEARS).for_each(|t| sum[t][t] += series);
     let mut full = apart.bending();
     add_shear(&mut full, &inverse(&sum), &apart.rows);
     Some(condense(&full).packed)
 }
 
-/// Bending and shear of an element over all dofs, for equations in which the shear forces are unknown too.
-pub struct Mixed {
-    /// Bending alone.
-    pub bending: [[f64; ALL_DOFS]; ALL_DOFS],
-    /// The tied shears.
-    pub rows: [[f64; ALL_DOFS]; SHEARS],
-    /// Tied shears under their forces, symmetric.
-    pub compliance: [[f64; SHEARS]; SHEARS],
-    /// What forces of the tied shears would be if the element bent to them.
-    pub unit: [f64; SHEARS],
-}
-
-impl Mixed {
-    pub fn of(geometry: &Geometry, material: &Material, sections: Sections, thinnest: f64) -> Self {
-        let apart = apart(geometry, material, sections);
-        let lower = apart.bending();
-        Self {
-            bending: std::array::from_fn(|i| std::array::from_fn(|j| lower[i.max(j)][i.min(j)])),
-            compliance: inverse(&apart.form),
-            rows: apart.rows,
-            unit: bending_of_shears(geometry, material, thinnest),
-        }
-    }
+/// Springs whose forces are unknowns of their own beside [`factored_stiffness`]: rows over the nodes' dofs, and compliances.
+/// Together they are the element.
+///
+/// The shear C⁻¹, C with the centre rotations condensed, is the part (C + s)⁻¹ in the matrix and C⁻¹ − (C + s)⁻¹ =
+/// (C + C²/s)⁻¹ here, s being the compliance in series; neither meets the bending that their sum would drown.
+pub fn shear_springs(
+    geometry: &Geometry,
+    material: &Material,
+    sections: Sections,
+    thinnest: f64,
+) -> Option<Vec<([f64; DOFS], f64)>> {
+    let series = series(geometry, material, thinnest)?;
+    let apart = apart(geometry, material, sections);
+    let Centre { coupling, compliance } = condense(&apart.bending()).centre;
+    let at_centre = apart.rows.map(|row| [row[CENTRE], row[CENTRE + 1]]);
+    let alone = inverse(&apart.form);
+    let sheared = Mat::from_fn(SHEARS, SHEARS, |t, s| {
+        let turned =
+            (0..2).map(|a| at_centre[t][a] * (compliance[a][0] * at_centre[s][0] + compliance[a][1] * at_centre[s][1]));
+        alone[t][s] + turned.sum::<f64>()
+    });
+    let eigen = sheared.self_adjoint_eigen(Side::Lower).ok()?;
+    // Below this the sum with what turns the centre is rounding.
+    let least = f64::EPSILON * eigen.S()[SHEARS - 1];
+    let row =
+        |t: usize, j: usize| apart.rows[t][j] - at_centre[t][0] * coupling[0][j] - at_centre[t][1] * coupling[1][j];
+    let spring = |k: usize| {
+        let own = eigen.S()[k].max(least);
+        let along = std::array::from_fn(|j| (0..SHEARS).map(|t| eigen.U()[(t, k)] * row(t, j)).sum());
+        (along, own + own * own / series)
+    };
+    Some((0..SHEARS).map(spring).collect())
 }
 
 /// Inverse of a symmetric positive definite matrix, scaled to a diagonal of 1 and by Cholesky's factors.

@@ -80,8 +80,6 @@ def methods_along(problem: ContactProblem) -> Iterator[ContactProblem]:
 def _methods(problem: ContactProblem) -> Iterator[ContactProblem]:
     """The problem, and posed for the methods that take over."""
     yield problem
-    if problem.discretisation.contacts.two_sided.all():
-        return
     for other in map(problem.by, _FALLBACKS):
         if other is not problem and _fits(other):
             yield other
