@@ -18,7 +18,7 @@ pub const SHEARS: usize = 2 * TIES;
 /// Corrections of the condensed centre rotations; each leaves rounding of the one before.
 const CENTRE_CORRECTIONS: usize = 2;
 
-/// So much stiffer in shear than in bending over the element a matrix keeps less than four digits of bending.
+/// So much stiffer in shear than in bending over the element a matrix keeps less than eight digits of bending.
 const BENDING_LOST: f64 = 1e8;
 
 /// Over the stiffness of bending over the element's width, that of the part of such a shear that its matrix has: it holds

@@ -7,6 +7,7 @@
 use super::condensed::{AtPoints, Form, Interface};
 use super::posed::PosedLcp;
 use crate::contact::points::Points;
+use crate::contact::scale::largest;
 use crate::contact::tolerances;
 use crate::dense::{self, OutOfMemory};
 use faer::linalg::matmul::matmul;
@@ -37,8 +38,8 @@ pub(in crate::contact) struct FreeMotions {
     /// N_J, and N_J(N_JᵀN_J)⁻¹.
     moves: Mat<f64>,
     dual: Mat<f64>,
-    /// Rows of J and O together.
-    paired: usize,
+    /// Points of the rows of J and O.
+    paired: Vec<usize>,
     /// Work in the motions of reactions that the points have at z = 0, w = 0.
     known: Vec<f64>,
     /// Σ_c |M_rc| over J, before the motions are imposed.
@@ -84,7 +85,8 @@ impl Interface {
         let reference = lcp.reference_forces(points);
         let known = (0..free).map(|k| (0..self.len()).map(|i| self.moves[(i, k)] * reference[i]).sum()).collect();
         let mirrored = lcp.mirrored(points);
-        let mut motions = FreeMotions { dual: n.clone(), moves: n, paired, known, held, projected, mirrored };
+        let of_rows = lcp.rows[..paired].iter().map(|row| row.point).collect();
+        let mut motions = FreeMotions { dual: n.clone(), moves: n, paired: of_rows, known, held, projected, mirrored };
         if free == 0 {
             return Ok(motions);
         }
@@ -161,9 +163,14 @@ impl FreeMotions {
 
     fn balance_past(&self, q: &mut [f64], right: &AtPoints, work: &Work, known: &[f64], lengths: f64) {
         let (inside, free) = (self.moves.nrows(), self.moves.ncols());
-        let length = right.displacement.iter().chain(&right.violation).fold(0.0, |a: f64, b| a.max(b.abs()));
-        let gaps = q[inside..self.paired].iter_mut();
-        gaps.filter(|gap| gap.abs() <= tolerances::interface::POSED * length).for_each(|gap| *gap = 0.0);
+        let moved = largest(&right.displacement);
+        let length = moved.max(largest(&right.violation));
+        for (gap, &point) in q[inside..self.paired.len()].iter_mut().zip(&self.paired[inside..]) {
+            // A stop far away says nothing of what happens at others.
+            if gap.abs() <= tolerances::interface::POSED * moved.max(right.violation[point].abs()) {
+                *gap = 0.0;
+            }
+        }
         if free == 0 {
             return;
         }
