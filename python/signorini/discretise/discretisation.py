@@ -16,6 +16,7 @@ from signorini import _core
 from signorini.base.arguments import known, made_by
 from signorini.base.remade import Remade
 from signorini.discretise.averages import PlateStiffness
+from signorini.discretise.domain import require_domain
 from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
 from signorini.discretise.loads import CaseLoad, case_loads, loaded_sides
@@ -224,6 +225,7 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
             at = located(mesh, probe.at, ("probe", index, "at"))
             probes.append(Location(at.elements, at.xi))
     problems.tell()
+    require_domain(model, mesh, zones, thickness, held, springs, contacts)
     contacts, repeated = that_can_act(model, mesh, held, contacts)
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
