@@ -15,6 +15,7 @@ from scipy.sparse import csr_array
 from signorini import _core
 from signorini.base.arguments import known, made_by
 from signorini.base.remade import Remade
+from signorini.discretise.agreement import require_agreement
 from signorini.discretise.averages import PlateStiffness
 from signorini.discretise.domain import require_domain
 from signorini.discretise.frames import Held
@@ -225,7 +226,10 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
             at = located(mesh, probe.at, ("probe", index, "at"))
             probes.append(Location(at.elements, at.xi))
     problems.tell()
-    require_domain(model, mesh, zones, thickness, held, springs, contacts)
+    with problems.collected():
+        require_agreement(model, mesh, contacts)
+    require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
+    problems.tell()
     contacts, repeated = that_can_act(model, mesh, held, contacts)
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}

@@ -44,15 +44,18 @@ class _Hold(NamedTuple):
 
 
 def require_domain(
-    model: Model, mesh: Mesh, zones: Zones, thickness: Thickness, held: Held, springs: Springs, contacts: ContactPoints
+    model: Model,
+    mesh: Mesh,
+    zones: Zones,
+    thickness: Thickness,
+    held: Held,
+    springs: Springs,
+    contacts: ContactPoints,
+    problems: Problems,
 ) -> None:
-    """Refuse a model outside the domain of validity, all that lies outside told together.
+    """Put among the problems what of a model lies outside the domain of validity.
 
     The thickness itself is judged where it is evaluated.
-
-    Raises
-    ------
-    InputError
 
     Examples
     --------
@@ -71,7 +74,6 @@ def require_domain(
 [2.01, 5] of posts. Rigid supports must be at one place, or at least a tenth of the thickness apart, here 0.03. Move \
 one onto the other or farther away, leave one out, or give one a stiffness.
     """
-    problems = Problems()
     with problems.collected():
         _require_short_elements(mesh, thickness)
     unit = np.array([rigidity.in_waves for rigidity in zones.rigidities])[zones.of_elements.rigidity]
@@ -88,7 +90,6 @@ one onto the other or farther away, leave one out, or give one a stiffness.
     for one in too_near(model, mesh, sorted(rigid), _least(mesh, thickness)):
         with problems.collected():
             raise _in_words(model, one)
-    problems.tell()
 
 
 def _least(mesh: Mesh, thickness: Thickness) -> Floats:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
@@ -44,11 +44,11 @@ class Near(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Rigid:
-    """What of a rigid support others may be near: its lines and what it covers; an edge has one for each name."""
+    """What of a rigid support others may be near: its edges, its line, or the outline of what it covers."""
 
     index: int
-    what: str
     targets: Targets | Sides
+    edges: Mapping[str, Targets | Sides]
     covers: Region | None = None
 
     def has(self, at: Floats) -> Bools:
@@ -64,25 +64,24 @@ def too_near(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> I
 
     Points are those of footprints too, by their middles, since these are what a plate turns about.
     """
-    most, same = float(least.max()), SAME_PLACE * mesh.diameter
+    most = float(least.max())
     yield from _points(model, mesh, rigid, least)
-    lines = [one for i in rigid for one in _drawn(model, mesh, i, most)]
+    drawn = [_drawn(model, mesh, i, most) for i in rigid]
+    lines = [one for one in drawn if one is not None]
     if not lines:
         return
     boxes = np.array([one.targets.bounds for one in lines]) + most * np.array([-1.0, -1.0, 1.0, 1.0])
     told = set[tuple[int, int]]()
     for index in rigid:
         support = model.support[index]
-        for number in _reached(support, boxes):
-            other = lines[number]
+        for other in (lines[number] for number in _reached(support, boxes)):
             pair = min(index, other.index), max(index, other.index)
             if other.index == index or pair in told:
                 continue
             for places, along in _looked_at(support, other.targets, most):
-                near = _nearest(mesh, support, places, along, other, same, least)
-                if near is not None:
+                if (near := _nearest(mesh, support, places, along, other, least)) is not None:
                     told.add(pair)
-                    what = f"{other.what} of {model.support[other.index].name}"
+                    what = _name(model.support[other.index], other, near[0])
                     yield Near(index, ("support", index, support.place), *near, what)
                     break
 
@@ -100,8 +99,8 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
     _, first = np.unique(np.round((at - mesh.middle) / same), axis=0, return_index=True)
     first = np.sort(first)
     count = min(len(first), 2 + _AT_ONE_PLACE)
-    distance, neighbour = cKDTree(at[first]).query(at[first], k=count)
-    distance, neighbour = distance.reshape(-1, count), neighbour.reshape(-1, count)
+    found = cKDTree(at[first]).query(at[first], k=count)
+    distance, neighbour = (np.reshape(of_each, (-1, count)) for of_each in found)
     limit = _limit(mesh, at[first], least)[:, None]
     one, rank = np.nonzero((distance > same) & (distance < limit))
     told = set[tuple[int, int]]()
@@ -123,20 +122,25 @@ def _limit(mesh: Mesh, at: Floats, least: Floats) -> Floats:
     return np.where(where.inside, least[where.elements], 0.0)
 
 
-def _drawn(model: Model, mesh: Mesh, index: int, within: float) -> Iterator[_Rigid]:
-    """The edges, line, circle or outlines of an area that a support has."""
+def _drawn(model: Model, mesh: Mesh, index: int, within: float) -> _Rigid | None:
+    """The edges, line, circle or outline of an area that a support has."""
     support = model.support[index]
     if support.edge is not None:
         if isinstance(model.plate, OutlinedPlate):
-            for name, targets in edges_of(model.plate.contours, set(support.edge)).items():
-                yield _Rigid(index, f"the edge {name}", targets)
-        else:
-            for name in support.edge:
-                yield _Rigid(index, f"the edge {name}", Sides(mesh.points[mesh.edges[name]], within))
-    elif (along := curve(support)) is not None:
-        yield _Rigid(index, f"the {support.place}", Targets.along([along]))
-    elif (covered := region(support.area)) is not None:
-        yield _Rigid(index, "the area", Targets.along(_outline(covered)), covered)
+            drawn = edges_of(model.plate.contours, set(support.edge))
+            return _Rigid(index, Targets.join(list(drawn.values())), drawn)
+        meshed = {name: Sides(mesh.points[mesh.edges[name]], within) for name in support.edge}
+        return _Rigid(index, Sides(np.concatenate([one.nodes for one in meshed.values()]), within), meshed)
+    lines = _lines(support)
+    return _Rigid(index, Targets.along(lines), {}, region(support.area)) if lines else None
+
+
+def _name(support: Support, drawn: _Rigid, at: Floats) -> str:
+    """What of a support is nearest to a place (2,)."""
+    apart = {name: float(one.nearest(at[None])[1][0]) for name, one in drawn.edges.items()}
+    return (
+        f"the {support.place} {min(apart, key=lambda name: apart[name], default='')}".rstrip() + f" of {support.name}"
+    )
 
 
 def _reached(support: Support, boxes: Floats) -> list[int]:
@@ -184,12 +188,12 @@ def _looked_at(support: Support, beside: Targets | Sides, most: float) -> Iterat
 
 
 def _nearest(
-    mesh: Mesh, support: Support, at: Floats, along: bool, other: _Rigid, same: float, least: Floats
+    mesh: Mesh, support: Support, at: Floats, along: bool, other: _Rigid, least: Floats
 ) -> tuple[Floats, float, float] | None:
     """The nearest of the places that are too near to another support and no part of it; how far, and the limit."""
     to, apart = other.targets.nearest(at)
     # Sides of a mesh are parabolas where what runs along them is an arc.
-    on = TOUCHING * mesh.diameter if isinstance(other.targets, Sides) else same
+    on = (TOUCHING if isinstance(other.targets, Sides) else SAME_PLACE) * mesh.diameter
     near = (apart > on) & (apart < least.max())
     if along:
         near &= _runs_along(at, np.minimum(apart, 2.0 * float(least.max())))
