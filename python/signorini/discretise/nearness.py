@@ -12,7 +12,7 @@ import numpy as np
 from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import region
 from signorini.discretise.quadrature.arcs import arc_of
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.touching import TOUCHING
 from signorini.errors import Place, point
 from signorini.mesh import Mesh
@@ -27,6 +27,8 @@ _ALONG = 0.02
 is about a degree, are at one place there: they pry no more than parallel ones at the least distance."""
 _OF_SIDE, _OF_CIRCLE, _MOST = 8, 64, 1000
 """Pieces of a side of a line and of a circle that are looked at, at least, and of either, about at most."""
+_FEW = 300
+"""Points up to which all pairs are looked at: a tree takes a while to be imported."""
 _AT_ONE_PLACE = 8
 """Points that thinning may leave at one place: one in each cell around."""
 
@@ -88,8 +90,6 @@ def too_near(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> I
 
 def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> Iterator[Near]:
     """Points near other ones, the first of each two supports."""
-    from scipy.spatial import cKDTree
-
     of = [(i, j) for i in rigid for j in range(len(model.support[i].at or ()))]
     if len(of) < 2:
         return
@@ -98,9 +98,7 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
     # Any number of points may be at one place; of those one in each cell stands for all.
     _, first = np.unique(np.round((at - mesh.middle) / same), axis=0, return_index=True)
     first = np.sort(first)
-    count = min(len(first), 2 + _AT_ONE_PLACE)
-    found = cKDTree(at[first]).query(at[first], k=count)
-    distance, neighbour = (np.reshape(of_each, (-1, count)) for of_each in found)
+    distance, neighbour = _neighbours(at[first], min(len(first), 2 + _AT_ONE_PLACE))
     limit = _limit(mesh, at[first], least)[:, None]
     one, rank = np.nonzero((distance > same) & (distance < limit))
     told = set[tuple[int, int]]()
@@ -112,6 +110,18 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
             other = f"the point {point(at[b].tolist())} of {model.support[of[b][0]].name}"
             place = ("support", of[a][0], "at", of[a][1])
             yield Near(of[a][0], place, at[a], float(distance[number, column]), float(limit[number, 0]), other)
+
+
+def _neighbours(at: Floats, count: int) -> tuple[Floats, Ints]:
+    """Distances (n, count) to the nearest of points, themselves first, and their numbers."""
+    if len(at) <= _FEW:
+        apart = np.hypot(*np.moveaxis(at[:, None] - at, 2, 0))
+        order = np.argsort(apart, axis=1)[:, :count]
+        return np.take_along_axis(apart, order, axis=1), order
+    from scipy.spatial import cKDTree
+
+    distance, neighbour = cKDTree(at).query(at, k=count)
+    return np.reshape(distance, (-1, count)), np.reshape(neighbour, (-1, count))
 
 
 def _limit(mesh: Mesh, at: Floats, least: Floats) -> Floats:
