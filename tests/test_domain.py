@@ -145,7 +145,7 @@ BEDS = {
     [([], 1e-10, "alone holds the plate, as"), ([HINGE], 1e-6, "against a motion that rigid supports leave free, as")],
 )
 def test_elastic_supports_alone_are_as_stiff_as_a_bed_of_the_plates_size(bed, held, limit, words) -> None:
-    """About a hinge springs at the other edge have λ = 1.5 times that of a bed as stiff in all; else w has the least."""
+    """About a hinge springs at the other edge have 1.5 times the λ of a bed as stiff in all; else w has the least."""
     load = [{"pressure": 1e-3}, {"force": 1e-2, "at": [4.3, 5.6]}]
     assert is_certified(model(*held, bed(stiffness(1.01 * limit)), load=load))
     least = 1.5 if held and "area" not in bed(1.0) else 1

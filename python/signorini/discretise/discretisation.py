@@ -226,8 +226,7 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
             at = located(mesh, probe.at, ("probe", index, "at"))
             probes.append(Location(at.elements, at.xi))
     problems.tell()
-    with problems.collected():
-        require_agreement(model, mesh, contacts)
+    require_agreement(model, mesh, contacts)
     require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
     problems.tell()
     contacts, repeated = that_can_act(model, mesh, held, contacts)
