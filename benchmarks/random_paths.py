@@ -34,6 +34,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
 sys.path.insert(0, str(Path(__file__).parent))
 import campaign
+import door
 from path_models import drawn
 from random_plates import MOVES, reactions_exist
 
@@ -75,8 +76,13 @@ def judged(seed):
     tables, start, add, until, wild = drawn(seed)
     try:
         model = validate(tables)
-        plate = discretise(model)
     except InputError:
+        return Counter({"refused input": 1}), []
+    try:
+        plate = discretise(model)
+    except InputError as error:
+        if door.words_of_the_door(error):
+            return Counter({"refused at the door": 1}), door.wrongly_refused(model, error)
         return Counter({"refused input": 1}), []
     steps = []
     try:

@@ -28,6 +28,7 @@ from scipy.sparse import bmat
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
 import campaign
+import door
 import extreme_models
 import random_models
 import twofold_models
@@ -136,6 +137,9 @@ def judged_by_its_own(model):
         result = extreme_models.solved(model.tables)
         wrong = model.judge(result)
     except (InputError, NotCertifiedError) as error:
+        if isinstance(error, InputError) and door.words_of_the_door(error):
+            wrong = door.wrongly_refused(validate(model.tables), error)
+            return Counter({f"{model.kind} refused at the door": 1}), wrong
         return Counter({f"{model.kind} refused": 1}), [] if model.may_be_refused else [f"{model.kind}: {error}"]
     return Counter({f"{model.kind} {'certified' if result else 'without equilibrium'}": 1}), [
         f"{model.kind}: {line}" for line in wrong
@@ -156,6 +160,8 @@ def judged_ordinary(seed):
         found = results.problem.discretisation
         messages = {name: result.message for name, result in results.items()}
     except InputError as error:
+        if door.words_of_the_door(error):
+            return Counter({"refused at the door": 1}), door.wrongly_refused(model, error)
         moves = any(words in str(error) for words in MOVES)
         return Counter({"mechanism" if moves else "refused input": 1}), []
     except NotCertifiedError as error:

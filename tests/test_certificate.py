@@ -233,7 +233,7 @@ def test_where_slopes_alone_are_held_elsewhere_their_rounding_is_no_penetration(
 
 
 def test_supports_that_push_against_each_other_are_judged_by_the_rounding_of_their_forces() -> None:
-    near = [{"at": [[2.0, 2.0]], "resists": "both"}, {"at": [[2.001, 2.0]], "resists": "both", "settlement": 0.02}]
+    near = [{"at": [[2.0, 2.0]], "resists": "both"}, {"at": [[2.021, 2.0]], "resists": "both", "settlement": 0.02}]
     right = answer([*MODELS["wall and prop"], *near], loads=[{"pressure": 1e-6}])
     judged = right.judged()
     assert judged.passed and judged.limited and np.abs(right.reaction).max() > 1e9 * np.abs(right.load.nodal).max()

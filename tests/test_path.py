@@ -315,38 +315,6 @@ def test_a_path_ends_before_the_first_stop_that_a_direct_solution_contradicts(wr
     assert confirmed(found.problem, found._loads, stops, lambda now: None) == wrong
 
 
-def test_a_path_that_begins_afloat_above_its_stops_is_followed_with_care() -> None:
-    model = Model(
-        material={"E": 1000.0, "nu": 0.3},
-        plate={
-            "shape": "rectangle",
-            "size": [5e3, 2.5e3],
-            "origin": [18.5e3, 0.0],
-            "thickness": "1e3*(1 + (x/5e3)**2)",
-        },
-        mesh={"divisions": [1, 6]},
-        support=[
-            {
-                "name": "stops",
-                "at": [
-                    [21779.42046167863, 1875.0],
-                    [22317.247318218782, 947.7619944197432],
-                    [22250.0, 2500.0],
-                    [22219.904740128775, 0.0],
-                ],
-                "resists": "both",
-                "gap": 0.5,
-            },
-            {"name": "prop", "at": [21e3, 968.1421784342631], "resists": "down", "gap": 0.5},
-        ],
-        load=[{"pressure": 0.002, "area": {"circle": {"center": [21e3, 1250.0], "radius": 625.0}}}],
-    )
-    found = signorini.path(model, None, "load", until=2)
-    assert (found.ending, [stop.t for stop in found.stops]) == ("until", [0, 2])
-    direct = signorini.solve(model)["all"].reactions
-    assert found.stops[-1].reactions == pytest.approx(2 * np.array([*direct.values()]), rel=1e-6)
-
-
 def test_the_example_in_the_documentation_is_what_the_command_prints(tmp_path: Path) -> None:
     root = Path(__file__).parents[1]
     shown = run(

@@ -22,7 +22,7 @@ PLATE = {
 @pytest.mark.parametrize("how", [{"fix": "simple"}, {"stiffness": 1e8}, {"resists": "down"}, {"gap": 1e-4}])
 def test_points_keep_the_order_of_the_input(how):
     # Nodes and points between them, two of them as near to each other as supports may be.
-    at = [[3.3, 3.1], [1, 1], [0.4, 3.3], [3, 1], [0.4 + 1e-7, 3.3]]
+    at = [[3.3, 3.1], [1, 1], [0.4, 3.3], [3, 1], [0.42, 3.3]]
     other = {"at": [2.1, 2.2], "stiffness": 1e6}
     (result,) = solve(rectangular(**PLATE, support=[other, {"at": at, **how}])).values()
     np.testing.assert_allclose(result.supports[1].positions, at, rtol=0, atol=1e-12)

@@ -1,7 +1,8 @@
 """Plates at the ends of what can be asked, each with a judge: a closed form, plain statics, or the same said otherwise.
 
 Ribbons, steps of thickness and of pressure, forces near the edge of a bed and on it, supports that coincide or hold the
-plate from both sides, loads that balance themselves between stops, and stiffnesses from 1e-16 to 1e18 of the plate's.
+plate from both sides, loads that balance themselves between stops, and stiffnesses from 1e-10 to 1e18 of the plate's:
+all are inside the domain of validity (docs/domain.md), many at its limits.
 A judge shares no code with the program: it knows the plate's true answer, or compares two ways of saying one plate.
 """
 
@@ -84,7 +85,7 @@ def ribbon(rng: Random) -> Extreme:
     tables = {
         "material": {"E": young, "nu": 0.0},
         "plate": {"shape": "rectangle", "size": [length, width], "thickness": thickness},
-        "mesh": {"divisions": [rng.randint(4, 12), rng.randint(1, 6)]},
+        "mesh": {"divisions": _divisions(rng, length / max(width, thickness))},
         "support": [{"edge": ["left", "right"], **way}],
         "load": [{"pressure": pressure}],
         "probe": [{"at": [length / 2, width / 2]}],
@@ -92,6 +93,12 @@ def ribbon(rng: Random) -> Extreme:
     bending = 5 * pressure * length**4 / (384 * young * thickness**3 / 12)
     expected = bending + pressure * length**2 / 8 / (5 / 12 * young * thickness)
     return Extreme("ribbon", tables, lambda result: deflections(result, [expected], _STRIP), may_be_refused=True)
+
+
+def _divisions(rng: Random, ratio: float) -> list[int]:
+    """Numbers of elements of a ribbon so many times as long as wide, none of them over 1000 times."""
+    along, across = rng.randint(4, 12), rng.randint(1, 6)
+    return [along, max(1, min(across, int(1000.0 * along / ratio)))]
 
 
 def stepped_strip(rng: Random) -> Extreme:
@@ -285,14 +292,21 @@ def opposed(rng: Random) -> Extreme:
     The judge takes the points' rows for equations, or, along a circle, says the supports in another order.
     """
     at, apart = [rng.uniform(1, 9), rng.uniform(0.3, 1.0)], rng.choice([0.02, 0.05, 0.1, 0.2])
-    crowd = [[x + rng.uniform(-apart, apart) for x in at] for _ in range(rng.choice([4, 9, 12]))]
+    thickness, crowd = rng.choice([0.03, 0.1]), list[list[float]]()
+    for _ in range(rng.choice([4, 9, 12])):
+        # Some as near to each other as they may be.
+        to = [x + rng.uniform(-apart, apart) for x in at]
+        if all(math.dist(to, other) > 0.1 * thickness for other in crowd):
+            crowd.append(to)
+    crowd.append([crowd[0][0] + 0.1 * thickness + 1e-12, crowd[0][1]])
+    crowd = [to for i, to in enumerate(crowd) if i in (0, len(crowd) - 1) or math.dist(to, crowd[-1]) > 0.1 * thickness]
     place = rng.choice([{"at": crowd}, {"circle": {"center": at, "radius": apart}}])
     tables = {
         "material": {"E": 1e3, "nu": 0.2},
         "plate": {
             "shape": "rectangle",
             "size": [10.0, 1.3],
-            "thickness": rng.choice([0.03, 0.1]),
+            "thickness": thickness,
             "element": rng.choice(["mitc9", "q8r"]),
         },
         "mesh": {"divisions": [rng.choice([4, 12, 30]), rng.choice([4, 8])]},
@@ -354,7 +368,7 @@ def redundant(rng: Random) -> Extreme:
     across = rng.uniform(1.0, 9.0)
     supports: list[Tables] = [wall]
     for number in range(rng.randint(1, 3)):
-        heights = sorted(rng.uniform(0.0, 5.0) for _ in range(rng.randint(2, 5)))
+        heights = [0.05 * number for number in sorted(rng.sample(range(101), rng.randint(2, 5)))]
         place: Tables = rng.choice(
             [
                 {"at": [[across, y] for y in heights]},
@@ -407,7 +421,7 @@ def stiffness(rng: Random) -> Extreme:
     """Draw supports far softer or far stiffer than the plate; the judge is the rigid support, or the rigid plate."""
     size, thickness, young = 10.0, rng.choice([0.3, 0.03]), 30e9
     own = young * thickness**3 / 12 / size**2
-    ratio = 10 ** rng.uniform(-16, 18)
+    ratio = 10 ** rng.uniform(-10.5, 18)
     place, share = rng.choice(
         [
             ({"at": [[1, 1], [9, 1], [9, 9], [1, 9]]}, 4.0),

@@ -36,7 +36,7 @@ def test_where_points_follow_from_several_equations_what_is_shared_by_the_sign_i
     assert abs(reactions.sum()) < 1e-12 * np.abs(reactions).sum()
 
 
-@pytest.mark.parametrize("name", ["crowded_points_that_hold_both_ways", "crowded_points_held_from_both_sides"])
+@pytest.mark.parametrize("name", ["crowded_points_that_hold_both_ways"])
 def test_points_near_each_other_hold_the_plate_as_an_orthogonal_basis_of_what_they_leave_does(name: str) -> None:
     """Rows within 1e-6 of following from others still say something: without them the plate sags by 2 % more."""
     tables = json.loads((Path(__file__).parent / "hard_plates" / f"{name}.json").read_text())

@@ -288,7 +288,7 @@ def test_lines_at_one_place_do_not_push_against_each_other():
     assert other.reactions == pytest.approx(one.reactions, abs=1.0)
 
 
-@pytest.mark.parametrize("apart", [1e-4, 1e-7, 1e-10])
+@pytest.mark.parametrize("apart", [2.01e-2, 1e-10])
 def test_supports_that_nearly_repeat_each_other_have_one_answer(apart):
     near = [INSIDE[0] + apart, INSIDE[1]]
     result = signorini.solve(model_of([down(CORNERS), down(INSIDE), down(near)], WEIGHT))["all"]

@@ -15,7 +15,9 @@ from scipy.sparse import csr_array
 from signorini import _core
 from signorini.base.arguments import known, made_by
 from signorini.base.remade import Remade
+from signorini.discretise.agreement import require_agreement
 from signorini.discretise.averages import PlateStiffness
+from signorini.discretise.domain import require_domain
 from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
 from signorini.discretise.loads import CaseLoad, case_loads, loaded_sides
@@ -223,6 +225,9 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
         with problems.collected():
             at = located(mesh, probe.at, ("probe", index, "at"))
             probes.append(Location(at.elements, at.xi))
+    problems.tell()
+    require_agreement(model, mesh, contacts)
+    require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
     problems.tell()
     contacts, repeated = that_can_act(model, mesh, held, contacts)
     assembled = time.perf_counter()

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
 
-from signorini.discretise.agreement import require_agreement
 from signorini.discretise.frames import Held
 from signorini.discretise.rank import SAME, followers, lengths, parallel, times, within
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -83,7 +82,6 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
     InputError
         If rigid ones contradict each other or a held dof.
     """
-    require_agreement(model, mesh, contacts)
     kept, opposed = _held_from_both_sides(mesh, _not_held(mesh, held, contacts), held)
     kept, repeated = _independent(mesh, held, kept, opposed)
     return kept, repeated.pick(_is_told(model, kept, repeated))

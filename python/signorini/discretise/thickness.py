@@ -15,8 +15,8 @@ from signorini.discretise.zones import Zones
 from signorini.errors import InputError, point
 from signorini.mesh import Mesh
 
-_RANGE = (1e-6, 10.0)
-"""Thickness over the plate's size: beyond, double precision holds no plate, or the plate is a block."""
+_RANGE = (1e-6, 1.0)
+"""Thickness over the plate's size in the domain (docs/domain.md): half the span, of which symmetry may leave a half."""
 
 _ORDER = 4
 """Gauss points a direction of the parts of an element that a step cuts: h³ of a linear thickness is exact."""

@@ -22,7 +22,6 @@ from signorini.model import Load, Model, Support
 from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.model.zone import KEYS
-from signorini.results.prying import prying
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import SupportResult
 from signorini.results.unit_slips import unit_slips
@@ -42,8 +41,8 @@ _NOTHING = 1e-9
 _HARDLY = 1e-6
 """Part of the largest pressure up to which a tension is none."""
 _OUTWEIGHS = 1e3
-"""Reactions over forces that act, and couples over the thickness, that no lever explains: supports would have to be a
-thousandth of the thickness apart."""
+"""Reactions over forces that act, and couples over the thickness, that are seldom meant: a thin plate on supports that
+are a tenth of its thickness apart can have them."""
 _UNSAID = ', since resists is left out. Say resists = "down" if the plate can lift off it, "both" if it cannot.'
 _MOST = 0.75
 """Part of the plate beside places where moments have no limit, from which on the largest moments say little of it.
@@ -73,7 +72,6 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
             *_overlaps(found),
             *_never_act(found),
             *_beds_both_ways(found.model),
-            *prying(found),
             *_couples(found),
         )
         of_plate = *_one_element(found), *_unrefined(found), *_unfollowed(found), *_zones(found), *_left_out(found)
@@ -202,7 +200,7 @@ def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator
 
 
 def _outweighing(found: Discretisation, load: CaseLoad, supports: Sequence[SupportResult]) -> Iterator[str]:
-    """Reactions far beyond what loads can ask for: supports all but touch, and pry the plate apart between them."""
+    """Reactions far beyond what loads can ask for: of a thin plate supports may be near, and pry it apart between."""
     if load.curvature.any() or _some_base_moves(found) or found.points.distance.any():
         return
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0).tolist()
@@ -212,7 +210,7 @@ def _outweighing(found: Discretisation, load: CaseLoad, supports: Sequence[Suppo
         names = " and ".join(name for name, value in sums.items() if value > 0.1 * most)
         yield (
             f"Reactions of {names} add up to {_with_unit(found.model, most, 0)}, {most / acting:.1g} times what acts: "
-            "rigid supports that all but touch pry the plate apart between them. Let them coincide, move them apart, "
+            "rigid supports near each other pry the plate apart between them. Let them coincide, move them apart, "
             "or give them a stiffness."
         )
 

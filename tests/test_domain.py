@@ -1,0 +1,286 @@
+"""The domain of validity: what is just inside each limit is certified, what is just outside is refused in words."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from models import rectangular
+from typer.testing import CliRunner
+
+from signorini import InputError, Model, path, solve
+from signorini.analysis.check import check
+from signorini.cli import app
+
+SIZE, THICKNESS = 10.0, 0.4
+LEAST = 0.1 * THICKNESS
+INSIDE, OUTSIDE = 1.01 * LEAST, 0.99 * LEAST
+CORNERS = {"name": "corners", "at": [[1, 1], [9, 1], [9, 9], [1, 9]], "resists": "down"}
+WALL = {"name": "walls", "edge": ["left", "right"], "fix": "simple"}
+HINGE = {"name": "hinge", "edge": "left", "fix": "simple"}
+BEAM = {"name": "beam", "line": [[2, 3], [8, 3]], "fix": "simple"}
+RING = {"name": "ring", "circle": {"center": [5, 6], "radius": 1.5}, "fix": "simple"}
+PAD = {"name": "pad", "area": {"rectangle": [4, 5, 6, 7]}, "resists": "down"}
+
+
+def model(*support: dict, **others: object) -> Model:
+    given = {
+        "size": [SIZE, SIZE],
+        "thickness": THICKNESS,
+        "mesh": {"divisions": [6, 6], "error": False},
+        "load": [{"pressure": 1e3}],
+    }
+    return rectangular(**given | others, support=list(support))
+
+
+def is_certified(asked: Model) -> bool:
+    return all(result.certificate.passed for result in solve(asked).values())
+
+
+def said(asked: Model) -> str:
+    """What solve, check and path refuse a model with, all alike."""
+    words = set()
+    for ask in (solve, check, lambda of: path(of, None, "load")):
+        with pytest.raises(InputError) as refused:
+            ask(asked)
+        words.add(str(refused.value))
+    (one,) = words
+    return one
+
+
+NEAR = {
+    "two points": lambda d: [CORNERS, {"name": "near", "at": [[1 + d, 1], [5, 5]], "fix": "simple"}],
+    "two points of one support": lambda d: [{"name": "near", "at": [[5, 5], [5 + d, 5], [2, 2]], "resists": "down"}],
+    "points that let go the same way": lambda d: [CORNERS, {"name": "near", "at": [1 + d, 1], "resists": "down"}],
+    "points that hold from both sides": lambda d: [CORNERS, {"name": "near", "at": [1 + d, 1], "resists": "up"}],
+    "footprints": lambda d: [CORNERS, {"name": "near", "at": [[5, 5], [5 + d, 5]], "radius": 0.3, "fix": "simple"}],
+    "a point and an edge": lambda d: [WALL, {"name": "near", "at": [d, 4.3], "resists": "down"}],
+    "a point and a line": lambda d: [WALL, BEAM, {"name": "near", "at": [4.1, 3 + d], "resists": "down"}],
+    "a point and a circle": lambda d: [WALL, RING, {"name": "near", "at": [5, 7.5 + d], "resists": "down"}],
+    "a point and an area": lambda d: [WALL, PAD, {"name": "near", "at": [5, 7 + d], "fix": "simple"}],
+    "lines side by side": lambda d: [WALL, BEAM, {"name": "near", "line": [[1, 3 + d], [9, 3 + d]], "resists": "down"}],
+    "the end of a line": lambda d: [WALL, BEAM, {"name": "near", "line": [[5, 3 + d], [5, 8]], "fix": "simple"}],
+    "a line and an edge": lambda d: [WALL, {"name": "near", "line": [[d, 2], [d, 6]], "resists": "down"}],
+    "a circle and a line": lambda d: [RING, {"name": "near", "line": [[2, 4.5 - d], [8, 4.5 - d]], "fix": "simple"}],
+    "circles in one another": lambda d: [
+        RING,
+        {"name": "near", "circle": {"center": [5, 6], "radius": 1.5 + d}, "resists": "down"},
+    ],
+    "an area and a line": lambda d: [WALL, PAD, {"name": "near", "line": [[3, 7 + d], [7, 7 + d]], "fix": "simple"}],
+    "areas": lambda d: [
+        WALL,
+        PAD,
+        {"name": "near", "area": {"rectangle": [6 + d, 5, 8, 7]}, "resists": "down"},
+    ],
+}
+
+
+@pytest.mark.parametrize("supports", NEAR.values(), ids=NEAR)
+def test_rigid_supports_a_tenth_of_the_thickness_apart_are_certified_and_nearer_ones_refused(supports) -> None:
+    assert is_certified(model(*supports(INSIDE)))
+    words = said(model(*supports(OUTSIDE)))
+    assert "holds the plate rigidly at [" in words and "0.0396 from the " in words
+    assert "at least a tenth of the thickness apart, here 0.04." in words and "give one a stiffness" in words
+    assert words.startswith("support[") and "near" in words
+
+
+@pytest.mark.parametrize("supports", NEAR.values(), ids=NEAR)
+@pytest.mark.parametrize("stiffness", [1e3, 1e9])
+def test_elastic_ones_may_be_at_any_distance(supports, stiffness) -> None:
+    *others, near = supports(OUTSIDE)
+    elastic = near | {"stiffness": stiffness}
+    assert is_certified(model(*others, elastic) if others else model(elastic))
+
+
+def test_one_so_stiff_that_it_is_as_good_as_rigid_counts_as_rigid() -> None:
+    """From 10¹² of D/L² on, which is 2.6e16 here."""
+    near = {"name": "near", "at": [0.0099, 4.3], "resists": "down"}
+    below, above = (near | {"stiffness": part * 2.6041667e16} for part in (0.99, 1.01))
+    assert is_certified(model(WALL, below, thickness=0.1))
+    assert "0.0099 from the edge left of walls" in said(model(WALL, above, thickness=0.1))
+
+
+ONE_PLACE = {
+    "points": [CORNERS, {"at": [[1, 1], [9, 9]], "resists": "up"}, {"at": [1, 1], "resists": "down"}],
+    "a point on an edge and on a line": [WALL, BEAM, {"at": [[0, 4.3], [4.1, 3]], "resists": "down"}],
+    "lines that cross and meet": [WALL, BEAM, {"line": [[0, 2], [4, 3], [7, 6]], "resists": "down"}],
+    "lines that cross at a small angle": [WALL, BEAM, {"line": [[2, 2.9], [8, 3.1]], "resists": "down"}],
+    "areas side by side and a line within": [
+        WALL,
+        PAD,
+        {"area": {"rectangle": [6, 5, 8, 7]}, "resists": "down"},
+        {"line": [[4.01, 5.01], [4.01, 6.99]], "fix": "simple"},
+    ],
+    "a point in an area": [WALL, PAD, {"at": [5.99, 6], "fix": "simple"}],
+}
+
+
+@pytest.mark.parametrize("supports", ONE_PLACE.values(), ids=ONE_PLACE)
+def test_rigid_supports_at_one_place_are_certified(supports) -> None:
+    assert is_certified(model(*supports))
+
+
+def test_the_thickness_is_that_where_supports_are() -> None:
+    near = {"name": "near", "at": [[2, 5], [2.015, 5], [8, 5], [5, 2]], "resists": "down"}
+    zone = [{"area": {"rectangle": [5, 0, 10, 10]}, "thickness": 1.0}]
+    assert is_certified(model(near, thickness=0.1, zone=zone))
+    there = near | {"at": [[8, 5], [8.015, 5], [2, 5], [5, 2]]}
+    assert "here 0.1." in said(model(there, thickness=0.1, zone=zone))
+
+
+def stiffness(part: float, nu: float = 0.2) -> float:
+    """Modulus of a bed with that kL⁴/D."""
+    return part * 30e9 * THICKNESS**3 / 12 / (1 - nu**2) / SIZE**4
+
+
+BEDS = {
+    "a bed": lambda k: {"area": "all", "resists": "down", "stiffness": k},
+    "edges": lambda k: {"edge": ["left", "right"], "stiffness": k * SIZE / 2},
+    "points": lambda k: {"at": [[x, y] for x in (0, 10) for y in (0, 10)], "stiffness": k * SIZE**2 / 4},
+}
+
+
+@pytest.mark.parametrize("bed", BEDS.values(), ids=BEDS)
+@pytest.mark.parametrize(
+    ("held", "limit", "words"),
+    [([], 1e-10, "alone holds the plate, as"), ([HINGE], 1e-6, "against a motion that rigid supports leave free, as")],
+)
+def test_elastic_supports_alone_are_as_stiff_as_a_bed_of_the_plates_size(bed, held, limit, words) -> None:
+    """About a hinge springs at the other edge have 1.5 times the λ of a bed as stiff in all; else w has the least."""
+    load = [{"pressure": 1e-3}, {"force": 1e-2, "at": [4.3, 5.6]}]
+    assert is_certified(model(*held, bed(stiffness(1.01 * limit)), load=load))
+    least = 1.5 if held and "area" not in bed(1.0) else 1
+    refused = said(model(*held, {"name": "soft", **bed(stiffness(0.99 * limit / least))}, load=load))
+    place = f"support[{len(held) + 1}].stiffness"
+    assert refused.startswith(f"{place}: The stiffness of soft alone holds") and words in refused
+    assert f"it must be {limit:g} or more" in refused and "or hold the plate rigidly" in refused
+
+
+@pytest.mark.parametrize("part", [1e-20, 1e-6, 1e12, 1e20])
+def test_beside_rigid_supports_that_hold_the_plate_a_bed_may_be_as_soft_and_stiff_as_it_likes(part) -> None:
+    assert is_certified(model(CORNERS, {"area": "all", "resists": "down", "stiffness": stiffness(part)}))
+
+
+def test_supports_are_measured_together() -> None:
+    halves = [
+        {"area": {"rectangle": [x, 0, x + 5, 10]}, "resists": "down", "stiffness": stiffness(1.01e-10)} for x in (0, 5)
+    ]
+    assert is_certified(model(*halves))
+    assert "support 1 and support 2 alone" in said(model(*(one | {"stiffness": stiffness(9.9e-11)} for one in halves)))
+
+
+@pytest.mark.parametrize("ratio", [1.01e-6, 1e-5, 0.5, 0.999])
+def test_thickness_over_size_inside(ratio) -> None:
+    thickness = ratio * SIZE
+    assert is_certified(model(WALL, CORNERS, thickness=thickness, load=[{"pressure": 1e3 * thickness**3}]))
+
+
+@pytest.mark.parametrize(("ratio", "found"), [(0.99e-6, "9.9e-06"), (1.01, "10.1")])
+def test_thickness_over_size_outside(ratio, found) -> None:
+    words = said(model(CORNERS, thickness=ratio * SIZE))
+    assert words.startswith(f"plate.thickness: Found the thickness {found} at ") and "from 1e-05 to 10." in words
+
+
+@pytest.mark.parametrize("step", [10, 100])
+def test_steps_of_thickness(step) -> None:
+    zone = [{"area": {"circle": {"center": [5, 5], "radius": 2}}, "thickness": 0.01 * step}]
+    assert is_certified(model(WALL, CORNERS, thickness=0.01, zone=zone))
+
+
+@pytest.mark.parametrize("thickness", [1e-3, 1.0])
+def test_ribbons_and_their_elements(thickness) -> None:
+    """An element 1000 times as long as it is wide, or as the plate is thick."""
+    ends = {"edge": ["left", "right"], "fix": "simple"}
+
+    def ribbon(width: float) -> Model:
+        load = [{"pressure": 1e-3 * thickness**3}]
+        return model(ends, size=[1000, width], thickness=thickness, mesh={"divisions": [1, 1]}, load=load)
+
+    assert is_certified(ribbon(1.0)) and (thickness < 1.0 or is_certified(ribbon(0.1)))
+    if thickness < 1.0:
+        words = said(ribbon(0.5))
+        assert words == (
+            "mesh: The element at [500, 0.25] is 1000 long and 0.5 wide or thick, 2000 to 1; at most 1000 to 1 are in "
+            "the domain. Take 2 times as many along their longer sides, or fewer across; or calculate a beam."
+        )
+
+
+@pytest.mark.parametrize("divisions", [[1, 1], [1000, 1]])
+def test_from_one_to_a_thousand_elements_along_a_side(divisions) -> None:
+    assert is_certified(model(WALL, CORNERS, mesh={"divisions": divisions, "error": False}))
+
+
+def test_a_million_sizes_from_the_origin() -> None:
+    def away(by: float) -> Model:
+        at = [[by + x, y] for x in (1, 9) for y in (1, 9)]
+        plate = {"shape": "rectangle", "size": [SIZE, SIZE], "origin": [by, 0], "thickness": THICKNESS}
+        return rectangular(
+            plate=plate, mesh={"divisions": [4, 4], "error": False}, support=[{"at": at}], load=[{"pressure": 1e3}]
+        )
+
+    assert is_certified(away(1e7))
+    with pytest.raises(InputError, match=r"origin: found .* over 1e\+06 times the plate's size away. Move the plate"):
+        away(1.01e7)
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e9])
+def test_in_any_units(unit) -> None:
+    """Lengths and moduli, of which the door's products would leave all numbers if they were formed at once."""
+
+    def scaled(soft: float) -> Model:
+        plate = {"shape": "rectangle", "size": [SIZE * unit, SIZE * unit], "thickness": THICKNESS * unit}
+        bed = {"area": "all", "resists": "down", "stiffness": stiffness(soft) / unit * unit**5}
+        return rectangular(
+            material={"E": 30e9 * unit**5, "nu": 0.2},
+            plate=plate,
+            mesh={"divisions": [4, 4], "error": False},
+            support=[bed],
+            load=[{"pressure": unit**5}],
+        )
+
+    assert is_certified(scaled(1.01e-10))
+    assert "kL⁴/D = 9.9e-11" in said(scaled(0.99e-10))
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-12, 1.0, 1e30])
+def test_any_gap(gap) -> None:
+    assert is_certified(model(CORNERS, {"at": [5, 5], "resists": "down", "gap": gap}))
+
+
+def test_all_that_is_outside_is_told_at_once_with_its_line_and_nothing_is_written(tmp_path: Path) -> None:
+    file = tmp_path / "slab.toml"
+    file.write_text(
+        """
+material = { E = 30e9, nu = 0.2 }
+plate = { shape = "rectangle", size = [10, 10], thickness = 0.4 }
+mesh = { divisions = [4, 4] }
+[[support]]
+name = "wall"
+edge = "left"
+fix = "simple"
+[[support]]
+name = "posts"
+at = [[5, 5], [5.01, 5], [0.01, 3]]
+resists = "down"
+[[load]]
+pressure = 1e3
+"""
+    )
+    done = CliRunner().invoke(app, ["solve", str(file)])
+    assert done.exit_code == 2 and [one.name for one in tmp_path.iterdir()] == ["slab.toml"]
+    words = " ".join(done.output.split())
+    assert "2 problems:" in words and "support[2].at[1]" in words and words.count("posts holds the plate rigidly") == 2
+    assert "0.01 from the point [5.01, 5] of posts" in words and "0.01 from the edge left of wall" in words
+
+
+def test_the_page_says_the_limits() -> None:
+    page = (Path(__file__).parents[1] / "docs" / "domain.md").read_text("utf-8")
+    for limit in ("10⁻⁶", "a tenth of the thickness", "1000", "10⁻¹⁰", "10¹²", "10⁶"):
+        assert limit in page
+
+
+def test_thousands_of_supports_pass_the_door_in_a_fraction_of_a_solve() -> None:
+    """Counted, not timed: no two of them are compared point by point."""
+    at = (np.mgrid[0:60, 0:60].reshape(2, -1).T / 6.0 + 0.05).tolist()
+    many = [{"at": one, "resists": "down"} for one in at]
+    found = check(model(*many, thickness=0.1, mesh={"divisions": [20, 20]}))
+    assert found.balanced and len(found.discretisation.contacts) == 3600
