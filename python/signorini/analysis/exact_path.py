@@ -91,7 +91,7 @@ def _trace(
         raise KeyboardInterrupt
     if count == 0 or judge.first is None:
         return None
-    whole = count == len(stops)
+    whole = count == len(stops) and not interrupted
     del stops[count:], certificates[count:]
     near_limit = stops[-1].t >= limit * (1 - AT_LIMIT)
     ending: Ending = "stopped"

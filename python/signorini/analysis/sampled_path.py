@@ -279,9 +279,17 @@ class SampledPath:
             closed = float(np.mean(own > rest if hit.opening else own >= -rest))
             x, y = SupportPoints.of(found, index).positions[hit.watch.number].tolist()
             at = x, y
+            self._from_there_on(state.t, index, closed, len(own))
         elif change in ("begins to open", "begins to close"):
             at = first_place(found, index, state.answer, hit.opening)
         return PathEvent(0, state.t, support.name, at, change, closed or 0.0, hit.opening, hit.watch.number)
+
+    def _from_there_on(self, t: float, index: int, part: float, count: int) -> None:
+        """Show at the stop of an event what of a support is closed from there on, not what its rounding says."""
+        stop = self.stops[t]
+        parts, closed = stop.parts.copy(), stop.closed.copy()
+        parts[index], closed[index] = part, round(part * count)
+        self.stops[t] = replace(stop, parts=parts, closed=closed)
 
     def result(self, ending: Ending, interrupted: bool) -> LoadPath:
         """What was found, as a path."""
@@ -357,7 +365,7 @@ def sampled_path(
 def _end(
     sampler: Sampler, path: PathLoads, until: float | None, samples: int | Sequence[float], whole: SampledPath
 ) -> tuple[float, Ending]:
-    """The last t, and why it is: asked for, the limit, or twice the t beyond which no support changes what it does."""
+    """The last t, and why it is: asked for, the limit, or a t beyond which no support changes what it does."""
     if not isinstance(samples, int):
         until = max(samples) if until is None else until
     if until is not None and until < path.end:
@@ -370,7 +378,7 @@ def _end(
 
 
 def _settled(sampler: Sampler, whole: SampledPath) -> tuple[float, Ending]:
-    """Twice the t beyond which doubling it changes nothing that has a name, and whether nothing ever does again."""
+    """The power of 2 beyond which doubling t changes nothing that has a name, and whether nothing ever does again."""
     begin = whole.last
     first = before = sampler.state(1.0, begin)
     steady, since, final = 0, 1.0, False
@@ -386,7 +394,7 @@ def _settled(sampler: Sampler, whole: SampledPath) -> tuple[float, Ending]:
             if sampler.changed(sampler.state(since / 2, first), first):
                 break
             since /= 2
-    return 2 * since, "no_more_events" if final else "until"
+    return since, "no_more_events" if final else "until"
 
 
 def _final(before: State, after: State) -> bool:

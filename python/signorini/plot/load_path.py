@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import textwrap
+from collections.abc import Collection, Mapping
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -21,6 +22,11 @@ _STYLES: tuple[Literal["solid", "dashed", "dotted"], ...] = ("solid", "dashed", 
 """Of curves of one colour the first one's, the second one's and the third one's."""
 _MOST_CURVES = len(_CURVES) * len(_STYLES)
 _END, _ASKED = "#b3261e", "#5c5c5c"
+_WIDEST = 34
+"""Letters of a line of a legend."""
+_PART = "part closed [%]"
+_ALIKE = 1e-6
+"""Difference of curves, over the largest of all, that is none."""
 _HEIGHT, _ROW = 2.3, 0.19
 """Inches of a panel, and of a row of its legend."""
 
@@ -32,6 +38,7 @@ def load_path_picture(
     closed: Mapping[str, ArrayLike],
     thresholds: Mapping[str, float] | None = None,
     *,
+    stepwise: Collection[str] = (),
     limit: float | None = None,
     until: float | None = None,
     last: float | None = None,
@@ -47,10 +54,12 @@ def load_path_picture(
     t : array_like, shape (k,)
         The factor at the stops of the path.
     deflections, reactions, closed : mapping of array_like, shape (k,)
-        Curves by name; parts that are closed from 0 to 1. Of more than eighteen the first are drawn, and the panel says
-        how many are left out.
+        Curves by name; parts that are closed from 0 to 1. What coincides is one curve with all its names; of more than
+        eighteen the first are drawn, and the panel says how many are left out.
     thresholds : mapping of float, optional
         Factors to mark, by what is reached there.
+    stepwise : collection of str
+        Supports whose part that is closed changes at once, from a stop on: those at points.
     limit : float, optional
         The factor at which equilibrium ends, if it does at the end of the path.
     until : float, optional
@@ -78,7 +87,7 @@ def load_path_picture(
     stops = np.asarray(t, dtype=float)
     panels = {
         f"reaction{_unit(force)}, positive up": reactions,
-        "part closed [%]": {name: 100.0 * np.asarray(of, dtype=float) for name, of in closed.items()},
+        _PART: {name: 100.0 * np.asarray(of, dtype=float) for name, of in closed.items()},
         f"deflection{_unit(length)}, positive down": deflections,
     }
     drawn = min((to for to in (until, last) if to is not None), default=np.inf)
@@ -94,7 +103,7 @@ def load_path_picture(
     axes = figure.subplots(len(curves), 1, sharex=True, squeeze=False, height_ratios=rows)[:, 0].tolist()
     figure.suptitle(literal(title), fontsize=11, color=INK)
     for panel, (label, of) in zip(axes, curves.items(), strict=True):
-        _draw_curves(panel, shown, of, label)
+        _draw_curves(panel, shown, of, label, stepwise if label == _PART else ())
     axes[-1].invert_yaxis()
     axes[-1].set_xlabel(literal(factor), fontsize=9, color=INK)
     end, words = limit, "equilibrium ends"
@@ -134,15 +143,33 @@ def _mark(axes: list[Axes], t: float, words: str, color: str) -> None:
         rotation=90,
         fontsize=8,
         color=color,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
     )
 
 
-def _draw_curves(axes: Axes, stops: Floats, curves: Mapping[str, Floats], label: str) -> None:
-    for i, (name, values) in enumerate(list(curves.items())[:_MOST_CURVES]):
-        style = _STYLES[i // len(_CURVES)]
-        color = _CURVES[i % len(_CURVES)]
-        axes.add_line(Line2D(stops, values, label=literal(name), color=color, linestyle=style, linewidth=1.5))
-    left_out = len(curves) - _MOST_CURVES
+def _together(curves: Mapping[str, Floats]) -> list[tuple[str, Floats]]:
+    """Curves, those that coincide as one with all their names."""
+    apart = _ALIKE * max((float(np.abs(values).max()) for values in curves.values()), default=0.0)
+    found: list[tuple[list[str], Floats]] = []
+    for name, values in curves.items():
+        same = next((names for names, of in found if np.abs(of - values).max() <= apart), None)
+        if same is None:
+            found.append(([name], values))
+        else:
+            same.append(name)
+    return [(", ".join(names), values) for names, values in found]
+
+
+def _draw_curves(
+    axes: Axes, stops: Floats, curves: Mapping[str, Floats], label: str, stepwise: Collection[str]
+) -> None:
+    every = _together(curves)
+    for i, (name, values) in enumerate(every[:_MOST_CURVES]):
+        line = Line2D(stops, values, color=_CURVES[i % len(_CURVES)], linestyle=_STYLES[i // len(_CURVES)])
+        line.set(label=literal("\n".join(textwrap.wrap(name, _WIDEST))), linewidth=1.5)
+        line.set_drawstyle("steps-post" if set(name.split(", ")) & set(stepwise) else "default")
+        axes.add_line(line)
+    left_out = len(every) - _MOST_CURVES
     if left_out > 0:
         axes.add_line(Line2D([], [], label=f"{left_out} more are not drawn", linestyle="none"))
     axes.autoscale_view()

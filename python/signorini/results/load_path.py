@@ -262,6 +262,7 @@ class LoadPath(States[float]):
             reactions,
             {support.name: [stop.parts[i] for stop in stops] for i, support in enumerate(supports)},
             {one.when: one.t for one in self.thresholds if one.t is not None},
+            stepwise=[support.name for support in supports if support.place == "at"],
             limit=self.end if self.ending == "no_equilibrium" else None,
             until=self._drawn,
             last=self._last,
