@@ -66,6 +66,6 @@ def test_a_refusal_speaks_of_curvature_only_where_all_else_passed() -> None:
 
 
 def test_a_path_without_an_answer_names_the_soft_support(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(import_module("signorini.analysis.path"), "_trace", lambda *_: None)
+    monkeypatch.setattr(import_module("signorini.analysis.exact_path"), "_trace", lambda *_: None)
     with pytest.raises(NotCertifiedError, match="The stiffness of bed"):
-        signorini.path(on_a_soft_bed(1e-5), start=None, add="load")
+        signorini.path(on_a_soft_bed(1e-5), start=None, add="load", events="all")

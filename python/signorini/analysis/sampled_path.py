@@ -49,6 +49,8 @@ class State:
     stop: PathStop
     margins: list[Floats]
     """By support, in the order of the model."""
+    own: bool
+    """Whether the problem's own method found it, so that it can begin with it again."""
 
 
 class Watch(NamedTuple):
@@ -90,13 +92,14 @@ class Sampler:
             If the supports contradict each other.
         """
         found, load, made_of = self.problem.discretisation, self.path.at(t), beside(self.path.loads, t)
-        start = None if near is None or near.answer.solution is None else near.answer
+        start = near.answer if near is not None and near.own and near.answer.solution is not None else None
         self.solves += 1
 
         def steps(method: str, step: int, changing: int, residual: float) -> None:
             self.watcher(Progress(f"t = {t:.6g}", step, changing, residual, method=method))
 
         self.watcher(Progress(f"t = {t:.6g}"))
+        own = True
         if alone:
             answer = self.problem.solve(load, start=start)
             certificate = None
@@ -107,6 +110,7 @@ class Sampler:
             if tried.contradiction or (tried.certificate is None and near is None and supports_contradict(found)):
                 raise NoEquilibriumError(CONTRADICTION)
             answer, certificate = tried.answer, tried.certificate
+            own = tried.methods == (self.problem.method,)
         if certificate is None or not certificate.passed:
             raise NotCertifiedError(
                 f"The contact problem at t = {t:g} has no answer that could be certified. {uncertain(found)}"
@@ -120,7 +124,7 @@ class Sampler:
             margins(found, index, answer, self.scales, float(stop.parts[index])) if watched else np.ones(0)
             for index, watched in enumerate(self.watched)
         ]
-        return State(t, answer, certificate, stop, of_supports)
+        return State(t, answer, certificate, stop, of_supports, own)
 
     def value(self, state: State, watch: Watch) -> float:
         """The function of a watch."""
@@ -166,9 +170,10 @@ class Sampler:
             if width <= tolerance:
                 return high
             for end, value, other in ((low, at_low, below), (high, at_high, above)):
-                slope = abs(at_high - at_low) / width
-                if other is not None and other.t != end.t:
-                    slope = min(slope, abs(value - self.value(other, watch)) / abs(end.t - other.t))
+                if other is None or other.t == end.t:
+                    continue
+                # Beside a root the slope may be another on either side: forces on one, gaps on the other.
+                slope = min(abs(at_high - at_low) / width, abs(value - self.value(other, watch)) / abs(end.t - other.t))
                 if abs(value) <= slope * tolerance:
                     return end
             t = 0.5 * (low.t + high.t)

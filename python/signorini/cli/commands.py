@@ -193,14 +193,14 @@ def path(
     steps: Annotated[
         int | None, typer.Option(metavar="N", help="How many evenly spaced t are solved. [default: 50]")
     ] = None,
-    at: Annotated[str | None, typer.Option(metavar="T,T,...", help="The t to solve instead: 0.5,1,1.5.")] = None,
+    at: Annotated[str | None, typer.Option(metavar="T,T", help="The t to solve instead: 0.5,1,1.5.")] = None,
     when: Annotated[
         list[str] | None,
         typer.Option(metavar="EQUATION", help='A threshold to find, such as "bolts[1].reaction = 203e3"; repeatable.'),
     ] = None,
     events: Annotated[
         str,
-        typer.Option(metavar="WHICH", help="named: of supports, lines and areas. all: of every contact point, no ±."),
+        typer.Option(metavar="WHICH", help="named (default), or all: every contact point, no ±.", show_default=False),
     ] = "named",
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Directory of the files. [default: FILE-path]")
