@@ -140,9 +140,10 @@ def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int 
         raise InputError("both steps and at are given; give one of them.", place="at")
     if isinstance(at, str) or not isinstance(at, Iterable):
         raise InputError(f"found {at!r}; it must be a list of numbers greater than 0.", place="at")
-    found = sorted({_factor(t, "at") for t in at})
+    # At t = 0 there is a stop anyway.
+    found = sorted({_factor(t, "at") for t in at if t != 0})
     if not 1 <= len(found) <= _MOST_STEPS:
-        raise InputError(f"found {len(found)} numbers; there must be 1 to {_MOST_STEPS}.", place="at")
+        raise InputError(f"found {len(found)} numbers beside 0; there must be 1 to {_MOST_STEPS}.", place="at")
     return found
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -69,7 +69,6 @@ class Sampler:
     path: PathLoads
     asked: tuple[Threshold, ...]
     watcher: Watcher
-    solves: int = 0
     scales: Scales | None = None
     watched: tuple[bool, ...] = field(init=False)
 
@@ -78,7 +77,7 @@ class Sampler:
         self.watched = tuple(can_let_go(support) for support in self.problem.discretisation.model.support)
 
     @cached_property
-    def _quantities(self):  # type: ignore[no-untyped-def]
+    def _quantities(self) -> Mapping[str, Callable[[PathStop], float]]:
         return quantities(self.problem.discretisation)
 
     def state(self, t: float, near: State | None = None, alone: bool = False) -> State:
@@ -93,7 +92,6 @@ class Sampler:
         """
         found, load, made_of = self.problem.discretisation, self.path.at(t), beside(self.path.loads, t)
         start = near.answer if near is not None and near.own and near.answer.solution is not None else None
-        self.solves += 1
 
         def steps(method: str, step: int, changing: int, residual: float) -> None:
             self.watcher(Progress(f"t = {t:.6g}", step, changing, residual, method=method))

@@ -63,26 +63,28 @@ def quantities(found: Discretisation) -> Mapping[str, Callable[[PathStop], float
     >>> sorted(quantities(discretise(model)))[:4]
     ['deflection.max', 'deflection.min', 'feet.closed_part', 'feet.reaction']
     """
-    found_by: dict[str, Callable[[PathStop], float]] = {
+    model = found.model
+    known: dict[str, Callable[[PathStop], float]] = {
         "deflection.max": lambda stop: stop.largest,
         "deflection.min": lambda stop: stop.smallest,
     }
-    for i, support in enumerate(found.model.support):
-        found_by[f"{support.name}.reaction"] = lambda stop, i=i: stop.reactions[i]  # type: ignore[misc]
-        found_by[f"{support.name}.closed_part"] = lambda stop, i=i: stop.parts[i]  # type: ignore[misc]
+    for i, support in enumerate(model.support):
+        known[f"{support.name}.reaction"] = _of("reactions", i)
+        known[f"{support.name}.closed_part"] = _of("parts", i)
         if support.area is not None:
-            found_by[f"{support.name}.contact_area"] = lambda stop, i=i: stop.contact_areas[i]  # type: ignore[misc]
-            found_by[f"{support.name}.max_pressure"] = lambda stop, i=i: stop.max_pressures[i]  # type: ignore[misc]
+            known[f"{support.name}.contact_area"] = _of("contact_areas", i)
+            known[f"{support.name}.max_pressure"] = _of("max_pressures", i)
     for i, one in enumerate(listed_points(found)):
-        name = f"{found.model.support[one.support].name}[{one.point}]"
-        found_by[f"{name}.reaction"] = lambda stop, i=i: stop.at_points[i]  # type: ignore[misc]
-        found_by[f"{name}.gap"] = lambda stop, i=i: stop.gaps[i]  # type: ignore[misc]
-    for i in range(len(found.probe_positions)):
-        found_by[f"probe[{i + 1}].deflection"] = lambda stop, i=i: stop.deflections[i]  # type: ignore[misc]
-    for i, column in enumerate(columns_of(found.model)):
-        line, component = column.rsplit(":", 1)
-        found_by[f"{line}.{component}"] = lambda stop, i=i: stop.through[i]  # type: ignore[misc]
-    return found_by
+        name = f"{model.support[one.support].name}[{one.point}]"
+        known |= {f"{name}.reaction": _of("at_points", i), f"{name}.gap": _of("gaps", i)}
+    known |= {f"probe[{i + 1}].deflection": _of("deflections", i) for i in range(len(found.probe_positions))}
+    for i, column in enumerate(columns_of(model)):
+        known[".".join(column.rsplit(":", 1))] = _of("through", i)
+    return known
+
+
+def _of(array: str, index: int) -> Callable[[PathStop], float]:
+    return lambda stop: float(getattr(stop, array)[index])
 
 
 def thresholds(found: Discretisation, when: Sequence[str]) -> tuple[Threshold, ...]:
