@@ -349,6 +349,20 @@ def test_a_path_warns_where_deflections_leave_the_theory_and_is_drawn_as_far(sla
     assert path_json(found)["warnings"][0] == warning
 
 
+def test_a_picture_goes_as_far_as_deflections_are_twice_the_thickness_of_a_thin_zone() -> None:
+    model = rectangular(
+        thickness=0.2,
+        zone=[{"area": {"rectangle": [1, 1, 3, 3]}, "thickness": 0.05}],
+        support=[{"name": "feet", "at": [[0, 0], [4, 0], [4, 4], [0, 4]], "resists": "down"}],
+        load=[{"pressure": 1e3}],
+    )
+    found = signorini.path(model, None, "load", until=1e5)
+    (warning,) = found.warnings
+    assert "is beyond the thickness, 0.05" in warning
+    drawn = np.abs([line.get_ydata() for line in found.plot().axes[2].lines[:2]])
+    assert drawn.max() == pytest.approx(0.1, rel=0.02)
+
+
 def test_the_picture_shows_reactions_parts_thresholds_and_deflections(slab: Path) -> None:
     found = signorini.path(signorini.load(slab), "G", "Q", when=["pads[2].reaction = 40"])
     reactions, parts, deflections = found.plot().axes

@@ -65,10 +65,9 @@ def print_path(console: Console, path: LoadPath) -> None:
         say(console, f"So on {len(path.not_unique) - _MOST_STRETCHES} more stretches, all in path.json.")
     say(console, "reactions positive up" if names else "reactions of the supports, positive up, are in path.csv")
     say(console, f"certificate, the worst of {len(path.stops)} stops: {path.certificate}")
-    say(
-        console,
-        f"of the equations; of the mesh: {compared(estimate.elements if estimate else (), estimate is not None)}",
-    )
+    none = model.estimated and estimate is None
+    of_mesh = "no ±" if none else compared(estimate.elements if estimate else (), model.estimated)
+    say(console, f"of the equations; of the mesh: {of_mesh}")
     for sentence in (*path.warnings, *(estimate.warnings if estimate else ())):
         say(console, f"Warning: {sentence}", style="yellow")
 
