@@ -86,7 +86,7 @@ def judged(seed):
         return Counter({"refused input": 1}), []
     steps = []
     try:
-        found = path(model, start, add, until, progress=steps.append)
+        found = path(model, start, add, until, progress=steps.append, events="all")
     except InputError as error:
         # Of which one is an element's, by design.
         floats = "rest anywhere" in str(error)

@@ -60,7 +60,7 @@ def plate(pressure: float, young: float, element: str, *centre: dict) -> signori
     return signorini.solve(quarter(pressure, young, element, *centre))["all"]
 
 
-def two_stages(young: float, element: str = "q8r") -> signorini.Path:
+def two_stages(young: float, element: str = "q8r") -> signorini.LoadPath:
     """Let the load grow from nothing to its whole: both of the paper's stages are one path with one event."""
     model = quarter(PRESSURE, young, element, {"resists": "down", "gap": GAP})
     return signorini.path(model, None, "load", until=1.0)
@@ -101,8 +101,8 @@ def main() -> None:
     print(f"Element {element}, E = {columns.young:.6g} N/mm2. * Results in one step, unilateral support.\n")
     print("Nodal reactions in N as the paper prints them: negative where they push the plate up.")
     print(printed(columns))
-    (event,) = two_stages(columns.young, element).events
-    print(f"\nAs one path: the {event.switched[0].support} {event.switched[0].change} at {event.t:.12g} of the load.")
+    (event,) = two_stages(columns.young, element).support_events
+    print(f"\nAs one path: the {event.support} {event.change} at {event.t:.12g} of the load.")
     print(f"\nlargest difference of R1+R2 and R*: {abs(columns.first + columns.second - columns.unilateral).max():.1e}")
 
 

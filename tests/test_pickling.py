@@ -69,7 +69,7 @@ def numbers(thing: object, place: str = "") -> Iterator[tuple[str, object]]:
 @pytest.fixture(scope="module")
 def things() -> dict[str, object]:
     results = signorini.solve(model())
-    path = signorini.path(model(), start="G", add="Q", until=3.0)
+    path = signorini.path(model(), start="G", add="Q", until=3.0, events="all")
     return {
         "model": model(),
         "table of combinations": TABLE,

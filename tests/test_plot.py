@@ -326,13 +326,17 @@ def test_a_long_title_is_wrapped_to_the_page() -> None:
     assert extent.y0 > figure.axes[0].get_window_extent().y1
 
 
-def test_every_curve_of_a_load_path_looks_different() -> None:
+def test_every_curve_of_a_load_path_looks_different_and_none_is_left_out_in_silence() -> None:
     from signorini.plot import load_path_picture
 
-    figure = load_path_picture([0, 1, 2], {f"probe {i}": [0, i, 2 * i] for i in range(14)}, {"prop": [0, 1]})
-    looks = [(line.get_color(), line.get_linestyle(), line.get_marker()) for line in figure.axes[0].get_lines()]
-    drawn = [look for look in looks if look[2] != "None"]
-    assert len(set(drawn)) == len(drawn) == 12
+    probes = {f"probe {i}": [0, i, 2 * i] for i in range(21)}
+    figure = load_path_picture([0, 1, 2], probes, {"a": [0, 1, 2], "b": [0, 1, 2]}, {"prop": [0, 1, 1]}, {"a = 1": 1.0})
+    deflections = figure.axes[2]
+    looks = [(line.get_color(), line.get_linestyle()) for line in deflections.get_lines() if len(line.get_xdata()) == 3]
+    assert len(set(looks)) == len(looks) == 18
+    assert deflections.get_legend().get_texts()[-1].get_text() == "3 more are not drawn"
+    assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == ["a, b"]
+    assert [text.get_text() for text in figure.axes[0].texts] == ["a = 1"]
 
 
 def test_several_fields_stand_side_by_side_each_with_its_scale() -> None:

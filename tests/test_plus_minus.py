@@ -651,8 +651,9 @@ def test_every_event_of_a_path_and_its_end_have_half_widths() -> None:
     found = signorini.path(propped(8), None, "Q", until=20.0)
     written = path_json(found)
     fine = path_json(signorini.path(propped(24), None, "Q", until=20.0))
-    widths = [event["t"] for event in written["plus_minus"]["events"]]
-    changes = [abs(one["t"] - other["t"]) for one, other in zip(written["events"], fine["events"], strict=True)]
+    widths = [event["t"] for event in written["plus_minus"]["support_events"]]
+    both = zip(written["support_events"], fine["support_events"], strict=True)
+    changes = [abs(one["t"] - other["t"]) for one, other in both]
     assert len(widths) > 0
     assert all(0 < change <= width < 0.5 for change, width in zip(changes, widths, strict=True))
     assert written["plus_minus"]["end"] == 0.0

@@ -240,18 +240,20 @@ def props(method: str) -> signorini.Model:
     )
 
 
+@pytest.mark.parametrize("events", ["named", "all"])
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
-def test_a_watcher_sees_the_solves_of_a_path_and_ends_them(method: str) -> None:
+def test_a_watcher_sees_the_solves_of_a_path_and_ends_them(method: str, events: str) -> None:
     told: list[Progress] = []
+    begins = "after t" if events == "all" else "t = 0.06"
 
     def watch(now: Progress) -> None:
         told.append(now)
-        if now.combination.startswith("after t"):
+        if now.combination.startswith(begins):
             raise Enough
 
     with pytest.raises(Enough):
-        signorini.path(props(method), "G", "Q", 3.0, progress=watch)
-    assert sum(now.combination.startswith("after t") for now in told) == 1
+        signorini.path(props(method), "G", "Q", 3.0, progress=watch, events=events)
+    assert sum(now.combination.startswith(begins) for now in told) == 1
     assert any(now.combination == "t = 0" for now in told)
 
 

@@ -419,7 +419,7 @@ def test_a_load_path_and_its_states_know_zones():
     loads = [{"pressure": 5e3, "case": "G"}, {"force": 900e3, "at": [7.5, 5.5], "patch": [0.4, 0.4], "case": "Q"}]
     model = slab(THICK, support=points, load=loads, probe=[{"at": [[3, 3]]}])
     found = path(model, start="G", add="Q")
-    assert found.events
+    assert found.support_events
     again = solve(slab(THICK, support=points, load=loads, combination=[{"factors": {"G": 1, "Q": 0.02}}]))
     assert found.at(0.02).deflection == approx(again["combination 1"].deflection, rel=1e-8, abs=1e-12)
 

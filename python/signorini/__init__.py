@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from signorini.formats.inputfile import load, schema
     from signorini.model import Model, validate
     from signorini.output.writing import write
+    from signorini.results.exact_path import ExactPath
     from signorini.results.load_path import LoadPath
     from signorini.results.probe_result import ProbeResult
     from signorini.results.result import Result
@@ -50,6 +51,7 @@ _HOME = {
     "formats.inputfile": ("load", "schema"),
     "model": ("Model", "validate"),
     "output.writing": ("write",),
+    "results.exact_path": ("ExactPath",),
     "results.load_path": ("LoadPath",),
     "results.probe_result": ("ProbeResult",),
     "results.result": ("Result",),
@@ -60,6 +62,7 @@ _HOME = {
 
 __all__ = [
     "ContactProblem",
+    "ExactPath",
     "InputError",
     "LcpSolution",
     "LoadPath",

@@ -1,4 +1,4 @@
-"""Load paths of random plates: within every segment the direct solution, and events where bisection finds them."""
+"""Load paths of random plates: exact ones against direct solutions and bisection, sampled ones against exact ones."""
 
 import itertools
 
@@ -17,7 +17,7 @@ def traced(data, drawing, method, **options):
     loads = [{**load, "case": "G"} for load in raw["load"]] + [{**data.draw(drawing.loads(raw["plate"])), "case": "Q"}]
     model = validate({**raw, "load": loads, "solver": {"method": method}})
     try:
-        return path(model, "G", "Q", until=3.0)
+        return path(model, "G", "Q", until=3.0, events="all")
     except (InputError, NoEquilibriumError, NotCertifiedError):
         assume(False)
 
@@ -130,3 +130,40 @@ def test_events_are_where_bisection_of_direct_solutions_finds_them(drawing, dens
         slow = slowness(found, before, points) + slowness(found, after, points)
         least = 1e-9 + 1e-12 * max(condition(twin, segment.closed) for segment in (before, after))
         assert event.t == pytest.approx(low, rel=1e-12, abs=least * slow)
+
+
+@settings(max_examples=25, suppress_health_check=[HealthCheck.filter_too_much])
+@given(data=st.data())
+def test_named_events_of_points_are_those_of_the_exact_path(drawing, dense, data):
+    exact = traced(data, drawing, "auto", kinds=("at", "at"))
+    twin = dense.of(exact.problem, load_at(exact, 0.0).nodal)
+    stretches = [segment for segment in exact.segments if not segment.jumps]
+    assume(exact.events and not twin.redundant and len(stretches) == len(exact.segments) and not exact.not_unique)
+    assume(all(twin.pins(direct(exact, 0.5 * (one.begin.t + one.end.t)).reaction) for one in stretches))
+    try:
+        found = path(exact.model, "G", "Q", until=3.0, steps=200)
+    except (NoEquilibriumError, NotCertifiedError):
+        assume(False)
+    span = found.end
+    assume(found.ending != "stopped" and exact.ending != "stopped")
+
+    def said(one):
+        return [event for event in one.support_events if 1e-6 * span < event.t < (1 - 1e-6) * span]
+
+    def near(event, others):
+        return any(
+            (event.support, event.change, event.at) == (other.support, other.change, other.at)
+            and abs(event.t - other.t) <= 1e-7 * span
+            for other in others
+        )
+
+    # All that is found is there; of what is there only what is undone between two samples is not found.
+    assert all(near(event, exact.support_events) for event in said(found))
+    missed = [event for event in said(exact) if not near(event, found.support_events)]
+    for event in missed:
+        back = {"opens": "closes", "closes": "opens"}[event.change]
+        assert any(
+            (other.support, other.at, other.change) == (event.support, event.at, back)
+            and abs(other.t - event.t) <= span / 200
+            for other in exact.support_events
+        )

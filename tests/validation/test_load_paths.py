@@ -33,7 +33,7 @@ def test_a_heavy_strip_on_soil_lifts_off_at_its_closed_form_load() -> None:
             {"case": "force", "line_load": 0.5, "edge": "left"},
         ],
     )
-    found = signorini.path(model, "weight", "force", until=2.5 * weight * np.exp(np.pi) / beta)
+    found = signorini.path(model, "weight", "force", until=2.5 * weight * np.exp(np.pi) / beta, events="all")
     event = found.events[0]
     at = event.switched[0].at[0] * beta
     assert not event.switched[0].closes and at == pytest.approx(np.pi, abs=half * beta / 80)
@@ -79,7 +79,7 @@ def test_a_heavy_disc_on_soil_lifts_off_at_its_closed_form_load(ratio) -> None:
         load=[{"case": "weight", "pressure": weight}, {"case": "force", "force": 0.25, "at": [0, 0]}],
     )
     thin = lift_off_of_disc(ratio, ratio) * weight * length**2
-    event = signorini.path(model, "weight", "force", until=1.2 * thin).events[0]
+    event = signorini.path(model, "weight", "force", until=1.2 * thin, events="all").events[0]
     at = float(np.hypot(*event.switched[0].at))
     assert at > 0.99 * radius and not event.switched[0].closes
     assert event.t == pytest.approx(lift_off_of_disc(ratio, at / length) * weight * length**2, rel=1e-4)
@@ -101,7 +101,7 @@ def test_the_prop_under_a_clamped_plate_is_met_at_the_closed_form_load() -> None
         ],
         load=[{"pressure": 1.0}],
     )
-    (event,) = signorini.path(model, None, "load").events
+    (event,) = signorini.path(model, None, "load", events="all").events
     assert event.switched[0].closes
     assert event.t == pytest.approx(gap * rigidity / (0.00126534 * side**4), rel=1e-4)
 
@@ -123,8 +123,8 @@ def test_the_gap_under_a_clamped_plate_closes_at_half_the_load(element) -> None:
             load=[{"pressure": pressure}],
         )
 
-    first = signorini.path(plate(2e5), None, "load").events[0].t
-    found = signorini.path(plate(2e5 * 0.5 / first), None, "load", until=1.0)
+    first = signorini.path(plate(2e5), None, "load", events="all").events[0].t
+    found = signorini.path(plate(2e5 * 0.5 / first), None, "load", until=1.0, events="all")
     (event,) = found.events
     assert event.t == pytest.approx(0.5, rel=1e-12) and event.switched[0].closes
     # Two stages are two segments: the reactions of both add up to those of one step.
@@ -144,9 +144,30 @@ def test_a_rigid_footing_opens_at_a_sixth_and_tips_at_half_its_width() -> None:
         support=[{"name": "soil", "area": "all", "resists": "down", "stiffness": 1e5}],
         load=[{"case": "N", "pressure": force / width**2}, {"case": "M", "moment": [1.0, 0.0], "at": [2, 2]}],
     )
-    found = signorini.path(model, "N", "M")
+    found = signorini.path(model, "N", "M", events="all")
     assert found.events[0].t == pytest.approx(force * width / 6, rel=1e-7)
     assert found.ending == "no_equilibrium" and found.limit == pytest.approx(force * width / 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("divisions", [8, 16])
+def test_a_rigid_block_loses_its_contact_at_the_closed_form_eccentricities(divisions) -> None:
+    """N on a width B at the eccentricity e: 3 (B/2 - e) of it are closed beyond e = B/6, none at B/2."""
+    width, force = 4.0, 1e3
+    model = rectangular(
+        material={"E": 5e14, "nu": 0.2},
+        size=[width, width],
+        thickness=1.0,
+        divisions=[divisions, divisions],
+        support=[{"name": "soil", "area": "all", "resists": "down", "stiffness": 1e5}],
+        load=[{"case": "N", "pressure": force / width**2}, {"case": "M", "moment": [1.0, 0.0], "at": [2, 2]}],
+    )
+    found = signorini.path(model, "N", "M")
+    assert found.ending == "no_equilibrium" and found.end == pytest.approx(force * width / 2, rel=1e-6)
+    said = [(event.change, event.closed) for event in found.support_events]
+    assert said == [("begins to open", 1.0), *(("part closed", part) for part in (0.75, 0.5, 0.25))]
+    exact = force * width * np.array([1 / 6, 1 / 4, 1 / 3, 5 / 12])
+    for event, t, width_of in zip(found.support_events, exact, found.estimate.events, strict=True):
+        assert abs(event.t - t) <= width_of < 0.02 * t
 
 
 def test_a_table_on_four_legs_loses_two_at_once_as_it_tips() -> None:
@@ -155,7 +176,7 @@ def test_a_table_on_four_legs_loses_two_at_once_as_it_tips() -> None:
         support=[{"name": "legs", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
         load=[{"case": "G", "pressure": 1e3}, {"case": "Q", "force": 1e3, "at": [4, 2]}],
     )
-    found = signorini.path(model, "G", "Q")
+    found = signorini.path(model, "G", "Q", events="all")
     assert (found.ending, found.events) == ("no_equilibrium", ())
     assert found.end == pytest.approx(16, rel=1e-9)
     assert found.at(16.0).supports[0].reactions == pytest.approx([0, 16e3, 16e3, 0], abs=1e-3)
@@ -176,7 +197,7 @@ def test_a_see_saw_tilts_to_its_other_stop_under_one_load(method) -> None:
         solver={"method": method},
         probe=[{"at": [[0, 0.5], [4, 0.5]]}],
     )
-    found = signorini.path(model, "G", "Q", until=2.0)
+    found = signorini.path(model, "G", "Q", until=2.0, events="all")
     rests, turns, tilted = found.segments
     assert (rests.jumps, turns.jumps, tilted.jumps) == (False, True, False)
     assert [stop.t for stop in found.events] == pytest.approx([1, 1], rel=1e-9)

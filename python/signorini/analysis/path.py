@@ -1,43 +1,49 @@
-"""Load paths: every event between a load and more of another, exactly."""
+"""Load paths: what a plate does between a load and more of another."""
 
 from __future__ import annotations
 
-import itertools
-from dataclasses import fields, replace
-from functools import partial
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
-from signorini import _core
-from signorini.analysis.path_check import confirmed
-from signorini.analysis.path_judge import PathJudge
+from signorini.analysis.exact_path import exact_path
+from signorini.analysis.path_loads import PathLoads, load_named
+from signorini.analysis.sampled_path import sampled_path
 from signorini.analysis.twins import Twins
 from signorini.analysis.twins.paths import PathTwins
 from signorini.base import arguments
 from signorini.base.progress import Progress, Watcher
-from signorini.contact.answer import Answer
-from signorini.contact.certificate import Certificate
-from signorini.contact.problem import ContactProblem, contact_problem
-from signorini.contact.refusal import uncertain
-from signorini.contact.strategy import WORDS, methods_along
-from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.discretise.rows import Ints
-from signorini.equilibrium.imbalance import imbalance
-from signorini.equilibrium.limits import CONTRADICTION, floats, largest_factor, supports_contradict
-from signorini.equilibrium.words import explain
-from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
+from signorini.contact.problem import contact_problem
+from signorini.discretise import discretise
+from signorini.errors import InputError
 from signorini.expression import LARGEST
 from signorini.model import Model
-from signorini.results.load_path import AT_LIMIT, Ending, LoadPath
+from signorini.results.load_path import LoadPath
+from signorini.results.thresholds import thresholds
 
-_NAMED = 10_000
-"""Combinations among which a message looks for one that was meant."""
+STEPS = 50
+_MOST_STEPS = 100_000
 
 
 def path(
-    model: Model, start: str | None, add: str, until: float | None = None, progress: Watcher | None = None
+    model: Model,
+    start: str | None,
+    add: str,
+    until: float | None = None,
+    progress: Watcher | None = None,
+    *,
+    steps: int | None = None,
+    at: Sequence[float] | None = None,
+    when: Sequence[str] = (),
+    events: Literal["named", "all"] = "named",
 ) -> LoadPath:
-    """Follow start + t add from t = 0: every t at which a contact point opens or closes, and where equilibrium ends.
+    """Follow start + t add from t = 0: states at samples of t, what supports do between them, where equilibrium ends.
+
+    Between samples the t of every named event is found: a point of a support at points opens or closes; a line or area
+    begins to open, has 75, 50 or 25 % of its true length or contact area, is all open, and the reverse as it closes.
+    What a support does and undoes between two samples is not seen.
 
     Parameters
     ----------
@@ -47,19 +53,33 @@ def path(
     add : str
         Name of the load that grows.
     until : float, optional
-        The largest t wanted; by default to the end of equilibrium, or until there are no more events.
+        The largest t wanted; by default the end of equilibrium or, where it does not end, the power of 2 beyond which
+        doubling t brings no more named events; with ``at`` the largest of these.
     progress : callable, optional
-        Called with a `Progress` as meshing and factoring begin, at every event, by the solves between events, and by
-        what confirms some of them. What it raises ends the path.
+        Called with a `Progress` as meshing and factoring begin and by every solve. What it raises ends the path, and
+        reaches the caller; but a KeyboardInterrupt after the state at t = 0 gives the path as far as it came.
+    steps : int, optional
+        How many evenly spaced t are solved beside t = 0; by default 50.
+    at : sequence of float, optional
+        The t to solve, in place of ``steps``.
+    when : sequence of str
+        Thresholds to find, such as ``"bolts[1].reaction = 203e3"``: any result of a stop that has a name.
+    events : {"named", "all"}
+        "all" follows every contact point from event to event instead, exactly, without half-widths.
+
+    Returns
+    -------
+    LoadPath
+        With "all" an `ExactPath`.
 
     Raises
     ------
     InputError
-        If the model says something that cannot be, or has no such case or combination.
+        If the model says something that cannot be, or has no such case, combination or quantity.
     NoEquilibriumError
         If the start has no equilibrium.
     NotCertifiedError
-        If the answer at a stop fails its certificate, or the start was not solved.
+        If the start was not solved.
 
     Examples
     --------
@@ -75,129 +95,63 @@ def path(
     ...     ],
     ...     load=[{"case": "Q", "pressure": 10e3}],
     ... )
-    >>> found = path(model, start=None, add="Q")
-    >>> (event,) = found.events
-    >>> event.switched[0].support, event.switched[0].closes, found.ending
-    ('prop', True, 'no_more_events')
-    >>> round(found.at(event.t).supports[1].reaction, 6), round(found.at(event.t).probe([2, 2])[0].deflection, 12)
+    >>> found = path(model, start=None, add="Q", until=2.0, when=["prop[1].reaction = 20e3"])
+    >>> [(event.support, event.change) for event in found.support_events], found.ending, len(found.stops)
+    ([('prop', 'closes')], 'until', 53)
+    >>> t = found.support_events[0].t
+    >>> round(found.at(t).supports[1].reaction, 3), round(found.at(t).probe([2, 2])[0].deflection, 9)
     (0.0, 0.001)
+    >>> round(found.at(found.thresholds[0].t).reactions["prop"])
+    20000
     """
     watcher = arguments.watching(progress, "progress")
+    arguments.known(events, ("named", "all"), "choice", "events", "It")
+    samples = _samples(steps, at, events)
     watcher(Progress(stage="mesh"))
     found = discretise(model)
     if add is None:
         raise InputError("found None; it must be the name of the load that grows.", place="add")
-    loads = _load(found, start, "start"), _load(found, add, "add")
-    until = None if until is None else arguments.number(until, "until")
-    if until is not None and not 0 < until < np.inf:
-        raise InputError(f"found {until:g}; it must be a finite number greater than 0.", place="until")
-    if until is not None and until > LARGEST:
-        raise InputError(f"found {until:g}; it must be at most {LARGEST:g}.", place="until")
-    if not loads[1].nodal.any():
+    growing = load_named(found, add, "add")
+    load_named(found, start, "start")
+    if until is not None:
+        until = _factor(until, "until")
+    if not growing.nodal.any():
         raise InputError(f'the load "{add}" is zero; it must be one that grows. Name another.', place="add")
+    asked = thresholds(found, when)
     watcher(Progress(stage="factor"))
     problem = contact_problem(found)
-    traced = _followed(problem, watcher, start, add, until)
-    following = partial(_followed, start=start, add=add, until=until)
-    return replace(traced, estimator=PathTwins(Twins(found.model, found.mesh, watcher), following))
+    loads = PathLoads.of(problem, start, add)
+    if events == "all":
+        return exact_path(problem, loads, until, asked, watcher)
+    followed = sampled_path(problem, loads, until, samples, asked, watcher)
+    return replace(followed, estimator=PathTwins(Twins(found.model, found.mesh, watcher), (start, add)))
 
 
-def _followed(problem: ContactProblem, watcher: Watcher, start: str | None, add: str, until: float | None) -> LoadPath:
-    """Follow the path of a problem."""
-    found = problem.discretisation
-    loads = _load(found, start, "start"), _load(found, add, "add")
-    message = explain(found, imbalance(found, problem.freedom, loads[0].weighing))
-    if message:
-        raise NoEquilibriumError(f"{start or 'without load'}: {message}")
-    if floats(found, problem.freedom, loads[0].weighing, loads[1].weighing):
-        raise InputError(
-            f"nothing presses the plate on its supports: neither {start or 'the start, which is no load,'} nor {add} "
-            "has a resultant, so it may rest anywhere. Add its weight.",
-            place="add",
-        )
-    limit, reached = (
-        largest_factor(found, problem.freedom, bearing, loads[0].weighing, loads[1].weighing)
-        for bearing in (problem.freedom.outline, problem.freedom.on_mesh)
-    )
-    traced: LoadPath | None = None
-    for other_problem in methods_along(problem):
-        other = _trace(other_problem, problem, (start, add), loads, until, (limit, reached), watcher)
-        traced = other if traced is None or (other is not None and other.end > traced.end) else traced
-        if traced is not None and (traced.ending != "stopped" or traced.ends_with_the_mesh):
-            break
-    if traced is None and supports_contradict(found):
-        raise NoEquilibriumError(CONTRADICTION)
-    if traced is None:
-        raise NotCertifiedError(
-            f"The contact problem at t = 0 has no answer that could be certified. {uncertain(found)}"
-        )
-    return traced
+def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int | list[float]:
+    """How many t are solved, or which, in rising order."""
+    if events == "all" and (steps is not None or at is not None):
+        raise InputError('events="all" stops at every event; leave out steps and at.', place="events")
+    if at is None:
+        count = STEPS if steps is None else steps
+        if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= _MOST_STEPS:
+            raise InputError(f"found {count!r}; it must be a whole number from 1 to {_MOST_STEPS}.", place="steps")
+        return count
+    if steps is not None:
+        raise InputError("both steps and at are given; give one of them.", place="at")
+    if isinstance(at, str) or not isinstance(at, Iterable):
+        raise InputError(f"found {at!r}; it must be a list of numbers greater than 0.", place="at")
+    # At t = 0 there is a stop anyway.
+    found = sorted({_factor(t, "at") for t in at if t != 0})
+    if not 1 <= len(found) <= _MOST_STEPS:
+        raise InputError(f"found {len(found)} numbers beside 0; there must be 1 to {_MOST_STEPS}.", place="at")
+    return found
 
 
-def _load(found: Discretisation, name: str | None, argument: str) -> CaseLoad:
-    """The load of a case or, if there is none of that name, of a combination."""
-    if name is None:
-        return 0.0 * next(iter(found.cases.values()))
-    arguments.name(name, "load case or combination", argument)
-    if name in found.cases:
-        return found.cases[name]
-    combinations = found.model.effective_combinations if found.model.combination else ()
-    for combination in combinations:
-        if combination.name == name:
-            return found.load(combination)
-    names = {*found.cases, *(combination.name for combination in itertools.islice(combinations, _NAMED))}
-    raise InputError(unknown("load case or combination", name, names), place=argument)
-
-
-def _trace(
-    problem: ContactProblem,
-    direct: ContactProblem,
-    names: tuple[str | None, str],
-    loads: tuple[CaseLoad, CaseLoad],
-    until: float | None,
-    limits: tuple[float, float],
-    watcher: Watcher,
-) -> LoadPath | None:
-    """Follow the path by one method, as far as its answers are certified and confirmed; None if not at all.
-
-    ``limits`` are those of the supports' outlines and of the contact points of the mesh.
-    """
-    found = problem.discretisation
-    judge, at = PathJudge(problem, loads), list[float]()
-    method = WORDS[problem.method]
-    limit, asked = limits[0], np.inf if until is None else until
-    end = min(*limits, asked)
-
-    def visit(t: float, points: Ints, solution: _core.ContactSolution) -> None:
-        judge.take(t, points, Answer.of(found, solution))
-        at.append(t)
-        whole = f" of {end:.6g}" if np.isfinite(end) else ""
-        watcher(Progress(f"t = {t:.6g}{whole}, event {len(at)}"))
-
-    def show(step: int, changing: int, residual: float) -> None:
-        where = f"after t = {at[-1]:.6g}" if at else "t = 0"
-        watcher(Progress(where, step, changing, residual, method=method))
-
-    try:
-        ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, show)
-        judge.judge()
-    except NotCertifiedError:
-        ended = "unsolved"
-    stops, certificates, doubts = judge.stops, judge.certificates, judge.doubts
-    count = confirmed(direct, loads, stops, watcher)
-    if count == 0 or judge.first is None:
-        return None
-    whole = count == len(stops)
-    del stops[count:], certificates[count:]
-    near_limit = stops[-1].t >= limit * (1 - AT_LIMIT)
-    ending: Ending = "stopped"
-    if whole and ended == "unbounded":
-        ending = "no_more_events"
-    elif whole and ended != "too_many" and near_limit:
-        ending = "no_equilibrium"
-    elif whole and ended == "reached" and end == asked:
-        ending = "until"
-    figures = [figure.name for figure in fields(Certificate)]
-    worst = Certificate(**{name: max(getattr(one, name) for one in certificates) for name in figures})
-    doubted = tuple(index for index in doubts if index < len(stops) - 1)
-    return LoadPath(*names, problem, tuple(stops), ending, *limits, worst, loads, judge.first, doubted)
+def _factor(value: object, place: str) -> float:
+    """A t that can be asked for."""
+    t = arguments.number(value, place)
+    if not 0 < t < np.inf:
+        raise InputError(f"found {t:g}; it must be a finite number greater than 0.", place=place)
+    if t > LARGEST:
+        raise InputError(f"found {t:g}; it must be at most {LARGEST:g}.", place=place)
+    return t

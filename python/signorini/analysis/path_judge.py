@@ -14,7 +14,8 @@ from signorini.contact.selection import chosen, doubtful
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import NotCertifiedError
-from signorini.results.load_path import ahead, beside
+from signorini.results.exact_path import ahead
+from signorini.results.load_path import beside
 from signorini.results.path_stop import PathStop, path_stops
 
 _LOST = 1e-6

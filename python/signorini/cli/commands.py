@@ -9,13 +9,15 @@ import signal
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
 import signorini
+from signorini.base.arguments import known
 from signorini.base.units import METRES
 from signorini.cli import interrupts, streams, tables
 from signorini.cli.cells import visible
@@ -29,7 +31,17 @@ _SHORT = 0.999
 """Part of the limit of equilibrium at which a path ends that stops short of it."""
 _OWN_PROCESS = "own process"
 """Tells commands that this process is theirs alone, to be forked."""
-_OPTIONS = {"start": "--from", "add": "--add", "until": "--until", "unit": "--unit", "output": "--output"}
+_OPTIONS = {
+    "start": "--from",
+    "add": "--add",
+    "until": "--until",
+    "steps": "--steps",
+    "at": "--at",
+    "when": "--when",
+    "events": "--events",
+    "unit": "--unit",
+    "output": "--output",
+}
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
 """What the arguments of `signorini.path` and of `read_dxf` are called on the command line."""
 
@@ -178,13 +190,25 @@ def path(
         float | None,
         typer.Option(metavar="T", help="The largest t. [default: to the end of equilibrium or of the events]"),
     ] = None,
+    steps: Annotated[
+        int | None, typer.Option(metavar="N", help="How many evenly spaced t are solved. [default: 50]")
+    ] = None,
+    at: Annotated[str | None, typer.Option(metavar="T,T", help="The t to solve instead: 0.5,1,1.5.")] = None,
+    when: Annotated[
+        list[str] | None,
+        typer.Option(metavar="EQUATION", help='A threshold to find, such as "bolts[1].reaction = 203e3"; repeatable.'),
+    ] = None,
+    events: Annotated[
+        str,
+        typer.Option(metavar="WHICH", help="named (default), or all: every contact point, no ±.", show_default=False),
+    ] = "named",
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Directory of the files. [default: FILE-path]")
     ] = None,
 ) -> None:
-    """Follow one load as another grows: every t at which supports open or close, and where equilibrium ends.
+    """Follow one load as another grows: at which t supports open or close, and where equilibrium ends.
 
-    Write path.json, path.csv and path.png; print the events.
+    Write path.json, path.csv and path.png; print the events. Ctrl-C ends the path and writes what it has.
     """
     with _messages(file):
         from signorini.cli.events import print_path
@@ -193,13 +217,20 @@ def path(
 
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
-        with room_for_path(directory) as room, progress_line() as show, interrupts.at_once(room):
-            found = signorini.path(model, start, add, until, progress=show)
-            if model.estimated:
-                _ = found.estimate
+        with room_for_path(directory) as room, progress_line() as show, interrupts.at_once(room, interrupts.PATIENT):
+            chosen = None if at is None else _numbers(at)
+            found = signorini.path(
+                model, start, add, until, show, steps=steps, at=chosen, when=when or (), events=_which(events)
+            )
+            try:
+                _ = found.asked_estimate
+            except KeyboardInterrupt:
+                found = replace(found, interrupted=True)
         write_path(found, directory)
         print_path(streams.stdout(), found)
         streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
+        if found.interrupted:
+            raise typer.Exit(interrupts.INTERRUPTED)
         if found.ending == "stopped":
             why = "rounding decides which points are in contact. "
             short = _SHORT * found.limit
@@ -214,6 +245,21 @@ def path(
                     "the contact points of this mesh. Take a finer mesh there"
                 )
             raise NotCertifiedError(f"the path was followed to t = {found.end:.6g} only; beyond, {why}.")
+
+
+def _numbers(text: str) -> list[float]:
+    """Numbers with commas between them."""
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(
+            f"found {text!r}; it must be numbers with commas between them: 0.5,1,1.5.", place="at"
+        ) from None
+
+
+def _which(events: str) -> Literal["named", "all"]:
+    """What may stand for events."""
+    return "all" if known(events, ("named", "all"), "choice", "events", "It") == "all" else "named"
 
 
 @app.command(

@@ -12,7 +12,7 @@ from signorini.cli.cells import UNKNOWN, in_unit
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.results.load_path import LoadPath, t_in_words
 
-_UNSETTLED = f"{UNKNOWN}: on the next mesh it happens more or less often, not at all, or at quite another t"
+_UNSETTLED = f"{UNKNOWN}: on the next mesh it happens not at all, or at quite another t"
 _MOST_EVENTS = 40
 """Events printed; of more the first and last halves of these."""
 _MOST_STRETCHES = 3
@@ -24,10 +24,10 @@ _MOST_COLUMNS = 6
 def print_path(console: Console, path: LoadPath) -> None:
     """Print every event: where on the path, which points open or close, and what the plate does there."""
     model, units = path.model, path.model.units
-    estimate = path.estimate if model.estimated else None
+    estimate = path.asked_estimate
     if model.title:
         say(console, model.title, style="bold")
-    say(console, Text(path.name, style="bold") + Text(f": followed by {path.method}"))
+    say(console, Text(path.name, style="bold") + Text(f": {len(path.stops)} stops by {path.method}"))
     names = [support.name for support in model.support]
     if len(names) > _MOST_COLUMNS:
         names = []
@@ -52,8 +52,12 @@ def print_path(console: Console, path: LoadPath) -> None:
     rows.show(console)
     if unknown:
         say(console, _UNSETTLED)
-    if any(support.place != "at" for support in model.support):
-        say(console, f"of lines and areas each quarter is an event; all {len(path.stops)} stops are in path.csv")
+    say(console, f"all {len(path.stops)} stops are in path.csv")
+    for threshold in path.thresholds:
+        if threshold.t is None:
+            say(console, f"{threshold.when}: not reached on this path")
+    if path.interrupted:
+        say(console, f"Interrupted at t = {path.end:.9g}; what there is, is certified.", style="yellow")
     say(console, _ending(path))
     for begin, end, one in path.not_unique[:_MOST_STRETCHES]:
         say(console, f"From t = {begin:.9g} to {end:.9g} {one.otherwise}: more answers than one are right.")
@@ -61,12 +65,16 @@ def print_path(console: Console, path: LoadPath) -> None:
         say(console, f"So on {len(path.not_unique) - _MOST_STRETCHES} more stretches, all in path.json.")
     say(console, "reactions positive up" if names else "reactions of the supports, positive up, are in path.csv")
     say(console, f"certificate, the worst of {len(path.stops)} stops: {path.certificate}")
-    say(console, f"of the equations; of the mesh: {compared(estimate.elements if estimate else (), model.estimated)}")
+    none = model.estimated and estimate is None
+    of_mesh = "no ±" if none else compared(estimate.elements if estimate else (), model.estimated)
+    say(console, f"of the equations; of the mesh: {of_mesh}")
     for sentence in (*path.warnings, *(estimate.warnings if estimate else ())):
         say(console, f"Warning: {sentence}", style="yellow")
 
 
 def _ending(path: LoadPath) -> str:
+    if path.interrupted and path.ending == "stopped":
+        return f"Followed to t = {path.end:.9g}, where it was interrupted."
     match path.ending:
         case "no_equilibrium":
             return f"Equilibrium ends at t = {path.end:.9g}: for a larger t no reactions balance the load."

@@ -18,11 +18,13 @@ SAID = "Interrupted; nothing is written."
 
 _GRACE = 1.0
 """Seconds in which Python code unwinds by itself."""
+PATIENT = 30.0
+"""Seconds in which what has something to write ends the solve that is at work."""
 
 
 @contextmanager
-def at_once(room: Path) -> Iterator[None]:
-    """End the process on a signal within about a second, although native code is running.
+def at_once(room: Path, grace: float = _GRACE) -> Iterator[None]:
+    """End the process on a signal within so many seconds, although native code is running.
 
     No file may be open but in the room, a directory that is removed then.
 
@@ -37,7 +39,7 @@ def at_once(room: Path) -> Iterator[None]:
     os.set_blocking(write, False)
     former = signal.set_wakeup_fd(write, warn_on_full_buffer=False)
     left = threading.Event()
-    watcher = threading.Thread(target=_watch, args=(read, left, room), daemon=True)
+    watcher = threading.Thread(target=_watch, args=(read, left, room, grace), daemon=True)
     watcher.start()
     try:
         yield
@@ -48,11 +50,11 @@ def at_once(room: Path) -> Iterator[None]:
         watcher.join()
 
 
-def _watch(read: int, left: threading.Event, room: Path) -> None:
+def _watch(read: int, left: threading.Event, room: Path, grace: float) -> None:
     codes = {signal.SIGINT: INTERRUPTED, signal.SIGTERM: TERMINATED}
     while signals := os.read(read, 1):
         code = codes.get(signal.Signals(signals[0]))
-        if code is not None and not left.wait(_GRACE):
+        if code is not None and not left.wait(grace):
             remove(room)
             sys.stderr.write(f"{SAID}\n")
             sys.stderr.flush()

@@ -26,8 +26,6 @@ from signorini.results.path_stop import PathStop, listed_points
 from signorini.results.section_result import columns_of, section_results
 
 SCHEMA = 1
-_OF_POINTS = ("opens", "closes")
-"""What points of supports do that another mesh has too."""
 
 
 def path_json(path: LoadPath) -> dict[str, Any]:
@@ -44,10 +42,10 @@ def path_json(path: LoadPath) -> dict[str, Any]:
     ...     load=[{"case": "G", "pressure": 1e3}, {"case": "Q", "force": 1e3, "at": [4, 2]}],
     ... )
     >>> found = path_json(signorini.path(model, start="G", add="Q"))
-    >>> found["ending"], round(found["end"], 9), found["events"]
+    >>> found["ending"], round(found["end"], 6), found["events"]
     ('no_equilibrium', 16.0, [])
     """
-    model, estimate = path.model, path.estimate if path.model.estimated else None
+    model, estimate = path.model, path.asked_estimate
     return {
         "schema": SCHEMA,
         "title": model.title,
@@ -75,6 +73,13 @@ def path_json(path: LoadPath) -> dict[str, Any]:
             }
             for event in path.support_events
         ],
+        "thresholds": [
+            {"when": one.when, "t": one.t, "plus_minus": width}
+            for one, width in zip(
+                path.thresholds, estimate.thresholds if estimate else (None,) * len(path.thresholds), strict=True
+            )
+        ],
+        "interrupted": path.interrupted,
         "stops": [_stop(path, stop) for stop in path.stops],
         "warnings": [*path.warnings, *(estimate.warnings if estimate else ())],
         "plus_minus": None if estimate is None else _half_widths(path, estimate),
@@ -82,24 +87,10 @@ def path_json(path: LoadPath) -> dict[str, Any]:
 
 
 def _half_widths(path: LoadPath, estimate: PathEstimate) -> dict[str, Any]:
-    """Half-widths of the end and of every event's t; the limit is of the supports' outlines, and has none.
-
-    Contact points of lines and areas are of the mesh, and have none.
-    """
-    told = zip(path.support_events, estimate.events, strict=True)
-    of_points = {(event.row, event.support, event.at): width for event, width in told if event.change in _OF_POINTS}
+    """Half-widths of the end and of every named event's t; the limit is of the supports' outlines, and has none."""
     return {
         "end": estimate.end,
-        "events": [
-            {
-                "t": of_points.get((row, switch.support, switch.at)),
-                "support": switch.support,
-                "at": None,
-                "change": switch.change,
-            }
-            for row, stop in enumerate(path.stops)
-            for switch in stop.switched
-        ],
+        "events": [],
         "support_events": [
             {"t": width, "support": event.support, "at": None, "change": event.change, "closed": None}
             for event, width in zip(path.support_events, estimate.events, strict=True)
@@ -147,7 +138,7 @@ def path_csv(path: LoadPath) -> str:
     names = [support.name for support in path.model.support]
     positions = path.problem.discretisation.probe_positions.tolist()
     table = csv.writer(text, lineterminator="\n")
-    estimate = path.estimate if path.model.estimated else None
+    estimate = path.asked_estimate
     table.writerow(
         ["t", "t_plus_minus", "event", "deflection_max", "deflection_min"]
         + [f"{what}:{name}" for name in names for what in _OF_SUPPORTS]

@@ -1,15 +1,15 @@
-"""A load path: deflections over the load factor, and what each support does."""
+"""A load path: over the load factor what the supports carry, which part of them is closed, and deflections."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, TypeAlias
+import textwrap
+from collections.abc import Collection, Mapping
+from typing import Literal, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.errors import InputError
@@ -18,42 +18,56 @@ from signorini.plot.plan import INK, literal
 Floats: TypeAlias = NDArray[np.float64]
 
 _CURVES = ("#1f5fa8", "#d95f02", "#1b6e53", "#7a3e9d", "#8c6d1f", "#b3261e")
-_CLOSED, _OPEN = "#1f5fa8", "#eef2f5"
-_STYLES = (("solid", "o"), ("dashed", "s"))
-"""Of curves of one colour the first one's and the second one's."""
+_STYLES: tuple[Literal["solid", "dashed", "dotted"], ...] = ("solid", "dashed", "dotted")
+"""Of curves of one colour the first one's, the second one's and the third one's."""
 _MOST_CURVES = len(_CURVES) * len(_STYLES)
+_END, _ASKED = "#b3261e", "#5c5c5c"
+_WIDEST = 34
+"""Letters of a line of a legend."""
+_PART = "part closed [%]"
+_ALIKE = 1e-6
+"""Difference of curves, over the largest of all, that is none."""
+_HEIGHT, _ROW = 2.3, 0.19
+"""Inches of a panel, and of a row of its legend."""
 
 
 def load_path_picture(
     t: ArrayLike,
     deflections: Mapping[str, ArrayLike],
+    reactions: Mapping[str, ArrayLike],
     closed: Mapping[str, ArrayLike],
+    thresholds: Mapping[str, float] | None = None,
     *,
+    stepwise: Collection[str] = (),
     limit: float | None = None,
     until: float | None = None,
     last: float | None = None,
     title: str = "",
     factor: str = "t",
     length: str = "",
+    force: str = "",
 ) -> Figure:
-    """Draw deflections against the load factor, and below the part of every support that is closed.
+    """Draw reactions, the parts of supports that are closed, and deflections against the load factor, in panels.
 
     Parameters
     ----------
     t : array_like, shape (k,)
-        The factor at the beginning of the path, at every event and at its end.
-    deflections : mapping of array_like, shape (k,)
-        Curves by name, linear between the values of t; of more than twelve the first are drawn.
-    closed : mapping of array_like, shape (k - 1,)
-        By support, the part from 0 to 1 of its points that is closed on each stretch.
+        The factor at the stops of the path.
+    deflections, reactions, closed : mapping of array_like, shape (k,)
+        Curves by name; parts that are closed from 0 to 1. What coincides is one curve with all its names; of more than
+        eighteen the first are drawn, and the panel says how many are left out.
+    thresholds : mapping of float, optional
+        Factors to mark, by what is reached there.
+    stepwise : collection of str
+        Supports whose part that is closed changes at once, from a stop on: those at points.
     limit : float, optional
         The factor at which equilibrium ends, if it does at the end of the path.
     until : float, optional
         The factor at which deflections leave what the theory is of; what is beyond is not drawn.
     last : float, optional
         The factor from which on nothing happens that is worth drawing.
-    title, factor, length : str
-        Above the picture; what the factor is; the unit of length.
+    title, factor, length, force : str
+        Above the picture; what the factor is; units.
 
     Returns
     -------
@@ -66,94 +80,102 @@ def load_path_picture(
 
     Examples
     --------
-    >>> figure = load_path_picture([0, 1, 2], {"middle": [0, 1, 1]}, {"prop": [0, 1]}, factor="t of Q")
+    >>> figure = load_path_picture([0, 1, 2], {"middle": [0, 1, 1]}, {"prop": [0, 0, 5]}, {"prop": [0, 1, 1]})
     >>> [axes.get_ylabel() for axes in figure.axes]
-    ['deflection, positive down', '']
+    ['reaction, positive up', 'part closed [%]', 'deflection, positive down']
     """
     stops = np.asarray(t, dtype=float)
-    curves = {name: np.asarray(values, dtype=float) for name, values in deflections.items()}
-    parts = {name: np.asarray(values, dtype=float) for name, values in closed.items()}
-    for name, values, expected in (
-        *((name, values, len(stops)) for name, values in curves.items()),
-        *((name, values, len(stops) - 1) for name, values in parts.items()),
-    ):
-        if values.shape != (expected,):
-            raise InputError(f"{name!r} has the shape {values.shape}; for these t it must be ({expected},).")
+    panels = {
+        f"reaction{_unit(force)}, positive up": reactions,
+        _PART: {name: 100.0 * np.asarray(of, dtype=float) for name, of in closed.items()},
+        f"deflection{_unit(length)}, positive down": deflections,
+    }
+    drawn = min((to for to in (until, last) if to is not None), default=np.inf)
+    kept = stops[stops < drawn]
+    shown = np.append(kept, drawn) if drawn < stops[-1] else stops
+    curves = {
+        label: {name: _cut(name, values, stops, shown) for name, values in of.items()}
+        for label, of in panels.items()
+        if of
+    }
+    rows = [max(_HEIGHT, _ROW * (min(len(of), _MOST_CURVES) + 2)) for of in curves.values()]
+    figure = Figure(figsize=(8.6, 0.9 + sum(rows)), layout="constrained")
+    axes = figure.subplots(len(curves), 1, sharex=True, squeeze=False, height_ratios=rows)[:, 0].tolist()
+    figure.suptitle(literal(title), fontsize=11, color=INK)
+    for panel, (label, of) in zip(axes, curves.items(), strict=True):
+        _draw_curves(panel, shown, of, label, stepwise if label == _PART else ())
+    axes[-1].invert_yaxis()
+    axes[-1].set_xlabel(literal(factor), fontsize=9, color=INK)
     end, words = limit, "equilibrium ends"
     if until is not None and (end is None or until < end):
         end, words = until, "beyond, too large to be drawn"
-    drawn = min((to for to in (until, last) if to is not None), default=np.inf)
-    if drawn < stops[-1]:
-        stops, curves, parts = _drawn(stops, curves, parts, drawn)
-    figure = Figure(figsize=(7.4, 3.9 + 0.34 * max(len(parts), 1)), layout="constrained")
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3.1, 0.34 * max(len(parts), 1) + 0.2])
-    figure.suptitle(literal(title), fontsize=11, color=INK)
-    _draw_curves(above, stops, curves)
-    _draw_states(figure, below, stops, parts)
-    unit = literal(f" [{length}]" if length else "")
-    above.set_ylabel(f"deflection{unit}, positive down", fontsize=9, color=INK)
-    below.set_xlabel(literal(factor), fontsize=9, color=INK)
-    if end is not None and end <= stops[-1]:
-        for axes in (above, below):
-            axes.axvline(end, color="#b3261e", linewidth=1.4)
-        above.annotate(
-            words,
-            (end, 1.0),
-            xycoords=("data", "axes fraction"),
-            xytext=(-4, -4),
-            textcoords="offset points",
-            ha="right",
-            va="top",
-            fontsize=8.5,
-            color="#b3261e",
-        )
+    if end is not None and end <= shown[-1]:
+        _mark(axes, end, words, _END)
+    for name, value in (thresholds or {}).items():
+        if value <= shown[-1]:
+            _mark(axes, value, name, _ASKED)
     return figure
 
 
-def _drawn(
-    stops: Floats, curves: Mapping[str, Floats], parts: Mapping[str, Floats], until: float
-) -> tuple[Floats, dict[str, Floats], dict[str, Floats]]:
-    """What of a path is not beyond a factor."""
-    last = int(np.searchsorted(stops, until))
-    kept = np.append(stops[:last], until)
-    cut = {name: np.append(values[:last], np.interp(until, stops, values)) for name, values in curves.items()}
-    return kept, cut, {name: values[:last] for name, values in parts.items()}
+def _unit(unit: str) -> str:
+    return literal(f" [{unit}]" if unit else "")
 
 
-def _draw_curves(axes: Axes, stops: Floats, curves: Mapping[str, Floats]) -> None:
-    few = len(stops) <= 40
-    for i, (name, values) in enumerate(list(curves.items())[:_MOST_CURVES]):
-        style, marker = _STYLES[i // len(_CURVES)]
-        look: dict[str, Any] = {"color": _CURVES[i % len(_CURVES)], "linestyle": style, "linewidth": 1.5}
-        line = Line2D(stops, values, label=literal(name), **look)
-        if few:
-            line.set_marker(marker)
-            line.set_markersize(3.2)
+def _cut(name: str, values: ArrayLike, stops: Floats, shown: Floats) -> Floats:
+    """The values of a curve at the factors that are shown."""
+    of = np.asarray(values, dtype=float)
+    if of.shape != stops.shape:
+        raise InputError(f"{name!r} has the shape {of.shape}; for these t it must be ({len(stops)},).")
+    return of if shown is stops else np.interp(shown, stops, of)
+
+
+def _mark(axes: list[Axes], t: float, words: str, color: str) -> None:
+    for panel in axes:
+        panel.axvline(t, color=color, linewidth=1.2, linestyle="solid" if color == _END else (0, (4, 2)))
+    axes[0].annotate(
+        literal(words),
+        (t, 1.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(-3, -3),
+        textcoords="offset points",
+        ha="right",
+        va="top",
+        rotation=90,
+        fontsize=8,
+        color=color,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
+    )
+
+
+def _together(curves: Mapping[str, Floats]) -> list[tuple[str, Floats]]:
+    """Curves, those that coincide as one with all their names."""
+    apart = _ALIKE * max((float(np.abs(values).max()) for values in curves.values()), default=0.0)
+    found: list[tuple[list[str], Floats]] = []
+    for name, values in curves.items():
+        same = next((names for names, of in found if np.abs(of - values).max() <= apart), None)
+        if same is None:
+            found.append(([name], values))
+        else:
+            same.append(name)
+    return [(", ".join(names), values) for names, values in found]
+
+
+def _draw_curves(
+    axes: Axes, stops: Floats, curves: Mapping[str, Floats], label: str, stepwise: Collection[str]
+) -> None:
+    every = _together(curves)
+    for i, (name, values) in enumerate(every[:_MOST_CURVES]):
+        line = Line2D(stops, values, color=_CURVES[i % len(_CURVES)], linestyle=_STYLES[i // len(_CURVES)])
+        line.set(label=literal("\n".join(textwrap.wrap(name, _WIDEST))), linewidth=1.5)
+        line.set_drawstyle("steps-post" if set(name.split(", ")) & set(stepwise) else "default")
         axes.add_line(line)
-    for event in stops[1:-1] if few else []:
-        axes.axvline(event, color=INK, linewidth=0.5, alpha=0.25, zorder=0)
+    left_out = len(every) - _MOST_CURVES
+    if left_out > 0:
+        axes.add_line(Line2D([], [], label=f"{left_out} more are not drawn", linestyle="none"))
     axes.autoscale_view()
-    axes.invert_yaxis()
-    axes.legend(fontsize=8.5, frameon=False, loc="best")
+    axes.margins(x=0.01)
+    axes.set_ylabel(label, fontsize=9, color=INK)
+    axes.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
     axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(alpha=0.25, linewidth=0.5)
     axes.tick_params(labelsize=8.5)
-
-
-def _draw_states(figure: Figure, axes: Axes, stops: Floats, parts: Mapping[str, Floats]) -> None:
-    for row, part in enumerate(parts.values()):
-        widths = np.diff(stops)
-        axes.barh(row, widths, left=stops[:-1], height=0.62, color=_shades(part), edgecolor=INK, linewidth=0.0)
-        axes.barh(row, stops[-1] - stops[0], left=stops[0], height=0.62, fill=False, edgecolor=INK, linewidth=0.6)
-    axes.set_yticks(range(len(parts)), [literal(name) for name in parts], fontsize=8.5)
-    axes.invert_yaxis()
-    axes.spines[["top", "right", "left"]].set_visible(False)
-    axes.tick_params(axis="y", length=0)
-    axes.tick_params(axis="x", labelsize=8.5)
-    patches = [Patch(facecolor=colour, edgecolor=INK, linewidth=0.6) for colour in (_CLOSED, _OPEN)]
-    figure.legend(patches, ["closed", "open"], loc="outside lower right", ncols=2, fontsize=8.5, frameon=False)
-
-
-def _shades(part: Floats) -> Floats:
-    """A colour between open and closed for each stretch."""
-    open_, closed = (np.array([int(c[i : i + 2], 16) / 255 for i in (1, 3, 5)]) for c in (_OPEN, _CLOSED))
-    return np.asarray(open_ + part[:, None] * (closed - open_))

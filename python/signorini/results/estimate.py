@@ -39,19 +39,27 @@ class PathEstimate:
     end : float or None
         Half-width of the t at which it ends.
     events : tuple of float or None
-        Half-widths of the t of every event.
+        Half-widths of the t of every named event.
+    thresholds : tuple of float or None
+        Those of the t of every threshold.
     elements, warnings
         As those of an `Estimate`.
     """
 
     end: float | None
     events: tuple[float | None, ...]
+    thresholds: tuple[float | None, ...]
     elements: tuple[int, ...]
     warnings: tuple[str, ...]
 
+    @classmethod
+    def nothing(cls, events: int, thresholds: int, warnings: tuple[str, ...] = ()) -> PathEstimate:
+        """No half-widths of so many events and thresholds."""
+        return cls(None, (None,) * events, (None,) * thresholds, (), warnings)
+
 
 class PathEstimator(Protocol):
-    """Follows a path on other meshes."""
+    """Finds the events of a path on other meshes."""
 
     def estimate(self, path: Any) -> PathEstimate:
         """Compare a `LoadPath` with those of the other meshes."""

@@ -1,4 +1,4 @@
-"""What a load path says: its stops, the segments between them, and every result at any t."""
+"""What a load path says: its stops, named events, thresholds, and every result at any t."""
 
 from __future__ import annotations
 
@@ -10,29 +10,26 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from signorini import _core
 from signorini.base import arguments
-from signorini.base.brief import Brief
 from signorini.base.numbers import compared
-from signorini.contact.answer import Answer, NotUnique
-from signorini.contact.certificate import Certificate, certified
+from signorini.contact.answer import NotUnique
+from signorini.contact.certificate import Certificate
 from signorini.contact.factoring import Method
 from signorini.contact.problem import ContactProblem
-from signorini.contact.refusal import refusal
-from signorini.contact.selection import chosen
+from signorini.contact.refusal import refusal, uncertain
 from signorini.contact.strategy import answered
 from signorini.discretise import CaseLoad
-from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError, NotCertifiedError, point
 from signorini.mesh import Mesh
 from signorini.results.columns import Block, Column, Layout, together
 from signorini.results.envelope import Envelope
 from signorini.results.estimate import PathEstimate, PathEstimator
+from signorini.results.named_events import PathEvent, in_words
 from signorini.results.notebook import path_table
-from signorini.results.path_events import PathEvent, in_words, path_events
-from signorini.results.path_stop import PathStop
+from signorini.results.path_stop import PathStop, listed_points
 from signorini.results.result import FIELDS, Result
 from signorini.results.states import States
+from signorini.results.thresholds import Threshold
 from signorini.results.warnings import bending_thickness, model_warnings, too_far
 
 if TYPE_CHECKING:
@@ -51,28 +48,6 @@ Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Segment(Brief):
-    """A stretch of the path on which no point opens or closes, so that everything is linear in t.
-
-    Parameters
-    ----------
-    begin, end : PathStop
-        What holds at its two ends.
-    closed : (m,) array
-        Contact points that are closed on it.
-    """
-
-    begin: PathStop
-    end: PathStop
-    closed: Bools
-
-    @property
-    def jumps(self) -> bool:
-        """Whether all of it is at one t: the plate, having lost its hold, moves until other points hold it."""
-        return self.begin.t == self.end.t
-
-
-@dataclass(frozen=True, eq=False, repr=False)
 class LoadPath(States[float]):
     """The answer of a plate to start + t add, for every t from 0 to where the path ends.
 
@@ -84,16 +59,22 @@ class LoadPath(States[float]):
         The load that grows. Both are names of cases or combinations.
     problem : ContactProblem
     stops : tuple of PathStop
-        At t = 0, at every event, where supports begin to share a reaction otherwise, and at the end.
+        At t = 0, at every sample, named event and threshold, and at the end.
     ending : str
         Why it ends: "until", the t asked for; "no_more_events", however large t; "no_equilibrium", from there on;
-        "stopped", where arithmetic no longer tells the contact set, or at ``mesh_limit``.
+        "stopped", where no answer is certified, at ``mesh_limit``, or where it was interrupted.
     limit : float
         The largest t for which reactions balance the load; infinite if there is none.
     mesh_limit : float
         The same for reactions at the contact points of this mesh, which are within the supports' outlines.
     certificate : Certificate
         The worst of every figure over all stops.
+    support_events : tuple of PathEvent
+        What the supports do: points open or close, lines and areas begin to, have done so, or pass a quarter.
+    thresholds : tuple of Threshold
+        What was asked for with ``when``, and where it is reached.
+    interrupted : bool
+        Whether it was cut short; what it has is certified.
     estimator : PathEstimator or None
         Who says how far its mesh is from the plate.
     """
@@ -106,10 +87,10 @@ class LoadPath(States[float]):
     limit: float
     mesh_limit: float
     certificate: Certificate
+    support_events: tuple[PathEvent, ...]
+    thresholds: tuple[Threshold, ...]
+    interrupted: bool
     _loads: tuple[CaseLoad, CaseLoad]
-    _first: Bools
-    _doubtful: tuple[int, ...] = ()
-    """Segments on which more answers than one may be right."""
     estimator: PathEstimator | None = field(default=None, repr=False)
 
     @property
@@ -121,12 +102,17 @@ class LoadPath(States[float]):
     def estimate(self) -> PathEstimate:
         """Half-widths of the t of every event and of the end; the path is followed on other meshes for them."""
         if self.estimator is None:
-            return PathEstimate(None, (None,) * len(self.support_events), (), ())
+            return PathEstimate.nothing(len(self.support_events), len(self.thresholds))
         return self.estimator.estimate(self)
 
     @property
+    def asked_estimate(self) -> PathEstimate | None:
+        """Half-widths if the model asks for them and the path has any; None of one that was cut short."""
+        return self.estimate if self.model.estimated and self.estimator is not None and not self.interrupted else None
+
+    @property
     def method(self) -> Method:
-        """How it was followed: "lemke" by parametric pivoting, "active_set" from event to event."""
+        """The method that was the first tried at every stop."""
         return self.problem.method
 
     @property
@@ -145,11 +131,6 @@ class LoadPath(States[float]):
         return self.ending == "stopped" and self.end >= self.mesh_limit * (1 - AT_LIMIT)
 
     @cached_property
-    def support_events(self) -> tuple[PathEvent, ...]:
-        """What the supports do: points open or close, lines and areas begin to, have done so, or pass a quarter."""
-        return path_events(self.model.support, self.stops)
-
-    @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What of the model, and of the deflections on the way, is seldom meant."""
         found = self.discretisation
@@ -161,36 +142,18 @@ class LoadPath(States[float]):
 
     @property
     def events(self) -> tuple[PathStop, ...]:
-        """Stops at which points open or close."""
+        """Stops at which contact points open or close, of a path that follows every one; else none."""
         return tuple(stop for stop in self.stops if stop.switched)
 
-    @cached_property
-    def segments(self) -> tuple[Segment, ...]:
-        """Stretches between neighbouring stops."""
-        closed, found = self._first, []
-        for begin, end in zip(self.stops[:-1], self.stops[1:], strict=True):
-            closed = closed.copy()
-            closed[begin.points] ^= True
-            found.append(Segment(begin, end, closed))
-        return tuple(found)
-
-    @cached_property
+    @property
     def not_unique(self) -> tuple[tuple[float, float, NotUnique], ...]:
-        """Where more answers than one are right: from one t to another, and what could be otherwise.
-
-        The stops show an answer that leads on, `at` the least one.
-        """
-        found, stretches = self.problem.discretisation, list[tuple[float, float, NotUnique]]()
-        for segment in (self.segments[index] for index in self._doubtful):
-            load = self._loads[0] + 0.5 * (segment.begin.t + segment.end.t) * self._loads[1]
-            solution = self.problem.core.solve_on(load.nodal, found.held.values, segment.closed)
-            answer = chosen(found, self.problem.freedom, load.nodal, Answer.of(found, solution))
-            for one in answer.not_unique:
-                before = [stretch for stretch in stretches if stretch[1:] == (segment.begin.t, one)]
-                begin = before[0][0] if before else segment.begin.t
-                stretches = [stretch for stretch in stretches if stretch not in before]
-                stretches.append((begin, segment.end.t, one))
-        return tuple(stretches)
+        """Where more answers than one are right: from the t of one stop to another's, and what could be otherwise."""
+        found: dict[tuple[NotUnique, int], tuple[float, float]] = {}
+        for row, stop in enumerate(self.stops):
+            for one in stop.not_unique:
+                begun = next((key for key in found if key[0] == one and found[key][1] == self.stops[row - 1].t), None)
+                found[begun or (one, row)] = (found[begun][0] if begun else stop.t, stop.t)
+        return tuple((begin, end, one) for (one, _), (begin, end) in found.items())
 
     def key(self, row: int) -> float:
         """The t of a stop, given its number from 0."""
@@ -203,7 +166,7 @@ class LoadPath(States[float]):
 
     @property
     def envelope(self) -> Envelope:
-        """Extremes over the whole path, which are at stops, since everything is linear in t between them."""
+        """Extremes over the stops."""
         return self._tabulated[1]
 
     @cached_property
@@ -211,10 +174,7 @@ class LoadPath(States[float]):
         found, count = self.discretisation, len(self.stops)
         layout = Layout.of(found, [name for name in FIELDS if name in found.model.output.envelope])
         block, envelope = Block.empty(layout, 0, count), Envelope.none(layout, found.mesh)
-        for row, stop in enumerate(self.stops):
-            # Of the two stops of a jump the first is what holds before it, the second what holds after.
-            after = 0 < row < count - 1 and self.segments[row - 1].jumps
-            result = self._at(stop.t, row if after else max(row - 1, 0), leading=True)
+        for row, result in enumerate(self._of_stops()):
             block.put(row, layout, result)
             envelope.take_fields(result, block.numbers[row : row + 1])
         envelope.take(block, layout, np.arange(count))
@@ -224,20 +184,25 @@ class LoadPath(States[float]):
         ]
         return together([block.columns(layout, keys)]), envelope
 
+    def _of_stops(self) -> Iterator[Result]:
+        """Every result at the stops, in their order."""
+        return (self._result(stop.t) for stop in self.stops)
+
     def words(self, index: int) -> str:
-        """Say what the supports do at a stop, by its number from 0; nothing where less than a quarter of one does."""
+        """Say what the supports do at a stop, by its number from 0, and which thresholds are reached there."""
         index = arguments.index(index, len(self.stops), "stop", "index")
         pulling = {support.name for support in self.model.support if support.resists == "up"}
         event = in_words([self.support_events[number] for number in self._numbers.get(index, ())], pulling)
-        event = event or {0: "begin", len(self.stops) - 1: "end"}.get(index, "")
-        jumps = index < len(self.segments) and self.segments[index].jumps
-        moves = "the plate moves on its own until another support holds it"
-        return "; ".join(part for part in (event, moves * jumps) if part)
+        reached = [self.thresholds[number].when for number in self._reached.get(index, ())]
+        said = "; ".join(part for part in (event, *reached) if part)
+        return said or {0: "begin", len(self.stops) - 1: "end"}.get(index, "")
 
     def half_width(self, index: int) -> float | None:
         """The widest half-width of the t of a stop that its events show, or of the end; None where one has none."""
         ends = {len(self.stops) - 1: self.estimate.end, 0: 0.0}
-        widths = [self.estimate.events[number] for number in self._numbers.get(index, ())] or [ends.get(index)]
+        widths = [self.estimate.events[number] for number in self._numbers.get(index, ())]
+        widths += [self.estimate.thresholds[number] for number in self._reached.get(index, ())]
+        widths = widths or [ends.get(index)]
         known = [width for width in widths if width is not None]
         return max(known) if known and len(known) == len(widths) else None
 
@@ -246,6 +211,15 @@ class LoadPath(States[float]):
         found: dict[int, list[int]] = {}
         for number, event in enumerate(self.support_events):
             found.setdefault(event.row, []).append(number)
+        return found
+
+    @cached_property
+    def _reached(self) -> Mapping[int, Sequence[int]]:
+        found: dict[int, list[int]] = {}
+        at = {stop.t: row for row, stop in enumerate(self.stops)}
+        for number, one in enumerate(self.thresholds):
+            if one.t is not None:
+                found.setdefault(at[one.t], []).append(number)
         return found
 
     def _repr_html_(self) -> str:
@@ -261,7 +235,7 @@ class LoadPath(States[float]):
         return f"{table}<p>of the mesh: {of_mesh}</p>"
 
     def plot(self) -> Figure:
-        """Draw deflections over t, at the probes or else the extremes, and below it what part of supports is closed.
+        """Draw over t the reactions of the supports, their parts closed, and deflections at the probes or the extremes.
 
         Returns
         -------
@@ -270,23 +244,32 @@ class LoadPath(States[float]):
         """
         from signorini.plot import load_path_picture
 
-        found = self.problem.discretisation
-        positions = found.probe_positions.tolist()
-        at_probes = np.array([stop.deflections for stop in self.stops])
-        extremes = {name: np.array([getattr(stop, name) for stop in self.stops]) for name in ("largest", "smallest")}
-        curves = {f"at {point(at)}": at_probes[:, i] for i, at in enumerate(positions)}
-        supports = self.model.support
-        parts = np.array([stop.parts for stop in self.stops[:-1]])
+        supports, units, stops = self.model.support, self.model.units, self.stops
+        reactions = {one.name: [stop.reactions[i] for stop in stops] for i, one in enumerate(supports)}
+        listed = listed_points(self.discretisation)
+        for i, one in enumerate(listed):
+            if sum(other.support == one.support for other in listed) > 1:
+                of_points = [stop.at_points[i] for stop in stops]
+                reactions[f"{supports[one.support].name}[{one.point}]"] = of_points
+                reactions.pop(supports[one.support].name, None)
+        probes = self.discretisation.probe_positions.tolist()
+        curves = {f"at {point(at)}": [stop.deflections[i] for stop in stops] for i, at in enumerate(probes)}
+        extremes = {name: [getattr(stop, name) for stop in stops] for name in ("largest", "smallest")}
+        cut = "interrupted" if self.interrupted else ""
         return load_path_picture(
-            [stop.t for stop in self.stops],
+            [stop.t for stop in stops],
             curves or extremes,
-            dict(zip((support.name for support in supports), parts.reshape(-1, len(supports)).T, strict=True)),
+            reactions,
+            {support.name: [stop.parts[i] for stop in stops] for i, support in enumerate(supports)},
+            {one.when: one.t for one in self.thresholds if one.t is not None},
+            stepwise=[support.name for support in supports if support.place == "at"],
             limit=self.end if self.ending == "no_equilibrium" else None,
             until=self._drawn,
             last=self._last,
-            title=", ".join(part for part in (self.model.title, self.name) if part),
+            title=", ".join(part for part in (self.model.title, self.name, cut) if part),
             factor=f"t, the factor of {self.add}",
-            length=self.model.units.length,
+            length=units.length,
+            force=units.force,
         )
 
     @property
@@ -309,20 +292,8 @@ class LoadPath(States[float]):
         events = self.support_events
         return _AFTER * events[-1].t if events and self.ending == "no_more_events" else None
 
-    def _beside(self, t: float) -> Iterator[Floats]:
-        """Reactions (m,) amid the segments that end or begin at t, or are about it."""
-        held = self.problem.discretisation.held.values
-        for segment in self.segments:
-            if segment.begin.t <= t <= segment.end.t and not segment.jumps:
-                load = self._loads[0] + 0.5 * (segment.begin.t + segment.end.t) * self._loads[1]
-                solution = self.problem.core.solve_on(load.nodal, held, segment.closed)
-                if solution.status == "solved":
-                    yield solution.reaction
-
     def at(self, t: float) -> Result:
-        """Every result at some t: one linear solve on the contact set that holds there, with its certificate.
-
-        Of equal answers it is the one that `solve` gives; at the t of a jump what holds before it.
+        """Every result at some t, with its certificate: the answer that `solve` gives.
 
         Raises
         ------
@@ -337,39 +308,32 @@ class LoadPath(States[float]):
         end = max(self.end, self.limit) if self.ending == "no_equilibrium" else self.end
         if not (0 <= t <= end or (open_ended and end < t < np.inf)):
             raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{end:.12g}'}.")
-        jumps = any(segment.jumps and segment.begin.t == t for segment in self.segments)
-        found = self._at(t, int(np.searchsorted([stop.t for stop in self.stops[1:-1]], t, side="left")), leading=jumps)
+        found = self._result(t)
         return found if self.estimator is None else replace(found, estimator=partial(self.estimator.estimate_at, t))
 
-    def _at(self, t: float, segment: int, leading: bool) -> Result:
-        """Every result at some t of a segment: of equal answers the least, or one that leads on."""
-        load = self._loads[0] + t * self._loads[1]
-        found = self.problem.discretisation
-        closed = self.segments[segment].closed if self.segments else self._first
-        answer = Answer.of(found, self.problem.core.solve_on(load.nodal, found.held.values, closed))
-        made_of = beside(self._loads, t)
-        methods: Sequence[Method] = (self.problem.method,)
-        answer, certificate = certified(found, load, answer, made_of)
-        if not certificate.passed:
-            # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
-            tried = answered(self.problem, load, beside=made_of)
-            answer, certificate = certified(found, load, tried.answer.somehow or tried.answer, made_of)
-            methods = tried.methods
-        if not certificate.passed:
-            answers: list[_core.ContactSolution] = []
-            nodal = self._loads[0].nodal, self._loads[1].nodal
-            self.problem.core.path(*nodal, found.held.values, t, lambda t, points, answer: answers.append(answer))
-            if answers:
-                answer, certificate = certified(found, load, Answer.of(found, answers[-1]), made_of)
-                methods = (self.problem.method,)
-        name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
-        if not certificate.passed:
-            raise NotCertifiedError(refusal(name, found, load, answer, certificate))
-        elsewhere = partial(self._beside, t) if leading else None
-        least = chosen(found, self.problem.freedom, load.nodal, answer, elsewhere)
-        if least is not answer:
-            answer, certificate = certified(found, load, least, made_of)
-        return Result.of(found, name, methods, load, answer, certificate)
+    def name_at(self, t: float) -> str:
+        """Its load at some t in words."""
+        return f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
+
+    def _result(self, t: float) -> Result:
+        return result_at(self.problem, self.name_at(t), self._loads, t)
+
+
+def result_at(problem: ContactProblem, name: str, loads: tuple[CaseLoad, CaseLoad], t: float) -> Result:
+    """Every result of a problem at some t.
+
+    Raises
+    ------
+    NotCertifiedError
+        If the answer fails its certificate.
+    """
+    found, load = problem.discretisation, loads[0] + t * loads[1]
+    tried = answered(problem, load, beside=beside(loads, t))
+    if tried.certificate is None:
+        raise NotCertifiedError(f"{name} has no answer that could be certified. {uncertain(found)}")
+    if not tried.passed:
+        raise NotCertifiedError(refusal(name, found, load, tried.answer, tried.certificate))
+    return Result.of(found, name, tried.methods, load, tried.answer, tried.certificate)
 
 
 def t_in_words(path: LoadPath, index: int) -> str:
@@ -379,16 +343,6 @@ def t_in_words(path: LoadPath, index: int) -> str:
         return t
     width = 0.0 if path.words(index) == "end" and path.ending == "no_more_events" else path.half_width(index)
     return f"{t} ± {'?' if width is None else f'{width:.2g}'}" if width != 0 else t
-
-
-def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, closed: Bools) -> Iterator[Floats]:
-    """Reactions (m,) on a contact set at a t well beyond this one, signs as they come; none where it does not hold."""
-    start, add = (np.abs(load.nodal).max() for load in loads)
-    far = t + max(t, start / add if start else 1.0)
-    held = problem.discretisation.held.values
-    solution = problem.core.solve_on((loads[0] + far * loads[1]).nodal, held, closed)
-    if solution.status == "solved":
-        yield solution.reaction
 
 
 def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> tuple[CaseLoad, CaseLoad]:

@@ -9,11 +9,12 @@ from typing import Literal
 import numpy as np
 
 from signorini.base.brief import Brief
-from signorini.contact.answer import Answer
+from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import imbalances
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.results.columns import Bearing
+from signorini.results.margins import closed_part, of_points
 from signorini.results.peak import peak
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_at_rest
@@ -56,12 +57,12 @@ class PathStop(Brief):
         Which contact points these are.
     reactions : (s,) array
         Total of every support, positive when it pushes the plate up.
-    at_points : (b,) array
-        Those of the `listed_points`.
+    at_points, gaps : (b,) arrays
+        Reactions of the `listed_points`, and what is left of their travel.
     closed, counts : (s,) arrays
         Closed points of every support from here on, and how many points it has.
     parts : (s,) array
-        The part of every support that is closed from here on, by points, length or area.
+        The part of every support that is closed here: of points as many, of lines by length, of areas by contact area.
     contact_areas, max_pressures : (s,) arrays
         Of areas; else NaN.
     deflections : (q,) array
@@ -73,6 +74,8 @@ class PathStop(Brief):
     largest_at, smallest_at : (x, y)
     work, work_size : float
         Sum of nodal loads times displacements, which is the same for all solutions of one load, and of the magnitudes.
+    not_unique : tuple of NotUnique
+        What of the answer is a choice among equal ones.
     """
 
     t: float
@@ -80,6 +83,7 @@ class PathStop(Brief):
     points: Ints
     reactions: Floats
     at_points: Floats
+    gaps: Floats
     closed: Ints
     counts: Ints
     parts: Floats
@@ -93,6 +97,7 @@ class PathStop(Brief):
     smallest_at: tuple[float, float]
     work: float
     work_size: float
+    not_unique: tuple[NotUnique, ...] = ()
 
     @property
     def utmost(self) -> float:
@@ -146,11 +151,11 @@ def path_stops(
     pull = found.spring_forces(hi, lo)
     listed = {one.support for one in listed_points(found)}
     supports = [
-        _support_at_stops(found, index, index in listed, held_force, pull, deflection, closed, shared)
+        _support_at_stops(found, index, index in listed, held_force, pull, deflection, closed, shared, answers)
         for index in range(len(found.model.support))
     ]
-    of_points, *of_supports = zip(*supports, strict=True)
-    at_points = np.concatenate(of_points, axis=1)
+    of_points, of_gaps, *of_supports = zip(*supports, strict=True)
+    at_points, gaps = np.concatenate(of_points, axis=1), np.concatenate(of_gaps, axis=1)
     totals, closed_counts, counts, parts, areas, pressures = (np.array(numbers).T for numbers in of_supports)
     values = found.mesh.shape_functions(found.probes.elements, found.probes.xi)
     at_probes = np.einsum("qi,kqi->kq", values, deflection[:, found.mesh.elements[found.probes.elements]])
@@ -165,6 +170,7 @@ def path_stops(
                 points[row],
                 totals[row],
                 at_points[row],
+                gaps[row],
                 closed_counts[row],
                 counts[row],
                 parts[row],
@@ -178,6 +184,7 @@ def path_stops(
                 least,
                 float(works[row].sum()),
                 float(np.abs(works[row]).sum()),
+                answer.not_unique,
             )
         )
     return stops
@@ -192,25 +199,26 @@ def _support_at_stops(
     deflection: Floats,
     closed: Bools,
     shared: Floats,
-) -> tuple[Floats, Floats, Ints, Ints, Floats, Floats, Floats]:
-    """What a support does: reactions (k, p) of its points, if they are listed, and numbers (k,).
+    answers: Sequence[Answer],
+) -> tuple[Floats, Floats, Floats, Ints, Ints, Floats, Floats, Floats]:
+    """What a support does: reactions and gaps (k, p) of its points, if they are listed, and numbers (k,).
 
     These are its total, closed points, all points, the part that is closed, contact area and largest pressure.
     """
-    points = SupportPoints.of(found, index)
+    support, points = found.model.support[index], SupportPoints.of(found, index)
     fixed = np.concatenate([held_force[:, points.nodes], pull[:, points.springs]], axis=1)
     reactions, closed = points.forces(fixed, shared), points.closed(closed)
-    # 1 of what acts nowhere.
-    whole = float(points.weights.sum())
-    parts = [1.0 if those.all() else float(points.weights[those].sum()) / whole for those in closed]
     areas = pressures = np.full(len(closed), np.nan)
-    if found.model.support[index].area is not None:
+    if support.area is not None:
         at_rest = area_at_rest(found, index)
         areas = at_rest.contact_areas(deflection, closed)
         known, _ = at_rest.measured(deflection[:, at_rest.on_nodes], reactions)
         pressures = np.fmax.reduce(known, axis=1, initial=0.0)
+    own = zip(closed, answers, areas.tolist(), strict=True)
+    parts = [closed_part(support, points, of, of_points(found, index, answer), area) for of, answer, area in own]
     return (
         reactions if listed else reactions[:, :0],
+        points.gaps(np.array([answer.gap for answer in answers])) if listed else reactions[:, :0],
         reactions.sum(axis=1),
         closed.sum(axis=1),
         np.full(len(closed), closed.shape[1]),

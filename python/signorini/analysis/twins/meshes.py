@@ -19,6 +19,9 @@ _LEAST_ALONG, _LEAST = 16, 2500
 _LEAST_ALONG_OF_SEVERAL, _LEAST_OF_SEVERAL = 8, 100
 """The same where the cost is that of many loads."""
 
+_FEWEST_ALONG = 2
+"""Elements along the longer side that can be made larger."""
+
 _CHEAP, _CHEAP_QUARTER = 10_000, 5_000
 """Elements of meshes of half and of a quarter of the size that are affordable: both take a second or two."""
 
@@ -76,6 +79,15 @@ def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[
     if 4 * count <= _CHEAP and (divisions is None or model.mesh.refine):
         # Where refined places and small outlines say how large most elements are.
         yield (_divided(model, mesh, 0.5),)
+
+
+def coarser_of(model: Model, mesh: Mesh) -> tuple[Twin, ...]:
+    """Meshes of twice and four times the size; none of a mesh that is given, or of one element along a side."""
+    divisions = model.divisions
+    along = math.isqrt(len(mesh.elements)) if divisions is None or model.mesh.refine else max(divisions)
+    if isinstance(model.plate, MeshPlate) or along < _FEWEST_ALONG:
+        return ()
+    return _twin(model, mesh, 2.0), _twin(model, mesh, 4.0)
 
 
 _WORDS = {0.25: "a quarter of its size", 0.5: "half its size", 2.0: "twice its size", 4.0: "four times its size"}

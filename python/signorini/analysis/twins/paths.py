@@ -1,128 +1,131 @@
-"""Load paths on other meshes: half-widths of the t of every event, and of results at any t."""
+"""Load paths on coarser meshes: half-widths of the t of named events and thresholds, and of results at any t."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
+from signorini.analysis.path_loads import PathLoads
+from signorini.analysis.sampled_path import LINEAR, SMOOTH, Sampler, State, Watch
 from signorini.analysis.twins.compared import Meshes, rounded
 from signorini.analysis.twins.half_width import FASTEST_OF_POINTS, half_widths
 from signorini.analysis.twins.leaves import acts_at_points
-from signorini.analysis.twins.twins import Twins, compare, without
+from signorini.analysis.twins.twins import Twins, compare
 from signorini.base.progress import Watcher
 from signorini.base.remade import Remade
 from signorini.contact.problem import ContactProblem
 from signorini.errors import SignoriniError
+from signorini.mesh import Mesh
 from signorini.results.estimate import Estimate, PathEstimate
-from signorini.results.load_path import LoadPath
-from signorini.results.path_events import PathEvent, crossings
+from signorini.results.load_path import AT_LIMIT, LoadPath, result_at
 from signorini.results.result import Result
+from signorini.results.thresholds import Threshold, quantities
+
+_NEAR = 0.02
+"""Part of the path's length about an event within which a coarser mesh is first searched for it."""
+_FARTHER = 4.0
+"""Ratio of such distances."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PathTwins(Remade):
-    """A load path on other meshes, followed when something is first asked of it.
-
-    Parameters
-    ----------
-    twins : Twins
-    follow : callable
-        Follows the path of a problem.
-    """
+    """The same path on coarser meshes: the same t and the same named events, solved when first asked for."""
 
     twins: Twins
-    follow: Callable[[ContactProblem, Watcher], LoadPath]
-
-    @cached_property
-    def paths(self) -> tuple[list[LoadPath], str]:
-        """The paths, and why there is none."""
-        return self.twins.others(self.follow, several=True)
+    names: tuple[str | None, str]
 
     def estimate(self, path: LoadPath) -> PathEstimate:
-        """Compare the events of a path: by support, what it does, of points where, and how often before.
+        """Find the events of a path on coarser meshes; what one of them does not do near them has no half-width."""
+        asked = [(Watch(None, number), one.t, _falls(path, one)) for number, one in enumerate(path.thresholds) if one.t]
+        names = [support.name for support in path.model.support]
+        watches = [
+            (Watch(names.index(event.support), event.number), event.t, event.opening) for event in path.support_events
+        ]
 
-        What another mesh has not, or moves by more than its t, has no half-width: a finer one need not have it.
-        """
-        others, warning = self.paths
+        def found(problem: ContactProblem, watch: Watcher) -> tuple[Mesh, list[float]]:
+            sampler = Sampler(problem, PathLoads.of(problem, path.start, path.add), path.thresholds, watch)
+            return problem.mesh, _same_events(sampler, [*watches, *asked], path.stops[-1].t)
+
+        count, wanted = len(watches), len(path.thresholds)
+        others, warning = self.twins.coarser(found)
         if not others:
-            return PathEstimate(None, (None,) * len(path.support_events), (), (warning,))
-        meshes = Meshes.of(path.mesh, [other.mesh for other in others], bool(warning))
-        every = [next(one for one in (path, *others) if one.mesh is mesh) for mesh in meshes.every]
-        own = list(_occurrences(path))
-        t = [[_matching(event, count, path, one, meshes.reach) for event, count in own] for one in every]
-        values = np.array(
-            [[*row, path_.end if path_.ending == path.ending else np.nan] for row, path_ in zip(t, every, strict=True)]
-        )
+            return PathEstimate.nothing(count, wanted, (warning,))
+        meshes = Meshes.of(path.mesh, [mesh for mesh, _ in others], bool(warning))
+        own = [t for _, t, _ in [*watches, *asked]]
+        of = [(path.mesh, own), *others]
+        values = np.array([next(t for mesh, t in of if mesh is one) for one in meshes.every]).reshape(len(of), -1)
         none = np.full(values.shape[1], np.nan)
         # Two meshes that do the same while a third does not show no order.
         alike = meshes.fastest(acts_at_points(path.model))
         fastest = np.where(np.isnan(values).any(axis=0), np.minimum(alike, FASTEST_OF_POINTS), alike)
         size = np.abs(values[meshes.own])
         widths = half_widths(values, meshes.sizes, meshes.own, fastest, none, size, np.isnan(none))[0]
-        widths[:-1] = np.maximum(widths[:-1], [_step(event, path) for event, _ in own])
-        widths[:-1][widths[:-1] > size[:-1]] = np.nan
-        *of_events, end = (rounded(width) for width in widths.tolist())
+        sampler = Sampler(path.problem, PathLoads((path.start, path.add), path._loads, (0, 0)), path.thresholds, _quiet)
+        known_to = [LINEAR if sampler.exact(watch) else SMOOTH for watch, _, _ in [*watches, *asked]]
+        widths = np.fmax(widths, np.where(np.isnan(widths), np.nan, np.array(known_to) * path.stops[-1].t))
+        widths[widths > size] = np.nan
+        found_widths = [rounded(width) for width in widths.tolist()]
+        of_asked = iter(found_widths[count:])
+        of_thresholds = tuple(next(of_asked) if one.t else None for one in path.thresholds)
         # Where equilibrium ends the outlines of the supports say, and where the user asked to.
-        # If nothing opens or closes any more it is any t beyond.
-        ends = {"no_equilibrium": 0.0, "until": 0.0, "no_more_events": None}
+        end = 0.0 if path.ending in ("no_equilibrium", "until") else None
         warnings = (warning,) if warning else ()
-        return PathEstimate(ends.get(path.ending, end), tuple(of_events), meshes.elements, warnings)
+        return PathEstimate(end, tuple(found_widths[:count]), of_thresholds, meshes.elements, warnings)
 
     def estimate_at(self, t: float, result: Result) -> Estimate:
         """Compare a result at some t."""
-        others, warning = self.paths
-        found: list[Result] = []
-        for other in others:
-            try:
-                found.append(other.at(t))
-            except SignoriniError as error:
-                warning = without(len(found), f"on another mesh: {error}")
-                break
-        return compare(result, found, warning) if found else Estimate(None, (), (warning,))
+
+        def solved(problem: ContactProblem, watch: Watcher) -> Result:
+            return result_at(problem, result.name, PathLoads.of(problem, *self.names).loads, t)
+
+        others, warning = self.twins.coarser(solved)
+        return compare(result, others, warning) if others else Estimate(None, (), (warning,))
 
 
-def _occurrences(path: LoadPath) -> Iterator[tuple[PathEvent, int]]:
-    """Every event, and how often the same has happened before."""
-    before: dict[tuple[object, ...], int] = {}
-    for event in path.support_events:
-        where = event.at if event.change in ("opens", "closes") else event.closed * (event.change == "part closed")
-        same = event.support, event.change, event.opening, where
-        yield event, before.get(same, 0)
-        before[same] = before.get(same, 0) + 1
+def _quiet(now: object) -> None:
+    """Watch nothing."""
 
 
-def _step(event: PathEvent, path: LoadPath) -> float:
-    """How far from the t at which a quarter is passed the part of its support changes before and after, by a point."""
-    if event.change != "part closed":
-        return 0.0
-    index = [support.name for support in path.model.support].index(event.support)
-    parts = [stop.parts[index] for stop in path.stops]
-    changes = [stop.t for stop, before, now in zip(path.stops[1:], parts[:-1], parts[1:], strict=True) if before != now]
-    before = max((t for t in changes if t < event.t), default=0.0)
-    after = min((t for t in changes if t > event.t), default=path.end)
-    return max(event.t - before, after - event.t)
+def _falls(path: LoadPath, one: Threshold) -> bool:
+    """Whether a quantity comes down to the value of a threshold."""
+    row = next(row for row, stop in enumerate(path.stops) if stop.t == one.t)
+    return quantities(path.discretisation)[one.quantity](path.stops[row - 1]) >= one.value
 
 
-def _matching(event: PathEvent, count: int, own: LoadPath, path: LoadPath, reach: float) -> float:
-    """The t at which the same happens on another mesh, of points at the nearest one; NaN where nothing like it does.
+def _same_events(sampler: Sampler, wanted: Sequence[tuple[Watch, float, bool]], span: float) -> list[float]:
+    """The t near those given at which functions change their signs likewise; NaN where they do not.
 
-    Lines and areas must pass a part as often, and in the same directions, on both: to and fro tells of no one event.
+    A function falls below zero, as where something opens, or comes up to it.
     """
-    if event.change not in ("opens", "closes"):
-        index = [support.name for support in path.model.support].index(event.support)
-        ours, theirs = (crossings(one.stops, index, event) for one in (own, path))
-        if [opens for _, opens in ours] != [opens for _, opens in theirs]:
-            return math.nan
-        return theirs[ours.index((event.t, event.opening))][0]
-    assert event.at is not None  # it is a point
-    alike = [
-        (math.dist(event.at, other.at), abs(times - count), other.t)
-        for other, times in _occurrences(path)
-        if other.at is not None and (other.support, other.change) == (event.support, event.change)
-    ]
-    distance, times, t = min(alike, default=(math.inf, 0, math.nan))
-    return t if distance <= reach and times == 0 else math.nan
+    state = sampler.state(0.0)
+    found = [math.nan] * len(wanted)
+    for number in sorted(range(len(wanted)), key=lambda number: wanted[number][1]):
+        watch, t, falls = wanted[number]
+        try:
+            state = _same_event(sampler, state, watch, t, falls, span)
+        except SignoriniError:
+            continue
+        found[number] = state.t
+    return found
+
+
+def _same_event(sampler: Sampler, near: State, watch: Watch, t: float, falls: bool, span: float) -> State:
+    """Search on the side of t where it must be, farther and farther off."""
+    end = sampler.path.end * (1 - AT_LIMIT)
+    state = sampler.state(min(t, end), near)
+    beyond = (sampler.value(state, watch) >= 0) != falls
+    distance, known = min(_NEAR * span, t / _FARTHER), [state]
+    while distance <= t:
+        last = known[0].t <= 0 if beyond else known[-1].t >= end
+        if last:
+            break
+        next_t = max(t - distance, 0.0) if beyond else min(t + distance, end)
+        other = sampler.state(next_t, known[0 if beyond else -1])
+        known.insert(0 if beyond else len(known), other)
+        if ((sampler.value(other, watch) >= 0) == falls) == beyond:
+            return sampler.root(watch, known, span)
+        distance *= _FARTHER
+    raise SignoriniError("it does not happen on this mesh.")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from types import MappingProxyType
@@ -14,7 +14,7 @@ import numpy as np
 from signorini.analysis.single import solve_one
 from signorini.analysis.twins.compared import Meshes, compared, rounded
 from signorini.analysis.twins.leaves import leaves, named, with_numbers
-from signorini.analysis.twins.meshes import Twin, twins_of
+from signorini.analysis.twins.meshes import Twin, coarser_of, twins_of
 from signorini.analysis.twins.places import boundary_widths, places_of_extremes
 from signorini.base.arguments import watching
 from signorini.base.progress import Progress, Watcher
@@ -80,9 +80,20 @@ class Twins(Remade):
 
     def others(self, solved: Callable[[ContactProblem, Watcher], _T], several: bool = False) -> tuple[list[_T], str]:
         """Solve something on one or two other meshes, and say why where one fails; of several loads on coarser."""
+        return self._first(twins_of(self.model, self.mesh, several), solved, "a finer mesh would take too long.")
+
+    def coarser(self, solved: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
+        """Solve something on one or two coarser meshes, and say why where one fails."""
+        pairs = [pair] if (pair := coarser_of(self.model, self.mesh)) else []
+        return self._first(pairs, solved, "this mesh cannot be coarsened.")
+
+    def _first(
+        self, pairs: Iterable[tuple[Twin, ...]], solved: Callable[[ContactProblem, Watcher], _T], none: str
+    ) -> tuple[list[_T], str]:
+        """Solve something on the first meshes of which one can be solved."""
         whys: list[str] = []
         failed: list[str] = []
-        for pair in twins_of(self.model, self.mesh, several):
+        for pair in pairs:
             found: list[_T] = []
             for twin in pair:
                 try:
@@ -97,7 +108,7 @@ class Twins(Remade):
                     break
             if found:
                 return found, without(len(found), " ".join(dict.fromkeys(failed))) if failed else ""
-        return [], without(0, " ".join(dict.fromkeys(whys)) or "a finer mesh would take too long.")
+        return [], without(0, " ".join(dict.fromkeys(whys)) or none)
 
     def _require_another(self, mesh: Mesh) -> None:
         """Refuse a mesh that is none of another size."""

@@ -1,0 +1,155 @@
+"""A load path that is followed from event to event of every contact point: segments, jumps, and what is not unique."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+
+from signorini import _core
+from signorini.base.brief import Brief
+from signorini.contact.answer import Answer, NotUnique
+from signorini.contact.certificate import certified
+from signorini.contact.factoring import Method
+from signorini.contact.problem import ContactProblem
+from signorini.contact.refusal import refusal
+from signorini.contact.selection import chosen
+from signorini.contact.strategy import answered
+from signorini.discretise import CaseLoad
+from signorini.discretise.rows import Bools, Floats
+from signorini.errors import NotCertifiedError
+from signorini.results.load_path import LoadPath, beside
+from signorini.results.path_stop import PathStop
+from signorini.results.result import Result
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Segment(Brief):
+    """A stretch of the path on which no point opens or closes, so that everything is linear in t.
+
+    Parameters
+    ----------
+    begin, end : PathStop
+        What holds at its two ends.
+    closed : (m,) array
+        Contact points that are closed on it.
+    """
+
+    begin: PathStop
+    end: PathStop
+    closed: Bools
+
+    @property
+    def jumps(self) -> bool:
+        """Whether all of it is at one t: the plate, having lost its hold, moves until other points hold it."""
+        return self.begin.t == self.end.t
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ExactPath(LoadPath):
+    """A load path with a stop at every event of every contact point. Between two stops everything is linear in t.
+
+    It has stops too where supports begin to share a reaction otherwise.
+    """
+
+    _first: Bools | None = None
+    _doubtful: tuple[int, ...] = ()
+    """Segments on which more answers than one may be right."""
+
+    @cached_property
+    def segments(self) -> tuple[Segment, ...]:
+        """Stretches between neighbouring stops."""
+        assert self._first is not None
+        closed, found = self._first, []
+        for begin, end in zip(self.stops[:-1], self.stops[1:], strict=True):
+            closed = closed.copy()
+            closed[begin.points] ^= True
+            found.append(Segment(begin, end, closed))
+        return tuple(found)
+
+    @cached_property
+    def not_unique(self) -> tuple[tuple[float, float, NotUnique], ...]:
+        """Where more answers than one are right: from one t to another, and what could be otherwise.
+
+        The stops show an answer that leads on, `at` the least one.
+        """
+        found, stretches = self.problem.discretisation, list[tuple[float, float, NotUnique]]()
+        for segment in (self.segments[index] for index in self._doubtful):
+            load = self._loads[0] + 0.5 * (segment.begin.t + segment.end.t) * self._loads[1]
+            solution = self.problem.core.solve_on(load.nodal, found.held.values, segment.closed)
+            answer = chosen(found, self.problem.freedom, load.nodal, Answer.of(found, solution))
+            for one in answer.not_unique:
+                before = [stretch for stretch in stretches if stretch[1:] == (segment.begin.t, one)]
+                begin = before[0][0] if before else segment.begin.t
+                stretches = [stretch for stretch in stretches if stretch not in before]
+                stretches.append((begin, segment.end.t, one))
+        return tuple(stretches)
+
+    def words(self, index: int) -> str:
+        """Say what the supports do at a stop, and where the plate moves on its own."""
+        jumps = index < len(self.segments) and self.segments[index].jumps
+        moves = "the plate moves on its own until another support holds it"
+        return "; ".join(part for part in (super().words(index), moves * jumps) if part)
+
+    def _beside(self, t: float) -> Iterator[Floats]:
+        """Reactions (m,) amid the segments that end or begin at t, or are about it."""
+        held = self.problem.discretisation.held.values
+        for segment in self.segments:
+            if segment.begin.t <= t <= segment.end.t and not segment.jumps:
+                load = self._loads[0] + 0.5 * (segment.begin.t + segment.end.t) * self._loads[1]
+                solution = self.problem.core.solve_on(load.nodal, held, segment.closed)
+                if solution.status == "solved":
+                    yield solution.reaction
+
+    def _result(self, t: float) -> Result:
+        jumps = any(segment.jumps and segment.begin.t == t for segment in self.segments)
+        return self._on(t, int(np.searchsorted([stop.t for stop in self.stops[1:-1]], t, side="left")), leading=jumps)
+
+    def _of_stops(self) -> Iterator[Result]:
+        count = len(self.stops)
+        for row, stop in enumerate(self.stops):
+            # Of the two stops of a jump the first is what holds before it, the second what holds after.
+            after = 0 < row < count - 1 and self.segments[row - 1].jumps
+            yield self._on(stop.t, row if after else max(row - 1, 0), leading=True)
+
+    def _on(self, t: float, segment: int, leading: bool) -> Result:
+        """Every result at some t of a segment: of equal answers the least, or one that leads on."""
+        load = self._loads[0] + t * self._loads[1]
+        found = self.problem.discretisation
+        assert self._first is not None
+        closed = self.segments[segment].closed if self.segments else self._first
+        answer = Answer.of(found, self.problem.core.solve_on(load.nodal, found.held.values, closed))
+        made_of = beside(self._loads, t)
+        methods: Sequence[Method] = (self.problem.method,)
+        answer, certificate = certified(found, load, answer, made_of)
+        if not certificate.passed:
+            # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
+            tried = answered(self.problem, load, beside=made_of)
+            answer, certificate = certified(found, load, tried.answer.somehow or tried.answer, made_of)
+            methods = tried.methods
+        if not certificate.passed:
+            answers: list[_core.ContactSolution] = []
+            nodal = self._loads[0].nodal, self._loads[1].nodal
+            self.problem.core.path(*nodal, found.held.values, t, lambda t, points, answer: answers.append(answer))
+            if answers:
+                answer, certificate = certified(found, load, Answer.of(found, answers[-1]), made_of)
+                methods = (self.problem.method,)
+        if not certificate.passed:
+            raise NotCertifiedError(refusal(self.name_at(t), found, load, answer, certificate))
+        elsewhere = partial(self._beside, t) if leading else None
+        least = chosen(found, self.problem.freedom, load.nodal, answer, elsewhere)
+        if least is not answer:
+            answer, certificate = certified(found, load, least, made_of)
+        return Result.of(found, self.name_at(t), methods, load, answer, certificate)
+
+
+def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, closed: Bools) -> Iterator[Floats]:
+    """Reactions (m,) on a contact set at a t well beyond this one, signs as they come; none where it does not hold."""
+    start, add = (np.abs(load.nodal).max() for load in loads)
+    far = t + max(t, start / add if start else 1.0)
+    held = problem.discretisation.held.values
+    solution = problem.core.solve_on((loads[0] + far * loads[1]).nodal, held, closed)
+    if solution.status == "solved":
+        yield solution.reaction
