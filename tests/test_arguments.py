@@ -87,7 +87,7 @@ def slab() -> SimpleNamespace:
         (lambda s: s.problem.solve(s.problem.discretisation.cases["G"], "zz"), "form: Unknown form 'zz'."),
         (
             lambda s: s.problem.solve(s.problem.discretisation.cases["G"], start=3),
-            "start: found 3; it must be an Answer.",
+            "start: found 3; it must be a Answer.",
         ),
         (
             lambda s: s.problem.by("active_set").solve(
