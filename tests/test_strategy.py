@@ -215,8 +215,10 @@ def test_what_memory_does_not_hold_is_not_tried(monkeypatch: pytest.MonkeyPatch)
     assert methods(np.inf)[:2] == ["active_set", "lemke"] and methods(np.inf)[-1] == "interior_point"
     problem.by("lemke").solve(problem.discretisation.cases["load"])
     assert methods(0.0) == ["active_set", "lemke"]
-    assert needed(len(problem.mesh.elements) + size[1] // 9) < needed_by_interior_point(*size)
-    assert methods(0.99 * needed_by_interior_point(*size)) == ["active_set", "lemke", "saddle"]
+    factored = needed(len(problem.mesh.elements) + size[1] // 9)
+    assert factored < needed_by_interior_point(*size)
+    assert methods(factored) == ["active_set", "lemke", "saddle"]
+    assert methods(needed_by_interior_point(*size)) == ["active_set", "lemke", "saddle", "interior_point"]
 
 
 def test_a_method_that_was_asked_for_and_does_not_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

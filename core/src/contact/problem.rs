@@ -65,7 +65,7 @@ pub struct ContactProblem {
     shear: Vec<f64>,
     /// The limit of springs that the active set begins with.
     pub(super) first_limit: f64,
-    /// The rigid motions, where no dof is held; of points that are condensed they are not asked for.
+    /// The rigid motions, where no dof is held.
     pub(super) floating: Option<Floating>,
     /// Part of its own by which every dof is stiffer in a factor.
     firmer: f64,
@@ -92,7 +92,6 @@ impl ContactProblem {
 
         let clock = Instant::now();
         let (mut shear, mut first_limit) = (Vec::new(), tolerances::newton::STIFFEST);
-        let (mut floating, mut firmer) = (None, 0.0);
         let mut carried = delta.clone();
         if !condensed {
             if method == Method::ActiveSet {
@@ -104,10 +103,10 @@ impl ContactProblem {
             }
             let series = series(&points, &shear, first_limit);
             carried = (0..points.len()).map(|i| steepest(&points, i).in_series(series[i])).collect();
-            floating = Floating::on(&plate, &held, &scale, &points, &springs);
-            let softest = floating.as_ref().map(|floating| floating.softest(|i| carried[i], &springs.stiffness));
-            firmer = softest.map_or(0.0, |softest| firmness(&plate, softest));
         }
+        let floating = Floating::on(&plate, &held, &scale, &points, &springs);
+        let softest = floating.as_ref().map(|floating| floating.softest(|i| carried[i], &springs.stiffness));
+        let firmer = softest.map_or(0.0, |softest| firmness(&plate, softest));
         let base = blueprint.factored(&plate, &springs, &points, carried, firmer, room)?;
         let factor = clock.elapsed().as_secs_f64();
 

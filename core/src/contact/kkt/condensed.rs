@@ -1,5 +1,6 @@
 //! Everything but the points is eliminated: one forward and one backward substitution a solve.
 
+use super::floating::Held;
 use super::solver::{Correction, Kkt};
 use crate::cholesky::FactorError;
 use crate::contact::interface::{OnPieces, Reduced};
@@ -10,13 +11,16 @@ use crate::contact::residual::Residual;
 pub(in crate::contact) struct Condensed<'a> {
     problem: &'a ContactProblem,
     on: Option<OnPieces>,
+    /// Where springs alone hold the plate.
+    held: Option<Held<'a>>,
     /// The next residual, if it has been reduced before.
     pub(in crate::contact) reduced: Option<Reduced>,
 }
 
 impl<'a> Condensed<'a> {
     pub(in crate::contact) fn new(problem: &'a ContactProblem) -> Self {
-        Self { problem, on: None, reduced: None }
+        let held = if problem.points.is_empty() { Held::by(problem, Vec::new()) } else { None };
+        Self { problem, on: None, held, reduced: None }
     }
 }
 
@@ -42,5 +46,8 @@ impl Kkt for Condensed<'_> {
         self.problem.base.factor.backward(&mut forward)?;
         let nodal = self.problem.blueprint.scatter(&forward, self.problem.plate.dof_count());
         Ok(Some(Correction::of(nodal, reaction)))
+    }
+    fn rigid(&self, right: &Residual) -> Option<Correction> {
+        self.held.as_ref().map(|held| held.response(right))
     }
 }
