@@ -7,13 +7,22 @@ import numpy as np
 import pytest
 from extreme_models import held_at_points
 
-from signorini import SupportResult, solve, validate
+from signorini import NotCertifiedError, SupportResult, solve, validate
 from signorini.discretise import discretise
 
 PLATES = sorted((Path(__file__).parent / "hard_plates").glob("*.json"))
 
 
-@pytest.mark.parametrize("path", PLATES, ids=lambda path: path.stem)
+NOT_YET = {"an_anchor_almost_between_two_props", "a_pin_that_settles_without_load_beside_a_bed"}
+"""Inside the domain, but refused: no method's answer passes its certificate."""
+
+
+def _marked(path: Path):
+    refused = pytest.mark.xfail(raises=NotCertifiedError, strict=True)
+    return pytest.param(path, marks=refused if path.stem in NOT_YET else (), id=path.stem)
+
+
+@pytest.mark.parametrize("path", map(_marked, PLATES))
 def test_plates_that_rounding_made_hard_are_certified(path: Path) -> None:
     results = solve(validate(json.loads(path.read_text())))
     solved = [result for result in results.values() if result.status == "solved"]
