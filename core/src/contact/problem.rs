@@ -106,8 +106,16 @@ impl ContactProblem {
         }
         let floating = Floating::on(&plate, &held, &scale, &points, &springs);
         let softest = floating.as_ref().map(|floating| floating.softest(|i| carried[i], &springs.stiffness));
-        let firmer = softest.map_or(0.0, |softest| firmness(&plate, softest));
-        let base = blueprint.factored(&plate, &springs, &points, carried, firmer, room)?;
+        let firm = softest.map_or(0.0, |softest| firmness(&plate, softest));
+        // Points that are condensed take what is firmer for the plate's own, so that there it is the last resort.
+        let mut firmer = if condensed && !points.is_empty() { 0.0 } else { firm };
+        let base = match blueprint.factored(&plate, &springs, &points, carried.clone(), firmer, room) {
+            Err(FactorError::NotPositiveDefinite { .. }) if firm > firmer => {
+                firmer = firm;
+                blueprint.factored(&plate, &springs, &points, carried, firmer, room)?
+            }
+            found => found?,
+        };
         let factor = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
