@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -101,8 +101,7 @@ def _trace(
         ending = "no_equilibrium"
     elif whole and ended == "reached" and end == asked:
         ending = "until"
-    figures = [figure.name for figure in fields(Certificate)]
-    worst = Certificate(**{name: max(getattr(one, name) for one in certificates) for name in figures})
+    worst = Certificate.worst(certificates)
     doubted = tuple(index for index in doubts if index < len(stops) - 1)
     events = events_of_stops(found.model.support, stops)
     known = (*path.names, problem, tuple(stops), ending, *limits, worst, events, (), interrupted, loads)

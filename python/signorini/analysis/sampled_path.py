@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -303,8 +303,7 @@ class SampledPath:
             sorted((replace(event, row=rows[event.t]) for event in self.events), key=lambda event: event.row)
         )
         thresholds = tuple(replace(one, t=self.reached.get(number)) for number, one in enumerate(sampler.asked))
-        figures = [figure.name for figure in fields(Certificate)]
-        worst = Certificate(**{name: max(getattr(one, name) for one in self.certificates) for name in figures})
+        worst = Certificate.worst(self.certificates)
         return LoadPath(
             *sampler.path.names,
             sampler.problem,

@@ -7,8 +7,8 @@ three global balances from them. It reads no factor, no condensed matrix, and no
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, fields
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -101,6 +101,11 @@ class Certificate:
     def limited(self) -> bool:
         """Whether arithmetic limits a figure that passed."""
         return self.passed and max(self.tension, self.equilibrium, self.balance) > TOLERANCE
+
+    @classmethod
+    def worst(cls, of: Sequence[Self]) -> Self:
+        """Take the largest of every figure."""
+        return cls(**{figure.name: max(getattr(one, figure.name) for one in of) for figure in fields(cls)})
 
     @property
     def passed(self) -> bool:

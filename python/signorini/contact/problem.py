@@ -317,6 +317,8 @@ class ContactProblem(Statement, Remade):
             try:
                 solution = self.core.solve(load.nodal, held, form, near, progress)
             except ValueError as error:
+                if near is None:
+                    raise
                 raise InputError(f"{error}.", place="start") from None
         return self._chosen(load, solution)
 

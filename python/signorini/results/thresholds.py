@@ -41,10 +41,6 @@ class Threshold:
         """Whether the quantity is linear in t as long as nothing opens or closes."""
         return not self.quantity.endswith(_SMOOTH)
 
-    def reached(self, t: float) -> Threshold:
-        """The same, reached at some t."""
-        return replace(self, t=t)
-
 
 def quantities(found: Discretisation) -> Mapping[str, Callable[[PathStop], float]]:
     """Every result of a stop by its name: of supports, their points, probes, sections, strips and the whole plate.
@@ -120,4 +116,4 @@ def first_reached(found: Discretisation, threshold: Threshold, stops: Sequence[P
     of = quantities(found)[threshold.quantity]
     beyond = [of(stop) >= threshold.value for stop in stops]
     row = next((row for row in range(1, len(stops)) if beyond[row] != beyond[0]), None)
-    return threshold if row is None else threshold.reached(stops[row].t)
+    return threshold if row is None else replace(threshold, t=stops[row].t)
