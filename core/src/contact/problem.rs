@@ -4,10 +4,13 @@ use super::floating::Floating;
 use super::graph::Piece;
 use super::interface::Interface;
 use super::points::Points;
+use super::rigid::nearest_motion;
 use super::scale::Scale;
+use super::solution::ContactSolution;
 use super::system::{Blueprint, System};
 use super::tolerances;
 use crate::cholesky::FactorError;
+use crate::displacement::Displacement;
 use crate::element::{Kind, packed};
 use crate::plate::Plate;
 use crate::rows::Springs;
@@ -165,6 +168,20 @@ impl ContactProblem {
 
     pub(super) fn interface(&self) -> &Interface {
         self.interface.as_ref().expect("the points are condensed")
+    }
+
+    /// No load: held dofs are where they are held, and the plate goes with them as a rigid one, as far as that can, which
+    /// strains it least.
+    pub(super) fn at_rest(&self, held_value: &[f64]) -> ContactSolution {
+        let mut displacement = Displacement::zeros(self.plate.dof_count());
+        let moved = nearest_motion(&self.plate, &self.scale, &self.held, held_value);
+        displacement.add_rigid(&self.plate, self.scale.centre, moved);
+        for dof in (0..self.held.len()).filter(|&dof| self.held[dof]) {
+            (displacement.hi[dof], displacement.lo[dof]) = (held_value[dof], 0.0);
+        }
+        let none = vec![0.0; self.points.len()];
+        let piece = self.points.first_pieces();
+        ContactSolution { displacement, reaction: none.clone(), gap: none, piece, ..ContactSolution::default() }
     }
 
     /// The factor with other slopes at the points.

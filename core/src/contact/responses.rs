@@ -7,7 +7,6 @@
 use super::interface::{Form, Work};
 use super::problem::ContactProblem;
 use super::residual::largest_force;
-use super::solution::ContactSolution;
 use super::tolerances;
 use crate::cholesky::FactorError;
 use crate::displacement::Displacement;
@@ -53,7 +52,7 @@ impl ContactProblem {
     /// The response to no load, with the held dofs at `held_value` (3n,) and the springs on their bases.
     pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, FactorError> {
         let begin = |_, draft: &mut Draft| {
-            draft.response.displacement = ContactSolution::at_rest(&self.points, &self.held, held_value).displacement;
+            draft.response.displacement = self.at_rest(held_value).displacement;
         };
         Ok(self.responses(1, true, begin, &mut || true)?.remove(0))
     }

@@ -19,6 +19,27 @@ pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) 
     [motion(0), motion(1), motion(2)]
 }
 
+/// The rigid motion, deflection and slopes at the middle, that is nearest to values of held dofs in least squares.
+pub(super) fn nearest_motion(plate: &Plate, scale: &Scale, held: &[bool], value: &[f64]) -> [f64; 3] {
+    let held: Vec<usize> = (0..held.len()).filter(|&dof| held[dof]).collect();
+    if held.iter().all(|&dof| value[dof] == 0.0) {
+        return [0.0; 3];
+    }
+    let motions = rigid_motions(plate, scale);
+    let mut matrix = [[DoubleDouble::default(); 3]; 3];
+    let mut right = [DoubleDouble::default(); 3];
+    for dof in held {
+        let weight = if dof % 3 == 0 { 1.0 } else { scale.size };
+        let arm = [0, 1, 2].map(|k| weight * motions[k][dof]);
+        for j in 0..3 {
+            (0..3).for_each(|k| matrix[j][k].add_product(arm[j], arm[k]));
+            right[j].add_product(arm[j], weight * value[dof]);
+        }
+    }
+    let ([w, x, y], _) = eliminated(matrix, right);
+    [w, x / scale.size, y / scale.size]
+}
+
 /// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero.
 pub(super) fn eliminated(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleDouble; 3]) -> ([f64; 3], f64) {
     let mut order = Vec::new();

@@ -56,14 +56,6 @@ pub struct ContactSolution {
 }
 
 impl ContactSolution {
-    /// No load and no motion but that of held dofs.
-    pub(super) fn at_rest(points: &Points, held: &[bool], held_value: &[f64]) -> Self {
-        let hi: Vec<f64> = held.iter().zip(held_value).map(|(&held, &v)| if held { v } else { 0.0 }).collect();
-        let displacement = Displacement { lo: vec![0.0; hi.len()], hi };
-        let none = vec![0.0; points.len()];
-        Self { displacement, reaction: none.clone(), gap: none, piece: points.first_pieces(), ..Self::default() }
-    }
-
     /// Solved, unless numbers beyond the arithmetic have made some of it NaN or infinite.
     pub(super) fn solved(self) -> Self {
         let d = &self.displacement;

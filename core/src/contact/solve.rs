@@ -67,7 +67,7 @@ impl ContactProblem {
         start: Option<&ContactSolution>,
         least: f64,
     ) -> Result<ContactSolution, FactorError> {
-        let mut solution = ContactSolution::at_rest(&self.points, &self.held, held_value);
+        let mut solution = self.at_rest(held_value);
         if let Some(start) = start {
             solution.displacement.clone_from(&start.displacement);
             solution.reaction.clone_from(&start.reaction);
@@ -147,7 +147,7 @@ impl ContactProblem {
 
     /// The LCP that [`ContactProblem::solve`] poses first; points are condensed.
     pub fn lcp(&self, load: &[f64], held_value: &[f64], form: Option<Form>) -> Result<PosedLcp, FactorError> {
-        let rest = ContactSolution::at_rest(&self.points, &self.held, held_value);
+        let rest = self.at_rest(held_value);
         let form = form.unwrap_or(self.interface().better_form());
         let reduced = posed_from(self, load, form, &rest)?;
         let work = Work::of(&self.free_motions, load);

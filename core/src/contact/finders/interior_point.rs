@@ -59,7 +59,7 @@ fn interior_point(
 ) -> ContactSolution {
     let ContactProblem { plate, points, held, .. } = problem;
     let numbering = Numbering::new(plate, held, &vec![false; held.len()]);
-    let mut solution = ContactSolution::at_rest(points, held, held_value);
+    let mut solution = problem.at_rest(held_value);
     let program = Program::pose(problem, &numbering, load, &solution);
     let settings = DefaultSettings {
         verbose: false,

@@ -33,7 +33,7 @@ impl SetFinder for Lemke {
         let form = self.form.unwrap_or(problem.interface().better_form());
         let mut first = start.map(|start| start.solution.piece.clone());
         let mut kkt = Condensed::new(problem);
-        let mut solution = ContactSolution::at_rest(&problem.points, &problem.held, held_value);
+        let mut solution = problem.at_rest(held_value);
         let work = Work::of(&problem.free_motions, load);
         let mut residual = Residual::default();
         let mut reduced = posed_from(problem, load, form, &solution)?;

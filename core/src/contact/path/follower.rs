@@ -124,8 +124,7 @@ impl<'a> Follower<'a> {
             return Ok(1.0);
         }
         // On bases that have moved, points in contact have gaps of rounding.
-        let ContactProblem { points, held, .. } = self.problem;
-        let at_rest = ContactSolution::at_rest(points, held, self.load.held_value);
+        let at_rest = self.problem.at_rest(self.load.held_value);
         let least = tolerances::path::SIGN * travel(&at_rest, rest);
         let gap = rest.gap.iter().copied().filter(|&gap| gap > least).fold(f64::INFINITY, f64::min);
         if gap.is_infinite() {

@@ -8,7 +8,7 @@ use crate::cholesky::FactorError;
 use crate::contact::finders::{in_memory, posed_from};
 use crate::contact::interface::{AtPoints, Work};
 use crate::contact::residual::Residual;
-use crate::contact::solution::{ContactSolution, Progress};
+use crate::contact::solution::Progress;
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
 
@@ -70,7 +70,7 @@ impl Follower<'_> {
         let (problem, load) = (self.problem, self.load);
         let interface = problem.interface();
         let form = interface.better_form();
-        let rest = ContactSolution::at_rest(&problem.points, &problem.held, load.held_value);
+        let rest = problem.at_rest(load.held_value);
         let first = posed_from(problem, load.start, form, &rest)?;
         // What is added, by itself: no gaps, nothing held elsewhere than at zero.
         let mut imbalance = load.add.to_vec();

@@ -63,7 +63,7 @@ fn begun<'a>(
 ) -> Result<Newton<'a>, FactorError> {
     let limit = if start.is_some() { tolerances::newton::STIFFEST } else { problem.first_limit };
     let kkt = Factored::new(problem, start.and_then(|start| system_of(problem, start)), limit, shares);
-    let mut solution = ContactSolution::at_rest(&problem.points, &problem.held, held_value);
+    let mut solution = problem.at_rest(held_value);
     let mut multiplier = vec![0.0; problem.points.len()];
     if let Some(Start { solution: start, .. }) = start {
         solution.displacement.hi.copy_from_slice(&start.displacement.hi);
