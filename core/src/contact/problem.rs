@@ -11,6 +11,7 @@ use super::system::{Blueprint, System};
 use super::tolerances;
 use crate::cholesky::FactorError;
 use crate::displacement::Displacement;
+use crate::double_double::DoubleDouble;
 use crate::element::{Kind, packed};
 use crate::plate::Plate;
 use crate::rows::Springs;
@@ -109,16 +110,12 @@ impl ContactProblem {
         }
         let floating = Floating::on(&plate, &held, &scale, &points, &springs);
         let softest = floating.as_ref().map(|floating| floating.softest(|i| carried[i], &springs.stiffness));
-        let firm = softest.map_or(0.0, |softest| firmness(&plate, softest));
-        // Points that are condensed take what is firmer for the plate's own, so that there it is the last resort.
-        let mut firmer = if condensed && !points.is_empty() { 0.0 } else { firm };
-        let base = match blueprint.factored(&plate, &springs, &points, carried.clone(), firmer, room) {
-            Err(FactorError::NotPositiveDefinite { .. }) if firm > firmer => {
-                firmer = firm;
-                blueprint.factored(&plate, &springs, &points, carried, firmer, room)?
-            }
-            found => found?,
+        // Points that are condensed and hold free motions bring a stiffness of the plate's size with them.
+        let firmer = match softest {
+            Some(softest) if !condensed || free_motions.is_empty() => firmness(&plate, softest),
+            _ => 0.0,
         };
+        let base = blueprint.factored(&plate, &springs, &points, carried, firmer, room)?;
         let factor = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
@@ -173,15 +170,34 @@ impl ContactProblem {
     /// No load: held dofs are where they are held, and the plate goes with them as a rigid one, as far as that can, which
     /// strains it least.
     pub(super) fn at_rest(&self, held_value: &[f64]) -> ContactSolution {
-        let mut displacement = Displacement::zeros(self.plate.dof_count());
-        let moved = nearest_motion(&self.plate, &self.scale, &self.held, held_value);
-        displacement.add_rigid(&self.plate, self.scale.centre, moved);
+        let mut displacement = self.carried_along(held_value);
         for dof in (0..self.held.len()).filter(|&dof| self.held[dof]) {
             (displacement.hi[dof], displacement.lo[dof]) = (held_value[dof], 0.0);
         }
         let none = vec![0.0; self.points.len()];
         let piece = self.points.first_pieces();
         ContactSolution { displacement, reaction: none.clone(), gap: none, piece, ..ContactSolution::default() }
+    }
+
+    /// The rigid motion nearest to what dofs are held at. Twice, so that it misses only what strains the plate.
+    fn carried_along(&self, held_value: &[f64]) -> Displacement {
+        let mut displacement = Displacement::zeros(self.plate.dof_count());
+        for _ in 0..2 {
+            let missed = self.missed(held_value, &displacement);
+            let motion = nearest_motion(&self.plate, &self.scale, &self.held, &missed);
+            displacement.add_rigid(&self.plate, self.scale.centre, motion);
+        }
+        displacement
+    }
+
+    /// What held dofs are held at, past that motion.
+    pub(super) fn strained(&self, held_value: &[f64]) -> Vec<f64> {
+        self.missed(held_value, &self.carried_along(held_value))
+    }
+
+    fn missed(&self, held_value: &[f64], displacement: &Displacement) -> Vec<f64> {
+        let of = |dof: usize| (DoubleDouble::from(held_value[dof]) - displacement.at(dof)).value();
+        (0..self.held.len()).map(|dof| if self.held[dof] { of(dof) } else { 0.0 }).collect()
     }
 
     /// The factor with other slopes at the points.

@@ -3,12 +3,10 @@
 use super::interface::{Form, Reduced};
 use super::points::Points;
 use super::problem::ContactProblem;
-use super::rigid::nearest_motion;
 use super::scale::norm;
 use super::solution::ContactSolution;
 use super::tolerances;
 use crate::cholesky::FactorError;
-use crate::displacement::Displacement;
 use crate::element::packed;
 use crate::residual::{internal_magnitudes, residual};
 
@@ -161,22 +159,17 @@ pub(super) fn rounding(problem: &ContactProblem, solution: &ContactSolution) -> 
     f64::EPSILON * problem.scale.largest(&internal)
 }
 
-/// Largest force with which an element could resist what held dofs are held at, past the rigid motion nearest to that: what
-/// rounding is relative to where nothing else acts.
+/// Largest force with which an element could resist what held dofs are held at: what rounding is relative to where nothing
+/// else acts.
 pub(super) fn force_of_settlements(problem: &ContactProblem, held_value: &[f64]) -> f64 {
-    let ContactProblem { plate, scale, held, .. } = problem;
-    let mut strained = Displacement { hi: held_value.to_vec(), lo: vec![0.0; held_value.len()] };
-    let rigid = nearest_motion(plate, scale, held, held_value);
-    strained.add_rigid(plate, scale.centre, rigid.map(|motion| -motion));
-    let size = |dof: usize| if dof % 3 == 0 { 1.0 } else { scale.size };
-    let moved = (0..held.len()).filter(|&dof| held[dof]).map(|dof| strained.hi[dof].abs() * size(dof));
-    let moved = moved.fold(0.0, f64::max);
+    let size = |dof: usize| if dof % 3 == 0 { 1.0 } else { problem.scale.size };
+    let moved = held_value.iter().enumerate().fold(0.0, |most: f64, (dof, v)| most.max(v.abs() * size(dof)));
     if moved == 0.0 {
         return 0.0;
     }
     let of_element = |e: usize| {
-        let lower = plate.element_stiffness(e);
+        let lower = problem.plate.element_stiffness(e);
         (0..8).fold(0.0, |most: f64, node| most.max(lower[packed(3 * node, 3 * node)]))
     };
-    moved * (0..plate.elements().len()).map(of_element).fold(0.0, f64::max)
+    moved * (0..problem.plate.elements().len()).map(of_element).fold(0.0, f64::max)
 }

@@ -44,9 +44,8 @@ pub(super) struct Newton<'a> {
     /// Steps on unchanged pieces since the least imbalance, and that.
     lasting: usize,
     lowest: f64,
-    /// A force that counts although nothing may push in the end: without a load, the largest before.
+    /// Without a load, a force that counts although nothing may push in the end.
     least: f64,
-    unloaded: bool,
     /// Whether it ended because it stalled, so that its pieces may have a better solution.
     pub(super) fell_short: bool,
 }
@@ -55,10 +54,18 @@ impl<'a> Newton<'a> {
     pub(super) fn new(descent: Descent<'a>, started: bool, held_value: &[f64]) -> Self {
         // From rest, the first step takes every point on its steepest piece, as the factor does.
         let pieces = if started { descent.pieces() } else { descent.problem.steepest_pieces() };
-        let unloaded = descent.load.iter().all(|&f| f == 0.0);
-        let least = match unloaded {
-            true => descent.largest_force().max(force_of_settlements(descent.problem, held_value)),
-            false => 0.0,
+        let least = if descent.load.iter().all(|&f| f == 0.0) {
+            let problem = descent.problem;
+            // What bends the plate as far as it is off the points, what strains it, and the rounding of what moves it.
+            let off = problem.points.travel_from(&problem.points.shift, &descent.solution.displacement);
+            let off = off.iter().zip(descent.pieces()).enumerate();
+            let held = off.filter(|(i, (_, piece))| problem.points.piece(*i, *piece).holds());
+            let farthest = held.map(|(i, (off, _))| off.abs() * problem.points.arm[i]).fold(0.0, f64::max);
+            let strained = force_of_settlements(problem, &problem.strained(held_value));
+            let rounding = f64::EPSILON * force_of_settlements(problem, held_value);
+            strained.max(rounding).max(problem.scale.stiffness * farthest)
+        } else {
+            0.0
         };
         Self {
             descent,
@@ -74,7 +81,6 @@ impl<'a> Newton<'a> {
             lasting: 0,
             lowest: f64::INFINITY,
             least,
-            unloaded,
             fell_short: false,
         }
     }
@@ -156,9 +162,6 @@ impl<'a> Newton<'a> {
         self.last = std::mem::replace(&mut self.pieces, self.descent.pieces());
         let unchanged = self.pieces == self.last;
         let force = self.force().max(self.least);
-        if self.unloaded {
-            self.least = force;
-        }
         let descent = &mut self.descent;
         let settling =
             unchanged || descent.residual.worst <= tolerances::newton::NEARLY * tolerances::newton::SETTLED * force;
