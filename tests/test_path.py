@@ -203,11 +203,26 @@ def test_until_ends_the_path_and_at_keeps_to_it(slab: Path) -> None:
     printed = run("path", slab, "--from", "G", "--add", "Q", "--until", "2").output
     assert "Followed to t = 2. Equilibrium ends at t = 16" in printed
     printed = run("path", slab, "--add", "G", "--until", "2").output
-    assert "Followed to t = 2. Equilibrium does not end, however large t is." in printed
+    end = "Followed to t = 2. Equilibrium does not end, however large t is: supports hold without limit."
+    assert end in " ".join(printed.split())
     with pytest.raises(signorini.InputError, match="the path goes from 0 to 2"):
         found.at(2.5)
     with pytest.raises(signorini.InputError, match="until: found -1; it must be a finite number greater than 0"):
         signorini.path(found.model, "G", "Q", until=-1)
+
+
+def test_what_holds_against_lifting_without_limit_is_named(slab: Path) -> None:
+    slab.write_text(
+        SLAB.replace('  { name = "prop"', '  { name = "pile", at = [2, 3], resists = "up" },\n  { name = "prop"')
+    )
+    printed = run("path", slab, "--from", "G", "--add", "G", "--until", "2").output
+    end = "Equilibrium does not end, however large t is: supports hold without limit, pile against lifting too."
+    assert end in " ".join(printed.split())
+
+
+def test_what_may_be_otherwise_at_one_t_is_said_of_that(slab: Path) -> None:
+    printed = " ".join(run("path", slab, "--from", "G", "--add", "Q").output.split())
+    assert "At t = 16 the plate could rest elsewhere, turning about the line through [3, 2] along [0, 1]" in printed
 
 
 def test_a_path_without_an_end_goes_to_where_nothing_more_happens() -> None:

@@ -450,6 +450,18 @@ def test_of_many_resultants_only_some_that_are_not_balanced_have_names() -> None
     ]
 
 
+def test_of_many_resultants_those_off_the_plate_are_in_the_picture_or_counted_with_a_place() -> None:
+    marks = [
+        BalanceMark(f"c{i}", at) for i, at in enumerate([*[(0.5, 0.5)] * 7, (1.8, -0.4), (90.0, 2.0), (-7.0, 0.0)])
+    ]
+    axes = check_picture(PLAN, balance=[*marks, BalanceMark("couple", None)]).axes[0]
+    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == [
+        "resultants of 10 combinations, 2 of them far off the plate, as at [90, 2]"
+    ]
+    assert axes.get_xlim()[1] > 1.8 and axes.get_ylim()[0] < -0.4
+    assert len(axes.lines[-1].get_xdata()) == 8
+
+
 def test_sections_are_drawn_with_deflection_down_and_share_axes() -> None:
     axes = line([0, 1], [0, 2], label="60", ylabel="deflection [mm]")
     line([0, 1], [0, 3], ax=axes, label="90")

@@ -139,6 +139,7 @@ def test_gaps_and_settlements_beyond_the_thickness(support: dict[str, object], s
 def test_a_deflection_beyond_the_thickness() -> None:
     (sentence,) = warned(load=[{"pressure": 5e4}])
     assert sentence.startswith("The deflection at [") and "is beyond the thickness, 0.2 m: " in sentence
+    assert sentence.endswith("Are E, thickness, loads and the stiffness of supports in the same units?")
     assert warned(load=[{"pressure": 5e2}]) == ()
 
 

@@ -10,6 +10,8 @@ from signorini import Model, solve
 from signorini.analysis.single import solve_one
 from signorini.contact.problem import contact_problem
 from signorini.discretise import discretise
+from signorini.shapes import Polygon
+from signorini.shapes.regions import meeting
 
 RECTANGLE = [(0.0, 0.0), (8.0, 0.0), (8.0, 6.0), (0.0, 6.0)]
 POLYGON = [(0.0, 0.0), (8.0, 0.0), (9.0, 4.0), (5.0, 6.5), (0.0, 6.0)]
@@ -216,3 +218,100 @@ def test_a_line_may_end_in_a_node_of_a_round_edge(angle):
         moment, shear = by_statics([], forces, [], (0, y), (x, y))
         assert section.shear == pytest.approx(shear, abs=1e-7)
         assert section.moment == pytest.approx(moment, abs=1e-6)
+
+
+def turned(points, angle, about=(4.0, 3.0)):
+    c, s = math.cos(angle), math.sin(angle)
+    return [tuple(p) for p in (np.array(points) - about) @ np.array([[c, s], [-s, c]]) + about]
+
+
+def of_part(corners, forces, pressure, a, b):
+    """Moment and shear through the line from a to b, on whose left there is a polygon, with forces (force, at)."""
+    right = np.array([b[1] - a[1], a[0] - b[0]]) / math.dist(a, b)
+    p = np.array(corners) - a
+    q = np.roll(p, -1, axis=0)
+    twice = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
+    inside = Polygon(tuple(dict.fromkeys(map(tuple, corners)))).contains(np.array([at for _, at in forces]))
+    on = [(force, right @ (np.array(at) - a)) for (force, at), there in zip(forces, inside, strict=True) if there]
+    first = right @ ((p + q) * twice[:, None]).sum(axis=0) / 6
+    return sum(f * off for f, off in on) + pressure * first, -sum(f for f, _ in on) - pressure * twice.sum() / 2
+
+
+def loaded(corners, spots, lines, pressure, holes=()):
+    """Solve a plate on points under pressure and a force, on a mesh that follows the lines and on one that does not."""
+    tables = dict(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "polygon", "points": corners, "holes": holes, "thickness": 0.25},
+        mesh={"size": 0.9, "error": False},
+        support=[{"at": spots[:4], "stiffness": 5e7}],
+        load=[{"pressure": pressure}, {"force": 5e4, "at": spots[4]}],
+    )
+    model = Model(**tables, section=[{"line": line} for line in lines])
+    for mesh in (None, discretise(Model(**tables)).mesh):
+        result = solved(model, mesh)
+        (support,) = result.supports
+        reactions = zip(support.positions, support.reactions, strict=True)
+        yield result.sections, [(5e4, spots[4]), *((-r, at) for at, r in reactions)]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_line_that_ends_in_a_reentrant_corner_is_in_balance(seed):
+    """Of any angle, from any side, whether there is plate beyond it, an edge or nothing; both ways."""
+    random = np.random.default_rng(seed)
+    (d, e), turn = random.choice([0.0, 1.0], 2) * random.uniform(-1.5, 1.5, 2), random.choice([0.0, 1.0, 2.0])
+    drawn = [(0.0, 0.0), (9.0, 0.0), (9.0, 4.0 + d), (5.0, 4.0), (5.0 + e, 9.0), (0.0, 9.0)]
+    corners = turned(drawn, turn)
+    spots = turned([(0.4, 0.3), (8.3, 0.6), (0.7, 8.4), (4.1, 3.3), (7.4, 1.9)], turn)
+    begin = [(k, random.uniform(0.03, 0.97)) for k in (0, 0, 1, 4, 5, 5)] + [(0, 5 / 9), (5, 5 / 9), (0, 0.0)]
+    ends = [np.array(corners[k]) * (1 - t) + t * np.array(corners[(k + 1) % 6]) for k, t in begin]
+    # Within a millionth of the plate's size of the corner.
+    beside = (np.array(corners[3]) + random.choice([0.0, 1.0]) * 10 ** random.uniform(-12, -5.5, 2)).tolist()
+    lines = [way for a in ends for way in ([a.tolist(), beside], [beside, a.tolist()])]
+    for sections, forces in loaded(corners, spots, lines, 2e3):
+        for (k, _), a, there, back in zip(begin, ends, sections[::2], sections[1::2], strict=True):
+            on_left = [corners[3], *[corners[i % 6] for i in range(4, (k if k > 3 else k + 6) + 1)], tuple(a)]
+            moment, shear = of_part(on_left, forces, 2e3, a, corners[3])
+            assert there.shear == pytest.approx(shear, abs=1e-12 * 1.8e5)
+            assert there.moment == pytest.approx(moment, abs=1e-12 * 1.8e5 * 9)
+            assert (back.moment, back.shear) == pytest.approx((there.moment, -there.shear), abs=1e-11 * 1.8e5)
+
+
+def ray(at, towards):
+    """Where a line from a place in the rectangle that way ends on its edge."""
+    past = [((8.0, 6.0)[i] if towards[i] > 0 else 0.0) - at[i] for i in (0, 1)]
+    axis = int(past[1] / towards[1] < past[0] / towards[0])
+    end = np.array(at) + past[axis] / towards[axis] * np.array(towards)
+    return tuple(np.where(np.arange(2) == axis, np.round(end), end).tolist())
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("hole", ["corners", "round"])
+def test_two_lines_that_end_on_a_hole_are_in_balance_together(hole, seed):
+    """In a corner, or anywhere on a circle, at angles at which there is plate beyond, an edge or nothing."""
+    random = np.random.default_rng(seed)
+    # Corners counter-clockwise, at angles from the middle.
+    around = math.tau * (np.arange(4) / 4 + random.uniform(-0.1, 0.1, 4) * (seed % 3 > 0) + 0.125)
+    at = np.column_stack([np.cos(around), np.sin(around)]) * math.sqrt(2 if hole == "corners" else 1) + [4, 3]
+    shape = {"polygon": at.tolist()} if hole == "corners" else {"circle": {"center": [4, 3], "radius": 1}}
+    widest = math.radians(125 if hole == "corners" else 85)
+    while True:
+        first, last = random.choice(4, 2, replace=False).tolist()
+        angles = around[[first, last]] + random.choice([random.uniform(-widest, widest, 2), np.radians([45.0, -45.0])])
+        a, b = (ray(at[k], (math.cos(t), math.sin(t))) for k, t in zip((first, last), angles, strict=True))
+        if meeting(np.array([[a, at[first]], [at[last], b]]), closed=False) is None:
+            break
+    # With the hole on its right the path from one place to the other goes clockwise around it, the plate's edge back.
+    beside = [at[(first - k) % 4] for k in range((first - last) % 4 + 1)]
+    turn = [math.atan2(y - 3, x - 4) for x, y in RECTANGLE]
+    begin, end = (math.atan2(y - 3, x - 4) for x, y in (b, a))
+    corners = [c for t, c in zip(turn, RECTANGLE, strict=True) if (t - begin) % math.tau < (end - begin) % math.tau]
+    corners.sort(key=lambda c: (math.atan2(c[1] - 3, c[0] - 4) - begin) % math.tau)
+    on_left = [a, *map(tuple, beside), b, *corners]
+    spots = [(0.4, 0.3), (7.3, 0.6), (0.7, 5.4), (7.1, 4.9), (6.4, 1.9)]
+    pressure = 2e3 if hole == "corners" else 0.0
+    lines = [[a, at[first].tolist()], [at[last].tolist(), b]]
+    lines += [line[::-1] for line in lines]
+    for (one, other, *back), forces in loaded(RECTANGLE, spots, lines, pressure, [shape]):
+        _, shear = of_part(on_left, forces, pressure, a, b)
+        assert one.shear + other.shear == pytest.approx(shear, abs=1e-12 * 1.5e5)
+        assert [-part.shear for part in back] == pytest.approx([one.shear, other.shear], abs=1e-11 * 1.5e5)

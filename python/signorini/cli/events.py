@@ -60,7 +60,9 @@ def print_path(console: Console, path: LoadPath) -> None:
         say(console, f"Interrupted at t = {path.end:.9g}; what there is, is certified.", style="yellow")
     say(console, _ending(path))
     for begin, end, one in path.not_unique[:_MOST_STRETCHES]:
-        say(console, f"From t = {begin:.9g} to {end:.9g} {one.otherwise}: more answers than one are right.")
+        first, last = f"{begin:.9g}", f"{end:.9g}"
+        where = f"At t = {first}" if first == last else f"From t = {first} to {last}"
+        say(console, f"{where} {one.otherwise}: more answers than one are right.")
     if len(path.not_unique) > _MOST_STRETCHES:
         say(console, f"So on {len(path.not_unique) - _MOST_STRETCHES} more stretches, all in path.json.")
     say(console, "reactions positive up" if names else "reactions of the supports, positive up, are in path.csv")
@@ -81,7 +83,16 @@ def _ending(path: LoadPath) -> str:
         case "no_more_events":
             return "After the last event nothing opens or closes any more, however large t is."
         case "until":
-            ends = f"ends at t = {path.limit:.9g}" if math.isfinite(path.limit) else "does not end, however large t is"
-            return f"Followed to t = {path.end:.9g}. Equilibrium {ends}."
+            return f"Followed to t = {path.end:.9g}. Equilibrium {_end_of_equilibrium(path)}."
         case _:
             return f"Followed to t = {path.end:.9g} only; beyond, rounding decides which points are in contact."
+
+
+def _end_of_equilibrium(path: LoadPath) -> str:
+    if math.isfinite(path.limit):
+        return f"ends at t = {path.limit:.9g}"
+    holding = [one.name for one in path.model.support if one.resists in ("up", "both") or "w" in one.fixed]
+    more = len(holding) - _MOST_COLUMNS
+    names = ", ".join(holding[:_MOST_COLUMNS]) + (f" and {more} more" if more > 0 else "")
+    against = f", {names} against lifting too" if holding else ""
+    return f"does not end, however large t is: supports hold without limit{against}"

@@ -9,13 +9,18 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
+from signorini.errors import point
 from signorini.plot.marks import Entry
 from signorini.plot.plan import literal
 
 _GOOD, _BAD = "#1b6e53", "#b3261e"
 _FARTHEST = 1.0
 """How far off the plate, in its sizes, a resultant is still drawn."""
+_FAR = "far off the plate"
+_MARGIN = 0.04
+"""Of the plate's size, that the axes leave around a resultant."""
 
 _MOST_NAMED = 8
 """Combinations that have names in the picture; of more these are some that cannot be balanced, if there are any."""
@@ -55,18 +60,37 @@ def draw_balances(marks: Iterable[BalanceMark], axes: Axes) -> list[Entry]:
     """Draw what becomes of every combination, of many only a few by name."""
     marks = list(marks)
     named = marks if len(marks) <= _MOST_NAMED else [mark for mark in marks if mark.unbalanced][:_MOST_NAMED]
-    entries = [entry for mark in _together(named, axes) for entry in draw_balance(mark, axes)]
+    plate = np.array([axes.get_xlim(), axes.get_ylim()]).T
+    entries = [entry for mark in _together(named, axes) for entry in _draw(mark, axes, plate)]
     for colour, unbalanced in ((_GOOD, False), (_BAD, True)):
-        others = [mark for mark in marks if mark.unbalanced == unbalanced and mark not in named]
+        others = [mark.at for mark in marks if mark.unbalanced == unbalanced and mark not in named and mark.at]
         if others:
-            at = np.array([mark.at for mark in others if mark.at is not None]).reshape(-1, 2)
+            at = np.array(others)
+            shown = _shown(at, axes, plate)
             look: dict[str, Any] = {"marker": "s", "linestyle": "none", "color": colour, "markersize": 3.0}
-            axes.plot(*at.T, zorder=7.5, scalex=False, scaley=False, **look)
+            axes.plot(*at[shown].T, zorder=7.5, scalex=False, scaley=False, **look)
             more = " more" if named else ""
             ending = ", not balanced" if unbalanced else ""
             words = f"resultants of {len(others)}{more} combinations{ending}"
+            if not shown.all():
+                away = np.hypot(*(at - plate.mean(axis=0)).T)
+                words += f", {np.count_nonzero(~shown)} of them {_FAR}, as at {point(at[away.argmax()])}"
             entries.append((words, (Line2D([], [], **look),)))
     return entries
+
+
+def _shown(at: NDArray[np.float64], axes: Axes, plate: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which resultants (k, 2) are not far off the plate, whose corners are (2, 2); widen the axes to these."""
+    low, high = plate
+    size = float((high - low).max())
+    shown = (np.abs(at - np.clip(at, low, high)) <= _FARTHEST * size).all(axis=1)
+    wide = np.array([axes.get_xlim(), axes.get_ylim()])
+    for place in at[shown]:
+        wide[:, 0] = np.minimum(wide[:, 0], place - _MARGIN * size)
+        wide[:, 1] = np.maximum(wide[:, 1], place + _MARGIN * size)
+    axes.set_xlim(*wide[0])
+    axes.set_ylim(*wide[1])
+    return np.asarray(shown)
 
 
 def _together(marks: list[BalanceMark], axes: Axes) -> list[BalanceMark]:
@@ -88,11 +112,11 @@ def _together(marks: list[BalanceMark], axes: Axes) -> list[BalanceMark]:
     ]
 
 
-def draw_balance(mark: BalanceMark, axes: Axes) -> list[Entry]:
+def _draw(mark: BalanceMark, axes: Axes, plate: NDArray[np.float64]) -> list[Entry]:
     """Draw a resultant as a named cross in a square, a tipping axis dash-dotted; widen the axes to the cross."""
     entries: list[Entry] = []
     colour = _BAD if mark.unbalanced else _GOOD
-    low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
+    low, high = plate
     size = float((high - low).max())
     if mark.at is not None:
         at = np.array(mark.at)
@@ -101,18 +125,15 @@ def draw_balance(mark: BalanceMark, axes: Axes) -> list[Entry]:
         look: dict[str, Any] = {"marker": "$\\boxtimes$", "linestyle": "none", "color": colour, "markersize": 10.0}
         look["clip_on"] = False
         words = f"{mark.name}: {way}{ending}"
-        if (np.abs(at - np.clip(at, low, high)) <= _FARTHEST * size).all():
+        if _shown(at[None], axes, plate).all():
             axes.plot(*at, zorder=8, **look)
             beside: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 8, "zorder": 8}
             # On the right half its name stands left of it, as there the page may end.
             to_the_left = at[0] > 0.5 * (low[0] + high[0])
             beside |= {"ha": "right" if to_the_left else "left"}
             axes.annotate(literal(mark.name), mark.at, (-7 if to_the_left else 7, 5), **beside)
-            margin = 0.04 * size
-            axes.set_xlim(min(low[0], at[0] - margin), max(high[0], at[0] + margin))
-            axes.set_ylim(min(low[1], at[1] - margin), max(high[1], at[1] + margin))
         else:
-            words += ", far off the plate"
+            words += f", {_FAR}"
         entries.append((words, (Line2D([], [], **look),)))
     if mark.axis is not None:
         start, end = np.array(mark.axis)

@@ -123,7 +123,8 @@ def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
         where = point(found.mesh.points[node], found.mesh.size)
         yield (
             f"The deflection at {where}, {deflection[node]:.4g}{unit}, is beyond the thickness, "
-            f"{thickness[at]:.4g}{unit}: the theory is of small ones. Are E, thickness and loads in the same units?"
+            f"{thickness[at]:.4g}{unit}: the theory is of small ones. Are E, thickness, loads and "
+            "the stiffness of supports in the same units?"
         )
 
 

@@ -70,14 +70,16 @@ class Near:
 
 
 class CutLine:
-    """A polyline that goes on straight beyond its ends, but one that closes.
+    """A polyline that goes on beyond its ends, but one that closes.
 
     Parameters
     ----------
-    points : sequence of (x, y)
+    points : (p, 2) array or sequence of (x, y)
         The last of a closed one is the first.
     touching : float
         How far points on the line may be from it.
+    ways : two of (2,) array or None
+        In what direction it goes on at its ends; None: straight. Only what is left and right depends on these.
 
     Examples
     --------
@@ -87,7 +89,9 @@ class CutLine:
     ([1, -1, 0], [0, 0, 1], 1.0)
     """
 
-    def __init__(self, points: Sequence[Point], touching: float) -> None:
+    def __init__(
+        self, points: Sequence[Point] | Floats, touching: float, ways: Sequence[Floats | None] = (None, None)
+    ) -> None:
         corners = np.array(points, dtype=np.float64)
         self.closed = len(corners) > 2 and bool((corners[0] == corners[-1]).all())
         self.touching = touching
@@ -96,6 +100,12 @@ class CutLine:
         self.along: Floats = pieces / self.lengths[:, None]
         self.normals: Floats = np.column_stack([self.along[:, 1], -self.along[:, 0]])
         """To the right."""
+        self._onward = [straight if way is None else way for way, straight in zip(ways, self._straight, strict=True)]
+        self._whole = None if ways[0] is None and ways[1] is None else CutLine(self._extended(1.0), touching)
+
+    @property
+    def _straight(self) -> list[Floats]:
+        return [-self.along[0], self.along[-1]]
 
     @property
     def ends(self) -> Floats:
@@ -104,11 +114,14 @@ class CutLine:
 
     def extended(self, by: float) -> Polyline:
         """Lengthen it at both ends, by pieces of their own; not one that closes."""
+        return Polyline(tuple((float(x), float(y)) for x, y in self._extended(by)))
+
+    def _extended(self, by: float) -> Floats:
         first, last = self.ends
         corners = [*self.begin, last]
         if not self.closed:
-            corners = [first - by * self.along[0], *corners, last + by * self.along[-1]]
-        return Polyline(tuple((float(x), float(y)) for x, y in corners))
+            corners = [first + by * self._onward[0], *corners, last + by * self._onward[1]]
+        return np.array(corners)
 
     def near(self, points: Floats) -> Near:
         """Find where points (q, 2) are from it."""
@@ -130,6 +143,8 @@ class CutLine:
         across = np.where(beyond == 0.0, off[pick], ((points - corner) * both).sum(axis=1))
         near = np.hypot(off[pick], beyond) <= self.touching
         side = np.where(near, 0, np.where(across > 0.0, RIGHT, LEFT))
+        if self._whole is not None:
+            side = self._whole.near(points).side
         return Near(piece, shares / shares.sum(axis=1)[:, None], station[pick], off, side)
 
 

@@ -26,18 +26,12 @@ from signorini.discretise.quadrature import Quadrature, area_quadrature
 from signorini.discretise.quadrature.rules import gauss
 from signorini.discretise.quadrature.stepped import Levels
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.sections.ends import followed
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.shapes.cuts import LEFT, RIGHT, CutLine, LeftOf, Near, Part
 from signorini.shapes.outlines import Point
 
-_TOUCHING = 1e-9
-"""Part of the plate's diameter within which nodes are on a line."""
-BESIDE = 1e-6
-"""How far beyond an end, of the plate's size, it is asked whether the plate goes on, and before it whether it is there:
-more than rounding."""
-_PAST = 1e-7
-"""How far past a side, in reference coordinates, is off the plate: points near curved edges are found inside."""
 _BEYOND = 2.0
 """Diagonals of the largest element by which a line is followed beyond an end inside the plate: v ends within one."""
 _ORDER = 5
@@ -114,7 +108,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
     InputError
         If nothing of the line is on the plate.
     """
-    line = _Followed(mesh, CutLine(points, _TOUCHING * mesh.diameter))
+    line = _Followed(mesh, points)
     met, divided, pieces = _met(mesh, line)
     length = _length(line.line, pieces)
     if not length > 0.0:
@@ -155,21 +149,10 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
 class _Followed:
     """A line on a plate: which of its ends lie inside, and how far it is followed beyond these."""
 
-    def __init__(self, mesh: Mesh, line: CutLine) -> None:
-        self.line = line
-        self.inside = np.zeros(2, np.bool_)
-        if not line.closed:
-            outward = np.stack([-line.along[0], line.along[-1]])
-            where = mesh.locate(line.ends + BESIDE * mesh.size * outward)
-            triangles = where.inside & mesh.triangles[where.elements]
-            (x, y), one = where.xi.T, 1.0 + _PAST
-            past = (
-                np.where(triangles, np.maximum(1.0 - 2.0 * np.minimum(x, y), x + y), np.maximum(abs(x), abs(y))) > one
-            )
-            self.inside = where.inside & ~past
+    def __init__(self, mesh: Mesh, points: Sequence[Point]) -> None:
+        self.line, self.inside = followed(mesh, points)
         self.reach = _BEYOND * float(np.hypot(*(mesh.boxes[:, 2:] - mesh.boxes[:, :2]).T).max())
-        # What ends short of an edge by less than that may miss nodes on it.
-        self.beyond = np.where(self.inside, self.reach, 0.0 if line.closed else BESIDE * mesh.size)
+        self.beyond = np.where(self.inside, self.reach, 0.0)
 
     def near(self, points: Floats) -> Near:
         """Find where points (q, 2) are from the line."""

@@ -27,7 +27,8 @@ from signorini.discretise.sections.acting import (
     of_spread,
     of_supports,
 )
-from signorini.discretise.sections.cut import BESIDE, Cut, cut
+from signorini.discretise.sections.cut import Cut, cut
+from signorini.discretise.sections.ends import BESIDE
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
