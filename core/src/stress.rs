@@ -7,9 +7,11 @@
 //! element's mean.
 
 use crate::displacement::Displacement;
+use crate::double_double::DoubleDouble;
 use crate::element::quadrature::GAUSS_2;
 use crate::element::{self, ALL_DOFS, DOFS, Kind, Section, StrainMatrix, mitc7, shape::NODES};
 use crate::plate::Plate;
+use crate::vectorized::vectorized;
 use rayon::prelude::*;
 
 /// [mx, my, mxy, qx, qy] at a point: moments sag positive, M = −D(κ − κ⁰), Q = S(∇w − θ).
@@ -67,23 +69,40 @@ impl<const N: usize> Samples<N> {
         curvature: [f64; 3],
         couples: [f64; 2],
     ) -> [Stress; N] {
-        let strained = displacement.strained(plate, e);
-        let mut all = [0.0; ALL_DOFS];
-        all[..DOFS].copy_from_slice(&strained);
-        let inner = plate.centre(e);
-        for a in 0..2 {
-            all[DOFS + a] = inner.compliance[a][0] * couples[0] + inner.compliance[a][1] * couples[1]
-                - inner.coupling[a].iter().zip(&strained).map(|(c, u)| c * u).sum::<f64>();
-        }
+        // Of a thin plate the shear is what nearly cancels between terms that are each rounded in a double.
+        let strains = vectorized(
+            #[inline(always)]
+            || self.strains(plate, e, &displacement.stripped(plate, e), couples),
+        );
         let mut out = [[0.0; 5]; N];
-        for ((stress, rows), section) in out.iter_mut().zip(&self.strain).zip(&self.sections) {
-            let strain = rows.map(|row| row.iter().zip(&all).map(|(b, u)| b * u).sum::<f64>());
+        for ((stress, strain), section) in out.iter_mut().zip(strains).zip(&self.sections) {
             let elastic = [strain[0] - curvature[0], strain[1] - curvature[1], strain[2] - 2.0 * curvature[2]];
             let [mx, my, mxy] = section.moment(elastic);
             let [qx, qy] = section.shear_force([strain[3], strain[4]]);
             *stress = [-mx, -my, -mxy, qx, qy];
         }
         out
+    }
+
+    /// Strains by a displacement without its rigid motion, in double-double.
+    #[inline(always)]
+    fn strains(&self, plate: &Plate, e: usize, stripped: &[DoubleDouble; DOFS], couples: [f64; 2]) -> [[f64; 5]; N] {
+        let dot = |row: &[f64], values: &[DoubleDouble], from: f64| {
+            let mut sum = DoubleDouble::from(from);
+            for (&c, value) in row.iter().zip(values) {
+                sum.add_product_fused(c, value.hi);
+                sum.lo += c * value.lo;
+            }
+            sum
+        };
+        let mut all = [DoubleDouble::default(); ALL_DOFS];
+        all[..DOFS].copy_from_slice(stripped);
+        let inner = plate.centre(e);
+        for a in 0..2 {
+            let own = inner.compliance[a][0] * couples[0] + inner.compliance[a][1] * couples[1];
+            all[DOFS + a] = -dot(&inner.coupling[a], stripped, -own);
+        }
+        std::array::from_fn(|i| self.strain[i].map(|row| dot(&row, &all, 0.0).value()))
     }
 }
 
