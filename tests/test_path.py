@@ -273,6 +273,20 @@ def test_a_part_closed_is_a_part_of_the_contact_area(bedded) -> None:
         assert float(row[f"{key}:soil"]) == stop[0][key] == pytest.approx(value, rel=1e-6)
         assert row[f"{key}:prop"] == "" and stop[1][key] is None
     assert stop[0]["closed_part"] == pytest.approx(0.5, abs=1e-5) and soil.contact_area == pytest.approx(8, abs=1e-4)
+    assert soil.closed_part == pytest.approx(soil.contact_area / 16, rel=1e-12)
+
+
+def test_a_solve_and_a_path_say_the_same_part_closed_of_a_line() -> None:
+    model = rectangular(
+        mesh={"divisions": [16, 16]},
+        support=[{"name": "wall", "edge": ["left", "right"], "resists": "down", "stiffness": 1e5}],
+        load=[{"case": "G", "pressure": 5}, {"case": "Q", "force": -30, "at": [0.3, 3.7], "patch": [0.4, 0.4]}],
+    )
+    found = signorini.path(model, "G", "Q", at=[1.0])
+    part = found.at(1.0).supports[0].closed_part
+    assert 0 < part < 1 and part == pytest.approx(found.stops[-1].parts[0], rel=1e-9)
+    half_widths = found.at(1.0).plus_minus
+    assert half_widths["supports"][0]["closed_part"] < 0.1 and half_widths["supports"][0]["closed"] is None
 
 
 def test_named_events_have_half_widths_from_the_same_events_on_coarser_meshes(bedded) -> None:

@@ -20,8 +20,9 @@ from signorini.discretise.rows import Floats
 from signorini.discretise.supports import can_let_go
 from signorini.equilibrium.limits import CONTRADICTION, supports_contradict
 from signorini.errors import NoEquilibriumError, NotCertifiedError
+from signorini.results.closed_part import Scales
 from signorini.results.load_path import AT_LIMIT, Ending, LoadPath, beside
-from signorini.results.margins import LEVELS, Scales, margins
+from signorini.results.margins import LEVELS, margins
 from signorini.results.named_events import PathEvent, event_of, first_place
 from signorini.results.path_stop import PathStop, path_stops
 from signorini.results.support_points import SupportPoints
