@@ -22,7 +22,7 @@ os.environ.setdefault("RAYON_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from signorini import Model, path, solve
-from signorini.analysis.sampled_path import Sampler
+from signorini.analysis.sampler import Sampler
 from signorini.contact.problem import contact_problem
 
 _MOST_SOLVES, _MOST_LINEAR = 20, 60

@@ -222,6 +222,41 @@ def test_a_path_without_an_end_goes_to_where_nothing_more_happens() -> None:
     assert event.t == pytest.approx(signorini.path(model, None, "load", events="all").events[0].t, rel=1e-8)
 
 
+def test_a_stop_that_only_a_far_larger_load_reaches_is_reached_before_a_path_ends() -> None:
+    """Its gap hid what the plate did, so that the path ended at once."""
+    far = {"name": "far", "at": [1, 1], "resists": "down", "gap": 1e9}
+    model = rectangular(support=[{"edge": ["left", "right"], "fix": "simple"}, far], load=[{"pressure": 1e3}])
+    found = signorini.path(model, None, "load")
+    (event,) = found.support_events
+    assert found.ending == "no_more_events" and event.support == "far" and event.t <= found.end <= 2 * event.t
+    assert event.t == pytest.approx(signorini.path(model, None, "load", events="all").events[0].t, rel=1e-8)
+
+
+def test_a_path_ends_where_its_last_pieces_begin_however_large_the_load_is() -> None:
+    """Reactions grow and deflections do not: their rounding opened and closed points up to t = 1e30."""
+    settled = {"name": "wall", "edge": ["left", "right"], "resists": "down", "gap": "1e-4 * (1 + y)"}
+    model = rectangular(
+        support=[settled, {"name": "prop", "at": [2, 2], "resists": "down"}],
+        load=[{"case": "G", "pressure": 0.01}, {"case": "Q", "at": [2, 2], "force": 100.0}],
+    )
+    followed, exact = (signorini.path(model, "G", "Q", events=events) for events in ("named", "all"))
+    assert followed.ending == exact.ending == "no_more_events" and followed.end < 1e6
+
+
+def test_a_bed_that_a_load_lifts_for_ever_has_a_last_event() -> None:
+    model = rectangular(
+        support=[
+            {"name": "soil", "area": "all", "resists": "down", "stiffness": 1e4},
+            {"name": "posts", "at": [[0, 0], [4, 0], [0, 4], [4, 4]]},
+        ],
+        load=[{"case": "G", "pressure": 5}, {"case": "Q", "force": -10, "at": [2, 2], "patch": [0.4, 0.4]}],
+    )
+    found = signorini.path(model, "G", "Q")
+    last = found.support_events[-1]
+    assert found.ending == "no_more_events" and last.t < found.end <= 4 * last.t
+    assert found.at(100 * found.end).supports[0].closed_part == pytest.approx(found.stops[-1].parts[0], abs=0.2)
+
+
 BED = """
 units = { length = "m", force = "kN" }
 material = { E = 30e6, nu = 0.2 }
