@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from signorini.analysis.sampler import Sampler, State, Watch
-from signorini.errors import NotCertifiedError
 
 LINEAR, SMOOTH = 1e-9, 1e-6
 """Parts of the path's length to which the t of an event is found: of what is linear in t between the events of contact
@@ -24,7 +23,7 @@ def root(sampler: Sampler, watch: Watch, known: list[State], span: float) -> Sta
     row = next(row for row in range(len(known) - 1) if signs[row] != signs[row + 1])
     low, high = known[row], known[row + 1]
     below, above = known[row - 1] if row else None, known[row + 2] if row + 2 < len(known) else None
-    tolerance, slow, failed = span * (LINEAR if sampler.exact(watch) else SMOOTH), 0, False
+    tolerance, slow = span * (LINEAR if sampler.exact(watch) else SMOOTH), 0
     for _ in range(_MOST_STEPS):
         at_low, at_high = sampler.value(low, watch), sampler.value(high, watch)
         width = high.t - low.t
@@ -38,16 +37,10 @@ def root(sampler: Sampler, watch: Watch, known: list[State], span: float) -> Sta
             if abs(value) <= slope * tolerance:
                 return end
         t = 0.5 * (low.t + high.t)
-        if slow < 2 and not failed:
+        if slow < 2:
             t = _guess(sampler, watch, (below, low, high, above))
         t = min(max(t, low.t + 0.25 * tolerance), high.t - 0.25 * tolerance)
-        try:
-            state = sampler.state(t, low if t - low.t < high.t - t else high)
-        except NotCertifiedError:
-            if failed:
-                raise
-            failed = True
-            continue
+        state = sampler.state(t, low if t - low.t < high.t - t else high)
         known.insert(known.index(high), state)
         value = sampler.value(state, watch)
         if (value >= 0) == (at_low >= 0):

@@ -58,10 +58,10 @@ class SampledPath:
             if self.sampler.value(state, Watch(None, number)) == 0 and threshold.t is None:
                 self.reached[number] = 0.0
 
-    def go_on(self, t: float, span: float, alone: bool = False) -> None:
+    def go_on(self, t: float, span: float) -> None:
         """Solve at t, and find what happens on the way."""
         before, sampler = self.last, self.sampler
-        after = sampler.state(t, before, alone)
+        after = sampler.state(t, before)
         known = [*self._last, after]
         hits = []
         for watch in sampler.changed(before, after):
@@ -152,22 +152,13 @@ def sampled_path(
     ending: Ending = "stopped"
     interrupted = False
     try:
-        last, ends = _end(sampler, path, until, samples, whole)
+        length, ends = _end(sampler, until if isinstance(samples, int) else until or max(samples), whole.last)
         limited = ends == "no_equilibrium"
-        if isinstance(samples, int):
-            at = [last * k / samples for k in range(1, samples + 1)]
-        else:
-            at = [*(t for t in samples if 0 < t < last), last]
-        for t in at[:-1]:
-            whole.go_on(t, last)
-        # At the limit itself the contact set barely holds the plate.
-        for part in (0.0, LINEAR, AT_LIMIT) if limited else (0.0,):
-            try:
-                whole.go_on(at[-1] * (1 - part), last, alone=limited and part < AT_LIMIT)
-                break
-            except NotCertifiedError:
-                if not limited or part == AT_LIMIT:
-                    raise
+        # At the limit itself no contact set holds the plate.
+        end = length * (1 - AT_LIMIT) if limited else length
+        at = [length * k / samples for k in range(1, samples)] if isinstance(samples, int) else samples
+        for t in (t for t in (*(t for t in at if t < end), end) if t > 0):
+            whole.go_on(t, length)
         of_mesh = limited and path.limits[1] < path.limits[0] * (1 - AT_LIMIT)
         ending = "stopped" if of_mesh else ends
     except NotCertifiedError:
@@ -177,16 +168,11 @@ def sampled_path(
     return whole.result(ending, interrupted)
 
 
-def _end(
-    sampler: Sampler, path: PathLoads, until: float | None, samples: int | Sequence[float], whole: SampledPath
-) -> tuple[float, Ending]:
-    """The last t, and why it is: asked for, the limit, or a t beyond which nothing that has a name happens."""
-    if not isinstance(samples, int):
-        until = max(samples) if until is None else until
-    if until is not None and until < path.end:
+def _end(sampler: Sampler, until: float | None, begin: State) -> tuple[float, Ending]:
+    """How long the path is, and why: asked for, the limit, or a t beyond which nothing that has a name happens."""
+    limit = sampler.path.end
+    if until is not None and until < limit:
         return until, "until"
-    if np.isfinite(path.end):
-        return path.end, "no_equilibrium"
-    if until is not None:
-        return until, "until"
-    return last_change(sampler, whole.last), "no_more_events"
+    if np.isfinite(limit):
+        return limit, "no_equilibrium"
+    return last_change(sampler, begin), "no_more_events"

@@ -12,7 +12,7 @@ import numpy as np
 from signorini.analysis.path_loads import PathLoads
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.answer import Answer
-from signorini.contact.certificate import Certificate, certified
+from signorini.contact.certificate import Certificate
 from signorini.contact.problem import ContactProblem
 from signorini.contact.refusal import uncertain
 from signorini.contact.strategy import answered
@@ -68,8 +68,8 @@ class Sampler:
     def _quantities(self) -> Mapping[str, Callable[[PathStop], float]]:
         return quantities(self.problem.discretisation)
 
-    def state(self, t: float, near: State | None = None, alone: bool = False) -> State:
-        """Solve at some t from a state near it; ``alone`` by the problem's own method.
+    def state(self, t: float, near: State | None = None) -> State:
+        """Solve at some t, from a state near it if there is one.
 
         Raises
         ------
@@ -85,18 +85,10 @@ class Sampler:
             self.watcher(Progress(f"t = {t:.6g}", step, changing, residual, method=method))
 
         self.watcher(Progress(f"t = {t:.6g}"))
-        own = True
-        if alone:
-            answer = self.problem.solve(load, start=start)
-            certificate = None
-            if answer.status == "solved":
-                answer, certificate = certified(found, load, answer, made_of)
-        else:
-            tried = answered(self.problem, load, steps, made_of, start)
-            if tried.contradiction or (tried.certificate is None and near is None and supports_contradict(found)):
-                raise NoEquilibriumError(CONTRADICTION)
-            answer, certificate = tried.answer, tried.certificate
-            own = tried.methods == (self.problem.method,)
+        tried = answered(self.problem, load, steps, made_of, start)
+        if tried.contradiction or (tried.certificate is None and near is None and supports_contradict(found)):
+            raise NoEquilibriumError(CONTRADICTION)
+        answer, certificate = tried.answer, tried.certificate
         if certificate is None or not certificate.passed:
             raise NotCertifiedError(
                 f"The contact problem at t = {t:g} has no answer that could be certified. {uncertain(found)}"
@@ -110,6 +102,7 @@ class Sampler:
             margins(found, index, answer, self.scales, float(stop.parts[index])) if watched else np.ones(0)
             for index, watched in enumerate(self.watched)
         ]
+        own = tried.methods == (self.problem.method,)
         return State(t, answer, certificate, stop, of_supports, own)
 
     def value(self, state: State, watch: Watch) -> float:
