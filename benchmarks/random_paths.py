@@ -214,7 +214,8 @@ def other_events(sampled, found):
     for one in mine:
         if not any(same_event(one, other) and abs(one.t - other.t) <= near for other in others):
             yield f"sampled: {one.support} {one.change} at {one.at} at t = {one.t:.9g}, which does not happen"
-    times = np.linspace(0.0, sampled.end, _SAMPLES + 1)
+    # Beyond the end it looks at powers of 2.
+    times = np.append(np.linspace(0.0, sampled.end, _SAMPLES + 1), sampled.end * 2.0 ** np.arange(1, 200))
     for k, one in enumerate(others):
         undone = any(
             other.support == one.support

@@ -27,22 +27,23 @@ def last_change(sampler: Sampler, begin: State) -> float:
     states, end = [begin], 0.5
     while end < math.inf:
         states.append(sampler.state(_power_beyond(end), states[-1]))
-        _, end = kept(sampler, states[-2], states[-1])
+        line = kept(sampler, states[-2], states[-1])
+        end = line[1] if line else states[-1].t
     changes = [row for row, (one, other) in enumerate(pairwise(states), start=1) if sampler.changed(one, other)]
     if not changes or changes[-1] > 1:
         return states[changes[-1] if changes else 1].t
     above, first = states[2:3], states[1]
-    while kept(sampler, begin, first)[0] > 0:
-        ray = kept(sampler, first, above[0])[0]
-        before = sampler.state(0.5 * _power_beyond(min(ray, 0.75 * first.t)), first)
+    while kept(sampler, begin, first) is None:
+        line = kept(sampler, first, above[0])
+        before = sampler.state(0.5 * _power_beyond(min(line[0] if line else first.t, 0.75 * first.t)), first)
         if sampler.changed(before, first):
             break
         above, first = [first], before
     return first.t
 
 
-def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float]:
-    """From which t on, and up to which, contact points keep the pieces of two states; of different pieces the two t."""
+def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | None:
+    """From which t on, and up to which, contact points keep the pieces of two states; None of different pieces."""
     found, first, second, span = sampler.problem.discretisation, one.answer, other.answer, other.t - one.t
     contacts, add = found.contacts, sampler.path.loads[1]
     moved, change = (second.hi - first.hi) + (second.lo - first.lo), second.reaction - first.reaction
@@ -52,7 +53,7 @@ def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float]:
     pressed = may & (np.maximum(first.reaction, second.reaction) > force)
     apart = may & (np.maximum(first.gap, second.gap) > length)
     if (pressed & apart).any():
-        return other.t, other.t
+        return None
     # Of gaps that are far larger than what closes them the difference is rounding.
     opening = -(found.contact_rows @ moved)
     presses_otherwise = (np.abs(change) > least_change) | (contacts.compliance * np.abs(change) > least_way)

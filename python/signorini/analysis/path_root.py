@@ -13,14 +13,14 @@ _MOST_STEPS = 100
 """Solves for one event; halving alone takes 30."""
 
 
-def root(sampler: Sampler, watch: Watch, known: list[State], span: float) -> State:
-    """The state at which the sign of a function changes first among known states, which gain those solved for it.
+def root(sampler: Sampler, watch: Watch, known: list[State], begin: float, span: float) -> State:
+    """The state at which the sign of a function changes first from a t on, among known states, which gain those solved.
 
     Secants of the two states nearest on one side, which are exact on one contact set, within a bracket that is
     halved where they do not lead on.
     """
     signs = [sampler.value(state, watch) >= 0 for state in known]
-    row = next(row for row in range(len(known) - 1) if signs[row] != signs[row + 1])
+    row = next(row for row, state in enumerate(known) if state.t >= begin and signs[row] != signs[row + 1])
     low, high = known[row], known[row + 1]
     below, above = known[row - 1] if row else None, known[row + 2] if row + 2 < len(known) else None
     tolerance, slow = span * (LINEAR if sampler.exact(watch) else SMOOTH), 0

@@ -10,7 +10,7 @@ import numpy as np
 
 from signorini.analysis.path_end import last_change
 from signorini.analysis.path_loads import PathLoads
-from signorini.analysis.path_root import LINEAR, root
+from signorini.analysis.path_root import root
 from signorini.analysis.sampler import Sampler, State, Watch
 from signorini.base.progress import Watcher
 from signorini.contact.certificate import Certificate
@@ -22,6 +22,8 @@ from signorini.results.path_stop import PathStop
 from signorini.results.support_points import SupportPoints
 from signorini.results.thresholds import Threshold
 
+_LOADED = 1e-6
+"""Part of the path's length from which on the events of supports are told."""
 _AT_ROOT = 1e-7
 """Part of the largest margin of a support's points that is none at the t of an event."""
 
@@ -58,26 +60,28 @@ class SampledPath:
             if self.sampler.value(state, Watch(None, number)) == 0 and threshold.t is None:
                 self.reached[number] = 0.0
 
-    def go_on(self, t: float, span: float) -> None:
-        """Solve at t, and find what happens on the way."""
+    def go_on(self, t: float, span: float, shown: bool) -> None:
+        """Solve at t, and find what happens on the way.
+
+        Points that touch without force have no side. So supports are watched from where the plate has some load.
+        """
         before, sampler = self.last, self.sampler
         after = sampler.state(t, before)
         known = [*self._last, after]
         hits = []
         for watch in sampler.changed(before, after):
-            if watch.support is None and watch.number in self.reached:
+            if watch.number in self.reached if watch.support is None else t <= _LOADED * span:
                 continue
-            state = root(sampler, watch, known, span)
-            # What the plate does as soon as it is loaded is no event.
-            if watch.support is None or state.t > LINEAR * span:
-                hits.append(Hit(watch, state, sampler.value(before, watch) >= 0))
+            state = root(sampler, watch, known, before.t, span)
+            hits.append(Hit(watch, state, sampler.value(before, watch) >= 0))
         for hit in sorted(hits, key=lambda hit: hit.state.t):
             self._keep(hit.state)
             if hit.watch.support is None:
                 self.reached[hit.watch.number] = hit.state.t
             else:
                 self.events.append(self._event(hit, hit.watch.support))
-        self._keep(after)
+        if shown:
+            self._keep(after)
         self._last = [known[-2], after]
 
     def _keep(self, state: State) -> None:
@@ -157,8 +161,9 @@ def sampled_path(
         # At the limit itself no contact set holds the plate.
         end = length * (1 - AT_LIMIT) if limited else length
         at = [length * k / samples for k in range(1, samples)] if isinstance(samples, int) else samples
-        for t in (t for t in (*(t for t in at if t < end), end) if t > 0):
-            whole.go_on(t, length)
+        shown = {*(t for t in at if t < end), end}
+        for t in sorted({*shown, _LOADED * length} - {0.0}):
+            whole.go_on(t, length, t in shown)
         of_mesh = limited and path.limits[1] < path.limits[0] * (1 - AT_LIMIT)
         ending = "stopped" if of_mesh else ends
     except NotCertifiedError:

@@ -127,6 +127,6 @@ def _same_event(sampler: Sampler, near: State, watch: Watch, t: float, falls: bo
         other = sampler.state(next_t, known[0 if beyond else -1])
         known.insert(0 if beyond else len(known), other)
         if ((sampler.value(other, watch) >= 0) == falls) == beyond:
-            return root(sampler, watch, known, span)
+            return root(sampler, watch, known, known[0].t, span)
         distance *= _FARTHER
     raise SignoriniError("it does not happen on this mesh.")
