@@ -30,15 +30,15 @@ def last_change(sampler: Sampler, begin: State) -> float:
         line = kept(sampler, states[-2], states[-1])
         end = line[1] if line else states[-1].t
     changes = [row for row, (one, other) in enumerate(pairwise(states), start=1) if sampler.changed(one, other)]
-    if not changes or changes[-1] > 1:
+    if not changes or changes[-1] > 1 or len(states) == 2:
         return states[changes[-1] if changes else 1].t
-    above, first = states[2:3], states[1]
-    while kept(sampler, begin, first) is None:
-        line = kept(sampler, first, above[0])
+    first, above = states[1:3]
+    # Down to t = 0 the pieces hold, or an event is passed.
+    while (line := kept(sampler, first, above)) is None or line[0] > 0:
         before = sampler.state(0.5 * _power_beyond(min(line[0] if line else first.t, 0.75 * first.t)), first)
         if sampler.changed(before, first):
             break
-        above, first = [first], before
+        first, above = before, first
     return first.t
 
 
@@ -65,7 +65,7 @@ def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | No
         none_at = one.t - value[counts] / rate[counts]
         begin = max(begin, float(none_at[rate[counts] > 0].max(initial=0.0)))
         end = min(end, float(none_at[rate[counts] < 0].min(initial=math.inf)))
-    return min(begin, one.t), max(end, other.t)
+    return (min(begin, one.t) if begin > _NOTHING * one.t else 0.0), max(end, other.t)
 
 
 def _nothing(found: Discretisation, load: CaseLoad, reaction: Floats, deflection: Floats) -> tuple[float, float]:

@@ -22,7 +22,7 @@ from signorini.results.path_stop import PathStop
 from signorini.results.support_points import SupportPoints
 from signorini.results.thresholds import Threshold
 
-_LOADED = 1e-6
+_LOADED = 1e-9
 """Part of the path's length from which on the events of supports are told."""
 _AT_ROOT = 1e-7
 """Part of the largest margin of a support's points that is none at the t of an event."""
