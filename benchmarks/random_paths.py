@@ -197,7 +197,7 @@ def other_stops(sampled, found):
         apart = max(abs(at.deflection.max() - stop.largest), abs(at.deflection.min() - stop.smallest))
         if apart > _SAME * scale_of(plate, load, at.deflection):
             yield f"sampled: at t = {stop.t:.9g} deflections differ by {apart / np.abs(at.deflection).max():.1e}"
-        event = any(abs(one.t - stop.t) <= _NEAR * sampled.end for one in found.stops)
+        event = any(abs(one.t - stop.t) <= _NEAR * sampled.end for one in (*found.stops, *sampled.support_events))
         parts = [support.closed_part for support in at.supports]
         if not event and np.abs(parts - stop.parts).max() > _PART:
             yield f"sampled: at t = {stop.t:.9g} parts closed are {stop.parts}, not {np.array(parts)}"
@@ -216,12 +216,14 @@ def other_events(sampled, found):
             yield f"sampled: {one.support} {one.change} at {one.at} at t = {one.t:.9g}, which does not happen"
     # Beyond the end it looks at powers of 2.
     times = np.append(np.linspace(0.0, sampled.end, _SAMPLES + 1), sampled.end * 2.0 ** np.arange(1, 200))
-    for k, one in enumerate(others):
+    for one in others:
         undone = any(
-            other.support == one.support
+            other is not one
+            and other.support == one.support
             and np.allclose(other.at, one.at)
             and np.searchsorted(times, other.t) == np.searchsorted(times, one.t)
-            for other in (*others[:k], *others[k + 1 :])
+            for other in found.support_events
+            if other.support in names
         )
         if not undone and not any(same_event(one, other) and abs(one.t - other.t) <= near for other in mine):
             yield f"sampled: {one.support} {one.change} at {one.at} at t = {one.t:.9g}, which is not found"
