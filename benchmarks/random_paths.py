@@ -13,6 +13,9 @@ The models are those of tests/fuzz/path_models.py. Of each path it is asked:
 - that it takes no more than some hundred steps a stop;
 - that at stops the direct solution has the same extremes of deflection, where these are unique, and that the supports'
   reactions add up to the load.
+- that the path by samples is not given up either, ends for the same reason, and where it goes on for ever not before
+  the last named event of the other one; that at its stops deflections and parts closed are those of the other path;
+- that its events of points are events of the other path, and that it has those that are not undone between samples.
 
 A path of an extreme model may be given up, but not wrong.
 
@@ -55,6 +58,11 @@ _STAYS = 1e-9
 """Part of what is largest by which nothing may change where the plate is said to move."""
 _MOST_BY_LEMKE = 400
 """Contact points up to which Lemke's algorithm is the other method: of a thousand it takes seconds a solution."""
+_SAMPLES = 12
+_NEAR = 1e-8
+"""Part of a path's length by which the t of one event may differ."""
+_PART = 1e-6
+"""Difference of parts closed that is none."""
 _MOST_FAULTS = 3
 _MOST_STEPS = 500
 """Steps of solves, for each stop, that a path may take."""
@@ -105,7 +113,10 @@ def judged(seed):
     outcomes = Counter({found.ending: 1, "events": len(found.events), "segments": len(found.segments)})
     many = len(steps) > _MOST_STEPS * (1 + len(found.stops))
     wrong = [f"{len(steps)} steps for {len(found.stops)} stops"] if many else []
-    return outcomes, wrong + list(itertools.islice(faults(found, until, wild), _MOST_FAULTS))
+    wrong += itertools.islice(faults(found, until, wild), _MOST_FAULTS)
+    sampled = path(model, start, add, until, steps=_SAMPLES)
+    outcomes += Counter({f"sampled {sampled.ending}": 1, "named events": len(sampled.support_events)})
+    return outcomes, wrong + list(itertools.islice(faults_of_samples(sampled, found, wild), _MOST_FAULTS))
 
 
 def alone(model, start):
@@ -157,6 +168,69 @@ def faults(found, until, wild):
             yield from differences(found, _FAR_OUT * found.end, wild, may_be_unsolved=True)
     yield from idle(found)
     yield from still(found)
+
+
+def faults_of_samples(sampled, found, wild):
+    """What a sampled path says otherwise than one that follows every contact point."""
+    if sampled.ending != found.ending and not wild and "stopped" not in (found.ending, sampled.ending):
+        yield f"sampled: ends with {sampled.ending} at {sampled.end:.9g}, not {found.ending} at {found.end:.9g}"
+    if sampled.ending == "stopped" != found.ending and not wild and not sampled.ends_with_the_mesh:
+        yield f"sampled: stopped at {sampled.end:.9g}, limit {sampled.limit:.9g}, not {found.ending}"
+    if not sampled.certificate.passed:
+        yield f"sampled: certificate {sampled.certificate}"
+    if wild or "stopped" in (found.ending, sampled.ending):
+        return
+    yield from other_stops(sampled, found)
+    yield from other_events(sampled, found)
+
+
+def other_stops(sampled, found):
+    """Stops of a sampled path at which the other one has other deflections or parts closed."""
+    plate, (start, add) = found.problem.discretisation, found._loads
+    stops = [stop for stop in sampled.stops if stop.t < found.limit * (1 - _FAR)]
+    for stop in stops[:: max(1, len(stops) // _MOST_SEGMENTS)]:
+        load = start + stop.t * add
+        answer = direct_solution(found, load)
+        if answer is None or not pinned(found, answer):
+            continue
+        at = found.at(stop.t)
+        apart = max(abs(at.deflection.max() - stop.largest), abs(at.deflection.min() - stop.smallest))
+        if apart > _SAME * scale_of(plate, load, at.deflection):
+            yield f"sampled: at t = {stop.t:.9g} deflections differ by {apart / np.abs(at.deflection).max():.1e}"
+        event = any(abs(one.t - stop.t) <= _NEAR * sampled.end for one in (*found.stops, *sampled.support_events))
+        parts = [support.closed_part for support in at.supports]
+        if not event and np.abs(parts - stop.parts).max() > _PART:
+            yield f"sampled: at t = {stop.t:.9g} parts closed are {stop.parts}, not {np.array(parts)}"
+
+
+def other_events(sampled, found):
+    """Events of points of supports at points that only one of two paths has."""
+    names = [support.name for support in found.model.support if support.place == "at"]
+    near = _NEAR * max(sampled.end, found.end if found.ending == "no_more_events" else 0.0)
+    mine, others = (
+        [one for one in path.support_events if one.support in names and near < one.t < found.limit * (1 - _FAR)]
+        for path in (sampled, found)
+    )
+    for one in mine:
+        if not any(same_event(one, other) and abs(one.t - other.t) <= near for other in others):
+            yield f"sampled: {one.support} {one.change} at {one.at} at t = {one.t:.9g}, which does not happen"
+    # Beyond the end it looks at powers of 2.
+    times = np.append(np.linspace(0.0, sampled.end, _SAMPLES + 1), sampled.end * 2.0 ** np.arange(1, 200))
+    for one in others:
+        undone = any(
+            other is not one
+            and other.support == one.support
+            and np.allclose(other.at, one.at)
+            and np.searchsorted(times, other.t) == np.searchsorted(times, one.t)
+            for other in found.support_events
+            if other.support in names
+        )
+        if not undone and not any(same_event(one, other) and abs(one.t - other.t) <= near for other in mine):
+            yield f"sampled: {one.support} {one.change} at {one.at} at t = {one.t:.9g}, which is not found"
+
+
+def same_event(one, other):
+    return (one.support, one.change) == (other.support, other.change) and np.allclose(one.at, other.at)
 
 
 def differences(found, t, wild, may_be_unsolved=False):

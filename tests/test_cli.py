@@ -9,7 +9,8 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from typer.testing import CliRunner, Result
+from command import run
+from typer.testing import CliRunner
 
 import signorini
 from signorini.cli import app
@@ -65,10 +66,6 @@ name = "wall"
 edge = "left"
 fix = "simple"
 """
-
-
-def run(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 @pytest.fixture

@@ -8,44 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command import run
 from models import rectangular
-from typer.testing import CliRunner
+from slab_on_pads import SLAB
 
 import signorini
 from signorini import Model
 from signorini.analysis import path_judge
 from signorini.analysis.path_check import confirmed
-from signorini.cli import app
 from signorini.output import path_csv, path_json
 
-SLAB = """
-title = "Slab on pads"
-units = { length = "m", force = "kN" }
-material = { E = 30e6, nu = 0.2 }
-plate = { shape = "rectangle", size = [4, 4], thickness = 0.2 }
-mesh = { divisions = [4, 4] }
-support = [
-  { name = "pads", at = [[1, 1], [3, 1], [3, 3], [1, 3]], resists = "down" },
-  { name = "prop", at = [2, 2], resists = "down", gap = 1e-3 },
-]
-load = [{ case = "G", pressure = 5 }, { case = "Q", force = 10, at = [3.5, 2.5] }]
-combination = [{ name = "service", factors = { G = 1, Q = 1 } }, { name = "nothing", factors = { Q = 0 } }]
-probe = [{ at = [[2, 2], [3.5, 3.5]] }]
-"""
-
-
-@pytest.fixture
-def slab(tmp_path: Path) -> Path:
-    file = tmp_path / "slab.toml"
-    file.write_text(SLAB)
-    return file
-
-
 exact = partial(signorini.path, events="all")
-
-
-def run(*arguments: object):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 @pytest.mark.parametrize(("across", "listed"), [(10, True), (11, False)])

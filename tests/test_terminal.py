@@ -250,8 +250,9 @@ def test_what_is_in_contact_is_told_of_how_much_and_the_largest_pressure_where()
     (result,), said = results.values(), shown(print_results, results, WIDE)
     part = result.supports[0].closed_part
     assert 0 < part < 1
-    assert part * 4 == pytest.approx(result.supports[0].weights[result.supports[0].closed].sum())
-    assert f"wall, in contact: {4 * part:.6g} of 4 m ({100 * part:.3g} %), by its points" in said
+    # The edge of contact is between the last closed point and the first open one, which are 0.5 m apart at most.
+    assert part * 4 == pytest.approx(result.supports[0].weights[result.supports[0].closed].sum(), abs=0.5)
+    assert f"wall, in contact: {4 * part:.6g} of 4 m ({100 * part:.3g} %)" in said
     area = result.supports[1]
     assert f"of 16 m² ({100 * area.contact_area / 16:.3g} %), largest pressure" in said
     x, y = area.max_pressure_at
@@ -271,7 +272,7 @@ def test_of_a_support_along_which_others_hold_the_plate_nothing_is_in_contact() 
     )
     shown = io.StringIO()
     print_results(Console(file=shown, width=WIDE), signorini.solve(held))
-    assert "ring, in contact: 0 of 0, by its points" in shown.getvalue()
+    assert "ring, in contact: 0 of 0" in shown.getvalue()
 
 
 def test_a_single_bearing_has_no_others() -> None:

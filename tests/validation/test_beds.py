@@ -144,7 +144,7 @@ def test_the_limit_of_tipping_is_that_of_statics_on_every_mesh(stiffness: float 
         assert found.limit in (("Q", pytest.approx(20.0, rel=1e-9)), ("G", pytest.approx(0.05, rel=1e-9)))
         grown = signorini.path(bed(n, loads, {"rectangle": [1, 1, 8, 9]}, stiffness), start="G", add="Q")
         assert grown.ending == "no_equilibrium"
-        assert (grown.limit, grown.end) == (pytest.approx(20.0, rel=1e-9), pytest.approx(20.0, rel=1e-6))
+        assert (grown.limit, grown.end) == (pytest.approx(20.0, rel=1e-9), pytest.approx(20.0, rel=2e-6))
 
 
 def patch(n: int, stiffness: float | None) -> signorini.Result:

@@ -162,7 +162,7 @@ def test_a_rigid_block_loses_its_contact_at_the_closed_form_eccentricities(divis
         load=[{"case": "N", "pressure": force / width**2}, {"case": "M", "moment": [1.0, 0.0], "at": [2, 2]}],
     )
     found = signorini.path(model, "N", "M")
-    assert found.ending == "no_equilibrium" and found.end == pytest.approx(force * width / 2, rel=1e-6)
+    assert found.ending == "no_equilibrium" and found.end == pytest.approx(force * width / 2, rel=2e-6)
     said = [(event.change, event.closed) for event in found.support_events]
     assert said == [("begins to open", 1.0), *(("part closed", part) for part in (0.75, 0.5, 0.25))]
     exact = force * width * np.array([1 / 6, 1 / 4, 1 / 3, 5 / 12])

@@ -53,8 +53,8 @@ def path(
     add : str
         Name of the load that grows.
     until : float, optional
-        The largest t wanted; by default the end of equilibrium or, where it does not end, the power of 2 beyond which
-        doubling t brings no more named events; with ``at`` the largest of these.
+        The largest t wanted; by default the end of equilibrium or, where it does not end, the power of 2 after the
+        last named event; with ``at`` the largest of these.
     progress : callable, optional
         Called with a `Progress` as meshing and factoring begin and by every solve. What it raises ends the path, and
         reaches the caller; but a KeyboardInterrupt after the state at t = 0 gives the path as far as it came.

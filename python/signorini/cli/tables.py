@@ -210,7 +210,7 @@ def _print_result(console: Console, result: Result, limit: tuple[str, float] | N
             whole = float(found.weights.sum())
             touching = found.closed_part * whole
             along = of_whole(f"{touching:.6g}", touching, whole, unit_of(units.length))
-            say(console, f"{found.name}, in contact: {along}, by its points")
+            say(console, f"{found.name}, in contact: {along}")
     _print_deflection(console, result)
     _print_extremes(console, result, largest)
     if limit is not None:

@@ -10,7 +10,8 @@ from signorini.contact.answer import Answer
 from signorini.discretise import Discretisation
 from signorini.errors import point
 from signorini.model import Support
-from signorini.results.margins import LEVELS, WHOLE, of_points
+from signorini.results.closed_part import Scales, closed_by_point
+from signorini.results.margins import LEVELS, WHOLE
 from signorini.results.path_stop import PathStop
 from signorini.results.support_points import SupportPoints
 
@@ -67,7 +68,8 @@ def event_of(support: Support, number: int, opening: bool) -> tuple[Change, floa
 
 def first_place(found: Discretisation, index: int, answer: Answer, opening: bool) -> tuple[float, float] | None:
     """Where a line or area begins to open: its point that is closed least; or to close: the one that is least open."""
-    points, own = SupportPoints.of(found, index), of_points(found, index, answer)
+    points = SupportPoints.of(found, index)
+    own = closed_by_point(found, points, answer, Scales.of(answer))
     if not len(own):
         return None
     x, y = points.positions[int(own.argmin() if opening else own.argmax())].tolist()

@@ -13,8 +13,8 @@ from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import imbalances
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.results.closed_part import closed_part
 from signorini.results.columns import Bearing
-from signorini.results.margins import closed_part, of_points
 from signorini.results.peak import peak
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_at_rest
@@ -214,8 +214,7 @@ def _support_at_stops(
         areas = at_rest.contact_areas(deflection, closed)
         known, _ = at_rest.measured(deflection[:, at_rest.on_nodes], reactions)
         pressures = np.fmax.reduce(known, axis=1, initial=0.0)
-    own = zip(closed, answers, areas.tolist(), strict=True)
-    parts = [closed_part(support, points, of, of_points(found, index, answer), area) for of, answer, area in own]
+    parts = [closed_part(found, index, answer, area) for answer, area in zip(answers, areas.tolist(), strict=True)]
     return (
         reactions if listed else reactions[:, :0],
         points.gaps(np.array([answer.gap for answer in answers])) if listed else reactions[:, :0],

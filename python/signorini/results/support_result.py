@@ -14,6 +14,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.supports import STIFFEST_SPRING, can_let_go
 from signorini.model import Support
+from signorini.results.closed_part import closed_part
 from signorini.results.contact_field import AreaContact
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_words import describe
@@ -35,6 +36,8 @@ class SupportResult(Remade):
         the centre of what pushes there.
     weights : (k,) array
         Length or area that each point stands for; 1 at a point.
+    closed_part : float
+        The part of it that is closed: of points as many, of lines by length, of areas by contact area.
     area : AreaContact or None
         Of an area, its contact as a field.
     """
@@ -48,6 +51,7 @@ class SupportResult(Remade):
     closed: Bools
     weights: Floats
     place: Literal["at", "edge", "line", "circle", "area"]
+    closed_part: float
     area: AreaContact | None
 
     @property
@@ -59,11 +63,6 @@ class SupportResult(Remade):
     def open_count(self) -> int:
         """Number of open points."""
         return len(self.closed) - self.closed_count
-
-    @property
-    def closed_part(self) -> float:
-        """The part of it that is closed, by points, length or area."""
-        return 1.0 if self.closed.all() else float(self.weights[self.closed].sum() / self.weights.sum())
 
     @property
     def contact_area(self) -> float | None:
@@ -133,6 +132,7 @@ def support_result(
         closed,
         points.weights,
         support.place,
+        closed_part(found, index, answer, np.nan if area is None else area.contact_area),
         area,
     )
 

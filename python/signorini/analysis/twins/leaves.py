@@ -27,7 +27,7 @@ _OF_VECTOR, _OF_POINTS = 0.5, 0.1
 """Part of the largest change in a vector, and among the points of a support."""
 _BENT = 0.01
 _GIVEN = {"at", "length", "width"}
-_COUNTS = {"closed", "open", "closed_part", "lifted", "lifted_in"}
+_COUNTS = {"closed", "open", "lifted", "lifted_in"}
 _FIELD_OF = dict.fromkeys(("mx", "my", "mxy"), "moment") | dict.fromkeys(("qx", "qy"), "shear")
 _FIELD_OF |= dict.fromkeys(("rotation_x", "rotation_y"), "rotation")
 _OF_MOMENTS = ("principal_moment", "design_moment")
@@ -170,6 +170,7 @@ def largest_of(result: Result) -> dict[str, float]:
         "force": found["shear"] * result.mesh.size,
         **dict.fromkeys(("pressure", "max_pressure", "max_tension"), pressure),
         "contact_area": float(result.mesh.element_area.sum()),
+        "closed_part": 1.0,
         **dict.fromkeys(_COUNTS, 0.0),
     }
 
@@ -196,7 +197,8 @@ def sizes_of(numbers: Mapping[Path, Floats], model: Model, mesh: Mesh) -> dict[s
         found[kind] = np.maximum(found.get(kind, none), least)
     pressed = np.max([found.get(kind, none) for kind in ("pressure", "max_pressure", "max_tension")], axis=0)
     found |= dict.fromkeys(("pressure", "max_tension"), pressed)
-    return found | {"contact_area": none + mesh.element_area.sum()} | dict.fromkeys(_COUNTS, none)
+    found |= {"contact_area": none + mesh.element_area.sum(), "closed_part": none + 1.0}
+    return found | dict.fromkeys(_COUNTS, none)
 
 
 def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[str, Floats]:

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini.analysis.path_loads import PathLoads
-from signorini.analysis.sampled_path import LINEAR, SMOOTH, Sampler, State, Watch
+from signorini.analysis.path_root import LINEAR, SMOOTH, root
+from signorini.analysis.sampler import Sampler, State, Watch
 from signorini.analysis.twins.compared import Meshes, rounded
 from signorini.analysis.twins.half_width import FASTEST_OF_POINTS, half_widths
 from signorini.analysis.twins.leaves import acts_at_points
@@ -126,6 +127,6 @@ def _same_event(sampler: Sampler, near: State, watch: Watch, t: float, falls: bo
         other = sampler.state(next_t, known[0 if beyond else -1])
         known.insert(0 if beyond else len(known), other)
         if ((sampler.value(other, watch) >= 0) == falls) == beyond:
-            return sampler.root(watch, known, span)
+            return root(sampler, watch, known, known[0].t, span)
         distance *= _FARTHER
     raise SignoriniError("it does not happen on this mesh.")
