@@ -106,7 +106,7 @@ def test_without_a_solution_in_common_the_answers_are_the_same():
     problem = contact_problem(model)
     found, held = problem.discretisation, problem.discretisation.held.values
     loads = np.array([found.load(c).nodal for c in model.effective_combinations])
-    reference = problem.core.reference(mean_load(found), held)
+    reference = problem.core.solve_and_factor(mean_load(found), held)
     for start in (None, reference):
         for load, answer in zip(loads, _core.solve_together(problem.core, start, loads, held), strict=True):
             single = problem.core.solve(load, held)
@@ -137,7 +137,7 @@ def test_without_a_load_nothing_moves():
     model = Model(**tables("soil", random_rows(3)))
     problem = contact_problem(model)
     found, held = problem.discretisation, problem.discretisation.held.values
-    reference = problem.core.reference(mean_load(found), held)
+    reference = problem.core.solve_and_factor(mean_load(found), held)
     load = found.load(model.effective_combinations[0]).nodal
     still, pressed = _core.solve_together(problem.core, reference, np.array([0 * load, load]), held)
     assert not still.hi.any() and not still.reaction.any() and pressed.reaction.sum() > 0

@@ -195,7 +195,7 @@ def test_what_holds_against_lifting_without_limit_is_named(slab: Path) -> None:
 
 
 def test_what_may_be_otherwise_at_one_t_is_said_of_that(slab: Path) -> None:
-    printed = " ".join(run("path", slab, "--from", "G", "--add", "Q").output.split())
+    printed = " ".join(run("path", slab, "--from", "G", "--add", "Q", "--at", "16").output.split())
     assert "At t = 16 the plate could rest elsewhere, turning about the line through [3, 2] along [0, 1]" in printed
 
 

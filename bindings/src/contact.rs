@@ -1,6 +1,6 @@
 use crate::arrays::{SpringArrays, element_rows, flags, invalid, matrix, rows, sized, springs};
 use crate::plate::Plate;
-use crate::solution::{ContactSolution, Reference};
+use crate::solution::ContactSolution;
 use crate::threads::{released, told};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
@@ -202,36 +202,19 @@ impl ContactProblem {
         Ok(self.solution(inner))
     }
 
-    /// Solves one load beginning with a reference; `progress` as for `solve`.
-    #[pyo3(signature = (reference, load, held_value, progress=None))]
-    fn solve_near(
-        &self,
-        py: Python<'_>,
-        reference: &Reference,
-        load: PyReadonlyArray1<'_, f64>,
-        held_value: PyReadonlyArray1<'_, f64>,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<ContactSolution> {
-        let (load, held_value) = self.load_and_held(&load, &held_value)?;
-        self.require_own(&reference.of, "the reference")?;
-        let near = &reference.inner;
-        let inner = watched(py, progress, |watch| self.inner.solve_near(near, &load, &held_value, watch))?;
-        Ok(self.solution(inner))
-    }
-
     /// Solves one load and factors its contact set, for others to begin with; None without an active set or a solution.
     /// `progress` as for `solve`.
     #[pyo3(signature = (load, held_value, progress=None))]
-    fn reference(
+    fn solve_and_factor(
         &self,
         py: Python<'_>,
         load: PyReadonlyArray1<'_, f64>,
         held_value: PyReadonlyArray1<'_, f64>,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<Option<Reference>> {
+    ) -> PyResult<Option<ContactSolution>> {
         let (load, held_value) = self.load_and_held(&load, &held_value)?;
-        let found = watched(py, progress, |watch| self.inner.reference(&load, &held_value, watch))?;
-        Ok(found.map(|inner| Reference { inner, of: self.inner.clone() }))
+        let found = watched(py, progress, |watch| self.inner.solve_and_factor(&load, &held_value, watch))?;
+        Ok(found.map(|inner| self.solution(inner)))
     }
 
     /// Solves one load by an interior point method, from whose contact set the exact solution is found; `progress` as

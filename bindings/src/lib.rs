@@ -30,7 +30,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(plate::section_points, module)?)?;
     module.add_class::<contact::ContactProblem>()?;
     module.add_class::<solution::ContactSolution>()?;
-    module.add_class::<solution::Reference>()?;
     module.add_class::<combinations::Response>()?;
     module.add_class::<combinations::CombinedCases>()?;
     module.add_function(wrap_pyfunction!(combinations::rest_response, module)?)?;

@@ -3,13 +3,6 @@ use pyo3::prelude::*;
 use signorini_core::contact::{self, Outcome};
 use std::sync::Arc;
 
-/// One load's solution with its contact set factored; see `ContactProblem.reference`.
-#[pyclass(frozen, module = "signorini._core")]
-pub struct Reference {
-    pub inner: contact::Reference,
-    pub of: Arc<contact::ContactProblem>,
-}
-
 /// Displacements (3n,) as two doubles, reactions, gaps and pieces (m,) of one load.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactSolution {

@@ -2,20 +2,20 @@ use crate::arrays::{invalid, rows, sized};
 use crate::combinations::stresses;
 use crate::contact::{ContactProblem, failed};
 use crate::plate::Plate;
-use crate::solution::{ContactSolution, Reference};
+use crate::solution::ContactSolution;
 use crate::threads::told;
 use numpy::{PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-/// Solves many loads (k, 3n) side by side by an active set, beginning with the reference if there is one.
+/// Solves many loads (k, 3n) side by side by an active set, from the solution of another load on if there is one.
 ///
 /// `progress()` is called now and then; what it raises ends them all.
 #[pyfunction]
-#[pyo3(signature = (problem, reference, loads, held_value, progress=None))]
+#[pyo3(signature = (problem, start, loads, held_value, progress=None))]
 pub fn solve_together(
     py: Python<'_>,
     problem: &ContactProblem,
-    reference: Option<&Reference>,
+    start: Option<PyRef<'_, ContactSolution>>,
     loads: PyReadonlyArray2<'_, f64>,
     held_value: PyReadonlyArray1<'_, f64>,
     progress: Option<Py<PyAny>>,
@@ -28,15 +28,15 @@ pub fn solve_together(
     if problem.inner.is_condensed() {
         return Err(invalid("there is no active set"));
     }
-    if let Some(reference) = reference {
-        problem.require_own(&reference.of, "the reference")?;
+    if let Some(start) = &start {
+        problem.require_own(&start.of, "The solution to begin with")?;
     }
-    let (loads, reference) = (rows(&loads), reference.map(|reference| &reference.inner));
+    let (loads, start) = (rows(&loads), start.as_ref().map(|start| &start.inner));
     let tell = |py: Python<'_>, (): ()| match &progress {
         Some(progress) => progress.call0(py).map(|_| ()),
         None => py.check_signals(),
     };
-    let solved = told(py, tell, |tell| problem.inner.solve_together(reference, &loads, &held_value, &mut || tell(())))?;
+    let solved = told(py, tell, |tell| problem.inner.solve_together(start, &loads, &held_value, &mut || tell(())))?;
     Ok(solved.map_err(failed)?.into_iter().map(|inner| problem.solution(inner)).collect())
 }
 

@@ -166,7 +166,7 @@ proptest! {
         // All of them between the points, which balance them.
         let beside = |&e: &usize| mean.iter().zip(load(&problem.plate, e, 0.3)).map(|(a, b)| a + b).collect();
         let loads: Vec<Vec<f64>> = elements.iter().map(beside).collect();
-        let reference = problem.reference(&mean, &held, &mut |_| true).unwrap();
+        let reference = problem.solve_and_factor(&mean, &held, &mut |_| true).unwrap();
         for found in [None, reference.as_ref()] {
             let together = problem.solve_together(found, &loads, &held, &mut || true).unwrap();
             for (load, found) in loads.iter().zip(together) {

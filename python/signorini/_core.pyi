@@ -17,7 +17,6 @@ __all__ = [
     "ContactSolution",
     "LcpSolution",
     "Plate",
-    "Reference",
     "Response",
     "__version__",
     "combine",
@@ -77,7 +76,7 @@ def combine(
 def response_stresses(plate: Plate, responses: list[Response], curvatures: _Floats, couples: _Floats) -> _Floats: ...
 def solve_together(
     problem: ContactProblem,
-    reference: Reference | None,
+    start: ContactSolution | None,
     loads: _Floats,
     held_value: _Floats,
     progress: Callable[[], object] | None = None,
@@ -172,16 +171,9 @@ class ContactProblem:
         start: ContactSolution | None = None,
         progress: Callable[[int, int, float], object] | None = None,
     ) -> ContactSolution: ...
-    def solve_near(
-        self,
-        reference: Reference,
-        load: _Floats,
-        held_value: _Floats,
-        progress: Callable[[int, int, float], object] | None = None,
-    ) -> ContactSolution: ...
-    def reference(
+    def solve_and_factor(
         self, load: _Floats, held_value: _Floats, progress: Callable[[int, int, float], object] | None = None
-    ) -> Reference | None: ...
+    ) -> ContactSolution | None: ...
     def solve_by_interior_point(
         self, load: _Floats, held_value: _Floats, progress: Callable[[int, int, float], object] | None = None
     ) -> ContactSolution: ...
@@ -203,9 +195,6 @@ class ContactProblem:
     def factor_entries(self) -> int: ...
     @property
     def factor_flops(self) -> float: ...
-
-@final
-class Reference: ...
 
 @final
 class ContactSolution:

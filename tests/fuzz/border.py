@@ -56,7 +56,7 @@ def made(problem: ContactProblem, found: Discretisation) -> list[Any]:
     cases = _core.load_responses(core, load[None])
     shared = _core.combined_cases(core, rest, cases, points)
     active = problem.by("active_set").core
-    return [core, found.plate, rest, cases, points, shared, active.reference(load, held), [core.solve(load, held)]]
+    return [core, found.plate, rest, cases, points, shared, active.solve_and_factor(load, held), [core.solve(load, held)]]
 
 
 def strangers() -> list[Any]:
@@ -116,7 +116,7 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
         (_core.combine, [core, shared, one]),
         (_core.response_stresses, stressed),
         (_core.solution_stresses, [found.plate, solved, *stressed[2:]]),
-        (active.solve_near, [reference, load, held.values]),
+        (active.solve, [load, held.values, None, reference]),
         (_core.solve_together, [active, reference, load[None], held.values]),
         (_core.rest_response, [core, held.values]),
         (_core.load_responses, [core, load[None]]),

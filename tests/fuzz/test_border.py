@@ -43,8 +43,8 @@ def test_what_another_problem_has_made_is_refused(points: int) -> None:
         (lambda: _core.response_stresses(plate, other_cases, curvatures, couples), "is of another plate"),
         (lambda: _core.solution_stresses(plate, other_solved, curvatures, couples), "is of another plate"),
         (
-            lambda: problem.by("active_set").core.solve_near(other_reference, load, held),
-            "the reference is of another problem",
+            lambda: problem.by("active_set").core.solve(load, held, None, other_reference),
+            "The solution to begin with is of another problem",
         ),
     ):
         with pytest.raises(ValueError, match=message):

@@ -85,12 +85,12 @@ def test_loads_are_solved_from_the_reference_of_another_as_they_are_from_rest(st
     problem = contact_problem(slab(0.2, stiffness, [{"pressure": 2e3}, {"case": "Q", "force": 2e5, "at": [3, 4]}], 8))
     held = problem.discretisation.held.values
     dead, live = (problem.discretisation.cases[case].nodal for case in ("load", "Q"))
-    reference = problem.core.reference(dead + live, held)
+    reference = problem.core.solve_and_factor(dead + live, held)
     assert reference is not None
     with pytest.raises(ValueError, match="of another problem"):
-        contact_problem(problem.discretisation).core.solve_near(reference, dead, held)
+        contact_problem(problem.discretisation).core.solve(dead, held, None, reference)
     for factor in (0.1, 0.9, 1.0, 3.0):
-        near = problem.core.solve_near(reference, dead + factor * live, held)
+        near = problem.core.solve(dead + factor * live, held, None, reference)
         cold = problem.core.solve(dead + factor * live, held)
         assert near.status == cold.status == "solved"
         assert (near.closed == cold.closed).all() and near.closed.any()
@@ -102,7 +102,7 @@ def test_loads_are_solved_from_the_reference_of_another_as_they_are_from_rest(st
 def test_a_load_on_few_points_has_no_reference() -> None:
     tables = slab(0.2, 3e7, [{"pressure": 2e3}]).model_dump(exclude_unset=True) | {"solver": {"method": "lemke"}}
     problem = contact_problem(Model.model_validate(tables))
-    assert problem.core.reference(problem.load("all"), problem.discretisation.held.values) is None
+    assert problem.core.solve_and_factor(problem.load("all"), problem.discretisation.held.values) is None
 
 
 def test_a_set_that_stalls_is_solved_to_the_last_digits() -> None:

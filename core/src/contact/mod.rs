@@ -25,7 +25,6 @@ mod system;
 mod tolerances;
 
 pub use combine::{Combined, CombinedCases};
-pub use finders::Reference;
 pub use graph::{Graph, GraphError, Piece};
 pub use interface::{Form, PosedLcp, VertexRow};
 pub use path::{PathEnd, PathLoad, Stop};

@@ -110,11 +110,9 @@ impl ContactProblem {
         }
         let floating = Floating::on(&plate, &held, &scale, &points, &springs);
         let softest = floating.as_ref().map(|floating| floating.softest(|i| carried[i], &springs.stiffness));
-        // Points that are condensed and hold free motions bring a stiffness of the plate's size with them.
-        let firmer = match softest {
-            Some(softest) if !condensed || free_motions.is_empty() => firmness(&plate, softest),
-            _ => 0.0,
-        };
+        // What holds as firmly as the plate holds together needs no help.
+        let firmer =
+            softest.filter(|&softest| softest < scale.stiffness).map_or(0.0, |softest| firmness(&plate, softest));
         let base = blueprint.factored(&plate, &springs, &points, carried, firmer, room)?;
         let factor = clock.elapsed().as_secs_f64();
 

@@ -124,8 +124,8 @@ pub(super) fn largest_force(problem: &ContactProblem, load: &[f64], reaction: &[
     forces.fold(problem.scale.largest(load), f64::max)
 }
 
-/// The same, of forces that count at least; without a load also what bends the plate as far as points that hold are away,
-/// beside which reactions of springs that just touch are rounding.
+/// The same, of forces that count at least; without a load also what bends the plate as far as it moves, or points that hold
+/// are away, beside which reactions of springs that just touch are rounding.
 fn acting(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, least: f64) -> f64 {
     let force = largest_force(problem, load, &solution.reaction).max(least);
     if force == 0.0 || load.iter().any(|&f| f != 0.0) {
@@ -133,7 +133,8 @@ fn acting(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, le
     }
     let points = &problem.points;
     let holding = (0..points.len()).filter(|&i| points.piece(i, solution.piece[i]).holds());
-    let farthest = holding.map(|i| points.shift[i].abs() * points.arm[i]).fold(0.0, f64::max);
+    let lengths = lengths(problem, solution);
+    let farthest = holding.map(|i| lengths[i] * points.arm[i]).fold(0.0, f64::max);
     force.max(problem.scale.stiffness * farthest)
 }
 

@@ -53,6 +53,8 @@ pub struct ContactSolution {
     pub corrections: usize,
     /// The factor that an active set came to, for solves that begin with this one.
     pub(super) system: Option<Arc<System>>,
+    /// Conjugate gradient steps with it; as many as cost a factor make the next solve factor these pieces.
+    pub(super) spent: usize,
 }
 
 impl ContactSolution {

@@ -1,6 +1,6 @@
 //! From a load to displacements, reactions and gaps.
 
-use super::finders::{ActiveSet, InteriorPoint, Lemke, Reference, SetFinder, Start, posed_from};
+use super::finders::{ActiveSet, InteriorPoint, Lemke, SetFinder, posed_from, solve_together, solved_and_factored};
 use super::interface::{Form, PosedLcp, Work};
 use super::kkt::{Condensed, Factored, Kkt};
 use super::problem::ContactProblem;
@@ -24,8 +24,7 @@ impl ContactProblem {
         start: Option<&ContactSolution>,
         watch: &mut Watch<'_>,
     ) -> Result<ContactSolution, FactorError> {
-        let start = start.map(|solution| Start { solution, reference: None });
-        self.finder(form).find(self, load, held_value, start.as_ref(), watch)
+        self.finder(form).find(self, load, held_value, start, watch)
     }
 
     /// The method that the plate is factored for.
@@ -113,36 +112,25 @@ impl ContactProblem {
 
     /// Solves one load and factors its pieces, for others to begin with; `None` where points are condensed, there is no
     /// solution, or its pieces do not hold the plate.
-    pub fn reference(
+    pub fn solve_and_factor(
         &self,
         load: &[f64],
         held_value: &[f64],
         watch: &mut Watch<'_>,
-    ) -> Result<Option<Reference>, FactorError> {
-        if self.interface.is_some() { Ok(None) } else { Reference::of(self, load, held_value, watch) }
+    ) -> Result<Option<ContactSolution>, FactorError> {
+        if self.interface.is_some() { Ok(None) } else { solved_and_factored(self, load, held_value, watch) }
     }
 
-    /// As [`ContactProblem::solve`], beginning with a reference.
-    pub fn solve_near(
-        &self,
-        reference: &Reference,
-        load: &[f64],
-        held_value: &[f64],
-        watch: &mut Watch<'_>,
-    ) -> Result<ContactSolution, FactorError> {
-        ActiveSet.find(self, load, held_value, Some(&reference.start()), watch)
-    }
-
-    /// As [`ContactProblem::solve`], for many loads (3n,) each, by an active set, beginning with the reference if there is
-    /// one. `watch` is asked now and then and ends it by returning false; then answers are missing.
+    /// As [`ContactProblem::solve`], for many loads (3n,) each, by an active set. `watch` is asked now and then and ends it
+    /// by returning false; then answers are missing.
     pub fn solve_together(
         &self,
-        reference: Option<&Reference>,
+        start: Option<&ContactSolution>,
         loads: &[Vec<f64>],
         held_value: &[f64],
         watch: &mut dyn FnMut() -> bool,
     ) -> Result<Vec<ContactSolution>, FactorError> {
-        Reference::solve_together(self, reference, loads, held_value, watch)
+        solve_together(self, start, loads, held_value, watch)
     }
 
     /// The LCP that [`ContactProblem::solve`] poses first; points are condensed.

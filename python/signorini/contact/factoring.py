@@ -87,7 +87,7 @@ def factored(found: Discretisation, freedom: RigidFreedom, base: Base) -> _core.
         _require_condensable(len(found.contacts), found.model.solver.method)
         footprints = len(np.unique(found.contacts.rows.further.owners))
         require_memory_for_footprints(footprints, found.dof_count, ("support",))
-    return core_problem(found, found.contacts, regularization(found, freedom), freedom.motions, base)
+    return core_problem(found, found.contacts, regularization(found), freedom.motions, base)
 
 
 def _require_condensable(points: int, asked: str) -> None:
@@ -141,11 +141,12 @@ def core_problem(
         raise SignoriniError(f"{why[0].upper()}{why[1:]}. Take a coarser mesh.") from None
 
 
-def regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
+def regularization(found: Discretisation) -> Floats:
     """Stiffness (m,) that the factor carries at contact points.
 
     Compliant ones are there with their own, unless they are stiffer than the plate in shear or have footprints; where
-    one-sided supports alone hold the plate, some others are there too, about as stiff as a plate under a point load.
+    held dofs and springs alone do not hold the plate firmly, some others are there too, about as stiff as a plate under
+    a point load.
     """
     contacts, thickness = found.contacts, found.thickness.max()
     shear = max(rigidity.in_shear for rigidity in found.zones.rigidities) * thickness
@@ -153,11 +154,13 @@ def regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
         stiffness = np.where(contacts.compliance > 0, 1.0 / contacts.compliance, np.inf)
     carried = np.where(stiffness <= shear, stiffness, 0.0)
     carried[np.unique(contacts.rows.further.owners)] = 0.0
-    if not freedom.regular:
-        rigidity = _CARRIED * found.model.young * thickness**3 / 12
+    rigidity = _CARRIED * found.model.young * thickness**3 / 12
+    own = rigidity / found.mesh.size**2
+    restraining = restraining_points(found, np.minimum(stiffness, own), own)
+    if len(restraining):
         needed = np.zeros(len(contacts))
         needed[contacts.two_sided] = rigidity
-        needed[restraining_points(freedom, np.minimum(stiffness, rigidity / found.mesh.size**2))] = rigidity
+        needed[restraining] = rigidity
         needed[~contacts.slope] /= found.mesh.size**2
         carried = np.maximum(carried, np.minimum(needed, stiffness))
     return np.asarray(carried)

@@ -73,7 +73,7 @@ class ContactProblem(Statement, Remade):
     discretisation: Discretisation
     freedom: RigidFreedom
     method: Method
-    reference: _core.Reference | None = None
+    start: _core.ContactSolution | None = None
     """A solved load that others begin with; see `near`."""
     _cores: dict[str, _core.ContactProblem] = field(default_factory=dict, repr=False)
     """All that have been asked for, by the method they are factored for; "dual" carries no contact
@@ -82,7 +82,7 @@ class ContactProblem(Statement, Remade):
     _made = MappingProxyType(
         {
             # It saves an active set some steps and changes no answer.
-            "reference": lambda problem: None,
+            "start": lambda problem: None,
             "_cores": lambda problem: {},
         }
     )
@@ -97,7 +97,7 @@ class ContactProblem(Statement, Remade):
 
     def without_factor(self) -> ContactProblem:
         """The same problem, to be factored again when something first needs it."""
-        return replace(self, reference=None, _cores={})
+        return replace(self, start=None, _cores={})
 
     @property
     def is_factored(self) -> bool:
@@ -218,7 +218,7 @@ class ContactProblem(Statement, Remade):
         which it exceeds the plate's.
         """
         found, points = self.discretisation, self.discretisation.contacts
-        if not points.two_sided.any() and not regularization(found, self.freedom).any():
+        if not points.two_sided.any() and not regularization(found).any():
             return self.condensed.core
         if "dual" not in self._cores:
             one_sided = replace(points, two_sided=np.zeros(len(points), np.bool_))
@@ -234,7 +234,7 @@ class ContactProblem(Statement, Remade):
     def by(self, method: Method) -> ContactProblem:
         """Pose the same problem for another method; it is factored when that is first needed, and once for all."""
         known(method, _METHODS, "method", "method", "A contact problem")
-        return self if method == self.method else replace(self, method=method, reference=None)
+        return self if method == self.method else replace(self, method=method, start=None)
 
     def with_model(self, model: Model) -> ContactProblem:
         """Pose another model on this one's mesh, as a sweep over gaps, stiffnesses, supports, thickness or loads does.
@@ -290,7 +290,7 @@ class ContactProblem(Statement, Remade):
         load = vector(load, self.discretisation.dof_count, "load")
         if self.method != "active_set" or self.discretisation.contacts.two_sided.any():
             return self
-        return replace(self, reference=self.core.reference(load, self.discretisation.held.values, progress))
+        return replace(self, start=self.core.solve_and_factor(load, self.discretisation.held.values, progress))
 
     def solve(
         self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None, start: Answer | None = None
@@ -309,11 +309,9 @@ class ContactProblem(Statement, Remade):
         if self.method == "interior_point":
             require_memory_for_interior_point(len(load.nodal), len(self.gaps))
             solution = self.core.solve_by_interior_point(load.nodal, held, progress=progress)
-        elif self.reference is not None:
-            solution = self.core.solve_near(self.reference, load.nodal, held, progress=progress)
         else:
             form = self.better_form if form == "auto" else form
-            near = None if start is None else start.solution
+            near = self.start if start is None else start.solution
             try:
                 solution = self.core.solve(load.nodal, held, form, near, progress)
             except ValueError as error:

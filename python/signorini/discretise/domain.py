@@ -16,14 +16,22 @@ from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems, point
 from signorini.mesh import Mesh
 from signorini.model import Model
+from signorini.model.plate import SLIMMEST
 
 LONGEST = 1000.0
 """Long side of an element over its short side, or over its thickness if that is more: bending across is stiffer than
 along by the fourth power of the ratio, and of sixteen digits four are left."""
+THICKEST = 10.0
+"""Thickness over a plate's width: of a wall on its edge bending across is rounding beside shear."""
 FLOATING = 1e-10
 """Least stiffness λL⁴/D of elastic supports that alone hold the plate: its rigid motions are then free of strain."""
+THIN = 1e-20
+"""The same over (L/h)²·L²/A: beside the plate's stiffness in shear, which rounds what strains it. Found by trial."""
 TURNING = 1e-6
 """The same where rigid supports hold the plate against some motions: rounding strains the plate in the others."""
+SOFTEST = 1e-14
+"""Least stiffness KL⁴/(AD) of an elastic support in all beside rigid ones that hold the plate: what a softer one carries
+is rounding of what they do."""
 RIGID = 1e12
 """Stiffness KL⁴/(AD) of a support in all from which on it counts as rigid."""
 APART = 0.1
@@ -75,15 +83,20 @@ def require_domain(
 one onto the other or farther away, leave one out, or give one a stiffness.
     """
     with problems.collected():
+        _require_wide(mesh, thickness)
+    with problems.collected():
         _require_short_elements(mesh, thickness)
     unit = np.array([rigidity.in_waves for rigidity in zones.rigidities])[zones.of_elements.rigidity]
     bending = float((unit * np.broadcast_to(thickness.at_points.mean(axis=1), len(unit)) ** 3).max())
     hold = _hold(mesh, held, springs, contacts)
     with problems.collected():
-        _require_stiff_enough(model, mesh, bending, hold)
+        _require_stiff_enough(model, mesh, bending, thickness.min(), hold)
     # Over the plate's stiffness step by step, since the fourth power of a length may leave all numbers.
     per_bed = mesh.size / float(mesh.element_area.sum()) * mesh.size * (mesh.size * mesh.size / bending)
-    total = np.bincount(hold.support, hold.stiffness, len(model.support)) * per_bed
+    total = np.asarray(np.bincount(hold.support, hold.stiffness, len(model.support)) * per_bed, np.float64)
+    if not _free(hold.rigid).shape[1]:
+        with problems.collected():
+            _require_no_softer(model, total)
     rigid = {i for i, one in enumerate(model.support) if one.is_rigid}
     rigid |= set(contacts.support[(contacts.compliance == 0) & ~contacts.slope].tolist())
     rigid |= set(np.flatnonzero(total > RIGID).tolist())
@@ -106,6 +119,22 @@ def _in_words(model: Model, near: Near) -> InputError:
         "one onto the other or farther away, leave one out, or give one a stiffness.",
         place=place,
     )
+
+
+def _require_wide(mesh: Mesh, thickness: Thickness) -> None:
+    width, thickest = float(mesh.element_area.sum()) / mesh.size, float(thickness.nominal.max())
+    if mesh.size > (1.0 + _ROUNDING) * SLIMMEST * width:
+        raise InputError(
+            f"The plate is {mesh.size:.6g} long and {width:.3g} wide, its area over its length; at most {SLIMMEST:g} "
+            "to 1 is in the domain. Calculate a beam.",
+            place=("plate",),
+        )
+    if thickest > (1.0 + _ROUNDING) * THICKEST * width:
+        raise InputError(
+            f"Found the thickness {thickest:.6g} of a plate {width:.3g} wide, its area over its length; at most "
+            f"{THICKEST:g} times that is in the domain. Calculate a beam.",
+            place=("plate", "thickness"),
+        )
 
 
 def _require_short_elements(mesh: Mesh, thickness: Thickness) -> None:
@@ -151,7 +180,18 @@ def _hold(mesh: Mesh, held: Held, springs: Springs, contacts: ContactPoints) -> 
     )
 
 
-def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, hold: _Hold) -> None:
+def _require_no_softer(model: Model, total: Floats) -> None:
+    """Refuse elastic supports that carry nothing, by their KL⁴/(AD)."""
+    for i in np.flatnonzero((total > 0.0) & (total < (1.0 - _ROUNDING) * SOFTEST)).tolist():
+        raise InputError(
+            f"{model.support[i].name} is as soft as a bed under all of the plate with kL⁴/D = {total[i]:.2g}; it must "
+            f"be {SOFTEST:g} or more. Leave it out, since it carries nothing, or give {SOFTEST / total[i]:.2g} times "
+            "the stiffness.",
+            place=("support", i, "stiffness"),
+        )
+
+
+def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: float, hold: _Hold) -> None:
     """Refuse elastic supports that the plate would float on, by the least λ of all motions that they alone hold."""
     free = _free(hold.rigid)
     # What nothing holds is a mechanism, and told as one.
@@ -169,12 +209,14 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, hold: _Hold)
     roots = np.linalg.svd(np.linalg.solve(mean.T, _triangle(scaled).T), compute_uv=False)
     largest = hold.stiffness.max() / float(mesh.element_area.sum()) * mesh.size * mesh.size
     found = float(roots.min()) ** 2 * largest * (mesh.size * mesh.size / bending)
-    least = FLOATING if free.shape[1] == 3 else TURNING
+    floats = free.shape[1] == 3
+    slender = (mesh.size / thinnest) ** 2 * mesh.size / float(mesh.element_area.sum()) * mesh.size
+    least = max(FLOATING if floats else TURNING, THIN * slender)
     if found >= (1.0 - _ROUNDING) * least:
         return
     which = np.unique(hold.support).tolist()
     names = " and ".join(model.support[i].name for i in which)
-    what = "the plate" if least == FLOATING else "the plate against a motion that rigid supports leave free"
+    what = "the plate" if floats else "the plate against a motion that rigid supports leave free"
     raise InputError(
         f"The stiffness of {names} alone holds {what}, as firmly as a bed under all of it with kL⁴/D = {found:.2g}; it "
         f"must be {least:g} or more. Give {least / found:.2g} times the stiffness, or hold the plate rigidly.",

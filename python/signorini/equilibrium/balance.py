@@ -17,6 +17,8 @@ RANK = 1e-9
 NO_FORCE = 1e-6
 """Part of the forces that act below which their sum is none: parabolas stand for arcs, and loads along them that cancel
 leave so much."""
+_FIRM = 1e-2
+"""Part of a plate's own stiffness with which springs hold all motions firmly."""
 _MANY = 100
 """Points from which on their hull is taken."""
 
@@ -79,14 +81,9 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
     InputError
         If a motion meets no support at all, one-sided ones included: the plate is a mechanism.
     """
-    size = found.mesh.size
-    scaled = found.rigid_motions / np.array([1.0, size, size])
     contacts = found.contacts
-    at_contacts = found.contact_rows @ scaled
-    # A held slope is compared with slopes times the plate's size.
-    held = scaled[found.held.dofs] * np.tile([1.0, size, size], found.mesh.node_count)[found.held.dofs, None]
-    at_contacts[contacts.slope] *= size
-    in_stiffness = np.vstack([held, found.spring_rows @ scaled])
+    held, of_springs, at_contacts = _rows(found)
+    in_stiffness = np.vstack([held, of_springs])
     motions = _null_space(np.vstack([in_stiffness, at_contacts[contacts.two_sided]]))
     moves = at_contacts @ motions
     loose = motions @ _null_space(moves) if motions.size else np.zeros((3, 0))
@@ -100,6 +97,17 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
     on_mesh = _bearing(found, motions, one_sided.positions, one_sided.direction, one_sided.support)
     regular = _null_space(in_stiffness).shape[1] == 0
     return RigidFreedom(motions, moves, _outlines(found, motions), on_mesh, regular)
+
+
+def _rows(found: Discretisation) -> tuple[Floats, Floats, Floats]:
+    """What held dofs, springs and contact points (n, 3) do in the motions w, and slopes times the plate's size."""
+    size = found.mesh.size
+    scaled = found.rigid_motions / np.array([1.0, size, size])
+    at_contacts = found.contact_rows @ scaled
+    # A held slope is compared with slopes times the plate's size.
+    held = scaled[found.held.dofs] * np.tile([1.0, size, size], found.mesh.node_count)[found.held.dofs, None]
+    at_contacts[found.contacts.slope] *= size
+    return held, found.spring_rows @ scaled, at_contacts
 
 
 def _outlines(found: Discretisation, motions: Floats) -> Bearing:
@@ -158,20 +166,28 @@ def describe_motion(motion: Floats, found: Discretisation) -> str:
     return f"turning about the line through {point(through, found.mesh.size)} along {point(along, 1.0)}"
 
 
-def restraining_points(freedom: RigidFreedom, stiffness: Floats) -> Ints:
-    """Contact points, as few as there are free motions, that hold them when closed; stiff and far apart if possible.
+def restraining_points(found: Discretisation, stiffness: Floats, enough: float) -> Ints:
+    """Contact points, as few as there are, that with held dofs and springs hold the plate firmly when closed.
 
-    ``stiffness`` (m,) is that of each point's support, or as much of it as counts.
+    ``stiffness`` (m,) is that of each point's support, or as much of it as counts; ``enough`` is the most that counts.
     """
-    if not freedom.count:
+    held, of_springs, at_contacts = _rows(found)
+    unheld = _null_space(held)
+    springs = (of_springs @ unheld) * np.sqrt(np.minimum(found.springs.stiffness, enough))[:, None]
+    # Springs that are soft beside the plate do not keep its matrix regular.
+    firm = unheld.shape[1] and np.linalg.eigvalsh(springs.T @ springs)[0] >= _FIRM * enough
+    if firm or not unheld.shape[1]:
         return np.zeros(0, dtype=np.int64)
     # Each pick is the longest row that is left, and lengths, being convex, are greatest at corners of the hull.
-    left, picked = freedom.moves * np.sqrt(stiffness / stiffness.max())[:, None], list[int]()
-    for _ in range(freedom.count):
-        picked.append(int(np.linalg.norm(left, axis=1).argmax()))
-        along = left[picked[-1]] / np.linalg.norm(left[picked[-1]])
+    points = (at_contacts @ unheld) * np.sqrt(np.minimum(stiffness, enough))[:, None]
+    left, picked = np.vstack([springs, points]), list[int]()
+    for _ in range(unheld.shape[1]):
+        lengths = np.linalg.norm(left, axis=1)
+        picked.append(int(lengths.argmax()))
+        along = left[picked[-1]] / lengths[picked[-1]]
         left = left - np.outer(left @ along, along)
-    return np.array(picked)
+    first = len(springs)
+    return np.array([point - first for point in picked if point >= first], dtype=np.int64)
 
 
 def load_size(found: Discretisation, nodal: Floats) -> float:

@@ -32,6 +32,8 @@ from signorini.shapes.contours import Contour, circle, sector, straight
 
 _DEFAULT_ALONG = 20
 _SHAPES = "One of rectangle, disc, annulus, polygon, mesh."
+SLIMMEST = 1000.0
+"""Length of a plate over its width: bending along is softer than across by the fourth power."""
 _FARTHEST = 1e6
 """Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
 
@@ -171,9 +173,12 @@ class RectanglePlate(_PatternedPlate):
         return self.size
 
     def _complaints(self) -> Iterator[Complaint]:
-        if max(self.size) > _FARTHEST * min(self.size):
-            yield ("size",), f"found {list(self.size)}: one side is over {_FARTHEST:g} times the other. It is no plate."
-        yield from _too_far("origin", self.origin, min(self.size))
+        if max(self.size) > SLIMMEST * min(self.size):
+            yield (
+                ("size",),
+                f"found {list(self.size)}: one side is over {SLIMMEST:g} times the other. Calculate a beam.",
+            )
+        yield from _too_far("origin", self.origin, max(self.size))
 
 
 class _RoundPlate(_PatternedPlate):

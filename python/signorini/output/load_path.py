@@ -42,7 +42,7 @@ def path_json(path: LoadPath) -> dict[str, Any]:
     ...     load=[{"case": "G", "pressure": 1e3}, {"case": "Q", "force": 1e3, "at": [4, 2]}],
     ... )
     >>> found = path_json(signorini.path(model, start="G", add="Q"))
-    >>> found["ending"], round(found["end"], 6), found["events"]
+    >>> found["ending"], round(found["end"], 3), found["events"]
     ('no_equilibrium', 16.0, [])
     """
     model, estimate = path.model, path.asked_estimate

@@ -7,30 +7,16 @@ use crate::contact::scale::largest;
 use crate::contact::solution::{ContactSolution, Watch};
 use crate::contact::tolerances;
 
-/// Where to begin: at a solution, with its factor if it has one of this problem.
-pub(in crate::contact) struct Start<'a> {
-    pub(in crate::contact) solution: &'a ContactSolution,
-    /// Where the solution is known to balance a load.
-    pub(in crate::contact) reference: Option<&'a Reference>,
-}
-
-/// One load's solution with the factor of its pieces, for loads not unlike it to begin with.
-pub struct Reference {
-    pub solution: ContactSolution,
-    pub(super) load: Vec<f64>,
-    /// How far the points have travelled beyond their shifts in it.
-    pub(super) travel: Vec<f64>,
-}
-
 /// Looks for the pieces of one load, and solves on them.
 pub(in crate::contact) trait SetFinder {
-    /// The solution under a nodal load with the held dofs at `held_value`, both over all dofs; `watch` sees every step.
+    /// The solution under a nodal load with the held dofs at `held_value`, both over all dofs, from another load's on if there
+    /// is one; `watch` sees every step.
     fn find(
         &self,
         problem: &ContactProblem,
         load: &[f64],
         held_value: &[f64],
-        start: Option<&Start<'_>>,
+        start: Option<&ContactSolution>,
         watch: &mut Watch<'_>,
     ) -> Result<ContactSolution, FactorError>;
 }
@@ -42,13 +28,13 @@ pub(in crate::contact) fn signs_hold(
     nil: f64,
     solution: &ContactSolution,
 ) -> bool {
-    // Without a load, reactions are what the plate's stiffness makes of gaps.
+    let lengths = lengths(problem, solution);
+    // Without a load, reactions are what the plate's stiffness makes of how far it moves.
     let load = match problem.scale.largest(load) {
-        0.0 => largest(&problem.delta) * largest(&problem.points.shift),
+        0.0 => largest(&problem.delta).max(problem.scale.stiffness) * largest(&lengths),
         load => load,
     };
     let force = tolerances::SIGN * largest_force(problem, &[], &solution.reaction).max(load);
-    let lengths = lengths(problem, solution);
     let length = |i: usize| (tolerances::SIGN * lengths[i]).max(nil / problem.points.arm[i]);
     are_on_their_pieces(problem, &solution.piece, &solution.reaction, &solution.gap, force, length)
 }
@@ -67,7 +53,8 @@ pub(in crate::contact) fn are_on_their_pieces(
         let piece = points.piece(i, pieces[i]);
         let [low, high] = points.ends(i, pieces[i]);
         let (value, axis, allowed) = match piece.holds() {
-            true => (reaction[i], 1, force * points.arm[i]),
+            // Of a soft spring a travel of rounding tells more than a force.
+            true => (reaction[i], 1, (force * points.arm[i]).min(length(i) * piece.slope)),
             false => (piece.travel - gap[i], 0, length(i)),
         };
         let above = low.is_none_or(|end| value >= end[axis] - allowed);

@@ -5,7 +5,7 @@
 //! multipliers are the reactions. Its answer is good to about eight digits: enough for the pieces, from which the problem's
 //! own method goes on with refined figures.
 
-use super::finder::{SetFinder, Start};
+use super::finder::SetFinder;
 use super::program::Program;
 use crate::assembly::Numbering;
 use crate::cholesky::FactorError;
@@ -33,15 +33,14 @@ impl SetFinder for InteriorPoint {
         problem: &ContactProblem,
         load: &[f64],
         held_value: &[f64],
-        _start: Option<&Start<'_>>,
+        _start: Option<&ContactSolution>,
         watch: &mut Watch<'_>,
     ) -> Result<ContactSolution, FactorError> {
         let near = interior_point(problem, load, held_value, watch);
         if near.outcome != Outcome::Solved {
             return Ok(near);
         }
-        let start = Start { solution: &near, reference: None };
-        let mut solution = problem.finder(None).find(problem, load, held_value, Some(&start), watch)?;
+        let mut solution = problem.finder(None).find(problem, load, held_value, Some(&near), watch)?;
         solution.iterations += near.iterations;
         Ok(solution)
     }

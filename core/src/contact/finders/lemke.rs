@@ -1,6 +1,6 @@
 //! Lemke's algorithm on the condensed points: pivots from piece to piece, finitely many of them.
 
-use super::finder::{SetFinder, Start, signs_hold};
+use super::finder::{SetFinder, signs_hold};
 use crate::cholesky::FactorError;
 use crate::contact::interface::{Form, PosedLcp, Reduced, Work};
 use crate::contact::kkt::{Condensed, Kkt};
@@ -27,11 +27,11 @@ impl SetFinder for Lemke {
         problem: &ContactProblem,
         load: &[f64],
         held_value: &[f64],
-        start: Option<&Start<'_>>,
+        start: Option<&ContactSolution>,
         watch: &mut Watch<'_>,
     ) -> Result<ContactSolution, FactorError> {
         let form = self.form.unwrap_or(problem.interface().better_form());
-        let mut first = start.map(|start| start.solution.piece.clone());
+        let mut first = start.map(|start| start.piece.clone());
         let mut kkt = Condensed::new(problem);
         let mut solution = problem.at_rest(held_value);
         let work = Work::of(&problem.free_motions, load);

@@ -6,8 +6,7 @@ mod interior_point;
 mod lemke;
 mod program;
 
-pub(super) use active_set::ActiveSet;
-pub use finder::Reference;
-pub(super) use finder::{SetFinder, Start, are_on_their_pieces};
+pub(super) use active_set::{ActiveSet, solve_together, solved_and_factored};
+pub(super) use finder::{SetFinder, are_on_their_pieces};
 pub(super) use interior_point::InteriorPoint;
 pub(super) use lemke::{Lemke, ended, in_memory, pieces_of, posed_from};

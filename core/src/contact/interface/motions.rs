@@ -35,7 +35,7 @@ impl Work {
 
 /// The free motions in an LCP, as far as they do not depend on the load.
 pub(in crate::contact) struct FreeMotions {
-    /// N_J, and N_J(N_JᵀN_J)⁻¹.
+    /// N_J, and WN_J(N_JᵀWN_J)⁻¹, W the slopes that the factor carries.
     moves: Mat<f64>,
     dual: Mat<f64>,
     /// Points of the rows of J and O.
@@ -67,8 +67,8 @@ impl Interface {
         Ok(lcp)
     }
 
-    /// Imposes the free motions on M, which no load has a part in: M_JJ ← QM_JJQ with Q = I − N_J(N_JᵀN_J)⁻¹N_Jᵀ, and M_OJ
-    /// moved by the least that satisfies its equation.
+    /// Imposes the free motions on M, which no load has a part in: M_JJ ← QM_JJQᵀ with Q = I − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ, and
+    /// M_OJ moved by the least that satisfies its equation.
     pub(in crate::contact) fn impose_motions(
         &self,
         points: &Points,
@@ -90,9 +90,14 @@ impl Interface {
         if free == 0 {
             return Ok(motions);
         }
+        // By the slopes that the factor carries: what is missing must not drown what a soft point does.
+        let carried = |r: usize| self.delta[lcp.rows[r].point];
+        let all_carried = (0..inside).all(|r| carried(r) > 0.0);
+        let weight = |r: usize| if all_carried { carried(r) } else { 1.0 };
         let n = &motions.moves;
-        let gram = n.transpose() * n;
-        motions.dual = gram.partial_piv_lu().solve(n.transpose()).transpose().to_owned();
+        let weighted = Mat::from_fn(inside, free, |r, k| weight(r) * n[(r, k)]);
+        let gram = n.transpose() * &weighted;
+        motions.dual = gram.partial_piv_lu().solve(weighted.transpose()).transpose().to_owned();
         if !projected {
             return Ok(motions);
         }

@@ -103,7 +103,7 @@ impl<'a> Factored<'a> {
 
     /// Factors the matrix of some pieces, with a little of the other points' springs where they do not hold the plate; as
     /// far as that succeeds.
-    pub(super) fn refactor(&mut self, pieces: &[u8]) -> Result<(), FactorError> {
+    pub(in crate::contact) fn refactor(&mut self, pieces: &[u8]) -> Result<(), FactorError> {
         let problem = self.problem;
         let slenderness = problem.plate.slenderness();
         let least = problem.series(slenderness * slenderness / pieces.len() as f64);

@@ -40,7 +40,7 @@ struct Deflated {
 /// Conjugate gradients take this many steps before a factor of the present pieces, which costs about as much, replaces
 /// them; where a factor is asked together with others, so that a step costs a part of that, so many times as many. Where
 /// every force is an unknown, springs differ by too much for any.
-const BEFORE_A_FACTOR: usize = 10;
+pub(in crate::contact) const BEFORE_A_FACTOR: usize = 10;
 const SHARED: usize = 3;
 /// At most this many where they cannot be factored.
 const MOST: usize = 500;

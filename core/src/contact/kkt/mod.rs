@@ -19,5 +19,5 @@ mod solver;
 pub(super) use condensed::Condensed;
 pub(super) use factored::{Direction, Factored};
 pub(super) use floating::Afloat;
-pub(super) use gradients::Gradients;
+pub(super) use gradients::{BEFORE_A_FACTOR, Gradients};
 pub(super) use solver::{Correction, Kkt};

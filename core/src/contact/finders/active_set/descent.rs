@@ -1,6 +1,5 @@
 //! A solution in the making: where the plate and its points are, and what is out of balance there.
 
-use super::super::finder::Reference;
 use crate::contact::kkt::{Afloat, Direction, Factored};
 use crate::contact::problem::ContactProblem;
 use crate::contact::residual::{Residual, rounding};
@@ -20,6 +19,8 @@ pub(super) struct Descent<'a> {
     pub(super) afloat: Option<Afloat<'a>>,
     /// Rounding of the internal forces, below which an imbalance says nothing; absent until it is asked for after a balance.
     pub(super) rounding: Option<f64>,
+    /// Conjugate gradient steps of solves before with the factor that this one began with.
+    pub(super) spent: usize,
 }
 
 impl Descent<'_> {
@@ -76,17 +77,6 @@ impl Descent<'_> {
         self.solution.iterations += 1;
     }
 
-    /// From the solution under another load, what is out of balance is what the loads differ by.
-    pub(super) fn depart(&mut self, from: &Reference) {
-        self.solution.displacement.lo.copy_from_slice(&from.solution.displacement.lo);
-        let softened = self.kkt.series.iter().zip(&self.multiplier);
-        self.stretch = from.travel.iter().zip(softened).map(|(travel, (s, force))| travel + s * force).collect();
-        let mut imbalance: Vec<f64> =
-            self.load.iter().zip(&from.load).map(|(load, balanced)| load - balanced).collect();
-        self.problem.release_held(&mut imbalance);
-        self.residual = Residual { worst: self.problem.scale.largest(&imbalance), imbalance, violation: Vec::new() };
-    }
-
     pub(super) fn rounding(&mut self) -> f64 {
         *self.rounding.get_or_insert_with(|| rounding(self.problem, &self.solution))
     }
@@ -115,6 +105,7 @@ impl Descent<'_> {
         let mut all = self.solution;
         (all.gradients, all.factorizations) = (self.kkt.gradients, self.kkt.factorizations);
         all.system = self.kkt.kept().cloned();
+        all.spent = if self.kkt.factorizations == 0 { self.spent + self.kkt.gradients } else { 0 };
         for i in 0..pieces.len() {
             let piece = points.graph(i).piece(pieces[i]);
             all.reaction[i] = points.force_at(i, series[i], self.stretch[i]).0;

@@ -12,9 +12,11 @@ mod line_search;
 mod newton;
 mod together;
 
-use super::finder::{Reference, SetFinder, Start, signs_hold};
+pub(in crate::contact) use together::solve_together;
+
+use super::finder::{SetFinder, signs_hold};
 use crate::cholesky::FactorError;
-use crate::contact::kkt::{Afloat, Factored};
+use crate::contact::kkt::{Afloat, BEFORE_A_FACTOR, Factored};
 use crate::contact::problem::ContactProblem;
 use crate::contact::residual::Residual;
 use crate::contact::solution::{ContactSolution, Outcome, Watch};
@@ -33,7 +35,7 @@ impl SetFinder for ActiveSet {
         problem: &ContactProblem,
         load: &[f64],
         held_value: &[f64],
-        start: Option<&Start<'_>>,
+        start: Option<&ContactSolution>,
         watch: &mut Watch<'_>,
     ) -> Result<ContactSolution, FactorError> {
         let mut newton = begun(problem, load, held_value, start, false)?;
@@ -58,16 +60,21 @@ fn begun<'a>(
     problem: &'a ContactProblem,
     load: &'a [f64],
     held_value: &[f64],
-    start: Option<&Start<'a>>,
+    start: Option<&'a ContactSolution>,
     shares: bool,
 ) -> Result<Newton<'a>, FactorError> {
     let limit = if start.is_some() { tolerances::newton::STIFFEST } else { problem.first_limit };
-    let kkt = Factored::new(problem, start.and_then(|start| system_of(problem, start)), limit, shares);
+    let mut kkt = Factored::new(problem, start.and_then(|start| system_of(problem, start)), limit, shares);
     let mut solution = problem.at_rest(held_value);
     let mut multiplier = vec![0.0; problem.points.len()];
-    if let Some(Start { solution: start, .. }) = start {
-        solution.displacement.hi.copy_from_slice(&start.displacement.hi);
+    let mut spent = 0;
+    if let Some(start) = start {
+        solution.displacement.clone_from(&start.displacement);
         multiplier.copy_from_slice(&start.reaction);
+        spent = start.spent;
+        if !shares && spent >= BEFORE_A_FACTOR {
+            kkt.refactor(&start.piece)?;
+        }
     }
     let mut descent = Descent {
         problem,
@@ -78,49 +85,35 @@ fn begun<'a>(
         multiplier,
         residual: Residual::default(),
         afloat: Afloat::under(problem, load),
-        rounding: Some(0.0),
+        rounding: None,
+        spent,
     };
-    match start.and_then(|start| start.reference) {
-        Some(reference) => descent.depart(reference),
-        None => {
-            descent.balance();
-            descent.rounding = None;
-        }
-    }
+    descent.balance();
     Ok(Newton::new(descent, start.is_some(), held_value))
 }
 
 /// The factor that a start has for a problem.
-fn system_of<'a>(problem: &ContactProblem, start: &Start<'a>) -> Option<&'a Arc<System>> {
-    start.solution.system.as_ref().filter(|system| Arc::ptr_eq(&system.blueprint, &problem.blueprint))
+fn system_of<'a>(problem: &ContactProblem, start: &'a ContactSolution) -> Option<&'a Arc<System>> {
+    start.system.as_ref().filter(|system| Arc::ptr_eq(&system.blueprint, &problem.blueprint))
 }
 
-impl Reference {
-    /// Solves one load and factors its pieces; `None` where there is no solution, or they do not hold the plate.
-    pub(in crate::contact) fn of(
-        problem: &ContactProblem,
-        load: &[f64],
-        held_value: &[f64],
-        watch: &mut Watch<'_>,
-    ) -> Result<Option<Self>, FactorError> {
-        let solution = ActiveSet.find(problem, load, held_value, None, watch)?;
-        if solution.outcome != Outcome::Solved {
-            return Ok(None);
-        }
-        let series = problem.series(tolerances::newton::STIFFEST);
-        let slope = |i: usize| problem.points.piece(i, solution.piece[i]).in_series(series[i]);
-        match problem.factored((0..series.len()).map(slope).collect()) {
-            Ok(system) => {
-                let travel = problem.points.travel_from(&problem.points.shift, &solution.displacement);
-                let solution = ContactSolution { system: Some(Arc::new(system)), ..solution };
-                Ok(Some(Self { solution, load: load.to_vec(), travel }))
-            }
-            Err(FactorError::NotPositiveDefinite { .. }) => Ok(None),
-            Err(error) => Err(error),
-        }
+/// Solves one load and factors its pieces, for others to begin with; `None` where there is no solution, or they do not
+/// hold the plate.
+pub(in crate::contact) fn solved_and_factored(
+    problem: &ContactProblem,
+    load: &[f64],
+    held_value: &[f64],
+    watch: &mut Watch<'_>,
+) -> Result<Option<ContactSolution>, FactorError> {
+    let solution = ActiveSet.find(problem, load, held_value, None, watch)?;
+    if solution.outcome != Outcome::Solved {
+        return Ok(None);
     }
-
-    pub(in crate::contact) fn start(&self) -> Start<'_> {
-        Start { solution: &self.solution, reference: Some(self) }
+    let series = problem.series(tolerances::newton::STIFFEST);
+    let slope = |i: usize| problem.points.piece(i, solution.piece[i]).in_series(series[i]);
+    match problem.factored((0..series.len()).map(slope).collect()) {
+        Ok(system) => Ok(Some(ContactSolution { system: Some(Arc::new(system)), spent: 0, ..solution })),
+        Err(FactorError::NotPositiveDefinite { .. }) => Ok(None),
+        Err(error) => Err(error),
     }
 }

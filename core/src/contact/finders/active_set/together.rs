@@ -2,7 +2,6 @@
 //!
 //! Each goes on as if it were alone, in parallel with the others, so that neither order nor number of threads changes a bit.
 
-use super::super::finder::Reference;
 use super::newton::{Newton, Next};
 use super::{begun, system_of};
 use crate::cholesky::{FactorError, LANES};
@@ -20,59 +19,56 @@ struct UnderWay<'a> {
     answer: Option<Vec<f64>>,
 }
 
-impl Reference {
-    /// Solves many loads (3n,) each, beginning with a reference if there is one. `watch` is asked now and then and ends it
-    /// by returning false; then answers are missing.
-    pub(in crate::contact) fn solve_together(
-        problem: &ContactProblem,
-        reference: Option<&Self>,
-        loads: &[Vec<f64>],
-        held_value: &[f64],
-        watch: &mut dyn FnMut() -> bool,
-    ) -> Result<Vec<ContactSolution>, FactorError> {
-        let start = reference.map(Self::start);
-        let with = start.as_ref().and_then(|start| system_of(problem, start)).map_or(&problem.base, |system| system);
-        let blueprint = &problem.blueprint;
-        let mut under_way: Vec<UnderWay> = Vec::with_capacity(AT_ONCE);
-        let mut waiting = loads.iter().enumerate();
-        let mut solved: Vec<Option<ContactSolution>> = loads.iter().map(|_| None).collect();
-        loop {
-            let next: Vec<(usize, &Vec<f64>)> = waiting.by_ref().take(AT_ONCE - under_way.len()).collect();
-            let begun: Vec<UnderWay> = next
-                .into_par_iter()
-                .map(|(number, load)| {
-                    // Without a load the plate is at rest, exactly so only if it begins there.
-                    let loaded = load.iter().any(|&force| force != 0.0);
-                    let shares = loaded || start.is_none();
-                    let newton = begun(problem, load, held_value, start.as_ref().filter(|_| loaded), shares)?;
-                    Ok(UnderWay { number, newton, answer: None })
-                })
-                .collect::<Result<_, FactorError>>()?;
-            under_way.extend(begun);
-            if under_way.is_empty() && waiting.len() == 0 || !watch() {
-                return Ok(solved.into_iter().flatten().collect());
-            }
-            // Each goes on until it waits for the factor again, or ends; one that does not share it goes on to the end.
-            let went = under_way.into_par_iter().map(|mut load| {
-                let next = load.newton.go_on(load.answer.take(), &mut |_| true);
-                (load, next)
-            });
-            let went: Vec<_> = went.collect();
-            under_way = Vec::with_capacity(AT_ONCE);
-            let mut block: Vec<f64> = Vec::new();
-            for (load, next) in went {
-                match next? {
-                    Next::Solve(force) => {
-                        block.extend(blueprint.gather(&force));
-                        under_way.push(load);
-                    }
-                    Next::End(outcome) => solved[load.number] = Some(load.newton.ended(outcome)),
+/// Solves many loads (3n,) each, from another load's solution on if there is one. `watch` is asked now and then and ends it
+/// by returning false; then answers are missing.
+pub(in crate::contact) fn solve_together(
+    problem: &ContactProblem,
+    start: Option<&ContactSolution>,
+    loads: &[Vec<f64>],
+    held_value: &[f64],
+    watch: &mut dyn FnMut() -> bool,
+) -> Result<Vec<ContactSolution>, FactorError> {
+    let with = start.and_then(|start| system_of(problem, start)).map_or(&problem.base, |system| system);
+    let blueprint = &problem.blueprint;
+    let mut under_way: Vec<UnderWay> = Vec::with_capacity(AT_ONCE);
+    let mut waiting = loads.iter().enumerate();
+    let mut solved: Vec<Option<ContactSolution>> = loads.iter().map(|_| None).collect();
+    loop {
+        let next: Vec<(usize, &Vec<f64>)> = waiting.by_ref().take(AT_ONCE - under_way.len()).collect();
+        let begun: Vec<UnderWay> = next
+            .into_par_iter()
+            .map(|(number, load)| {
+                // Without a load the plate is at rest, exactly so only if it begins there.
+                let loaded = load.iter().any(|&force| force != 0.0);
+                let shares = loaded || start.is_none();
+                let newton = begun(problem, load, held_value, start.filter(|_| loaded), shares)?;
+                Ok(UnderWay { number, newton, answer: None })
+            })
+            .collect::<Result<_, FactorError>>()?;
+        under_way.extend(begun);
+        if under_way.is_empty() && waiting.len() == 0 || !watch() {
+            return Ok(solved.into_iter().flatten().collect());
+        }
+        // Each goes on until it waits for the factor again, or ends; one that does not share it goes on to the end.
+        let went = under_way.into_par_iter().map(|mut load| {
+            let next = load.newton.go_on(load.answer.take(), &mut |_| true);
+            (load, next)
+        });
+        let went: Vec<_> = went.collect();
+        under_way = Vec::with_capacity(AT_ONCE);
+        let mut block: Vec<f64> = Vec::new();
+        for (load, next) in went {
+            match next? {
+                Next::Solve(force) => {
+                    block.extend(blueprint.gather(&force));
+                    under_way.push(load);
                 }
+                Next::End(outcome) => solved[load.number] = Some(load.newton.ended(outcome)),
             }
-            with.factor.solve_side_by_side(&mut block)?;
-            for (load, answer) in under_way.iter_mut().zip(block.chunks_exact(with.factor.len())) {
-                load.answer = Some(blueprint.scatter(answer, problem.plate.dof_count()));
-            }
+        }
+        with.factor.solve_side_by_side(&mut block)?;
+        for (load, answer) in under_way.iter_mut().zip(block.chunks_exact(with.factor.len())) {
+            load.answer = Some(blueprint.scatter(answer, problem.plate.dof_count()));
         }
     }
 }
