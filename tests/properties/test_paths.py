@@ -157,9 +157,12 @@ def test_named_events_of_points_are_those_of_the_exact_path(drawing, dense, data
             for other in others
         )
 
-    # All that is found is there; of what is there only what is undone between two samples is not found.
+    # All that is found is there; of what is there only what is undone between two samples is not found, and where a point
+    # that touches without force at first is said to be open from there on.
     assert all(near(event, exact.support_events) for event in said(found))
+    touching = {(event.support, event.at, event.change) for event in found.support_events if event.t <= 1e-6 * span}
     missed = [event for event in said(exact) if not near(event, found.support_events)]
+    missed = [event for event in missed if (event.support, event.at, event.change) not in touching]
     for event in missed:
         back = {"opens": "closes", "closes": "opens"}[event.change]
         assert any(

@@ -79,7 +79,7 @@ def _solve(
             np.array([getattr(load, part) for load in loads.values()]).reshape(len(loads), -1)
             for part in ("nodal", "curvature", "couples")
         )
-        solved = _core.solve_together(problem.core, problem.start, nodal, found.held.values, watch)
+        solved = _core.solve_together(problem.core, problem.reference, nodal, found.held.values, watch)
         stresses = _core.solution_stresses(found.plate, solved, curvatures, couples)
         answers = dict(zip(loads, zip(solved, stresses, strict=True), strict=True))
     for number, combination in enumerate(combinations):

@@ -73,7 +73,7 @@ class ContactProblem(Statement, Remade):
     discretisation: Discretisation
     freedom: RigidFreedom
     method: Method
-    start: _core.ContactSolution | None = None
+    reference: _core.ContactSolution | None = None
     """A solved load that others begin with; see `near`."""
     _cores: dict[str, _core.ContactProblem] = field(default_factory=dict, repr=False)
     """All that have been asked for, by the method they are factored for; "dual" carries no contact
@@ -82,7 +82,7 @@ class ContactProblem(Statement, Remade):
     _made = MappingProxyType(
         {
             # It saves an active set some steps and changes no answer.
-            "start": lambda problem: None,
+            "reference": lambda problem: None,
             "_cores": lambda problem: {},
         }
     )
@@ -97,7 +97,7 @@ class ContactProblem(Statement, Remade):
 
     def without_factor(self) -> ContactProblem:
         """The same problem, to be factored again when something first needs it."""
-        return replace(self, start=None, _cores={})
+        return replace(self, reference=None, _cores={})
 
     @property
     def is_factored(self) -> bool:
@@ -234,7 +234,7 @@ class ContactProblem(Statement, Remade):
     def by(self, method: Method) -> ContactProblem:
         """Pose the same problem for another method; it is factored when that is first needed, and once for all."""
         known(method, _METHODS, "method", "method", "A contact problem")
-        return self if method == self.method else replace(self, method=method, start=None)
+        return self if method == self.method else replace(self, method=method, reference=None)
 
     def with_model(self, model: Model) -> ContactProblem:
         """Pose another model on this one's mesh, as a sweep over gaps, stiffnesses, supports, thickness or loads does.
@@ -290,7 +290,7 @@ class ContactProblem(Statement, Remade):
         load = vector(load, self.discretisation.dof_count, "load")
         if self.method != "active_set" or self.discretisation.contacts.two_sided.any():
             return self
-        return replace(self, start=self.core.solve_and_factor(load, self.discretisation.held.values, progress))
+        return replace(self, reference=self.core.solve_and_factor(load, self.discretisation.held.values, progress))
 
     def solve(
         self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None, start: Answer | None = None
@@ -311,7 +311,7 @@ class ContactProblem(Statement, Remade):
             solution = self.core.solve_by_interior_point(load.nodal, held, progress=progress)
         else:
             form = self.better_form if form == "auto" else form
-            near = self.start if start is None else start.solution
+            near = self.reference if start is None else start.solution
             try:
                 solution = self.core.solve(load.nodal, held, form, near, progress)
             except ValueError as error:

@@ -62,9 +62,9 @@ def attempts(problem: ContactProblem) -> Iterator[Attempt]:
 
     What memory is not left for is not tried, but for the method of the problem itself.
     """
-    if problem.start is not None:
+    if problem.reference is not None:
         yield Attempt(problem)
-    for other in _methods(replace(problem, start=None)):
+    for other in _methods(replace(problem, reference=None)):
         forms = _forms(other) if other.method == "lemke" else ("auto",)
         yield from (Attempt(other, form) for form in forms)
 

@@ -6,6 +6,7 @@
 //! points begin on springs that bend the plate over many elements, and stiffen from stage to stage.
 //! One factor preconditions every direction; only where the pieces turn out to be quite others are they factored anew.
 
+mod begin;
 mod descent;
 mod drift;
 mod line_search;
@@ -16,14 +17,11 @@ pub(in crate::contact) use together::solve_together;
 
 use super::finder::{SetFinder, signs_hold};
 use crate::cholesky::FactorError;
-use crate::contact::kkt::{Afloat, BEFORE_A_FACTOR, Factored};
 use crate::contact::problem::ContactProblem;
-use crate::contact::residual::Residual;
 use crate::contact::solution::{ContactSolution, Outcome, Watch};
-use crate::contact::system::System;
 use crate::contact::tolerances;
-use descent::Descent;
-use newton::{Newton, Next};
+use begin::begun;
+use newton::Next;
 use std::sync::Arc;
 
 /// Newton's method, from rest or from another load's solution.
@@ -53,48 +51,6 @@ impl SetFinder for ActiveSet {
         let ContactSolution { displacement, reaction, gap, .. } = exact;
         Ok(ContactSolution { displacement, reaction, gap, corrections, ..solution })
     }
-}
-
-/// Newton's method at its start, on a factor that others may share.
-fn begun<'a>(
-    problem: &'a ContactProblem,
-    load: &'a [f64],
-    held_value: &[f64],
-    start: Option<&'a ContactSolution>,
-    shares: bool,
-) -> Result<Newton<'a>, FactorError> {
-    let limit = if start.is_some() { tolerances::newton::STIFFEST } else { problem.first_limit };
-    let mut kkt = Factored::new(problem, start.and_then(|start| system_of(problem, start)), limit, shares);
-    let mut solution = problem.at_rest(held_value);
-    let mut multiplier = vec![0.0; problem.points.len()];
-    let mut spent = 0;
-    if let Some(start) = start {
-        solution.displacement.clone_from(&start.displacement);
-        multiplier.copy_from_slice(&start.reaction);
-        spent = start.spent;
-        if !shares && spent >= BEFORE_A_FACTOR {
-            kkt.refactor(&start.piece)?;
-        }
-    }
-    let mut descent = Descent {
-        problem,
-        load,
-        kkt,
-        solution,
-        stretch: vec![0.0; multiplier.len()],
-        multiplier,
-        residual: Residual::default(),
-        afloat: Afloat::under(problem, load),
-        rounding: None,
-        spent,
-    };
-    descent.balance();
-    Ok(Newton::new(descent, start.is_some(), held_value))
-}
-
-/// The factor that a start has for a problem.
-fn system_of<'a>(problem: &ContactProblem, start: &'a ContactSolution) -> Option<&'a Arc<System>> {
-    start.system.as_ref().filter(|system| Arc::ptr_eq(&system.blueprint, &problem.blueprint))
 }
 
 /// Solves one load and factors its pieces, for others to begin with; `None` where there is no solution, or they do not

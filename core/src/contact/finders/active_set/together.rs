@@ -2,8 +2,8 @@
 //!
 //! Each goes on as if it were alone, in parallel with the others, so that neither order nor number of threads changes a bit.
 
+use super::begin::{begun, system_of};
 use super::newton::{Newton, Next};
-use super::{begun, system_of};
 use crate::cholesky::{FactorError, LANES};
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::ContactSolution;
