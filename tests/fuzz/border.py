@@ -56,7 +56,16 @@ def made(problem: ContactProblem, found: Discretisation) -> list[Any]:
     cases = _core.load_responses(core, load[None])
     shared = _core.combined_cases(core, rest, cases, points)
     active = problem.by("active_set").core
-    return [core, found.plate, rest, cases, points, shared, active.solve_and_factor(load, held), [core.solve(load, held)]]
+    return [
+        core,
+        found.plate,
+        rest,
+        cases,
+        points,
+        shared,
+        active.solve_and_factor(load, held),
+        [core.solve(load, held)],
+    ]
 
 
 def strangers() -> list[Any]:

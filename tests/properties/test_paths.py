@@ -157,8 +157,8 @@ def test_named_events_of_points_are_those_of_the_exact_path(drawing, dense, data
             for other in others
         )
 
-    # All that is found is there; of what is there only what is undone between two samples is not found, and where a point
-    # that touches without force at first is said to be open from there on.
+    # All that is found is there. Of what is there, what is undone between two samples is not found, and what a point
+    # that touches without force at first is said to have done there.
     assert all(near(event, exact.support_events) for event in said(found))
     touching = {(event.support, event.at, event.change) for event in found.support_events if event.t <= 1e-6 * span}
     missed = [event for event in said(exact) if not near(event, found.support_events)]

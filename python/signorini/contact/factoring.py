@@ -157,10 +157,8 @@ def regularization(found: Discretisation) -> Floats:
     rigidity = _CARRIED * found.model.young * thickness**3 / 12
     own = rigidity / found.mesh.size**2
     restraining = restraining_points(found, np.minimum(stiffness, own), own)
-    if len(restraining):
-        needed = np.zeros(len(contacts))
-        needed[contacts.two_sided] = rigidity
-        needed[restraining] = rigidity
-        needed[~contacts.slope] /= found.mesh.size**2
-        carried = np.maximum(carried, np.minimum(needed, stiffness))
+    needed = np.zeros(len(contacts))
+    needed[restraining] = rigidity
+    needed[~contacts.slope] /= found.mesh.size**2
+    carried = np.maximum(carried, np.minimum(needed, stiffness))
     return np.asarray(carried)

@@ -30,8 +30,8 @@ THIN = 1e-20
 TURNING = 1e-6
 """The same where rigid supports hold the plate against some motions: rounding strains the plate in the others."""
 SOFTEST = 1e-14
-"""Least stiffness KL⁴/(AD) of an elastic support in all beside rigid ones that hold the plate: what a softer one carries
-is rounding of what they do."""
+"""Least stiffness KL⁴/(AD) of an elastic support in all beside rigid ones that hold the plate: what a softer one
+carries is rounding of what they do."""
 RIGID = 1e12
 """Stiffness KL⁴/(AD) of a support in all from which on it counts as rigid."""
 APART = 0.1

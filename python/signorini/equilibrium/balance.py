@@ -17,8 +17,8 @@ RANK = 1e-9
 NO_FORCE = 1e-6
 """Part of the forces that act below which their sum is none: parabolas stand for arcs, and loads along them that cancel
 leave so much."""
-_FIRM = 1e-2
-"""Part of a plate's own stiffness with which springs hold all motions firmly."""
+_FIRM = 1e-4
+"""Part of a plate's own stiffness with which supports hold all motions firmly: four of sixteen digits."""
 _MANY = 100
 """Points from which on their hull is taken."""
 
@@ -167,27 +167,34 @@ def describe_motion(motion: Floats, found: Discretisation) -> str:
 
 
 def restraining_points(found: Discretisation, stiffness: Floats, enough: float) -> Ints:
-    """Contact points, as few as there are, that with held dofs and springs hold the plate firmly when closed.
+    """Return contact points that hold the plate firmly where held dofs and springs do not.
 
+    They are those that act both ways, and if need be as few others as there are motions, stiff and far apart.
     ``stiffness`` (m,) is that of each point's support, or as much of it as counts; ``enough`` is the most that counts.
     """
     held, of_springs, at_contacts = _rows(found)
-    unheld = _null_space(held)
-    springs = (of_springs @ unheld) * np.sqrt(np.minimum(found.springs.stiffness, enough))[:, None]
-    # Springs that are soft beside the plate do not keep its matrix regular.
-    firm = unheld.shape[1] and np.linalg.eigvalsh(springs.T @ springs)[0] >= _FIRM * enough
-    if firm or not unheld.shape[1]:
-        return np.zeros(0, dtype=np.int64)
+    unheld, two_sided = _null_space(held), np.flatnonzero(found.contacts.two_sided)
+    springs = np.sqrt(np.minimum(found.springs.stiffness, enough))[:, None] * (of_springs @ unheld)
+    points = np.sqrt(np.minimum(stiffness, enough))[:, None] * (at_contacts @ unheld)
+
+    def firm(rows: Floats) -> bool:
+        return not unheld.shape[1] or bool(np.linalg.eigvalsh(rows.T @ rows)[0] >= _FIRM * enough)
+
+    if firm(springs):
+        return two_sided[:0]
+    always = np.vstack([springs, points[two_sided]])
+    if firm(always):
+        return two_sided
     # Each pick is the longest row that is left, and lengths, being convex, are greatest at corners of the hull.
-    points = (at_contacts @ unheld) * np.sqrt(np.minimum(stiffness, enough))[:, None]
-    left, picked = np.vstack([springs, points]), list[int]()
+    left, picked = np.vstack([springs, points]), two_sided.tolist()
     for _ in range(unheld.shape[1]):
         lengths = np.linalg.norm(left, axis=1)
-        picked.append(int(lengths.argmax()))
-        along = left[picked[-1]] / lengths[picked[-1]]
+        longest = int(lengths.argmax())
+        if longest >= len(springs):
+            picked.append(longest - len(springs))
+        along = left[longest] / lengths[longest]
         left = left - np.outer(left @ along, along)
-    first = len(springs)
-    return np.array([point - first for point in picked if point >= first], dtype=np.int64)
+    return np.array(picked, dtype=np.int64)
 
 
 def load_size(found: Discretisation, nodal: Floats) -> float:
