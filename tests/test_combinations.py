@@ -497,3 +497,27 @@ def test_a_table_of_a_plate_without_contact_points_is_solved():
     table = signorini.solve(rectangular(**tables, output={"combinations": "table"})).table
     wanted = [result.deflection.max() for result in single.values()]
     np.testing.assert_allclose(table["max:deflection"], wanted, rtol=1e-9)
+
+
+def test_shears_of_a_thin_plate_on_soft_supports_are_those_of_the_combination_alone(tmp_path):
+    """Terms of the sum have shears a million times as large, which were each rounded in a double."""
+    given = {
+        "material": {"E": 1.0, "nu": 0.49},
+        "plate": {"shape": "rectangle", "size": [1, 0.1], "thickness": 1e-5},
+        "mesh": {"divisions": [2, 5], "error": False},
+        "support": [
+            {"area": {"rectangle": [0.5, 0.08, 0.7, 0.1]}, "stiffness": 1.9e-21},
+            {"edge": ["left", "top", "right", "bottom"], "resists": "down", "stiffness": 2.4e-18},
+        ],
+        "load": [
+            {"case": "A", "line_load": 0.1, "edge": ["bottom"]},
+            {"case": "B", "force": 0.05, "at": [0.53, 0.0436]},
+        ],
+        "combination": [{"name": "c", "factors": {"A": 0.9, "B": -0.5}}, {"name": "d", "factors": {"A": 1, "B": 0}}],
+    }
+    path = tmp_path / "rows.parquet"
+    signorini.solve(validate(given | {"output": {"combinations": "table"}}), table=path)
+    alone = signorini.solve(validate(given | {"output": {"combinations": "each"}}))
+    for name, largest, least in zip(*(columns(path)[key] for key in ("combination", "max:qy", "min:qy")), strict=True):
+        expected = alone[name].extremes["qy"]
+        assert (largest, least) == pytest.approx((expected.max, expected.min), rel=1e-9)

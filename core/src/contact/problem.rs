@@ -183,6 +183,9 @@ impl ContactProblem {
         for _ in 0..2 {
             let missed = self.missed(held_value, &displacement);
             let motion = nearest_motion(&self.plate, &self.scale, &self.held, &missed);
+            if motion == [0.0; 3] {
+                break;
+            }
             displacement.add_rigid(&self.plate, self.scale.centre, motion);
         }
         displacement

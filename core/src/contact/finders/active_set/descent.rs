@@ -4,6 +4,10 @@ use crate::contact::kkt::{Afloat, Direction, Factored};
 use crate::contact::problem::ContactProblem;
 use crate::contact::residual::{Residual, rounding};
 use crate::contact::solution::ContactSolution;
+use rayon::prelude::*;
+
+/// Points that are worth a thread.
+const PARALLEL: usize = 4096;
 
 /// A solution in the making.
 pub(super) struct Descent<'a> {
@@ -39,11 +43,13 @@ impl Descent<'_> {
 
     /// The pieces that the points are on.
     pub(super) fn pieces(&self) -> Vec<u8> {
-        (0..self.stretch.len()).map(|i| self.piece_at(i, self.stretch[i])).collect()
+        let at = |i: usize| self.piece_at(i, self.stretch[i]);
+        (0..self.stretch.len()).into_par_iter().with_min_len(PARALLEL).map(at).collect()
     }
 
     pub(super) fn largest_force(&self) -> f64 {
-        (0..self.stretch.len()).fold(0.0, |most: f64, i| most.max(self.force(i).abs() / self.problem.points.arm[i]))
+        let of = |i: usize| self.force(i).abs() / self.problem.points.arm[i];
+        (0..self.stretch.len()).into_par_iter().with_min_len(PARALLEL).map(of).reduce(|| 0.0, f64::max)
     }
 
     /// Follows a direction to the least energy on it; what is out of balance then is known without the refined residual.
@@ -55,20 +61,21 @@ impl Descent<'_> {
             self.solution.displacement.add(dof, length * value);
         }
         let mut loss: Vec<f64> = direction.force.iter().map(|f| -length * f).collect();
-        for (i, &carried) in self.kkt.system().carried.iter().enumerate() {
-            let (moved, old) = (length * change[i], self.stretch[i]);
-            let new = old + moved;
-            self.stretch[i] = new;
+        let carried = &self.kkt.system().carried;
+        let missed = |(i, stretch): (usize, &mut f64)| {
+            let (moved, old) = (length * change[i], *stretch);
+            *stretch = old + moved;
             let series = self.kkt.series[i];
-            let ((before, slope), (after, _)) = (points.force_at(i, series, old), points.force_at(i, series, new));
             // What goes on with the stiffness that is carried stays in balance to the last bit.
-            let same = points.piece_at(i, series, old) == points.piece_at(i, series, new);
-            let increment = if same { slope * moved } else { after - before };
-            let force = carried * moved - increment;
-            if force != 0.0 {
-                points.scatter(i, force, &mut loss);
-            }
-        }
+            let (piece, next) = (points.piece_at(i, series, old), points.piece_at(i, series, *stretch));
+            let increment = match piece == next {
+                true => points.piece(i, piece).in_series(series) * moved,
+                false => points.force_at(i, series, *stretch).0 - points.force_at(i, series, old).0,
+            };
+            carried[i] * moved - increment
+        };
+        let missed: Vec<f64> = self.stretch.par_iter_mut().enumerate().with_min_len(PARALLEL).map(missed).collect();
+        points.scatter_all(&missed, 1.0, &mut loss);
         self.problem.release_held(&mut loss);
         for (value, loss) in self.residual.imbalance.iter_mut().zip(&loss) {
             *value += loss;
@@ -93,7 +100,8 @@ impl Descent<'_> {
     pub(super) fn balance(&mut self) {
         self.measure_stretches();
         let mut solution = std::mem::take(&mut self.solution);
-        solution.reaction = (0..self.stretch.len()).map(|i| self.force(i)).collect();
+        let forces = (0..self.stretch.len()).into_par_iter().with_min_len(PARALLEL).map(|i| self.force(i));
+        solution.reaction = forces.collect();
         self.residual = Residual::of_forces(self.problem, self.load, &solution);
         self.solution = solution;
     }
