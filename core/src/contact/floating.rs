@@ -10,8 +10,12 @@ use super::scale::Scale;
 use crate::double_double::DoubleDouble;
 use crate::plate::Plate;
 use crate::rows::Springs;
+use rayon::prelude::*;
 
 pub(super) type Matrix = [[DoubleDouble; 3]; 3];
+
+/// Points that one thread takes at a time.
+const CHUNK: usize = 8192;
 
 /// What the three rigid motions w, w + x and w + y about the middle, over the plate's size, do.
 pub(super) struct Floating {
@@ -37,25 +41,32 @@ impl Floating {
     }
 
     /// What springs and points hold the motions with, given the stiffness of both; that of open points is 0.
-    pub(super) fn holding(&self, of_points: impl Fn(usize) -> f64, of_springs: &[f64]) -> Matrix {
-        let mut matrix = Matrix::default();
-        let mut hold = |arm: &[f64; 3], stiffness: f64| {
+    pub(super) fn holding(&self, of_points: impl Fn(usize) -> f64 + Sync, of_springs: &[f64]) -> Matrix {
+        let holds = |held: &mut Matrix, arm: &[f64; 3], stiffness: f64| {
             let scaled = arm.map(|a| stiffness.sqrt() * a);
             for j in 0..3 {
-                for k in 0..=j {
-                    matrix[j][k].add_product(scaled[j], scaled[k]);
-                    matrix[k][j] = matrix[j][k];
-                }
+                (0..=j).for_each(|k| held[j][k].add_product(scaled[j], scaled[k]));
             }
         };
-        self.springs.iter().zip(of_springs).for_each(|(arm, &stiffness)| hold(arm, stiffness));
-        let points = self.points.iter().enumerate().map(|(i, arm)| (arm, of_points(i)));
-        points.filter(|(_, stiffness)| *stiffness > 0.0).for_each(|(arm, stiffness)| hold(arm, stiffness));
+        // Chunk by chunk, in their order, so that the sum is the same on any number of threads.
+        let of_chunk = |(chunk, arms): (usize, &[[f64; 3]])| {
+            let mut held = Matrix::default();
+            let stiffness = arms.iter().enumerate().map(|(i, arm)| (arm, of_points(CHUNK * chunk + i)));
+            stiffness.filter(|(_, k)| *k > 0.0).for_each(|(arm, k)| holds(&mut held, arm, k));
+            held
+        };
+        let chunks: Vec<Matrix> = self.points.par_chunks(CHUNK).enumerate().map(of_chunk).collect();
+        let mut matrix = Matrix::default();
+        self.springs.iter().zip(of_springs).for_each(|(arm, &stiffness)| holds(&mut matrix, arm, stiffness));
+        for held in chunks {
+            (0..3).for_each(|j| (0..=j).for_each(|k| matrix[j][k] = matrix[j][k] + held[j][k]));
+        }
+        (0..3).for_each(|j| (0..j).for_each(|k| matrix[k][j] = matrix[j][k]));
         matrix
     }
 
     /// The softest that they hold a motion.
-    pub(super) fn softest(&self, of_points: impl Fn(usize) -> f64, of_springs: &[f64]) -> f64 {
+    pub(super) fn softest(&self, of_points: impl Fn(usize) -> f64 + Sync, of_springs: &[f64]) -> f64 {
         eliminated(self.holding(of_points, of_springs), Default::default()).1
     }
 

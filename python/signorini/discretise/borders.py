@@ -140,7 +140,9 @@ def _distance(points: Floats, chords: Floats) -> Floats:
     """Distance (q,) of points from the nearest chord (k, 2, 2)."""
     begin, along = chords[:, 0], chords[:, 1] - chords[:, 0]
     offset = points[:, None] - begin
-    share = np.clip((offset * along).sum(axis=2) / (along**2).sum(axis=1), 0.0, 1.0)
+    # A chord without length is its begin.
+    square = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
+    share = np.clip((offset * along).sum(axis=2) / square, 0.0, 1.0)
     return np.asarray(np.hypot(*np.moveaxis(offset - share[..., None] * along, -1, 0)).min(axis=1))
 
 
