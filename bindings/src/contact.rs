@@ -61,7 +61,7 @@ fn points_of(
     compliance: &[f64],
     two_sided: &[bool],
 ) -> Points {
-    let mut points = Points::default();
+    let mut points = Points::with_capacity(rows.len());
     let laws = [
         Graph::one_sided(1.0),
         Graph::one_sided(f64::INFINITY),

@@ -69,7 +69,6 @@ impl<const N: usize> Samples<N> {
         curvature: [f64; 3],
         couples: [f64; 2],
     ) -> [Stress; N] {
-        // Of a thin plate the shear is what nearly cancels between terms that are each rounded in a double.
         let strains = vectorized(
             #[inline(always)]
             || self.strains(plate, e, &displacement.stripped(plate, e), couples),
@@ -84,7 +83,8 @@ impl<const N: usize> Samples<N> {
         out
     }
 
-    /// Strains by a displacement without its rigid motion, in double-double.
+    /// Strains by a displacement without its rigid motion; shears in double-double, since those of a thin plate are small
+    /// beside their terms.
     #[inline(always)]
     fn strains(&self, plate: &Plate, e: usize, stripped: &[DoubleDouble; DOFS], couples: [f64; 2]) -> [[f64; 5]; N] {
         let dot = |row: &[f64], values: &[DoubleDouble], from: f64| {
@@ -102,7 +102,12 @@ impl<const N: usize> Samples<N> {
             let own = inner.compliance[a][0] * couples[0] + inner.compliance[a][1] * couples[1];
             all[DOFS + a] = -dot(&inner.coupling[a], stripped, -own);
         }
-        std::array::from_fn(|i| self.strain[i].map(|row| dot(&row, &all, 0.0).value()))
+        let plain = all.map(DoubleDouble::value);
+        let strain = |row: &[f64; ALL_DOFS], is_shear: bool| match is_shear {
+            true => dot(row, &all, 0.0).value(),
+            false => row.iter().zip(&plain).map(|(b, u)| b * u).sum(),
+        };
+        std::array::from_fn(|i| std::array::from_fn(|k| strain(&self.strain[i][k], k >= 3)))
     }
 }
 

@@ -32,6 +32,14 @@ pub struct Points {
 }
 
 impl Points {
+    /// With room for so many points, each on the deflections of an element.
+    pub fn with_capacity(count: usize) -> Self {
+        let mut points = Self::default();
+        points.dof.reserve(8 * count);
+        points.coefficient.reserve(8 * count);
+        points
+    }
+
     pub fn len(&self) -> usize {
         self.graph.len()
     }
@@ -200,9 +208,9 @@ impl Points {
     }
 
     /// The thinnest of some lengths by element, at the elements of rows.
-    pub(super) fn least_at(&self, of_element: impl Fn(usize) -> f64) -> f64 {
-        let elements = self.element.iter().filter(|&&element| element != NO_ELEMENT);
-        elements.map(|&element| of_element(element as usize)).fold(f64::INFINITY, f64::min)
+    pub(super) fn least_at(&self, of_element: impl Fn(usize) -> f64 + Sync) -> f64 {
+        let elements = self.element.par_iter().with_min_len(4096).filter(|&&element| element != NO_ELEMENT);
+        elements.map(|&element| of_element(element as usize)).reduce(|| f64::INFINITY, f64::min)
     }
 
     /// Σ k r rᵀ of every element's points over its eight deflections, as packed lower triangles; empty without points.

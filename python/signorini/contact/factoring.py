@@ -87,7 +87,7 @@ def factored(found: Discretisation, freedom: RigidFreedom, base: Base) -> _core.
         _require_condensable(len(found.contacts), found.model.solver.method)
         footprints = len(np.unique(found.contacts.rows.further.owners))
         require_memory_for_footprints(footprints, found.dof_count, ("support",))
-    return core_problem(found, found.contacts, regularization(found), freedom.motions, base)
+    return core_problem(found, found.contacts, regularization(found, freedom), freedom.motions, base)
 
 
 def _require_condensable(points: int, asked: str) -> None:
@@ -141,7 +141,7 @@ def core_problem(
         raise SignoriniError(f"{why[0].upper()}{why[1:]}. Take a coarser mesh.") from None
 
 
-def regularization(found: Discretisation) -> Floats:
+def regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
     """Stiffness (m,) that the factor carries at contact points.
 
     Compliant ones are there with their own, unless they are stiffer than the plate in shear or have footprints; where
@@ -156,7 +156,7 @@ def regularization(found: Discretisation) -> Floats:
     carried[np.unique(contacts.rows.further.owners)] = 0.0
     rigidity = _CARRIED * found.model.young * thickness**3 / 12
     own = rigidity / found.mesh.size**2
-    restraining = restraining_points(found, np.minimum(stiffness, own), own)
+    restraining = restraining_points(found, freedom, np.minimum(stiffness, own), own)
     needed = np.zeros(len(contacts))
     needed[restraining] = rigidity
     needed[~contacts.slope] /= found.mesh.size**2

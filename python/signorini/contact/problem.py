@@ -218,7 +218,7 @@ class ContactProblem(Statement, Remade):
         which it exceeds the plate's.
         """
         found, points = self.discretisation, self.discretisation.contacts
-        if not points.two_sided.any() and not regularization(found).any():
+        if not points.two_sided.any() and not regularization(found, self.freedom).any():
             return self.condensed.core
         if "dual" not in self._cores:
             one_sided = replace(points, two_sided=np.zeros(len(points), np.bool_))

@@ -59,6 +59,10 @@ class RigidFreedom:
         Their contact points: they decide whether the mesh can show it.
     regular : bool
         Whether held dofs and springs alone hold the plate, so that K has an inverse.
+    unheld : (3, h) array
+        Basis of the motions that held dofs alone leave free.
+    of_springs, at_contacts : (s, 3), (m, 3) arrays
+        What springs and contact points do in the three motions w, and slopes times the plate's size.
     """
 
     motions: Floats
@@ -66,6 +70,9 @@ class RigidFreedom:
     outline: Bearing
     on_mesh: Bearing
     regular: bool
+    unheld: Floats
+    of_springs: Floats
+    at_contacts: Floats
 
     @property
     def count(self) -> int:
@@ -82,7 +89,12 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
         If a motion meets no support at all, one-sided ones included: the plate is a mechanism.
     """
     contacts = found.contacts
-    held, of_springs, at_contacts = _rows(found)
+    size = found.mesh.size
+    scaled = found.rigid_motions / np.array([1.0, size, size])
+    at_contacts, of_springs = found.contact_rows @ scaled, found.spring_rows @ scaled
+    at_contacts[contacts.slope] *= size
+    # A held slope is compared with slopes times the plate's size.
+    held = scaled[found.held.dofs] * np.tile([1.0, size, size], found.mesh.node_count)[found.held.dofs, None]
     in_stiffness = np.vstack([held, of_springs])
     motions = _null_space(np.vstack([in_stiffness, at_contacts[contacts.two_sided]]))
     moves = at_contacts @ motions
@@ -96,18 +108,8 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
     one_sided = contacts.pick(~contacts.two_sided)
     on_mesh = _bearing(found, motions, one_sided.positions, one_sided.direction, one_sided.support)
     regular = _null_space(in_stiffness).shape[1] == 0
-    return RigidFreedom(motions, moves, _outlines(found, motions), on_mesh, regular)
-
-
-def _rows(found: Discretisation) -> tuple[Floats, Floats, Floats]:
-    """What held dofs, springs and contact points (n, 3) do in the motions w, and slopes times the plate's size."""
-    size = found.mesh.size
-    scaled = found.rigid_motions / np.array([1.0, size, size])
-    at_contacts = found.contact_rows @ scaled
-    # A held slope is compared with slopes times the plate's size.
-    held = scaled[found.held.dofs] * np.tile([1.0, size, size], found.mesh.node_count)[found.held.dofs, None]
-    at_contacts[found.contacts.slope] *= size
-    return held, found.spring_rows @ scaled, at_contacts
+    rows = (_null_space(held), of_springs, at_contacts)
+    return RigidFreedom(motions, moves, _outlines(found, motions), on_mesh, regular, *rows)
 
 
 def _outlines(found: Discretisation, motions: Floats) -> Bearing:
@@ -166,16 +168,15 @@ def describe_motion(motion: Floats, found: Discretisation) -> str:
     return f"turning about the line through {point(through, found.mesh.size)} along {point(along, 1.0)}"
 
 
-def restraining_points(found: Discretisation, stiffness: Floats, enough: float) -> Ints:
+def restraining_points(found: Discretisation, freedom: RigidFreedom, stiffness: Floats, enough: float) -> Ints:
     """Return contact points that hold the plate firmly where held dofs and springs do not.
 
     They are those that act both ways, and if need be as few others as there are motions, stiff and far apart.
     ``stiffness`` (m,) is that of each point's support, or as much of it as counts; ``enough`` is the most that counts.
     """
-    held, of_springs, at_contacts = _rows(found)
-    unheld, two_sided = _null_space(held), np.flatnonzero(found.contacts.two_sided)
-    springs = np.sqrt(np.minimum(found.springs.stiffness, enough))[:, None] * (of_springs @ unheld)
-    points = np.sqrt(np.minimum(stiffness, enough))[:, None] * (at_contacts @ unheld)
+    unheld, two_sided = freedom.unheld, np.flatnonzero(found.contacts.two_sided)
+    springs = np.sqrt(np.minimum(found.springs.stiffness, enough))[:, None] * (freedom.of_springs @ unheld)
+    points = np.sqrt(np.minimum(stiffness, enough))[:, None] * (freedom.at_contacts @ unheld)
 
     def firm(rows: Floats) -> bool:
         return not unheld.shape[1] or bool(np.linalg.eigvalsh(rows.T @ rows)[0] >= _FIRM * enough)
