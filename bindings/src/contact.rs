@@ -171,6 +171,8 @@ impl ContactProblem {
         }
         let method = method_of(method)?;
         let points = points_of(&plate.inner, &own, &distance, &compliance, &two_sided);
+        // Points have what they need of it; a million of rows are a part of memory.
+        drop(own);
         let on = Supported { springs, held, points, delta, free_motions };
         let shared = plate.inner.clone();
         let inner = released(py, || contact::ContactProblem::new(shared, on, method, room))?.map_err(failed)?;
