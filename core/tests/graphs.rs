@@ -242,10 +242,8 @@ fn energy(plate: &Plate, points: &[Point], load: &[f64], found: &ContactSolution
         let (graph, force) = (&point.graph, force / point.weight);
         // From vertex to vertex to where the point is, trapezoid by trapezoid.
         let mut at = [graph.piece(0).travel, graph.piece(0).force];
-        let is_ahead = |to: [f64; 2]| to[0] + to[1] > at[0] + at[1];
-        let ahead = is_ahead([travel, force]);
         let passed = (1..graph.pieces() as u8).filter_map(|number| graph.ends(number)[1]);
-        for to in passed.filter(|to| ahead && to[0] + to[1] < travel + force).chain([[travel, force]]) {
+        for to in passed.filter(|to| to[0] + to[1] < travel + force).chain([[travel, force]]) {
             terms.push(point.weight * 0.5 * (at[1] + to[1]) * (to[0] - at[0]));
             at = to;
         }

@@ -89,12 +89,14 @@ one onto the other or farther away, leave one out, or give one a stiffness.
     unit = np.array([rigidity.in_waves for rigidity in zones.rigidities])[zones.of_elements.rigidity]
     bending = float((unit * np.broadcast_to(thickness.at_points.mean(axis=1), len(unit)) ** 3).max())
     hold = _hold(mesh, held, springs, contacts)
-    with problems.collected():
-        _require_stiff_enough(model, mesh, bending, thickness.min(), hold)
+    free = _free(hold.rigid)
+    if free.shape[1]:
+        with problems.collected():
+            _require_stiff_enough(model, mesh, bending, thickness.min(), hold, free)
     # Over the plate's stiffness step by step, since the fourth power of a length may leave all numbers.
     per_bed = mesh.size / float(mesh.element_area.sum()) * mesh.size * (mesh.size * mesh.size / bending)
     total = np.asarray(np.bincount(hold.support, hold.stiffness, len(model.support)) * per_bed, np.float64)
-    if not _free(hold.rigid).shape[1]:
+    if not free.shape[1]:
         with problems.collected():
             _require_no_softer(model, total)
     rigid = {i for i, one in enumerate(model.support) if one.is_rigid}
@@ -191,11 +193,10 @@ def _require_no_softer(model: Model, total: Floats) -> None:
         )
 
 
-def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: float, hold: _Hold) -> None:
-    """Refuse elastic supports that the plate would float on, by the least λ of all motions that they alone hold."""
-    free = _free(hold.rigid)
+def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: float, hold: _Hold, free: Floats) -> None:
+    """Refuse elastic supports that the plate would float on, by the least λ of motions (3, d) that they alone hold."""
     # What nothing holds is a mechanism, and told as one.
-    if not free.shape[1] or _free(np.concatenate([hold.rigid, hold.elastic])).shape[1]:
+    if _free(np.concatenate([hold.rigid, hold.elastic])).shape[1]:
         return
     # λ = Σ k w² / ∫ w² is the modulus of a bed under the whole plate that would hold the motion w as firmly.
     corners = mesh.points[mesh.elements[:, :4]]

@@ -47,6 +47,7 @@ impl Kkt for Condensed<'_> {
         let nodal = self.problem.blueprint.scatter(&forward, self.problem.plate.dof_count());
         Ok(Some(Correction::of(nodal, reaction)))
     }
+
     fn rigid(&self, right: &Residual) -> Option<Correction> {
         self.held.as_ref().map(|held| held.response(right))
     }
