@@ -20,9 +20,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from signorini._core import LcpSolution, __version__
+    from signorini.accuracy.estimate import Estimate, PathEstimate
+    from signorini.analysis.estimate import Estimates, estimate
     from signorini.analysis.path import path
     from signorini.analysis.recover import recover
-    from signorini.analysis.solve import Results, solve
+    from signorini.analysis.results import Results
+    from signorini.analysis.solve import solve
     from signorini.base.progress import Progress
     from signorini.contact.lemke import lemke
     from signorini.contact.own_rows import RowProblem, with_rows
@@ -40,9 +43,12 @@ if TYPE_CHECKING:
 
 _HOME = {
     "_core": ("LcpSolution", "__version__"),
+    "accuracy.estimate": ("Estimate", "PathEstimate"),
+    "analysis.estimate": ("Estimates", "estimate"),
     "analysis.path": ("path",),
     "analysis.recover": ("recover",),
-    "analysis.solve": ("Results", "solve"),
+    "analysis.results": ("Results",),
+    "analysis.solve": ("solve",),
     "base.progress": ("Progress",),
     "contact.lemke": ("lemke",),
     "contact.own_rows": ("RowProblem", "with_rows"),
@@ -62,6 +68,8 @@ _HOME = {
 
 __all__ = [
     "ContactProblem",
+    "Estimate",
+    "Estimates",
     "ExactPath",
     "InputError",
     "LcpSolution",
@@ -69,6 +77,7 @@ __all__ = [
     "Model",
     "NoEquilibriumError",
     "NotCertifiedError",
+    "PathEstimate",
     "ProbeResult",
     "Progress",
     "Result",
@@ -81,6 +90,7 @@ __all__ = [
     "SupportResult",
     "__version__",
     "contact_problem",
+    "estimate",
     "lemke",
     "load",
     "path",

@@ -89,7 +89,7 @@ def _solve(
             least = chosen(found, problem.freedom, load.nodal, Answer.of(found, solution))
             answer, certificate = certified(found, load, least)
             if certificate.passed:
-                yield Result.of(found, combination.name, (problem.method,), load, answer, certificate, stress)
+                yield Result.of(found, combination, (problem.method,), load, answer, certificate, stress)
                 continue
         yield single(combination)
 

@@ -50,7 +50,7 @@ def exact_path(
         raise NotCertifiedError(
             f"The contact problem at t = 0 has no answer that could be certified. {uncertain(found)}"
         )
-    return replace(traced, thresholds=tuple(first_reached(found, one, traced.stops) for one in asked))
+    return replace(traced, thresholds=tuple(first_reached(one, traced.stops) for one in asked))
 
 
 def _trace(

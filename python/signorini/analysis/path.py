@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -11,8 +10,6 @@ import numpy as np
 from signorini.analysis.exact_path import exact_path
 from signorini.analysis.path_loads import PathLoads, load_named
 from signorini.analysis.sampled_path import sampled_path
-from signorini.analysis.twins import Twins
-from signorini.analysis.twins.paths import PathTwins
 from signorini.base import arguments
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import contact_problem
@@ -123,8 +120,7 @@ def path(
     loads = PathLoads.of(problem, start, add)
     if events == "all":
         return exact_path(problem, loads, until, asked, watcher)
-    followed = sampled_path(problem, loads, until, samples, asked, watcher)
-    return replace(followed, estimator=PathTwins(Twins(found.model, found.mesh, watcher), (start, add)))
+    return sampled_path(problem, loads, until, samples, asked, watcher)
 
 
 def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int | list[float]:

@@ -106,10 +106,7 @@ class SampledPath:
 
     def _from_there_on(self, t: float, index: int, part: float, count: int) -> None:
         """Show at the stop of an event what of a support is closed from there on, not what its rounding says."""
-        stop = self.stops[t]
-        parts, closed = stop.parts.copy(), stop.closed.copy()
-        parts[index], closed[index] = part, round(part * count)
-        self.stops[t] = replace(stop, parts=parts, closed=closed)
+        self.stops[t] = self.stops[t].with_part(index, part, count)
 
     def result(self, ending: Ending, interrupted: bool) -> LoadPath:
         """What was found, as a path."""

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +22,7 @@ from signorini.results.closed_part import Scales
 from signorini.results.load_path import beside
 from signorini.results.margins import LEVELS, margins
 from signorini.results.path_stop import PathStop, path_stops
-from signorini.results.thresholds import Threshold, quantities
+from signorini.results.thresholds import Threshold
 
 
 @dataclass(eq=False)
@@ -63,10 +61,6 @@ class Sampler:
     def __post_init__(self) -> None:
         """See which supports can let go."""
         self.watched = tuple(can_let_go(support) for support in self.problem.discretisation.model.support)
-
-    @cached_property
-    def _quantities(self) -> Mapping[str, Callable[[PathStop], float]]:
-        return quantities(self.problem.discretisation)
 
     def state(self, t: float, near: State | None = None) -> State:
         """Solve at some t, from a state near it if there is one.
@@ -110,7 +104,7 @@ class Sampler:
         if watch.support is not None:
             return float(state.margins[watch.support][watch.number])
         threshold = self.asked[watch.number]
-        return float(self._quantities[threshold.quantity](state.stop)) - threshold.value
+        return state.stop.number(threshold.quantity) - threshold.value
 
     def exact(self, watch: Watch) -> bool:
         """Whether the function is linear in t between the events of contact points."""

@@ -52,12 +52,12 @@ def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -
     begun = time.perf_counter()
     message = explain(found, imbalance_of(found, problem.freedom, combination))
     if message:
-        return unsolved_result(found, combination.name, message), time.perf_counter() - begun
+        return unsolved_result(found, combination, message), time.perf_counter() - begun
     tried = answered(problem, load, steps)
     spent = time.perf_counter() - begun
     if tried.contradiction:
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
-        return unsolved_result(found, combination.name, CONTRADICTION), spent
+        return unsolved_result(found, combination, CONTRADICTION), spent
     if tried.certificate is None:
         raise NotCertifiedError(
             f'Combination "{combination.name}" has no answer that could be certified. {uncertain(found)}'
@@ -65,4 +65,4 @@ def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -
     if not tried.passed:
         why = refusal(combination.name, found, load, tried.answer, tried.certificate)
         raise NotCertifiedError(f"Combination {why}")
-    return Result.of(found, combination.name, tried.methods, load, tried.answer, tried.certificate), spent
+    return Result.of(found, combination, tried.methods, load, tried.answer, tried.certificate), spent

@@ -26,14 +26,21 @@ class OnDemand(Mapping[str, _V]):
     {'a': ..., 'b': ..., 'c': ..., 'd': ..., ... 6 in all}
     """
 
-    def __init__(self, names: Collection[str], compute: Callable[[str], _V], most: int | None = None) -> None:
-        self._names, self._compute, self._most = names, compute, most
+    def __init__(
+        self,
+        names: Collection[str],
+        compute: Callable[[str], _V],
+        most: int | None = None,
+        kind: str = "name",
+        owner: str = "This mapping",
+    ) -> None:
+        self._names, self._compute, self._most, self._words = names, compute, most, (kind, owner)
         self._kept: dict[str, _V] = {}
 
     def __getitem__(self, name: str) -> _V:
         """Compute a value, or find it."""
         if name not in self._kept:
-            key_of(name, self._names, "name", "This mapping")
+            key_of(name, self._names, *self._words)
             self._kept[name] = self._compute(name)
             if self._most is not None and len(self._kept) > self._most:
                 del self._kept[next(iter(self._kept))]

@@ -26,7 +26,7 @@ class Progress:
     stage : {"mesh", "factor", "contact", "refined"}
         What begins: meshing, assembling and factoring, once each, and then the contact problem of every combination.
         "refined" comes where an accuracy is asked for, at the end of every mesh.
-    twin : str
+    other_mesh : str
         The other mesh that is being solved, such as "twice its size", to see how far this one is from the plate.
     reached : str
         Where an accuracy is asked for, how far the mesh before this one came: "mesh 3, ± 0.12 on 400 elements"; before
@@ -47,7 +47,7 @@ class Progress:
     changing: int = 0
     residual: float = 1.0
     stage: Literal["mesh", "factor", "contact", "refined"] = "contact"
-    twin: str = ""
+    other_mesh: str = ""
     reached: str = ""
     method: str = ""
 
@@ -55,7 +55,7 @@ class Progress:
         """Say it in a line."""
         if self.stage == "refined":
             return self.reached
-        said = f"{self._said}, on a mesh of {self.twin}" if self.twin else self._said
+        said = f"{self._said}, on a mesh of {self.other_mesh}" if self.other_mesh else self._said
         return f"{self.reached}: {said}" if self.reached else said
 
     @property

@@ -112,6 +112,7 @@ def solve(
     Of many combinations write combinations.parquet, envelopes, and all of this for those that govern.
     """
     with _messages(file):
+        from signorini.analysis.estimate import estimates_of
         from signorini.output import write_results
         from signorini.output.directory import former_results, room_for
         from signorini.output.names import TABLE
@@ -128,14 +129,14 @@ def solve(
                 table = room / TABLE if model.tabulated else None
                 with interrupts.at_once(room):
                     results = signorini.solve(model, progress=show, table=table)
-                    results.compare(table)
+                    estimates = estimates_of(results, show, table) if model.estimated else None
                 show("writing the results")
-                write_results(results, directory, table, drawing)
+                write_results(results, directory, estimates, table, drawing)
         except SignoriniError:
             if former_results(directory):
                 streams.stderr().print(f"Nothing is written; {visible(directory)} holds the results of an earlier run.")
             raise
-        tables.print_results(streams.stdout(), results)
+        tables.print_results(streams.stdout(), results, estimates)
         streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
         _refuse(results.unbalanced, results.unbalanced_count)
 
@@ -211,6 +212,7 @@ def path(
     Write path.json, path.csv and path.png; print the events. Ctrl-C ends the path and writes what it has.
     """
     with _messages(file):
+        from signorini.analysis.path_estimate import estimate_asked
         from signorini.cli.events import print_path
         from signorini.output import write_path
         from signorini.output.directory import room_for_path
@@ -223,11 +225,11 @@ def path(
                 model, start, add, until, show, steps=steps, at=chosen, when=when or (), events=_which(events)
             )
             try:
-                _ = found.asked_estimate
+                estimate = estimate_asked(found, show)
             except KeyboardInterrupt:
-                found = replace(found, interrupted=True)
-        write_path(found, directory)
-        print_path(streams.stdout(), found)
+                found, estimate = replace(found, interrupted=True), None
+        write_path(found, directory, estimate)
+        print_path(streams.stdout(), found, estimate)
         streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
         if found.interrupted:
             raise typer.Exit(interrupts.INTERRUPTED)

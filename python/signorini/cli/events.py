@@ -7,10 +7,11 @@ import math
 from rich.console import Console
 from rich.text import Text
 
+from signorini.accuracy.estimate import PathEstimate
 from signorini.base.numbers import compared, number, size_of
 from signorini.cli.cells import UNKNOWN, in_unit
 from signorini.cli.grid import Column, Grid, numbers, say
-from signorini.results.load_path import LoadPath, t_in_words
+from signorini.results.load_path import LoadPath
 
 _UNSETTLED = f"{UNKNOWN}: on the next mesh it happens not at all, or at quite another t"
 _MOST_EVENTS = 40
@@ -21,10 +22,9 @@ _MOST_COLUMNS = 6
 """Supports with a column of their own; those of more are in path.csv."""
 
 
-def print_path(console: Console, path: LoadPath) -> None:
+def print_path(console: Console, path: LoadPath, estimate: PathEstimate | None) -> None:
     """Print every event: where on the path, which points open or close, and what the plate does there."""
     model, units = path.model, path.model.units
-    estimate = path.asked_estimate
     if model.title:
         say(console, model.title, style="bold")
     say(console, Text(path.name, style="bold") + Text(f": {len(path.stops)} stops by {path.method}"))
@@ -46,7 +46,7 @@ def print_path(console: Console, path: LoadPath) -> None:
         stop = path.stops[index]
         largest = size_of(stop.reactions)
         shown = [number(value, largest) for value in stop.reactions.tolist()[: len(names)]]
-        t = t_in_words(path, index)
+        t = f"{stop.t:.6g}" if estimate is None else estimate.words(path, index)
         unknown |= t.endswith(UNKNOWN)
         rows.add(t, words, number(stop.utmost, farthest), *shown)
     rows.show(console)

@@ -9,7 +9,8 @@ import numpy as np
 from rich.console import Console
 from rich.text import Text
 
-from signorini.analysis.solve import Results
+from signorini.analysis.estimate import Estimates
+from signorini.analysis.results import Results
 from signorini.base.numbers import compared, estimated, number, size_of
 from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, of_whole, unit_of
 from signorini.cli.grid import Column, Grid, numbers, say
@@ -20,7 +21,7 @@ from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import governing_reactions
 from signorini.output.names import GOVERNING, JSON
 from signorini.results.panels import quantity
-from signorini.results.result import FIELDS
+from signorini.results.quantities import LINEAR
 
 Widths = Mapping[str, Any] | None
 """Half-widths of an envelope, as in results.json; None where there are none."""
@@ -33,7 +34,7 @@ _MOST_BEARINGS = 12
 """Bearings of which the governing reactions are listed; of more they are in a file alone."""
 
 
-def print_combined(console: Console, results: Results) -> None:
+def print_combined(console: Console, results: Results, estimates: Estimates | None) -> None:
     """Print how many were solved, and the extremes with the combinations that they come from; of groups each apart."""
     combined, model = results.combined, results.model
     total = len(combined.combinations)
@@ -49,7 +50,7 @@ def print_combined(console: Console, results: Results) -> None:
     for group, count in model.effective_combinations.groups.items() or (("", total),):
         if group:
             say(console, Text(group, style="bold") + Text(f": {count} combinations"))
-        found = envelope_json(results, group)
+        found = envelope_json(results, estimates, group)
         if found is None:
             say(console, "none has an equilibrium", style="bold red")
             console.print()
@@ -58,19 +59,20 @@ def print_combined(console: Console, results: Results) -> None:
         _print_supports(console, results, group, found["plus_minus"])
         _print_probes(console, results, found)
         print_enveloped(console, results, found)
-        print_governing(console, results, group)
+        print_governing(console, results, estimates, group)
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {figures}")
-    meshes = [results.discretisation.mesh, *(mesh for _, mesh in results.others)] if results.others else []
+    others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
+    meshes = [results.discretisation.mesh, *(mesh for _, mesh in others)] if others else []
     elements = sorted((len(mesh.elements) for mesh in meshes), reverse=True)
     say(console, f"of the equations; of the mesh: {compared(elements, model.estimated)}")
     if results.full:
         say(console, f"all results of: {', '.join(results.full)}")
 
 
-def print_governing(console: Console, results: Results, group: str = "") -> None:
+def print_governing(console: Console, results: Results, estimates: Estimates | None, group: str = "") -> None:
     """Print the largest and the smallest reaction of each bearing, with those of all others in that combination."""
-    model, reactions = results.model, governing_reactions(results, group)
+    model, reactions = results.model, governing_reactions(results, estimates, group)
     if len(reactions) > 2 * _MOST_BEARINGS:
         bearings = f"{f'{group}, ' if group else ''}{len(reactions) // 2} bearings"
         say(console, f"{bearings}: {GOVERNING} has the largest and smallest reaction of each")
@@ -105,14 +107,14 @@ def _print_fields(console: Console, results: Results, group: str, widths: Widths
         return
     at = Column(f"at{in_unit(units.length)}", number=True, spare=True)
     shown = Grid([Column("field"), *numbers("largest"), at, Column("of"), *numbers("smallest"), at, Column("of")])
-    governing, peaks, mesh, unsettled = envelope.governing(), envelope.peaks, results.discretisation.mesh, False
-    for index, name in enumerate(envelope.names):
-        high, high_by, low, low_by = governing[name]
+    mesh, unsettled = results.discretisation.mesh, False
+    for name, places in zip(envelope.layout.fields, envelope.places, strict=True):
+        ends = envelope.field(name)
         most, least = (
-            [cell(value, widths, ("fields", name, side), size_of([high, low])), point(at.tolist(), mesh.size)]
-            for side, value, at in (("max", high, peaks.largest_at[index]), ("min", low, peaks.smallest_at[index]))
+            [cell(value, widths, ("fields", name, side), size_of([ends.max, ends.min])), point(at.tolist(), mesh.size)]
+            for side, value, at in (("max", ends.max, places[0]), ("min", ends.min, places[1]))
         )
-        shown.add(quantity(name, units), *most, results.key(high_by), *least, results.key(low_by))
+        shown.add(quantity(name, units), *most, results.key(ends.max_by), *least, results.key(ends.min_by))
         unsettled |= any(UNKNOWN in one for one in (*most, *least))
     shown.show(console)
     if unsettled:
@@ -133,7 +135,7 @@ def _print_probes(console: Console, results: Results, envelope: Mapping[str, Any
     shown = Grid(
         [Column(where), Column("field"), *numbers("largest"), Column("of"), *numbers("smallest"), Column("of")]
     )
-    for field in FIELDS:
+    for field in LINEAR:
         size = size_of([[probe[field]["max"], probe[field]["min"]] for probe in probes])
         for index, probe in enumerate(probes):
             of, path = probe[field], ("probes", index, field)
@@ -146,36 +148,34 @@ def _print_probes(console: Console, results: Results, envelope: Mapping[str, Any
 
 def _print_supports(console: Console, results: Results, group: str, widths: Widths) -> None:
     whole, model = results.combined.over(group), results.model
-    units, governing = model.units, whole.governing()
+    units, layout = model.units, whole.layout
     columns = [Column("support"), *numbers(f"largest reaction{in_unit(units.force)}"), Column("of")]
     shown = Grid([*columns, *numbers("smallest"), Column("of"), Column("points lifted", number=True, spare=True)])
-    every = list(zip(model.support, whole.supports, results.combined.layout.supports, strict=True))
-    largest = size_of([governing[f"reaction:{index}"][::2] for index in range(len(every))])
-    for index, (support, envelope, points) in enumerate(every):
-        high, high_by, low, low_by = governing[f"reaction:{index}"]
-        lifted = f"{int((envelope.lifted > 0).sum())} of {points.rows.shape[1]}" if points.rows.size else ""
-        most = cell(high, widths, ("supports", index, "reaction", "max"), largest)
-        least = cell(low, widths, ("supports", index, "reaction", "min"), largest)
-        shown.add(support.name, most, results.key(high_by), least, results.key(low_by), lifted)
+    totals = [whole[f"reaction:{support.name}"] for support in model.support]
+    largest = size_of([(ends.max, ends.min) for ends in totals])
+    every = list(zip(model.support, layout.supports, whole.open_in, strict=True))
+    for index, ((support, points, open_in), ends) in enumerate(zip(every, totals, strict=True)):
+        lifted = f"{int((open_in > 0).sum())} of {points.rows.shape[1]}" if points.rows.size else ""
+        most = cell(ends.max, widths, ("supports", index, "reaction", "max"), largest)
+        least = cell(ends.min, widths, ("supports", index, "reaction", "min"), largest)
+        shown.add(support.name, most, results.key(ends.max_by), least, results.key(ends.min_by), lifted)
     shown.show(console)
     console.print()
-    for index, (support, envelope, points) in enumerate(every):
+    for index, (support, points, open_in) in enumerate(every):
         of_support = ("supports", index)
-        if support.place == "at" and envelope.lifted.any():
-            at = int(np.where(envelope.lifted > 0, envelope.gap.largest, -np.inf).argmax())
-            name = results.key(int(envelope.gap.largest_by[at]))
-            gap = cell(float(envelope.gap.largest[at]), widths, (*of_support, "points", at, "gap", "max"))
+        if support.place == "at" and open_in.any():
+            gaps = [whole[f"gap_at:{support.name}[{number}]"] for number in range(1, len(open_in) + 1)]
+            at = int(np.where(open_in > 0, [ends.max for ends in gaps], -np.inf).argmax())
+            gap = cell(gaps[at].max, widths, (*of_support, "points", at, "gap", "max"))
             opening = f"{gap} {units.length}".rstrip()
             where = point(points.positions[at].tolist())
-            say(console, f"{support.name}: widest gap {opening} at {where} in {name}")
-        if envelope.pressed is not None:
-            pressure = cell(float(envelope.pressed.largest[0]), widths, (*of_support, "max_pressure", "max"))
-            area = cell(float(envelope.pressed.smallest[1]), widths, (*of_support, "contact_area", "min"))
+            say(console, f"{support.name}: widest gap {opening} at {where} in {results.key(gaps[at].max_by)}")
+        if (area := layout.at_rest.get(index)) is not None:
+            pressed, touching = whole[f"max_pressure:{support.name}"], whole[f"contact_area:{support.name}"]
+            pressure = cell(pressed.max, widths, (*of_support, "max_pressure", "max"))
+            in_contact = cell(touching.min, widths, (*of_support, "contact_area", "min"))
             highest = f"{pressure} {units.force_by_length(-2)}".rstrip()
-            where = point(envelope.places[envelope.pressure.ends[0]].tolist(), results.discretisation.mesh.size)
-            in_contact, extent = float(envelope.pressed.smallest[1]), float(points.weights.sum())
-            least = of_whole(area, in_contact, extent, unit_of(units.length, 2))
-            of_highest = results.key(int(envelope.pressed.largest_by[0]))
-            of_least = results.key(int(envelope.pressed.smallest_by[1]))
-            say(console, f"{support.name}: largest pressure {highest} at {where} in {of_highest}")
-            say(console, f"{support.name}: least in contact {least} in {of_least}")
+            where = point(area.pressure_places[whole.along[index].ends[0]].tolist(), results.discretisation.mesh.size)
+            least = of_whole(in_contact, touching.min, float(points.weights.sum()), unit_of(units.length, 2))
+            say(console, f"{support.name}: largest pressure {highest} at {where} in {results.key(pressed.max_by)}")
+            say(console, f"{support.name}: least in contact {least} in {results.key(touching.min_by)}")

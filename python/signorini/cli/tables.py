@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
+import numpy as np
 from rich.console import Console
 from rich.text import Text
 
+from signorini.accuracy.estimate import Estimate
+from signorini.accuracy.sizes import largest_of
 from signorini.analysis.check import ASKED, Check
-from signorini.analysis.solve import Results
-from signorini.analysis.twins.leaves import largest_of
+from signorini.analysis.estimate import Estimates
+from signorini.analysis.results import Results
 from signorini.base.numbers import compared, number, size_of
 from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, of_whole, unit_of
 from signorini.cli.governing import print_combined, print_governing
@@ -21,15 +25,17 @@ from signorini.discretise.supports import can_let_go
 from signorini.errors import length, point
 from signorini.model import Model, Support
 from signorini.output.envelope_json import table_warnings
-from signorini.results.extremes import NUMBERS
 from signorini.results.marks import case_totals
 from signorini.results.panels import quantity
+from signorini.results.quantities import AT_PROBES, FIELDS, LINEAR, RESULTANTS
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 from signorini.results.support_words import MEANINGS, SYMBOLS, describe, kinds
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
+Widths = Mapping[str, Any] | None
+"""Half-widths as in results.json; None where there are none."""
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _SEVERAL = 8
 """Combinations from which on a summary comes first."""
@@ -40,30 +46,32 @@ _MOST_OPEN = 8
 _MOST_WARNINGS = 20
 
 
-def print_results(console: Console, results: Results) -> None:
+def print_results(console: Console, results: Results, estimates: Estimates | None) -> None:
     """Print every combination: supports, their points, certificate, extremes, probes; then what is seldom meant."""
     found = results.discretisation
     _print_model(console, found)
     if results.model.tabulated:
         console.print()
-        print_combined(console, results)
-        warnings: dict[str, list[str]] = {sentence: [] for sentence in table_warnings(results)}
+        print_combined(console, results, estimates)
+        warnings: dict[str, list[str]] = {sentence: [] for sentence in table_warnings(results, estimates)}
     else:
-        warnings = _by_sentence(results)
+        warnings = _by_sentence(results, estimates)
         if len(results) >= _SEVERAL:
             console.print()
-            _print_summary(console, results)
+            _print_summary(console, results, estimates)
             for group in (*results.model.effective_combinations.groups,) or ("",):
-                print_governing(console, results, group)
+                print_governing(console, results, estimates, group)
     for result in results.full.values() if not results.model.tabulated else ():
         console.print()
         if result.status == "solved":
-            _print_result(console, result, results.limits[result.name])
+            _print_result(
+                console, result, None if estimates is None else estimates[result.name], results.limits[result.name]
+            )
         else:
             say(console, f"{result.name}: no equilibrium", style="bold red")
     console.print()
     _print_refinement(console, results)
-    warnings |= {sentence: [] for sentence in too_wide(results)}
+    warnings |= {sentence: [] for sentence in too_wide(results, estimates)}
     _print_warnings(console, warnings, len(results))
     named = [one for result in results.full.values() for one in result.singular]
     if results.model.tabulated:
@@ -145,7 +153,7 @@ def _elements(found: Discretisation) -> str:
     return " and ".join(f"{many} elements {kind}" for kind, many in kinds.items() if many)
 
 
-def _print_summary(console: Console, results: Results) -> None:
+def _print_summary(console: Console, results: Results, estimates: Estimates | None) -> None:
     model = results.discretisation.model
     names = [f"{support.name}{in_unit(model.units.force)}" for support in model.support]
     unit = in_unit(model.units.length)
@@ -156,7 +164,8 @@ def _print_summary(console: Console, results: Results) -> None:
         if result.status != "solved":
             shown.add(Text(result.name, style="bold red"), "", "", "", *[""] * len(names))
             continue
-        widths, load = result.asked_estimate.plus_minus, largest_of(result)["reaction"]
+        widths = None if estimates is None else estimates[result.name].plus_minus
+        load = largest_of(result)["reaction"]
         ends = (
             cell(float(end), widths, ("deflection", name), size)
             for name, end in (("max", result.deflection.max()), ("min", result.deflection.min()))
@@ -172,9 +181,9 @@ def _print_summary(console: Console, results: Results) -> None:
     console.print()
 
 
-def _print_result(console: Console, result: Result, limit: tuple[str, float] | None) -> None:
+def _print_result(console: Console, result: Result, estimate: Estimate | None, limit: tuple[str, float] | None) -> None:
     units, largest = result.model.units, largest_of(result)
-    widths, load = result.asked_estimate.plus_minus, largest["reaction"]
+    widths, load = None if estimate is None else estimate.plus_minus, largest["reaction"]
     before = f" after {' and '.join(result.unsettled)} did not settle" if result.unsettled else ""
     how = f": solved by {result.method}{before}, {result.iterations} {result.counted}"
     say(console, Text(result.name, style="bold") + Text(how))
@@ -191,10 +200,10 @@ def _print_result(console: Console, result: Result, limit: tuple[str, float] | N
         opened = sum(found.open_count for found in result.supports)
         rows.add("", "all", "", number(total, load), str(closed), str(opened))
     rows.show(console)
-    _print_points(console, result, largest)
+    _print_points(console, result, widths, largest)
     for index, found in enumerate(result.supports):
         if found.contact_area is not None and found.max_pressure is not None:
-            within = cell(found.contact_area, widths, ("supports", index, "contact_area"), largest["contact_area"])
+            within = cell(found.contact_area, widths, ("supports", index, "contact_area"), largest["area"])
             whole = float(found.weights.sum())
             area = of_whole(within, found.contact_area, whole, unit_of(units.length, 2))
             pressed = cell(found.max_pressure, widths, ("supports", index, "max_pressure"), largest["pressure"])
@@ -211,19 +220,22 @@ def _print_result(console: Console, result: Result, limit: tuple[str, float] | N
             touching = found.closed_part * whole
             along = of_whole(f"{touching:.6g}", touching, whole, unit_of(units.length))
             say(console, f"{found.name}, in contact: {along}")
-    _print_deflection(console, result)
-    _print_extremes(console, result, largest)
+    _print_deflection(console, result, widths)
+    _print_extremes(console, result, widths, largest)
     if limit is not None:
         say(console, f"equilibrium would end with {limit[0]} at {limit[1]:.4g} times its factor")
     say(console, f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red")
-    say(console, f"of the equations; of the mesh: {compared(result.asked_estimate.elements, result.model.estimated)}")
+    say(
+        console,
+        f"of the equations; of the mesh: {compared(estimate.elements if estimate else (), result.model.estimated)}",
+    )
     if result.probes:
         console.print()
-        _print_probes(console, result, largest)
-    print_through(console, result, largest)
+        _print_probes(console, result, widths, largest)
+    print_through(console, result, widths, largest)
 
 
-def _print_points(console: Console, result: Result, largest: Mapping[str, float]) -> None:
+def _print_points(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
     """Reactions of point supports, of many the largest."""
     every = [
         (found, index) for found in result.supports if found.place == "at" for index in range(len(found.reactions))
@@ -231,7 +243,6 @@ def _print_points(console: Console, result: Result, largest: Mapping[str, float]
     if not every:
         return
     units, size = result.model.units, result.mesh.size
-    widths = result.asked_estimate.plus_minus
     number_of = {id(found): index for index, found in enumerate(result.supports)}
     most = sorted(every, key=lambda one: -abs(one[0].reactions[one[1]]))[:_MOST_POINTS]
     kept = {(id(found), index) for found, index in most}
@@ -259,9 +270,9 @@ def _named(found: SupportResult, index: int) -> str:
     return f"{found.name}[{index + 1}]" if len(found.reactions) > 1 else found.name
 
 
-def _print_deflection(console: Console, result: Result) -> None:
+def _print_deflection(console: Console, result: Result, widths: Widths) -> None:
     unit, largest = unit_of(result.model.units.length), size_of(result.deflection)
-    widths, found = result.asked_estimate.plus_minus, result.extremes["deflection"]
+    found = result.extremes["deflection"]
     parts = (
         f"{name} {cell(value, widths, ('deflection', name), largest)}{unit} at {point(at, result.mesh.size)}"
         for name, value, at in (("max", found.max, found.max_at), ("min", found.min, found.min_at))
@@ -269,14 +280,14 @@ def _print_deflection(console: Console, result: Result) -> None:
     say(console, f"deflection, positive down: {', '.join(parts)}")
 
 
-def _print_extremes(console: Console, result: Result, largest: Mapping[str, float]) -> None:
+def _print_extremes(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
     """Print the largest and smallest moments and shears, and at what they are larger still."""
-    units, size, widths = result.model.units, result.mesh.size, result.asked_estimate.plus_minus
+    units, size = result.model.units, result.mesh.size
     where = f"at{in_unit(units.length)}"
     shown = Grid([Column("moments and shears"), *numbers("largest", where, "smallest", where)])
     beside, unsettled = dict[str, list[str]](), False
-    for name, kind in NUMBERS.items():
-        found, cells = result.extremes[name], []
+    for name in RESULTANTS:
+        found, cells, kind = result.extremes[name], [], FIELDS[name].kind
         for side, value, at in (("max", found.max, found.max_at), ("min", found.min, found.min_at)):
             cells += [cell(value, widths, ("fields", name, side), largest[kind], 5), point(at, size)]
         shown.add(quantity(name, units), *cells)
@@ -293,30 +304,28 @@ def _print_extremes(console: Console, result: Result, largest: Mapping[str, floa
         say(console, f"without a limit there, and left out: {', '.join(names)} {where} {what[0].lower()}{what[1:]}")
 
 
-def _print_probes(console: Console, result: Result, largest: Mapping[str, float]) -> None:
+def _print_probes(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
     """Print the fields at probes, a row each, and a column a probe."""
-    units, widths = result.model.units, result.asked_estimate.plus_minus
-    parts: list[tuple[str, tuple[str, ...]]] = [("deflection", ("deflection",))]
-    parts += [("rotation", ("rotation_x", "rotation_y")), ("moment", ("mx", "my", "mxy")), ("shear", ("qx", "qy"))]
-    parts += [("pressure", ("pressure",))] * any(probe.pressure is not None for probe in result.probes)
-    titles = [quantity(field, units) for _, fields in parts for field in fields]
-    shown = Grid([Column(f"at{in_unit(units.length)}"), *numbers(*titles)])
+    units = result.model.units
+    touching = any(probe.pressure is not None for probe in result.probes)
+    told = [one for one in AT_PROBES if one.name in LINEAR or (one.name == "pressure" and touching)]
+    shown = Grid([Column(f"at{in_unit(units.length)}"), *numbers(*(one.label(units) for one in told))])
     for index, probe in enumerate(result.probes):
         cells = []
-        for key, fields in parts:
-            value = getattr(probe, key)
-            for place, found in enumerate(value) if len(fields) > 1 else ((None, value),):
-                path = ("probes", index, key) if place is None else ("probes", index, key, place)
-                cells.append("" if found is None else cell(found, widths, path, largest[key], 5))
+        for one in told:
+            path = ("probes", index, *one.path)
+            value = float(result.numbers[result.catalogue.by_path[path]])
+            cells.append("" if np.isnan(value) else cell(value, widths, path, largest[one.kind], 5))
         shown.add(point(probe.at, result.mesh.size), *cells)
     shown.show_turned(console)
 
 
-def _by_sentence(results: Results) -> dict[str, list[str]]:
+def _by_sentence(results: Results, estimates: Estimates | None) -> dict[str, list[str]]:
     """Every warning once, with the combinations that it is about."""
     found: dict[str, list[str]] = {}
     for result in results.full.values():
-        for sentence in (*result.noticed, *result.asked_estimate.warnings):
+        of_mesh = () if estimates is None else estimates[result.name].warnings
+        for sentence in (*result.warnings, *of_mesh):
             found.setdefault(sentence, []).append(result.name)
     return found
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.console import Console
 
-from signorini.analysis.solve import Results
+from signorini.analysis.results import Results
 from signorini.base.numbers import size_of
 from signorini.cli.cells import cell, in_unit
 from signorini.cli.grid import Column, Grid, numbers
@@ -18,9 +18,11 @@ from signorini.results.result import Result
 _KINDS = {"moment": "couple", "twist": "couple", "shear": "force"}
 
 
-def print_through(console: Console, result: Result, largest: Mapping[str, float]) -> None:
+def print_through(
+    console: Console, result: Result, widths: Mapping[str, Any] | None, largest: Mapping[str, float]
+) -> None:
     """Print a row each section, and a row each strip with its largest and smallest mean moment and where they are."""
-    units, size, widths = result.model.units, result.mesh.size, result.asked_estimate.plus_minus
+    units, size = result.model.units, result.mesh.size
     if result.sections:
         console.print()
         shown = Grid([Column("section"), *numbers(*(_summed(key, units) for key in _KINDS))])

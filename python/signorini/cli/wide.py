@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from signorini.analysis.solve import Results
-from signorini.analysis.twins.leaves import away
+from signorini.accuracy.sizes import away
+from signorini.analysis.estimate import Estimates
+from signorini.analysis.results import Results
 from signorini.discretise import Discretisation
 from signorini.errors import point
 from signorini.model import MeshPlate
 from signorini.output.envelope_json import envelope_json
-from signorini.results.extremes import NUMBERS
 from signorini.results.figures import figures
+from signorini.results.quantities import FIELDS, RESULTANTS, SIDES
 from signorini.singularities.named import singularities
 
 _WIDE = 0.5
@@ -25,14 +26,18 @@ _LITTLE = 0.25
 """Part of the largest moment or shear, of any direction, up to which it is not worth a finer mesh."""
 
 
-def too_wide(results: Results) -> Iterator[str]:
+def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
     """Say of which largest moments and shears the half-width is more than half of the number, and what helps."""
     found: dict[str, tuple[float, str]] = {}
-    for fields, widths in _fields(results):
-        ends = {name: max(("max", "min"), key=lambda end: abs(of[end])) for name, of in fields.items()}
-        for name in (name for name in NUMBERS if name in ends):
+    for fields, widths in _fields(results, estimates):
+        ends = {name: max(SIDES, key=lambda end: abs(fields[name][end])) for name in RESULTANTS if name in fields}
+        for name in (name for name in RESULTANTS if name in ends):
             value, width = abs(fields[name][ends[name]]), widths[name][ends[name]]
-            alike = [abs(fields[one][ends[one]]) for one in ends if NUMBERS.get(one) == NUMBERS[name]]
+            alike = [
+                abs(fields[one][ends[one]])
+                for one in ends
+                if one in RESULTANTS and FIELDS[one].kind == FIELDS[name].kind
+            ]
             if width is None or _near(results.discretisation, fields[name][f"{ends[name]}_at"]):
                 continue
             if width > max(_WIDE * value, _LITTLE * max(alike)):
@@ -52,21 +57,21 @@ def _near(found: Discretisation, at: Sequence[float]) -> bool:
     """Whether a place is beside one where moments or shears have no limit, which is named by itself."""
     place = np.array([at])
     reach = _BESIDE * float(np.sqrt(found.mesh.element_area[found.mesh.locate(place).elements[0]]))
-    named = [one for one in singularities(found) if set(NUMBERS.values()) & set(one.numbers) and not one.limited]
+    named = [one for one in singularities(found) if {"moment", "shear"} & set(one.numbers) and not one.limited]
     return any(away(place, one)[0] <= one.within + reach for one in named)
 
 
-def _fields(results: Results) -> Iterator[tuple[Mapping[str, Any], Mapping[str, Any]]]:
+def _fields(results: Results, estimates: Estimates | None) -> Iterator[tuple[Mapping[str, Any], Mapping[str, Any]]]:
     """Largest and smallest moments and shears with their half-widths, of every combination or of a table."""
     if results.model.tabulated:
-        found = envelope_json(results)
+        found = envelope_json(results, estimates)
         if found is not None and found["plus_minus"] is not None:
             yield (
-                {name: found["fields"][name] for name in NUMBERS if name in found["fields"]},
+                {name: found["fields"][name] for name in RESULTANTS if name in found["fields"]},
                 found["plus_minus"]["fields"],
             )
         return
     for result in results.full.values():
-        widths = result.asked_estimate.plus_minus
+        widths = None if estimates is None else estimates[result.name].plus_minus
         if result.status == "solved" and widths is not None:
             yield figures(result)["fields"], widths["fields"]

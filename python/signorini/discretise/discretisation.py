@@ -30,7 +30,7 @@ from signorini.discretise.redundancy import Repeated, that_can_act
 from signorini.discretise.rows import Bools, Floats, Rows
 from signorini.discretise.sections import Sections
 from signorini.discretise.sections.acting import Acting
-from signorini.discretise.stressnodes import Sides, StressNodes, stress_nodes_of
+from signorini.discretise.stressnodes import Sides, StressNodes, solid_thickness, stress_nodes_of
 from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
 from signorini.discretise.thickness import Thickness, thickness_of
 from signorini.discretise.zones import Zones
@@ -155,6 +155,20 @@ class Discretisation(Remade):
     def probe_sides(self) -> Sides:
         """Where probes are, on every side of a jump."""
         return self.stress_nodes.sides(self.probe_positions, self.probes)
+
+    @cached_property
+    def node_thickness(self) -> Floats:
+        """Thickness (s,) of a solid plate at the nodes of stresses; NaN where a stiffness is given in its place."""
+        return solid_thickness(self.stress_nodes, self.zones)
+
+    @cached_property
+    def probe_thickness(self) -> Floats:
+        """The same at probes (q,), where it jumps that of the thinner side."""
+        sides, nodes = self.probe_sides, self.stress_nodes
+        if not len(sides.point):
+            return np.zeros(0)
+        values = self.mesh.shape_functions(sides.where.elements, sides.where.xi)
+        return sides.least(np.einsum("qi,qi->q", values, self.node_thickness[nodes.elements[sides.where.elements]]))
 
     @property
     def middle(self) -> Floats:

@@ -14,7 +14,7 @@ from signorini.base.remade import Remade
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
 from signorini.mesh import Location, Mesh
-from signorini.mesh.isoparametric import real_sides
+from signorini.mesh.isoparametric import SIDES, real_sides
 
 _BESIDE = 1e-3
 """How far beside a side of an element its thickness is looked up, and at twice that, of the way to its middle."""
@@ -48,6 +48,10 @@ class Sides:
             return values
         high, low = (extreme.reduceat(values, first, axis=-2) for extreme in (np.maximum, np.minimum))
         return np.where(high >= -(1.0 - _ALIKE) * low, high, low)
+
+    def least(self, values: Floats) -> Floats:
+        """Of a number (k,) of every side the least of each point (q,)."""
+        return np.asarray(np.minimum.reduceat(values, np.flatnonzero(np.diff(self.point, prepend=-1))))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -146,6 +150,24 @@ def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints] = ()) -> Str
     if not jumps.any():
         return own
     return _parted(mesh, pairs[~jumps], np.unique(triples[pairs[jumps, 0]]))
+
+
+def solid_thickness(nodes: StressNodes, zones: Zones) -> Floats:
+    """Thickness (s,) at nodes of stresses, NaN where a section is given by its stiffness: it has no stresses."""
+    mesh = nodes.mesh
+    if not zones.model.zone and zones.formulas[0].is_constant:
+        solid = zones.model.plate.stiffness is None
+        return np.full(nodes.count, zones.formulas[0].value if solid else np.nan)
+    elements, sides = np.nonzero(real_sides(mesh.elements))
+    begin, end = mesh.corners_of_sides(elements, sides)
+    xi = np.stack([begin, 0.5 * (begin + end), end], axis=1).reshape(-1, 2)
+    of_element, of_node = np.repeat(elements, 3), nodes.elements[elements[:, None], np.array(SIDES)[sides]].ravel()
+    near, far = (
+        zones.solid(of_element, mesh.map(of_element, mesh.inward(of_element, xi, 1.0 - part)))
+        for part in (_BESIDE, 2.0 * _BESIDE)
+    )
+    count = np.bincount(of_node, minlength=nodes.count)
+    return np.asarray(np.bincount(of_node, 2.0 * near - far, nodes.count) / count)
 
 
 def _jumps(mesh: Mesh, zones: Zones, pairs: Ints) -> Bools:

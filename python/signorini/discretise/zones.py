@@ -151,6 +151,12 @@ class Zones:
         """Evaluate the thickness (q,) by which the plate is stiff at points (q, 2)."""
         return self.acting(made.rigidity, self.nominal(made.thickness, points))
 
+    def solid(self, elements: Ints, points: Floats) -> Floats:
+        """Thickness (q,) at points (q, 2) in elements (q,), NaN where a section is given by its stiffness."""
+        made = self.at(elements, points)
+        given = np.isnan(self.equivalent[made.rigidity])
+        return np.where(given, self.nominal(made.thickness, points), np.nan)
+
     def acting(self, rigidity: Ints, nominal: Floats) -> Floats:
         """Thickness (q,) by which the plate is stiff, where it has a nominal one and rigidities with numbers (q,)."""
         equivalent = self.equivalent[rigidity]

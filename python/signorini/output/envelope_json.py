@@ -3,37 +3,31 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from signorini.accuracy.comparison import Meshes, compared, known
 from signorini.analysis.combinations import Combined
-from signorini.analysis.solve import Results
-from signorini.analysis.tables import rows_named
-from signorini.analysis.twins.compared import Meshes, compared, rounded
-from signorini.analysis.twins.leaves import Path, leaves, with_numbers
+from signorini.analysis.estimate import Estimates
+from signorini.analysis.results import Results
 from signorini.discretise.rows import Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.formats.vtk import write_vtu
 from signorini.mesh import Mesh
 from signorini.output.names import TABLE, envelope_file
-from signorini.results.columns import Layout
-from signorini.results.envelope import NONE, Envelope, Extremes
-from signorini.results.result import FIELDS
-from signorini.results.section_result import COMPONENTS
+from signorini.results.envelope import NONE, Envelope
+from signorini.results.figures import with_widths
+from signorini.results.quantities import SIDES, Number, Path, Quantity
 from signorini.results.warnings import idle_cases, model_warnings, too_far
 from signorini.singularities.named import singularities
 
-_AT_NODES = ("reaction", "contact_pressure", "rigid_contact_pressure")
-"""Fields of which rows have no extremes."""
 _ESTIMATED = ("fields", "supports", "probes", "sections", "strips")
 
-Name = Callable[[int], str]
-"""Tells the name of a combination, given its number."""
 
-
-def table_json(results: Results) -> dict[str, Any]:
+def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
     """Give the key "table" of results.json."""
     combined = results.combined
     return {
@@ -45,12 +39,12 @@ def table_json(results: Results) -> dict[str, Any]:
         "not_unique": combined.not_unique,
         "governing": list(results.governing),
         "certificate": {**combined.certificate, "passed": True},
-        "warnings": list(table_warnings(results)),
+        "warnings": list(table_warnings(results, estimates)),
         "unbalanced": [{"name": name, "message": message} for name, message in combined.unbalanced.items()],
     }
 
 
-def table_warnings(results: Results) -> Iterator[str]:
+def table_warnings(results: Results, estimates: Estimates | None) -> Iterator[str]:
     """Say what of the model, and of the largest deflections where these are enveloped, is seldom meant."""
     yield from model_warnings(results.discretisation)
     yield from idle_cases(results.model)
@@ -58,60 +52,125 @@ def table_warnings(results: Results) -> Iterator[str]:
     if extremes is not None:
         down = extremes.largest >= -extremes.smallest
         yield from too_far(results.discretisation, np.where(down, extremes.largest, extremes.smallest))
-    if results.no_others:
-        yield results.no_others
+    if estimates is not None and estimates.no_others:
+        yield estimates.no_others
 
 
-def envelope_json(results: Results, group: str = "") -> dict[str, Any] | None:
+def envelope_json(results: Results, estimates: Estimates | None, group: str = "") -> dict[str, Any] | None:
     """Give the key "envelope" of results.json, or that of a group; None where no combination of it was solved."""
-    mesh, found = results.discretisation.mesh, {results.discretisation.mesh: results.combined}
-    found |= {other: combined for combined, other in results.others}
-    trees = {one: _envelope(results, combined, one, group) for one, combined in found.items()}
-    own, plus_minus = trees[mesh], None
+    own = _Shown.of(results.combined, results.discretisation.mesh, group)
     if own is None:
         return None
-    told = [one for one, tree in trees.items() if tree is not None and one is not mesh]
-    if told:
-        meshes = Meshes.of(mesh, told, bool(results.no_others))
-        every = [_without_rows(tree) for one in meshes.every if (tree := trees[one]) is not None]
+    plus_minus, tree = None, own.tree(results)
+    others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
+    told = [one for combined, mesh in others if (one := _Shown.of(combined, mesh, group)) is not None]
+    if told and estimates is not None:
+        meshes = Meshes.of(own.mesh, [one.mesh for one in told], bool(estimates.no_others))
+        every = [next(one for one in (own, *told) if one.mesh is mesh) for mesh in meshes.every]
+        numbers = [number for number, *_ in own.wholes()]
+        values = np.array([[value for _, value, *_ in one.wholes()] for one in every])[:, :, None]
         named = [(singularities(results.discretisation), np.ones(1, np.bool_))]
-        widths, _ = compared(every, meshes, results.model, own, named)
-        numbers = {path: rounded(width) for path, (width,) in zip(every[meshes.own], widths.tolist(), strict=True)}
-        for path, column, row in rows_named(results.combined.layout, results.combined.over(group)):
-            numbers[path] = results.half_width(column, row)
-        plus_minus = with_numbers({key: own[key] for key in _ESTIMATED}, numbers)
-    return own | {"plus_minus": plus_minus}
+        layout = results.combined.layout
+        found, _ = compared(values, numbers, meshes, results.model, layout.probes, named)
+        widths = {one.path: known(width) for one, (width,) in zip(numbers, found.tolist(), strict=True)}
+        for number, path, side, row in own.ends():
+            known_row = number.estimated and row != NONE
+            widths[*path, side] = estimates.half_width(number.column, row) if known_row else None
+        plus_minus = with_widths({key: tree[key] for key in _ESTIMATED}, widths)
+    return {"file": envelope_file(results, group), **tree, "plus_minus": plus_minus}
 
 
-def _without_rows(tree: Mapping[str, Any]) -> dict[Path, Floats]:
-    """The numbers of an envelope that are no row's: pressures and nodal reactions over all nodes and points."""
-    found = {path: np.array([value]) for path, value in leaves(tree).items()}
-    return {path: value for path, value in found.items() if path[1] in _AT_NODES or "largest" in path}
+@dataclass(frozen=True, eq=False)
+class _Shown:
+    """An envelope on some mesh."""
+
+    envelope: Envelope
+    mesh: Mesh
+
+    @classmethod
+    def of(cls, combined: Combined, mesh: Mesh, group: str) -> _Shown | None:
+        return None if group and group not in combined.groups else cls(combined.over(group), mesh)
+
+    def ends(self) -> Iterator[tuple[Number, Path, str, int]]:
+        """Every number of a row that is an extreme: what, its keys, which of both, and of which row."""
+        layout, of = self.envelope.layout, self.envelope.values
+        for place, one in enumerate(layout.catalogue):
+            if not one.quantity.enveloped:
+                continue
+            for side, by in zip(SIDES, (of.largest_by, of.smallest_by), strict=True):
+                if one.home != "field" or one.what == side:
+                    yield one, one.envelope_path, side, int(by[place])
+
+    def wholes(self) -> Iterator[tuple[Number, float, int, list[float]]]:
+        """What is largest and smallest over nodes or points of which rows have no number: by which row, and where."""
+        envelope, mesh, layout = self.envelope, self.mesh, self.envelope.layout
+        over = {"reaction": (mesh.points, envelope.fields["reaction"])} if "reaction" in envelope.fields else {}
+        for name, (places, extremes) in envelope.pressures.items():
+            elastic = name == "contact_pressure"
+            over[name] = (mesh.points[places] if elastic else mesh.points[mesh.elements[places]].mean(axis=1)), extremes
+        for name, (points, extremes) in over.items():
+            quantity = Quantity(name, "reaction" if name == "reaction" else "pressure")
+            bounds = (extremes.largest, extremes.largest_by), (extremes.smallest, extremes.smallest_by)
+            for side, at, (values, by) in zip(SIDES, extremes.ends, bounds, strict=True):
+                number = Number(quantity, "field", 0, ("fields", name, side), name)
+                yield number, float(values[at]), int(by[at]), points[at].tolist()
+        for index, extremes in envelope.along.items():
+            support, of_support = layout.model.support[index], layout.supports[index]
+            area = layout.at_rest.get(index)
+            if not len(extremes.largest) or (area is None and len(of_support.nodes)):
+                continue
+            per = extremes.largest if area is not None else extremes.largest / of_support.weights
+            where = area.pressure_places if area is not None else of_support.positions
+            at, quantity = int(per.argmax()), Quantity("largest", "pressure")
+            number = Number(quantity, "support", index, ("supports", index, "largest", "max"), support.name)
+            yield number, float(per[at]), int(extremes.largest_by[at]), where[at].tolist()
+
+    def tree(self, results: Results) -> dict[str, Any]:
+        """Give extremes by their keys."""
+        envelope, layout = self.envelope, self.envelope.layout
+        found: dict[str, Any] = {
+            "fields": {name: {} for name in layout.fields},
+            "supports": [self._support(index) for index in range(len(layout.supports))],
+            "probes": [{"at": at} for at in layout.probes.tolist()],
+            "sections": [{"name": section.name} for section in layout.model.section],
+            "strips": [
+                {"name": strip.name, "stations": [{"at": at} for at in strip.places[0].tolist()]}
+                for strip in layout.model.strip
+            ],
+        }
+        for one, path, side, row in self.ends():
+            if one.what == "gap" and (side == "min" or not envelope.open_in[one.owner][one.part]):
+                continue
+            at, value = _at(found, path), getattr(envelope[one.column], side)
+            at |= {side: None, f"{side}_by": None} if row == NONE else {side: value, f"{side}_by": results.key(row)}
+            if one.home == "field":
+                at[f"{side}_at"] = envelope.places[one.owner, SIDES.index(side)].tolist()
+        for number, value, row, place in self.wholes():
+            at, side = _at(found, number.path[:-1]), str(number.path[-1])
+            at |= {side: value, f"{side}_by": results.key(row), f"{side}_at": place}
+            if number.home == "support":
+                at["per"] = "area" if number.owner in layout.at_rest else "length"
+        return found
+
+    def _support(self, index: int) -> dict[str, Any]:
+        layout, open_in = self.envelope.layout, self.envelope.open_in[index]
+        support, points = layout.model.support[index], layout.supports[index]
+        found: dict[str, Any] = {"name": support.name, "lifted": int((open_in > 0).sum())}
+        if support.place == "at":
+            pairs = zip(points.positions.tolist(), open_in.tolist(), strict=True)
+            found["points"] = [{"at": at, "gap": None, "lifted_in": count} for at, count in pairs]
+        return found
 
 
-def _envelope(results: Results, combined: Combined, mesh: Mesh, group: str) -> dict[str, Any] | None:
-    """Give extremes as found on some mesh."""
-    if group and group not in combined.groups:
-        return None
-    envelope, name = combined.over(group), results.key
-    fields = {}
-    peaks = envelope.peaks
-    for at, field in enumerate(envelope.names):
-        fields[field] = _ends(name, peaks.extremes, (peaks.largest_at, peaks.smallest_at), at, at)
-    over = {"reaction": (mesh.points, envelope.fields["reaction"])} if "reaction" in envelope.fields else {}
-    for field, (places, extremes) in envelope.pressures.items():
-        elastic = field == "contact_pressure"
-        over[field] = (mesh.points[places] if elastic else mesh.points[mesh.elements[places]].mean(axis=1)), extremes
-    for field, (points, extremes) in over.items():
-        fields[field] = _ends(name, extremes, (points, points), *extremes.ends)
-    layout = combined.layout
-    return {
-        "file": envelope_file(results, group),
-        "fields": fields,
-        "supports": [_support(name, envelope, layout, index) for index in range(len(layout.supports))],
-        "probes": [_probe(name, envelope, layout, index) for index in range(len(layout.probes))],
-        **_through(name, envelope, layout),
-    }
+def _at(tree: dict[str, Any], path: Path) -> dict[str, Any]:
+    """The table at some keys."""
+    found: Any = tree
+    for key in path:
+        if isinstance(key, str) and found.get(key) is None:
+            found[key] = {}
+        found = found[key]
+    table: dict[str, Any] = found
+    return table
 
 
 def write_envelope(nodes: StressNodes, envelope: Envelope, path: str | os.PathLike[str]) -> None:
@@ -133,83 +192,3 @@ def write_envelope(nodes: StressNodes, envelope: Envelope, path: str | os.PathLi
                 (of_elements if rigid else at_nodes)[f"{name}_{side}{ending}"] = data
     at_nodes = {name: nodes.spread(data) for name, data in at_nodes.items()}
     write_vtu(path, nodes.points, nodes.elements, at_nodes, of_elements)
-
-
-def _ends(name: Name, extremes: Extremes, places: tuple[Floats, Floats], high: int, low: int) -> dict[str, Any]:
-    return {
-        **_side(name, "max", extremes, high),
-        "max_at": places[0][high].tolist(),
-        **_side(name, "min", extremes, low),
-        "min_at": places[1][low].tolist(),
-    }
-
-
-def _side(name: Name, side: str, extremes: Extremes, at: int) -> dict[str, Any]:
-    largest = side == "max"
-    value = (extremes.largest if largest else extremes.smallest)[at]
-    by = (extremes.largest_by if largest else extremes.smallest_by)[at]
-    return {side: float(value), f"{side}_by": name(int(by))}
-
-
-def _both(name: Name, extremes: Extremes, at: int) -> dict[str, Any]:
-    return {**_side(name, "max", extremes, at), **_side(name, "min", extremes, at)}
-
-
-def _support(name: Name, envelope: Envelope, layout: Layout, index: int) -> dict[str, Any]:
-    support, points = envelope.supports[index], layout.supports[index]
-    asked = layout.model.support[index]
-    out: dict[str, Any] = {
-        "name": asked.name,
-        "reaction": _both(name, support.reaction, 0),
-        "lifted": int((support.lifted > 0).sum()),
-    }
-    if support.pressed is not None:
-        out |= {
-            "max_pressure": _both(name, support.pressed, 0),
-            "contact_area": _both(name, support.pressed, 1),
-        }
-    if asked.place == "at":
-        out["points"] = [
-            {
-                "at": points.positions[p].tolist(),
-                "reaction": _both(name, support.points, p),
-                "gap": _side(name, "max", support.gap, p) if support.lifted[p] else None,
-                "lifted_in": int(support.lifted[p]),
-            }
-            for p in range(len(points.positions))
-        ]
-    elif asked.area is not None or (len(points.positions) and not len(points.nodes)):
-        area = asked.area is not None
-        per = support.pressure.largest if area else support.points.largest / points.weights
-        by = support.pressure.largest_by if area else support.points.largest_by
-        places = support.places if area else points.positions
-        at = int(per.argmax())
-        out["largest"] = {
-            "per": "area" if area else "length",
-            "max": float(per[at]),
-            "max_by": name(int(by[at])),
-            "max_at": places[at].tolist(),
-        }
-    return out
-
-
-def _probe(name: Name, envelope: Envelope, layout: Layout, index: int) -> dict[str, Any]:
-    first = index * len(FIELDS)
-    values = {field: _both(name, envelope.probes, first + i) for i, field in enumerate(FIELDS)}
-    return {"at": layout.probes[index].tolist(), **values}
-
-
-def _through(name: Name, envelope: Envelope, layout: Layout) -> dict[str, Any]:
-    """Extremes of sections and strips."""
-    lines = iter(range(0, len(layout.through), len(COMPONENTS)))
-
-    def line() -> dict[str, Any]:
-        first = next(lines)
-        return {of: _both(name, envelope.through, first + i) for i, of in enumerate(COMPONENTS)}
-
-    sections = [{"name": section.name, **line()} for section in layout.model.section]
-    strips = [
-        {"name": strip.name, "stations": [{"at": at, **line()} for at in strip.places[0].tolist()]}
-        for strip in layout.model.strip
-    ]
-    return {"sections": sections, "strips": strips}

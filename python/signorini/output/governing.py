@@ -7,9 +7,10 @@ import io
 from dataclasses import dataclass
 from typing import Any
 
-from signorini.analysis.solve import Results
+from signorini.analysis.estimate import Estimates
+from signorini.analysis.results import Results
 from signorini.output.cells import name_cell
-from signorini.results.columns import Bearing
+from signorini.results.rows import Bearing
 
 
 @dataclass(frozen=True)
@@ -41,36 +42,39 @@ class Governing:
     widths: tuple[float | None, ...]
 
 
-def governing_reactions(results: Results, group: str = "") -> list[Governing]:
+def governing_reactions(results: Results, estimates: Estimates | None, group: str = "") -> list[Governing]:
     """Give the extremes of each bearing's reaction, the largest before the smallest; of equals the first combination's.
 
     Over a group of combinations, or over all; none where none of them has an equilibrium.
     """
-    return [one for one in governing(results, group) if one.what == "reaction"]
+    return [one for one in governing(results, estimates, group) if one.what == "reaction"]
 
 
-def governing(results: Results, group: str = "") -> list[Governing]:
+def governing(results: Results, estimates: Estimates | None, group: str = "") -> list[Governing]:
     """Give the extremes of every bearing likewise: of its reaction, then of gaps and of areas' pressure and contact."""
     if group and group not in results.groups:
         return []
-    layout, model, found = results.combined.layout, results.model, results.combined.over(group).bearings
-    columns = [bearing.column(model) for bearing in layout.bearings]
-    sides = (
-        (True, found.extremes.largest, found.extremes.largest_by, found.with_largest),
-        (False, found.extremes.smallest, found.extremes.smallest_by, found.with_smallest),
-    )
+    layout, model, envelope = results.combined.layout, results.model, results.combined.over(group)
+    columns, of = [bearing.column(model) for bearing in layout.bearings], envelope.values
+
+    def width(column: str, row: int) -> float | None:
+        return None if estimates is None else estimates.half_width(column, row)
+
     out = []
-    for at, (what, bearing) in enumerate(layout.governed):
-        for largest, extreme, by, beside in sides:
-            row = int(by[at])
-            widths = tuple(results.half_width(column, row) for column in columns)
-            width, reactions = results.half_width(bearing.column(model, what), row), tuple(beside[at].tolist())
-            name, own = results.key(row), float(extreme[at])
-            out.append(Governing(bearing, what, largest, name, own, width, reactions, widths))
+    for at, (place, (what, bearing)) in enumerate(zip(layout.governed_places, layout.governed, strict=True)):
+        for largest, extreme, by, beside in (
+            (True, of.largest, of.largest_by, envelope.beside_largest),
+            (False, of.smallest, of.smallest_by, envelope.beside_smallest),
+        ):
+            row = int(by[place])
+            widths = tuple(width(column, row) for column in columns)
+            own, reactions = float(extreme[place]), tuple(beside[at].tolist())
+            own_width = width(bearing.column(model, what), row)
+            out.append(Governing(bearing, what, largest, results.key(row), own, own_width, reactions, widths))
     return out
 
 
-def governing_csv(results: Results) -> str:
+def governing_csv(results: Results, estimates: Estimates | None) -> str:
     """Give the extremes of every bearing as comma-separated values, over all combinations and over each group.
 
     A row an extreme: the number, its half-width, the combination it is of, and the reactions of all bearings in it with
@@ -82,7 +86,7 @@ def governing_csv(results: Results) -> str:
     table = csv.writer(text, lineterminator="\n")
     table.writerow([*own, *columns, *(f"{column}:plus_minus" for column in columns)])
     for group in ("", *model.effective_combinations.groups):
-        for one in governing(results, group):
+        for one in governing(results, estimates, group):
             if one.what == "gap" and not (one.largest and one.own > 0.0):
                 continue
             support, (x, y) = model.support[one.bearing.support].name, one.bearing.at or ("", "")
@@ -92,10 +96,10 @@ def governing_csv(results: Results) -> str:
     return text.getvalue()
 
 
-def governing_json(results: Results, group: str = "") -> list[dict[str, Any]]:
+def governing_json(results: Results, estimates: Estimates | None, group: str = "") -> list[dict[str, Any]]:
     """Give the key "governing_reactions" of results.json, or of a group."""
     model = results.model
-    every = governing_reactions(results, group)
+    every = governing_reactions(results, estimates, group)
     told = any(width is not None for one in every for width in one.widths)
     return [
         {

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
-import itertools
 import json
 import os
-from collections.abc import Iterator
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path as FilePath
@@ -15,20 +13,21 @@ from typing import Any
 
 import numpy as np
 
+from signorini.accuracy.estimate import PathEstimate
 from signorini.base.files import replacing_together
 from signorini.output.cells import name_cell
 from signorini.output.directory import cannot_write, former_path
 from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE
-from signorini.results.estimate import PathEstimate
-from signorini.results.figures import through_json
+from signorini.results.figures import line_places, put
 from signorini.results.load_path import LoadPath
-from signorini.results.path_stop import PathStop, listed_points
-from signorini.results.section_result import columns_of, section_results
+from signorini.results.path_stop import PathStop
+from signorini.results.section_result import section_results
+from signorini.results.support_points import SupportPoints
 
 SCHEMA = 1
 
 
-def path_json(path: LoadPath) -> dict[str, Any]:
+def path_json(path: LoadPath, estimate: PathEstimate | None = None) -> dict[str, Any]:
     """Give a load path in the form of ``path.json``; docs/results.md describes every key.
 
     Examples
@@ -45,7 +44,7 @@ def path_json(path: LoadPath) -> dict[str, Any]:
     >>> found["ending"], round(found["end"], 3), found["events"]
     ('no_equilibrium', 16.0, [])
     """
-    model, estimate = path.model, path.asked_estimate
+    model = path.model
     return {
         "schema": SCHEMA,
         "title": model.title,
@@ -99,68 +98,41 @@ def _half_widths(path: LoadPath, estimate: PathEstimate) -> dict[str, Any]:
 
 
 def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
-    supports = zip(path.model.support, *_columns(stop), strict=True)
-    points: list[list[dict[str, Any]]] = [[] for _ in path.model.support]
-    for one, reaction in zip(listed_points(path.problem.discretisation), stop.at_points.tolist(), strict=True):
-        points[one.support].append({"at": list(one.at or ()), "reaction": reaction})
-    positions = path.problem.discretisation.probe_positions.tolist()
-    return {
+    found = path.discretisation
+    tree: dict[str, Any] = {
         "t": stop.t,
-        "deflection": {
-            "max": stop.largest,
-            "max_at": list(stop.largest_at),
-            "min": stop.smallest,
-            "min_at": list(stop.smallest_at),
-        },
+        "deflection": {"max_at": list(stop.largest_at), "min_at": list(stop.smallest_at)},
         "supports": [
-            {"name": support.name} | dict(zip(_OF_SUPPORTS, values, strict=True)) | ({"points": of} if of else {})
-            for of, (support, *values) in zip(points, supports, strict=True)
+            {"name": support.name, "contact_area": None, "max_pressure": None} for support in path.model.support
         ],
-        "probes": [{"at": at, "deflection": w} for at, w in zip(positions, stop.deflections.tolist(), strict=True)],
-        **through_json(*section_results(path.problem.discretisation, stop.through)),
+        "probes": [{"at": at} for at in found.probe_positions.tolist()],
+        **line_places(*section_results(found, stop.through)),
     }
+    for one in stop.catalogue:
+        if one.home == "point" and one.what == "reaction":
+            at = SupportPoints.of(found, one.owner).positions[one.part].tolist()
+            tree["supports"][one.owner].setdefault("points", []).append({"at": at})
+    return put(tree, stop.catalogue, stop.values)
 
 
-_OF_SUPPORTS = ("reaction", "closed", "open", "closed_part", "contact_area", "max_pressure")
-
-
-def _columns(stop: PathStop) -> Iterator[list[Any]]:
-    """What is said of supports at a stop, each a list (s,); None where a support has no such number."""
-    numbers = (stop.reactions, stop.closed, stop.counts - stop.closed, stop.parts)
-    yield from (values.tolist() for values in numbers)
-    for values in (stop.contact_areas, stop.max_pressures):
-        yield [None if np.isnan(value) else value for value in values.tolist()]
-
-
-def path_csv(path: LoadPath) -> str:
-    """Give the stops of a load path as comma-separated values: a row a stop, columns for supports and probes."""
+def path_csv(path: LoadPath, estimate: PathEstimate | None = None) -> str:
+    """Give the stops of a load path as comma-separated values: a row a stop, a column each of its numbers."""
     text = io.StringIO()
-    names = [support.name for support in path.model.support]
-    positions = path.problem.discretisation.probe_positions.tolist()
     table = csv.writer(text, lineterminator="\n")
-    estimate = path.asked_estimate
-    table.writerow(
-        ["t", "t_plus_minus", "event", "deflection_max", "deflection_min"]
-        + [f"{what}:{name}" for name in names for what in _OF_SUPPORTS]
-        + [one.column(path.model) for one in listed_points(path.problem.discretisation)]
-        + [f"probe[{i}]:deflection" for i in range(1, len(positions) + 1)]
-        + columns_of(path.model)
-    )
+    numbers = [one for one in path.stops[0].catalogue if one.home != "field" and one.what != "gap"]
+    table.writerow(["t", "t_plus_minus", "event", "deflection_max", "deflection_min", *(one.column for one in numbers)])
     for index, stop in enumerate(path.stops):
-        supports = zip(*_columns(stop), strict=True)
-        row = [
-            stop.t,
-            None if estimate is None else path.half_width(index),
-            name_cell(path.words(index)),
-            stop.largest,
-            stop.smallest,
-            *itertools.chain.from_iterable(supports),
-        ]
-        table.writerow([*row, *stop.at_points.tolist(), *stop.deflections.tolist(), *stop.through.tolist()])
+        width = None if estimate is None else estimate.half_width(path, index)
+        row = [stop.t, width, name_cell(path.words(index)), stop.largest, stop.smallest]
+        values = [stop.number(one.name) for one in numbers]
+        shown = (int(v) if one.quantity.kind == "count" else v for one, v in zip(numbers, values, strict=True))
+        table.writerow([*row, *shown])
     return text.getvalue()
 
 
-def write_path(path: LoadPath, directory: str | os.PathLike[str]) -> list[FilePath]:
+def write_path(
+    path: LoadPath, directory: str | os.PathLike[str], estimate: PathEstimate | None = None
+) -> list[FilePath]:
     """Write ``path.json``, ``path.csv`` and ``path.png``, all or none; other files in the directory stay.
 
     Those of an earlier path there are replaced.
@@ -183,8 +155,8 @@ def write_path(path: LoadPath, directory: str | os.PathLike[str]) -> list[FilePa
     try:
         with replacing_together(target, partial(former_path, target), seal=PATH_JSON) as beside:
             save(figure, beside / PATH_PICTURE)
-            (beside / PATH_CSV).write_text(path_csv(path), "utf-8")
-            text = json.dumps(path_json(path), indent=1, ensure_ascii=False, allow_nan=False)
+            (beside / PATH_CSV).write_text(path_csv(path, estimate), "utf-8")
+            text = json.dumps(path_json(path, estimate), indent=1, ensure_ascii=False, allow_nan=False)
             (beside / PATH_JSON).write_text(text + "\n", "utf-8")
     except OSError as error:
         raise cannot_write(target, error) from None

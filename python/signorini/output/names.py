@@ -7,7 +7,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from signorini.analysis.solve import Results
+from signorini.analysis.results import Results
 from signorini.model import Model
 from signorini.results.result import Result
 
@@ -81,7 +81,7 @@ def envelope_pictures(results: Results, file: str) -> dict[str, str]:
 
 def enveloped(results: Results, ending: str) -> tuple[str, ...]:
     """Fields of an envelope's picture."""
-    return tuple(field for field in PICTURES[ending] if field in results.envelope.names)
+    return tuple(field for field in PICTURES[ending] if field in results.combined.layout.fields)
 
 
 def has_areas(results: Results) -> bool:

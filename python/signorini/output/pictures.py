@@ -10,8 +10,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from signorini.analysis.accuracy import ORDER
-from signorini.analysis.solve import Results
+from signorini.accuracy.refinement import ORDER
+from signorini.analysis.estimate import Estimates
+from signorini.analysis.results import Results
 from signorini.base.forked import Forked, forked
 from signorini.discretise import Discretisation
 from signorini.discretise.stressnodes import StressNodes
@@ -24,7 +25,7 @@ from signorini.output.names import (
     enveloped,
     has_areas,
 )
-from signorini.results.envelope import Envelope
+from signorini.results.envelope import Ends, Envelope
 from signorini.results.marks import support_marks as support_marks_of
 from signorini.results.panels import colours, extreme, field_range, panel, quantity, support_marks
 from signorini.results.result import Result
@@ -144,12 +145,12 @@ class EnvelopeSheet:
         # Only this function needs matplotlib.
         from signorini.plot import Panel, Picture, drawn_as_png
 
-        units, peaks, panels = self.discretisation.model.units, self.envelope.peaks, list[Panel]()
+        units, panels = self.discretisation.model.units, list[Panel]()
         for end, side in enumerate(("largest", "smallest")):
             for field, ends in zip(self.fields, self.ends, strict=True):
-                extremes, number = self.envelope.fields[field], self.envelope.names.index(field)
-                limits = float(peaks.extremes.smallest[number]), float(peaks.extremes.largest[number])
-                at = getattr(peaks, f"{side}_at")[number].tolist()
+                extremes, of_all = self.envelope.fields[field], self.envelope.field(field)
+                limits = of_all.min, of_all.max
+                at = self.envelope.places[self.envelope.layout.fields.index(field), end].tolist()
                 shown = self.nodes.spread(getattr(extremes, side))
                 label, (name, words) = f"{side} {quantity(field, units)}", ends[end]
                 panels.append(Panel(shown, label, colours(field), limits, [(words, at)], name))
@@ -158,7 +159,7 @@ class EnvelopeSheet:
             yield self.file, content
 
 
-def envelope_sheets(results: Results) -> list[EnvelopeSheet]:
+def envelope_sheets(results: Results, estimates: Estimates | None) -> list[EnvelopeSheet]:
     """Plan the pictures of envelopes: of all combinations, and of each group."""
     sheets, title = list[EnvelopeSheet](), results.model.title
     for group, file in envelope_files(results).items():
@@ -166,37 +167,35 @@ def envelope_sheets(results: Results) -> list[EnvelopeSheet]:
         words = ", ".join(part for part in (title, what) if part)
         for ending, name in envelope_pictures(results, file).items():
             fields, envelope = enveloped(results, ending), results.combined.over(group)
-            governing = envelope.governing()
-            ends = tuple(_ends(results, field, governing[field]) for field in fields)
+            ends = tuple(_ends(results, estimates, field, envelope.field(field)) for field in fields)
             sheets.append(EnvelopeSheet(fields, name, words, ends, envelope, results.discretisation))
     return sheets
 
 
 def _ends(
-    results: Results, field: str, governing: tuple[float, int, float, int]
+    results: Results, estimates: Estimates | None, field: str, ends: Ends
 ) -> tuple[tuple[str, str], tuple[str, str]]:
     """Of a field's largest and smallest value the combination, and the value in words."""
-    high, high_by, low, low_by = governing
-    told, found = bool(results.others), list[tuple[str, str]]()
-    for end, value, by in (("max", high, high_by), ("min", low, low_by)):
-        width = results.half_width(f"{end}:{field}", by) if told else None
+    told = estimates is not None and estimates.of_table is not None and bool(estimates.of_table.others)
+    found = list[tuple[str, str]]()
+    for end, value, by in (("max", ends.max, ends.max_by), ("min", ends.min, ends.min_by)):
+        width = estimates.half_width(f"{end}:{field}", by) if told and estimates is not None else None
         name = results.key(by)
         cut = name if len(name) <= _LONGEST else f"{name[: _LONGEST - 1]}…"
         found.append((f"{end}: {cut}", extreme(end, value, told, width)))
     return found[0], found[1]
 
 
-def sheets_of(results: Results, named: Sequence[tuple[Result, str]]) -> list[Sheet]:
+def sheets_of(results: Results, named: Sequence[tuple[Result, str]], estimates: Estimates | None) -> list[Sheet]:
     """Plan the pictures of combinations, each field in one scale over all of a group, or over all that are in none."""
     combinations = results.model.effective_combinations
+    widths = {result.name: None if estimates is None else estimates[result.name].plus_minus for result, _ in named}
     groups = {one.name: one.group for one in combinations} if combinations.groups else {}
     grouped = dict[str, list[tuple[Result, str]]]()
     for result, slug in named:
         grouped.setdefault(groups.get(result.name, ""), []).append((result, slug))
     return [
-        Sheet(
-            fields, tuple((f"{slug}{ending}.png", result, result.asked_estimate.plus_minus) for result, slug in those)
-        )
+        Sheet(fields, tuple((f"{slug}{ending}.png", result, widths[result.name]) for result, slug in those))
         for ending, fields in PICTURES.items()
         if ending != PRESSURE or has_areas(results)
         for those in grouped.values()

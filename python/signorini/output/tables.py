@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from signorini.analysis.solve import Results
+from signorini.analysis.estimate import Estimates
+from signorini.analysis.results import Results
 from signorini.output.cells import name_cell
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
@@ -31,7 +32,7 @@ _MOST_PLACES = 20
 _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure")
 
 
-def results_json(results: Results) -> dict[str, Any]:
+def results_json(results: Results, estimates: Estimates | None = None) -> dict[str, Any]:
     """Give the results in the form of ``results.json``.
 
     Numbers of a combination without equilibrium are absent: its lists are empty, its tables None, and ``message``
@@ -40,6 +41,8 @@ def results_json(results: Results) -> dict[str, Any]:
     Parameters
     ----------
     results : Results
+    estimates : Estimates, optional
+        Half-widths, as `signorini.estimate` gives them.
 
     Returns
     -------
@@ -60,7 +63,9 @@ def results_json(results: Results) -> dict[str, Any]:
     ('all', 'solved', ['closed', 'closed', 'closed', 'closed'])
     """
     found = results.discretisation
-    tabulated = {"table": table_json(results), "envelope": envelope_json(results)} if found.model.tabulated else {}
+    of_table: dict[str, Any] = {}
+    if found.model.tabulated:
+        of_table = {"table": table_json(results, estimates), "envelope": envelope_json(results, estimates)}
     return {
         "schema": SCHEMA,
         "title": found.model.title,
@@ -71,17 +76,17 @@ def results_json(results: Results) -> dict[str, Any]:
             "dofs": found.dof_count,
             "contact_points": int(found.points.one_way.sum()),
         },
-        "combinations": [_combination(results, result) for result in results.full.values()],
-        "governing_reactions": governing_json(results),
-        "groups": [_group(results, *group) for group in found.model.effective_combinations.groups.items()],
-        **tabulated,
+        "combinations": [_combination(results, result, estimates) for result in results.full.values()],
+        "governing_reactions": governing_json(results, estimates),
+        "groups": [_group(results, estimates, *group) for group in found.model.effective_combinations.groups.items()],
+        **of_table,
         **({"refinement": [asdict(step) for step in results.refinement]} if results.refinement else {}),
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
         "files": files(results),
     }
 
 
-def reactions_csv(results: Results) -> str:
+def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
     """Give the reactions as a table of comma-separated values.
 
     A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node. Names that a
@@ -90,6 +95,7 @@ def reactions_csv(results: Results) -> str:
     Parameters
     ----------
     results : Results
+    estimates : Estimates, optional
 
     Returns
     -------
@@ -99,11 +105,12 @@ def reactions_csv(results: Results) -> str:
     table = csv.DictWriter(text, _COLUMNS, lineterminator="\n")
     table.writeheader()
     for result in results.full.values():
-        table.writerows(_rows(result))
+        table.writerows(_rows(result, None if estimates is None else estimates[result.name].plus_minus))
     return text.getvalue()
 
 
-def _combination(results: Results, result: Result) -> dict[str, Any]:
+def _combination(results: Results, result: Result, estimates: Estimates | None) -> dict[str, Any]:
+    estimate = None if estimates is None else estimates[result.name]
     solved, limit = result.status == "solved", results.limits[result.name]
     accuracy = [results.accuracy_warning] * bool(results.accuracy_warning)
     return {
@@ -115,17 +122,18 @@ def _combination(results: Results, result: Result) -> dict[str, Any]:
         "unsettled": list(result.unsettled),
         "iterations": result.iterations,
         "not_unique": [asdict(one) | {"supports": list(one.supports)} for one in result.not_unique],
-        "warnings": [*result.noticed, *result.asked_estimate.warnings, *accuracy],
+        "warnings": [*result.warnings, *(() if estimate is None else estimate.warnings), *accuracy],
         "singular": singular_json(result.singular),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         **figures(result),
-        "plus_minus": result.asked_estimate.plus_minus,
+        "plus_minus": None if estimate is None else estimate.plus_minus,
     }
 
 
-def _group(results: Results, name: str, combinations: int) -> dict[str, Any]:
-    found = {"name": name, "combinations": combinations, "governing_reactions": governing_json(results, name)}
-    return found | ({"envelope": envelope_json(results, name)} if results.model.tabulated else {})
+def _group(results: Results, estimates: Estimates | None, name: str, combinations: int) -> dict[str, Any]:
+    governing = governing_json(results, estimates, name)
+    found = {"name": name, "combinations": combinations, "governing_reactions": governing}
+    return found | ({"envelope": envelope_json(results, estimates, name)} if results.model.tabulated else {})
 
 
 def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
@@ -147,12 +155,12 @@ def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
     ]
 
 
-def _rows(result: Result) -> Iterator[dict[str, Any]]:
+def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict[str, Any]]:
     if result.status != "solved":
         for asked in result.model.support:
             names = {"combination": name_cell(result.name), "support": name_cell(asked.name)}
             yield names | {"point": "total", "state": result.status}
-    widths = (result.asked_estimate.plus_minus or {}).get("supports", [{}] * len(result.supports))
+    widths = (plus_minus or {}).get("supports", [{}] * len(result.supports))
     for support, width in zip(result.supports, widths, strict=True):
         names = {"combination": name_cell(result.name), "support": name_cell(support.name)}
         row = names | {"kind": support.kind}

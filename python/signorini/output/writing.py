@@ -8,10 +8,15 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from signorini.analysis.solve import Results
+from signorini.accuracy.estimate import PathEstimate
+from signorini.analysis.estimate import Estimates, estimates_of
+from signorini.analysis.path_estimate import estimate_asked
+from signorini.analysis.results import Results
 from signorini.base import arguments
+from signorini.base.arguments import watching
 from signorini.base.files import replacing_together
 from signorini.base.forked import Forked
+from signorini.errors import InputError
 from signorini.formats.vtk import Vtu
 from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import write_envelope
@@ -23,13 +28,19 @@ from signorini.output.tables import reactions_csv, results_json
 from signorini.results.load_path import LoadPath
 from signorini.results.result import vtk_fields
 
+_NOT_ITS = "it must be what signorini.estimate(found) returns."
 
-def write(found: Results | LoadPath, directory: str | os.PathLike[str]) -> list[Path]:
+
+def write(
+    found: Results | LoadPath,
+    directory: str | os.PathLike[str],
+    estimate: Estimates | PathEstimate | None = None,
+) -> list[Path]:
     """Write what the command writes into its directory: `signorini solve` of results, `signorini path` of a load path.
 
     All files, or none; docs/results.md describes them. Those of an earlier run there are replaced as a set, and other
-    files stay. With ``mesh.error``, as by default, the plate is solved on other meshes for the half-widths, where it
-    has not been; and so are rows of a table once more, where these were too many to be kept.
+    files stay. With ``mesh.error``, as by default, the plate is solved on other meshes for the half-widths, unless
+    these are given; and so are rows of a table once more, where these were too many to be kept.
 
     Parameters
     ----------
@@ -37,6 +48,8 @@ def write(found: Results | LoadPath, directory: str | os.PathLike[str]) -> list[
         What `signorini.solve` or `signorini.path` has returned.
     directory : path-like
         Made if need be.
+    estimate : Estimates or PathEstimate, optional
+        Half-widths, as `signorini.estimate` gives them.
 
     Returns
     -------
@@ -67,16 +80,24 @@ def write(found: Results | LoadPath, directory: str | os.PathLike[str]) -> list[
     """
     arguments.path(directory, "a directory", "directory")
     if isinstance(found, LoadPath):
-        return write_path(found, directory)
+        of_path = estimate_asked(found) if estimate is None else estimate
+        if not isinstance(of_path, PathEstimate | None):
+            raise InputError(_NOT_ITS, place="estimate")
+        return write_path(found, directory, of_path)
     arguments.made_by(
         found, Results, "signorini.solve(model) makes them, signorini.path(model, ...) a LoadPath.", "found"
     )
-    return write_results(found, directory)
+    if estimate is None and found.model.estimated:
+        estimate = estimates_of(found, watching(None, ""))
+    if not isinstance(estimate, Estimates | None):
+        raise InputError(_NOT_ITS, place="estimate")
+    return write_results(found, directory, estimate)
 
 
 def write_results(
     results: Results,
     directory: str | os.PathLike[str],
+    estimates: Estimates | None,
     table: str | os.PathLike[str] | None = None,
     artists: Sequence[Forked] = (),
 ) -> list[Path]:
@@ -95,6 +116,7 @@ def write_results(
     results : Results
     directory : path-like
         Made if need be.
+    estimates : Estimates or None
     table : path-like, optional
         The table that `signorini.solve` has written, on the same file system; it is moved. Without it, where
         combinations are rows of a table, this is written here.
@@ -113,8 +135,8 @@ def write_results(
     """
     target = Path(directory)
     named = list(slugs(results))
-    drawing = Drawing([*sheets_of(results, named), *envelope_sheets(results)], artists)
-    found = results_json(results)
+    drawing = Drawing([*sheets_of(results, named, estimates), *envelope_sheets(results, estimates)], artists)
+    found = results_json(results, estimates)
     names = [JSON, CSV]
     try:
         with replacing_together(target, partial(former_results, target), seal=JSON) as beside:
@@ -129,10 +151,10 @@ def write_results(
             if table is not None:
                 Path(table).rename(beside / TABLE)
             elif results.model.tabulated:
-                _write_table(results, beside / TABLE)
-            (beside / CSV).write_text(reactions_csv(results), encoding="utf-8")
+                _write_table(results, estimates, beside / TABLE)
+            (beside / CSV).write_text(reactions_csv(results, estimates), encoding="utf-8")
             if len(results) > 1:
-                (beside / GOVERNING).write_text(governing_csv(results), encoding="utf-8")
+                (beside / GOVERNING).write_text(governing_csv(results, estimates), encoding="utf-8")
             (beside / JSON).write_text(json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
             for name, content in drawing.pictures():
                 (beside / name).write_bytes(content)
@@ -142,10 +164,10 @@ def write_results(
     return [target / name for name in names]
 
 
-def _write_table(results: Results, path: Path) -> None:
+def _write_table(results: Results, estimates: Estimates | None, path: Path) -> None:
     # Only tables need pyarrow.
     from signorini.formats.parquet import writing
 
-    widths = results.table_plus_minus if results.model.estimated else {}
+    widths = {} if estimates is None else estimates.table
     with writing(path) as sink:
         sink((*results.table.items(), *widths.items()))

@@ -137,12 +137,12 @@ class ExactPath(LoadPath):
                 answer, certificate = certified(found, load, Answer.of(found, answers[-1]), made_of)
                 methods = (self.problem.method,)
         if not certificate.passed:
-            raise NotCertifiedError(refusal(self.name_at(t), found, load, answer, certificate))
+            raise NotCertifiedError(refusal(self.load_at(t).name, found, load, answer, certificate))
         elsewhere = partial(self._beside, t) if leading else None
         least = chosen(found, self.problem.freedom, load.nodal, answer, elsewhere)
         if least is not answer:
             answer, certificate = certified(found, load, least, made_of)
-        return Result.of(found, self.name_at(t), methods, load, answer, certificate)
+        return Result.of(found, self.load_at(t), methods, load, answer, certificate)
 
 
 def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, closed: Bools) -> Iterator[Floats]:

@@ -11,10 +11,8 @@ import numpy as np
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.results.peak import peak
+from signorini.results.quantities import FIELDS, PEAKING, TOLD
 from signorini.singularities.singularity import Singularity, away_from
-
-NUMBERS = {"mx": "moment", "my": "moment", "mxy": "moment", "qx": "shear", "qy": "shear"}
-"""What singularities call the fields that have peaks at them. Deflections grow too slowly for one."""
 
 
 @dataclass(frozen=True)
@@ -41,10 +39,13 @@ class FieldExtremes:
         cls, values: Floats, nodes: StressNodes, away: Bools, singular: Sequence[Singularity] = (), number: str = ""
     ) -> FieldExtremes:
         """Find the extremes of a field at nodes of the mesh (n,) that are ``away`` from singularities of its number."""
-        places, away = nodes.points[: len(values)], away[nodes.nodes[: len(values)]]
+        places, away = nodes.points[: len(values)], away[nodes.nodes[: len(values)]] & ~np.isnan(values)
+        if not away.any():
+            nowhere = (math.nan, (math.nan, math.nan), "")
+            return cls(*nowhere, *nowhere)
         ends: list[tuple[float, tuple[float, float], str]] = []
         for signed in (values, -values):
-            own, highest = np.where(away, signed, -np.inf), int(signed.argmax())
+            own, highest = np.where(away, signed, -np.inf), int(np.nan_to_num(signed, nan=-np.inf).argmax())
             x, y = places[peak(own, places)].tolist()
             beside = "" if away[highest] else _nearest(places[highest], singular, number)
             ends.append((float(values[own.argmax()]), (x, y), beside))
@@ -54,13 +55,12 @@ class FieldExtremes:
 def extremes(
     fields: Mapping[str, Floats], nodes: StressNodes, singular: Sequence[Singularity]
 ) -> dict[str, FieldExtremes]:
-    """Find the extremes of the deflection, and of moments and shears away from where these have no limit."""
-    away = {number: away_from(nodes.mesh, singular, number) for number in ("", *dict.fromkeys(NUMBERS.values()))}
-    found = {}
-    for name in ("deflection", *NUMBERS):
-        number = NUMBERS.get(name, "")
-        found[name] = FieldExtremes.of(fields[name], nodes, away[number], singular, number)
-    return found
+    """Find the extremes of the deflection, and of what moments and shears make away from where these have no limit."""
+    numbers = {name: one.singular if name in PEAKING else "" for name, one in FIELDS.items() if name in TOLD}
+    away = {number: away_from(nodes.mesh, singular, number) for number in dict.fromkeys(numbers.values())}
+    return {
+        name: FieldExtremes.of(fields[name], nodes, away[number], singular, number) for name, number in numbers.items()
+    }
 
 
 def _nearest(at: Floats, singular: Sequence[Singularity], number: str) -> str:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
 from typing import Any
 
-from signorini.results.probe_result import ProbeResult
+import numpy as np
+
+from signorini.discretise.rows import Floats
+from signorini.results.quantities import OF_AREAS, SIDES, Catalogue, Path
 from signorini.results.result import Result
 from signorini.results.section_result import SectionResult, StripResult
 from signorini.results.support_result import SupportResult
@@ -14,25 +16,59 @@ from signorini.results.support_result import SupportResult
 
 def figures(result: Result) -> dict[str, Any]:
     """Give the keys of a combination that are numbers of the plate; docs/results.md describes them."""
-    ends = {name: _listed(asdict(of)) for name, of in result.extremes.items()} if result.status == "solved" else {}
+    solved = result.status == "solved"
+    ends = {name: _places(of) for name, of in result.extremes.items()} if solved else {}
     deflection = ends.pop("deflection", None)
-    return {
-        "deflection": deflection and {key: deflection[key] for key in ("max", "max_at", "min", "min_at")},
+    found: dict[str, Any] = {
+        "deflection": deflection and {key: deflection[key] for key in ("max_at", "min_at")},
         "fields": ends,
         "supports": [_support(support) for support in result.supports],
-        "probes": [_probe(probe) for probe in result.probes],
-        **through_json(result.sections, result.strips),
+        "probes": [{"at": list(probe.at), "pressure": None} for probe in result.probes],
+        **line_places(result.sections, result.strips),
     }
+    return put(found, result.catalogue, result.numbers) if solved else found
 
 
-def through_json(sections: Sequence[SectionResult], strips: Sequence[StripResult]) -> dict[str, Any]:
-    """Give the keys sections and strips."""
-    return {"sections": [asdict(section) for section in sections], "strips": [_strip(strip) for strip in strips]}
+def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str, Any]:
+    """Put numbers (n,) into a tree at their keys, None where there is none."""
+    for one, value in zip(catalogue, values.tolist(), strict=True):
+        shown = None if np.isnan(value) else int(value) if one.quantity.kind == "count" else value
+        at: Any = tree
+        for key, after in zip(one.path, one.path[1:], strict=False):
+            at = at.setdefault(key, [] if isinstance(after, int) else {}) if isinstance(key, str) else at[key]
+        if isinstance(last := one.path[-1], int):
+            at.append(shown)
+        else:
+            at[last] = shown
+    return tree
+
+
+def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ()) -> Any:
+    """Put half-widths in place of the numbers of a tree: 0 for what the input gives, None for what has none."""
+    match tree:
+        case dict():
+            return {key: with_widths(value, widths, (*path, key)) for key, value in tree.items()}
+        case list():
+            return [with_widths(value, widths, (*path, index)) for index, value in enumerate(tree)]
+        case int() | float():
+            given = _GIVEN & set(path) and not _OF_THE_MESH & set(path)
+            return 0.0 if given else widths.get(path)
+        case _:
+            return tree
+
+
+_OF_THE_MESH = {"nodes", "contact_boundary", "max_at", "min_at", "max_pressure_at"}
+"""Lists as long as the mesh is fine, and places, of which there may be others as good."""
+_GIVEN = {"at", "length", "width"}
+
+
+def _places(ends: Any) -> dict[str, Any]:
+    at = {f"{side}_at": [None if np.isnan(x) else x for x in getattr(ends, f"{side}_at")] for side in SIDES}
+    return at | {f"{side}_beside": getattr(ends, f"{side}_beside") for side in SIDES}
 
 
 def _support(support: SupportResult) -> dict[str, Any]:
-    found = {"name": support.name, "kind": support.kind, **total(support)}
-    found["closed_part"] = support.closed_part
+    found: dict[str, Any] = {"name": support.name, "kind": support.kind, **{one.name: None for one in OF_AREAS}}
     found["max_pressure_at"] = support.max_pressure_at and list(support.max_pressure_at)
     found["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
     if support.area is not None:
@@ -46,9 +82,7 @@ def total(support: SupportResult) -> dict[str, Any]:
         "reaction": support.reaction,
         "closed": support.closed_count,
         "open": support.open_count,
-        "contact_area": support.contact_area,
-        "max_pressure": support.max_pressure,
-        "max_tension": support.max_tension,
+        **{one.name: getattr(support, one.name) for one in OF_AREAS},
     }
 
 
@@ -59,16 +93,13 @@ def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
         yield {"at": at, "reaction": reaction, "gap": gap, "state": "closed" if closed else "open"}
 
 
-def _probe(probe: ProbeResult) -> dict[str, Any]:
-    designed = _listed(probe.design_moment)
-    return _listed(asdict(probe)) | {"principal_moment": list(probe.principal_moment), "design_moment": designed}
+def line_places(sections: Sequence[SectionResult], strips: Sequence[StripResult]) -> dict[str, Any]:
+    """Give the keys sections and strips without their numbers."""
+    lines = [{"name": section.name, "length": section.length} for section in sections]
+    return {"sections": lines, "strips": [_strip(strip) for strip in strips]}
 
 
 def _strip(strip: StripResult) -> dict[str, Any]:
-    most, least = strip.sagging, strip.hogging
-    ends = {"max_moment": most.moment, "max_at": list(most.at), "min_moment": least.moment, "min_at": list(least.at)}
-    return {"name": strip.name, **ends, "stations": [_listed(asdict(station)) for station in strip.stations]}
-
-
-def _listed(parts: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: list(value) if isinstance(value, tuple) else value for name, value in parts.items()}
+    stations = [{"at": list(station.at), "width": station.width} for station in strip.stations]
+    ends = {"max_at": list(strip.sagging.at), "min_at": list(strip.hogging.at)}
+    return {"name": strip.name, **ends, "stations": stations}

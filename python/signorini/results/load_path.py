@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from signorini.base import arguments
-from signorini.base.numbers import compared
 from signorini.contact.answer import NotUnique
 from signorini.contact.certificate import Certificate
 from signorini.contact.factoring import Method
@@ -21,13 +20,13 @@ from signorini.contact.strategy import answered
 from signorini.discretise import CaseLoad
 from signorini.errors import InputError, NotCertifiedError, point
 from signorini.mesh import Mesh
-from signorini.results.columns import Block, Column, Layout, together
+from signorini.model import Combination
 from signorini.results.envelope import Envelope
-from signorini.results.estimate import PathEstimate, PathEstimator
 from signorini.results.named_events import PathEvent, in_words
 from signorini.results.notebook import path_table
-from signorini.results.path_stop import PathStop, listed_points
-from signorini.results.result import FIELDS, Result
+from signorini.results.path_stop import PathStop
+from signorini.results.result import Result
+from signorini.results.rows import Block, Column, Layout, together
 from signorini.results.states import States
 from signorini.results.thresholds import Threshold
 from signorini.results.warnings import bending_thickness, model_warnings, too_far
@@ -75,8 +74,6 @@ class LoadPath(States[float]):
         What was asked for with ``when``, and where it is reached.
     interrupted : bool
         Whether it was cut short; what it has is certified.
-    estimator : PathEstimator or None
-        Who says how far its mesh is from the plate.
     """
 
     start: str | None
@@ -91,24 +88,11 @@ class LoadPath(States[float]):
     thresholds: tuple[Threshold, ...]
     interrupted: bool
     _loads: tuple[CaseLoad, CaseLoad]
-    estimator: PathEstimator | None = field(default=None, repr=False)
 
     @property
     def mesh(self) -> Mesh:
         """The mesh."""
         return self.discretisation.mesh
-
-    @cached_property
-    def estimate(self) -> PathEstimate:
-        """Half-widths of the t of every event and of the end; the path is followed on other meshes for them."""
-        if self.estimator is None:
-            return PathEstimate.nothing(len(self.support_events), len(self.thresholds))
-        return self.estimator.estimate(self)
-
-    @property
-    def asked_estimate(self) -> PathEstimate | None:
-        """Half-widths if the model asks for them and the path has any; None of one that was cut short."""
-        return self.estimate if self.model.estimated and self.estimator is not None and not self.interrupted else None
 
     @property
     def method(self) -> Method:
@@ -172,12 +156,12 @@ class LoadPath(States[float]):
     @cached_property
     def _tabulated(self) -> tuple[Mapping[str, Column], Envelope]:
         found, count = self.discretisation, len(self.stops)
-        layout = Layout.of(found, [name for name in FIELDS if name in found.model.output.envelope])
+        layout = Layout.of(found)
         block, envelope = Block.empty(layout, 0, count), Envelope.none(layout, found.mesh)
         for row, result in enumerate(self._of_stops()):
             block.put(row, layout, result)
             envelope.take_fields(result, block.numbers[row : row + 1])
-        envelope.take(block, layout, np.arange(count))
+        envelope.take(block, np.arange(count))
         keys: list[tuple[str, Column]] = [
             ("t", np.array([stop.t for stop in self.stops])),
             ("event", [self.words(row) for row in range(count)]),
@@ -192,29 +176,22 @@ class LoadPath(States[float]):
         """Say what the supports do at a stop, by its number from 0, and which thresholds are reached there."""
         index = arguments.index(index, len(self.stops), "stop", "index")
         pulling = {support.name for support in self.model.support if support.resists == "up"}
-        event = in_words([self.support_events[number] for number in self._numbers.get(index, ())], pulling)
-        reached = [self.thresholds[number].when for number in self._reached.get(index, ())]
+        event = in_words([self.support_events[number] for number in self.events_at.get(index, ())], pulling)
+        reached = [self.thresholds[number].when for number in self.reached_at.get(index, ())]
         said = "; ".join(part for part in (event, *reached) if part)
         return said or {0: "begin", len(self.stops) - 1: "end"}.get(index, "")
 
-    def half_width(self, index: int) -> float | None:
-        """The widest half-width of the t of a stop that its events show, or of the end; None where one has none."""
-        ends = {len(self.stops) - 1: self.estimate.end, 0: 0.0}
-        widths = [self.estimate.events[number] for number in self._numbers.get(index, ())]
-        widths += [self.estimate.thresholds[number] for number in self._reached.get(index, ())]
-        widths = widths or [ends.get(index)]
-        known = [width for width in widths if width is not None]
-        return max(known) if known and len(known) == len(widths) else None
-
     @cached_property
-    def _numbers(self) -> Mapping[int, Sequence[int]]:
+    def events_at(self) -> Mapping[int, Sequence[int]]:
+        """Numbers of the named events at a stop, by its number."""
         found: dict[int, list[int]] = {}
         for number, event in enumerate(self.support_events):
             found.setdefault(event.row, []).append(number)
         return found
 
     @cached_property
-    def _reached(self) -> Mapping[int, Sequence[int]]:
+    def reached_at(self) -> Mapping[int, Sequence[int]]:
+        """Numbers of the thresholds that are reached at a stop, by its number."""
         found: dict[int, list[int]] = {}
         at = {stop.t: row for row, stop in enumerate(self.stops)}
         for number, one in enumerate(self.thresholds):
@@ -223,16 +200,13 @@ class LoadPath(States[float]):
         return found
 
     def _repr_html_(self) -> str:
-        """Show the events in a notebook, with half-widths once `estimate` was asked for: nothing is solved here."""
+        """Show the events in a notebook."""
         rows = [
-            (t_in_words(self, index), words, stop.utmost, stop.reactions.tolist())
+            (f"{stop.t:.6g}", words, stop.utmost, stop.reactions.tolist())
             for index, stop in enumerate(self.stops)
             if (words := self.words(index))
         ]
-        table = path_table([support.name for support in self.model.support], rows, self.model.units)
-        asked = "estimate" in self.__dict__
-        of_mesh = compared(self.estimate.elements, True) if asked else "± once estimate is asked for"
-        return f"{table}<p>of the mesh: {of_mesh}</p>"
+        return path_table([support.name for support in self.model.support], rows, self.model.units)
 
     def plot(self) -> Figure:
         """Draw over t the reactions of the supports, their parts closed, and deflections at the probes or the extremes.
@@ -246,12 +220,10 @@ class LoadPath(States[float]):
 
         supports, units, stops = self.model.support, self.model.units, self.stops
         reactions = {one.name: [stop.reactions[i] for stop in stops] for i, one in enumerate(supports)}
-        listed = listed_points(self.discretisation)
-        for i, one in enumerate(listed):
-            if sum(other.support == one.support for other in listed) > 1:
-                of_points = [stop.at_points[i] for stop in stops]
-                reactions[f"{supports[one.support].name}[{one.point}]"] = of_points
-                reactions.pop(supports[one.support].name, None)
+        for one in stops[0].catalogue:
+            if one.home == "point" and one.what == "reaction" and len(supports[one.owner].at or ()) > 1:
+                reactions[one.subject] = [stop.number(one.name) for stop in stops]
+                reactions.pop(supports[one.owner].name, None)
         probes = self.discretisation.probe_positions.tolist()
         curves = {f"at {point(at)}": [stop.deflections[i] for stop in stops] for i, at in enumerate(probes)}
         extremes = {name: [getattr(stop, name) for stop in stops] for name in ("largest", "smallest")}
@@ -308,18 +280,27 @@ class LoadPath(States[float]):
         end = max(self.end, self.limit) if self.ending == "no_equilibrium" else self.end
         if not (0 <= t <= end or (open_ended and end < t < np.inf)):
             raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{end:.12g}'}.")
-        found = self._result(t)
-        return found if self.estimator is None else replace(found, estimator=partial(self.estimator.estimate_at, t))
+        return self._result(t)
 
-    def name_at(self, t: float) -> str:
-        """Its load at some t in words."""
-        return f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
+    def load_at(self, t: float) -> Combination:
+        """Its load at some t, by factors of the load cases."""
+        factors = dict[str, float]()
+        for name, times in ((self.start, 1.0), (self.add, t)):
+            for case, factor in self._factors(name).items():
+                factors[case] = factors.get(case, 0.0) + times * factor
+        name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
+        return Combination.model_construct(name=name, factors=factors)
+
+    def _factors(self, name: str | None) -> Mapping[str, float]:
+        if name is None or name in self.discretisation.cases:
+            return {} if name is None else {name: 1.0}
+        return next(one.factors or {} for one in self.model.effective_combinations if one.name == name)
 
     def _result(self, t: float) -> Result:
-        return result_at(self.problem, self.name_at(t), self._loads, t)
+        return result_at(self.problem, self.load_at(t), self._loads, t)
 
 
-def result_at(problem: ContactProblem, name: str, loads: tuple[CaseLoad, CaseLoad], t: float) -> Result:
+def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, CaseLoad], t: float) -> Result:
     """Every result of a problem at some t.
 
     Raises
@@ -330,19 +311,10 @@ def result_at(problem: ContactProblem, name: str, loads: tuple[CaseLoad, CaseLoa
     found, load = problem.discretisation, loads[0] + t * loads[1]
     tried = answered(problem, load, beside=beside(loads, t))
     if tried.certificate is None:
-        raise NotCertifiedError(f"{name} has no answer that could be certified. {uncertain(found)}")
+        raise NotCertifiedError(f"{of.name} has no answer that could be certified. {uncertain(found)}")
     if not tried.passed:
-        raise NotCertifiedError(refusal(name, found, load, tried.answer, tried.certificate))
-    return Result.of(found, name, tried.methods, load, tried.answer, tried.certificate)
-
-
-def t_in_words(path: LoadPath, index: int) -> str:
-    """Write the t of a stop, to digits that keep the order, with its half-width once `estimate` was asked for."""
-    t = f"{path.stops[index].t:.6g}"
-    if "estimate" not in path.__dict__ or not path.estimate.elements:
-        return t
-    width = 0.0 if path.words(index) == "end" and path.ending == "no_more_events" else path.half_width(index)
-    return f"{t} ± {'?' if width is None else f'{width:.2g}'}" if width != 0 else t
+        raise NotCertifiedError(refusal(of.name, found, load, tried.answer, tried.certificate))
+    return Result.of(found, of, tried.methods, load, tried.answer, tried.certificate)
 
 
 def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> tuple[CaseLoad, CaseLoad]:

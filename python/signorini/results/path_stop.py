@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -12,11 +12,11 @@ from signorini.base.brief import Brief
 from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import imbalances
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Floats, Ints
 from signorini.results.closed_part import closed_part
-from signorini.results.columns import Bearing
 from signorini.results.peak import peak
-from signorini.results.support_points import SupportPoints
+from signorini.results.quantities import SIDES, Catalogue, Home
+from signorini.results.support_points import SupportPoints, catalogue_of
 from signorini.results.support_result import area_at_rest
 
 _MOST_POINTS = 100
@@ -55,23 +55,12 @@ class PathStop(Brief):
         Contact points that open or close here.
     points : (k,) array
         Which contact points these are.
-    reactions : (s,) array
-        Total of every support, positive when it pushes the plate up.
-    at_points, gaps : (b,) arrays
-        Reactions of the `listed_points`, and what is left of their travel.
-    closed, counts : (s,) arrays
-        Closed points of every support from here on, and how many points it has.
-    parts : (s,) array
-        The part of every support that is closed here: of points as many, of lines by length, of areas by contact area.
-    contact_areas, max_pressures : (s,) arrays
-        Of areas; else NaN.
-    deflections : (q,) array
-        At the model's probes.
-    through : (3s,) array
-        Moment, twist and shear of the model's sections, and their means at the stations of its strips.
-    largest, smallest : float
-        Extremes of the deflection over the nodes.
+    catalogue : Catalogue
+        What ``values`` are.
+    values : (n,) array
+        Supports count as closed what is closed from here on.
     largest_at, smallest_at : (x, y)
+        Where the extremes of the deflection are.
     work, work_size : float
         Sum of nodal loads times displacements, which is the same for all solutions of one load, and of the magnitudes.
     not_unique : tuple of NotUnique
@@ -81,18 +70,8 @@ class PathStop(Brief):
     t: float
     switched: tuple[Switch, ...]
     points: Ints
-    reactions: Floats
-    at_points: Floats
-    gaps: Floats
-    closed: Ints
-    counts: Ints
-    parts: Floats
-    contact_areas: Floats
-    max_pressures: Floats
-    deflections: Floats
-    through: Floats
-    largest: float
-    smallest: float
+    catalogue: Catalogue
+    values: Floats
     largest_at: tuple[float, float]
     smallest_at: tuple[float, float]
     work: float
@@ -100,9 +79,60 @@ class PathStop(Brief):
     not_unique: tuple[NotUnique, ...] = ()
 
     @property
+    def reactions(self) -> Floats:
+        """Total (s,) of every support, positive when it pushes the plate up."""
+        return self._of("support", "reaction")
+
+    @property
+    def parts(self) -> Floats:
+        """The part (s,) of every support that is closed: of points as many, of lines by length, of areas by area."""
+        return self._of("support", "closed_part")
+
+    @property
+    def deflections(self) -> Floats:
+        """Deflections (q,) at the model's probes."""
+        return self._of("probe", "deflection")
+
+    @property
+    def through(self) -> Floats:
+        """Moment, twist and shear (3s,) of the model's sections, and their means at the stations of its strips."""
+        at = self.catalogue.at
+        homes: tuple[Home, ...] = ("section", "station")
+        places = [at(home, "moment", "twist", "shear") for home in homes]
+        return np.asarray(self.values[np.concatenate(places).ravel()])
+
+    @property
+    def largest(self) -> float:
+        """Largest deflection at a node."""
+        return self.number("deflection.max")
+
+    @property
+    def smallest(self) -> float:
+        """Smallest deflection at a node."""
+        return self.number("deflection.min")
+
+    @property
     def utmost(self) -> float:
         """The extreme of the deflection that is larger in size, negative where the plate lifts most."""
         return self.smallest if -self.smallest > self.largest else self.largest
+
+    def number(self, name: str) -> float:
+        """A number by its name, such as "bolts[1].reaction"."""
+        return float(self.values[self.catalogue.by_name[name]])
+
+    def with_part(self, index: int, part: float, count: int) -> PathStop:
+        """Say of a support what part of it, and how many of its points, are closed."""
+        values = self.values.copy()
+        for name, value in (
+            ("closed_part", part),
+            ("closed", round(part * count)),
+            ("open", count - round(part * count)),
+        ):
+            values[self.catalogue.at("support", name)[index]] = value
+        return replace(self, values=values)
+
+    def _of(self, home: Home, name: str) -> Floats:
+        return np.asarray(self.values[self.catalogue.at(home, name)])
 
 
 def switches(found: Discretisation, points: Ints, answer: Answer) -> tuple[Switch, ...]:
@@ -118,15 +148,11 @@ def switches(found: Discretisation, points: Ints, answer: Answer) -> tuple[Switc
     )
 
 
-def listed_points(found: Discretisation) -> list[Bearing]:
-    """Points of supports at points, whose reactions every stop lists; none where they are many."""
-    listed = [
-        Bearing(index, number, (x, y))
-        for index, support in enumerate(found.model.support)
-        if support.place == "at"
-        for number, (x, y) in enumerate(SupportPoints.of(found, index).positions.tolist(), start=1)
-    ]
-    return listed if len(listed) <= _MOST_POINTS else []
+def numbers_at_stops(found: Discretisation) -> Catalogue:
+    """What stops tell; of points of supports at points only where these are not many."""
+    whole = catalogue_of(found, ("deflection",)).along_paths
+    many = len(whole.at("point", "reaction")) > _MOST_POINTS
+    return Catalogue(tuple(one for one in whole if one.home != "point")) if many else whole
 
 
 def path_stops(
@@ -143,24 +169,22 @@ def path_stops(
     ``imbalance`` (k, 3n) are their residuals, of plate and springs alone, where they are known.
     """
     hi, lo = np.array([answer.hi for answer in answers]), np.array([answer.lo for answer in answers])
-    shared, closed = np.array([answer.shared for answer in answers]), np.array([answer.closed for answer in answers])
     imbalance = imbalances(found, loads, hi, lo) if imbalance is None else imbalance
-    deflection = (hi + lo)[:, ::3]
+    catalogue, deflection = numbers_at_stops(found), (hi + lo)[:, ::3]
     works = np.array([load.nodal for load in loads]) * (hi + lo)
-    held_force = np.where(found.held.dofs, imbalance - (found.point_rows.T @ shared.T).T, 0.0)[:, ::3]
     pull = found.spring_forces(hi, lo)
-    listed = {one.support for one in listed_points(found)}
-    supports = [
-        _support_at_stops(found, index, index in listed, held_force, pull, deflection, closed, shared, answers)
-        for index in range(len(found.model.support))
-    ]
-    of_points, of_gaps, *of_supports = zip(*supports, strict=True)
-    at_points, gaps = np.concatenate(of_points, axis=1), np.concatenate(of_gaps, axis=1)
-    totals, closed_counts, counts, parts, areas, pressures = (np.array(numbers).T for numbers in of_supports)
+    numbers = np.full((len(answers), len(catalogue)), np.nan)
+    _put_supports(found, catalogue, numbers, imbalance, pull, deflection, answers)
     values = found.mesh.shape_functions(found.probes.elements, found.probes.xi)
     at_probes = np.einsum("qi,kqi->kq", values, deflection[:, found.mesh.elements[found.probes.elements]])
+    numbers[:, catalogue.at("probe", "deflection")] = at_probes
+    numbers[:, catalogue.at("field", *SIDES)] = np.stack([deflection.max(axis=1), deflection.min(axis=1)], axis=1)[
+        :, None
+    ]
     stops = []
     for row, (t, load, answer) in enumerate(zip(at, loads, answers, strict=True)):
+        through = found.through(load, answer.hi, answer.lo, answer.shared, pull[row])
+        catalogue.put_through(numbers[row], through)
         extremes = [peak(sign * deflection[row], found.mesh.points) for sign in (1.0, -1.0)]
         most, least = [(float(x), float(y)) for x, y in found.mesh.points[extremes]]
         stops.append(
@@ -168,18 +192,8 @@ def path_stops(
                 t,
                 switches(found, switched[row], answer),
                 points[row],
-                totals[row],
-                at_points[row],
-                gaps[row],
-                closed_counts[row],
-                counts[row],
-                parts[row],
-                areas[row],
-                pressures[row],
-                at_probes[row],
-                found.through(load, answer.hi, answer.lo, answer.shared, pull[row]),
-                float(deflection[row].max()),
-                float(deflection[row].min()),
+                catalogue,
+                numbers[row],
                 most,
                 least,
                 float(works[row].sum()),
@@ -190,38 +204,43 @@ def path_stops(
     return stops
 
 
-def _support_at_stops(
+def _put_supports(
     found: Discretisation,
-    index: int,
-    listed: bool,
-    held_force: Floats,
+    catalogue: Catalogue,
+    numbers: Floats,
+    imbalance: Floats,
     pull: Floats,
     deflection: Floats,
-    closed: Bools,
-    shared: Floats,
     answers: Sequence[Answer],
-) -> tuple[Floats, Floats, Floats, Ints, Ints, Floats, Floats, Floats]:
-    """What a support does: reactions and gaps (k, p) of its points, if they are listed, and numbers (k,).
-
-    These are its total, closed points, all points, the part that is closed, contact area and largest pressure.
-    """
-    support, points = found.model.support[index], SupportPoints.of(found, index)
-    fixed = np.concatenate([held_force[:, points.nodes], pull[:, points.springs]], axis=1)
-    reactions, closed = points.forces(fixed, shared), points.closed(closed)
-    areas = pressures = np.full(len(closed), np.nan)
-    if support.area is not None:
-        at_rest = area_at_rest(found, index)
-        areas = at_rest.contact_areas(deflection, closed)
-        known, _ = at_rest.measured(deflection[:, at_rest.on_nodes], reactions)
-        pressures = np.fmax.reduce(known, axis=1, initial=0.0)
-    parts = [closed_part(found, index, answer, area) for answer, area in zip(answers, areas.tolist(), strict=True)]
-    return (
-        reactions if listed else reactions[:, :0],
-        points.gaps(np.array([answer.gap for answer in answers])) if listed else reactions[:, :0],
-        reactions.sum(axis=1),
-        closed.sum(axis=1),
-        np.full(len(closed), closed.shape[1]),
-        np.array(parts),
-        areas,
-        pressures,
-    )
+) -> None:
+    """Fill in what supports and their points do in every answer (k, n)."""
+    shared, all_closed = np.array([one.shared for one in answers]), np.array([one.closed for one in answers])
+    gaps = np.array([one.gap for one in answers])
+    held_force = np.where(found.held.dofs, imbalance - (found.point_rows.T @ shared.T).T, 0.0)[:, ::3]
+    of_points: list[tuple[Floats, Floats]] = []
+    areas = [index for index, support in enumerate(found.model.support) if support.area is not None]
+    for index, support in enumerate(found.model.support):
+        points = SupportPoints.of(found, index)
+        fixed = np.concatenate([held_force[:, points.nodes], pull[:, points.springs]], axis=1)
+        reactions, closed = points.forces(fixed, shared), points.closed(all_closed)
+        contact = np.full(len(answers), np.nan)
+        if support.area is not None:
+            at_rest = area_at_rest(found, index)
+            contact = at_rest.contact_areas(deflection, closed)
+            pressures = at_rest.measured(deflection[:, at_rest.on_nodes], reactions)
+            most = np.fmax.reduce(pressures, axis=1, initial=0.0)
+            for name, values in (("contact_area", contact), ("max_pressure", most)):
+                numbers[:, catalogue.at("support", name)[areas.index(index)]] = values
+        parts = [closed_part(found, index, one, area) for one, area in zip(answers, contact.tolist(), strict=True)]
+        count = closed.sum(axis=1)
+        for name, values in (
+            ("reaction", reactions.sum(axis=1)),
+            ("closed", count),
+            ("open", closed.shape[1] - count),
+            ("closed_part", parts),
+        ):
+            numbers[:, catalogue.at("support", name)[index]] = values
+        if support.place == "at":
+            of_points.append((reactions, points.gaps(gaps)))
+    if len(at := catalogue.at("point", "reaction", "gap")):
+        numbers[:, at] = np.stack([np.concatenate(column, axis=1) for column in zip(*of_points, strict=True)], axis=-1)

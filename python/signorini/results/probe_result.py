@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -12,6 +11,7 @@ from signorini.discretise.rows import Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.mesh import Location
 from signorini.results.contact_field import without_shared_borders
+from signorini.results.formulas import design_moments, face_stresses, principal_moments, shear_stresses
 from signorini.results.support_result import SupportResult
 
 
@@ -28,6 +28,8 @@ class ProbeResult:
     shear : (qx, qy)
     pressure : float or None
         Contact pressure of the area supports there, positive up; None where there is none.
+    thickness : float
+        Of a solid plate, where it jumps that of the thinner side; NaN where a stiffness is given in its place.
     """
 
     at: tuple[float, float]
@@ -37,67 +39,75 @@ class ProbeResult:
     shear: tuple[float, float]
     pressure: float | None
 
+    thickness: float
+
     @property
     def principal_moment(self) -> tuple[float, float, float]:
         """Principal moments m1 ≥ m2, and the angle from x to the direction of m1, in degrees towards y.
 
         Examples
         --------
-        >>> ProbeResult((0, 0), 0, (0, 0), (3.0, 3.0, 1.0), (0, 0), None).principal_moment
+        >>> ProbeResult((0, 0), 0, (0, 0), (3.0, 3.0, 1.0), (0, 0), None, 1.0).principal_moment
         (4.0, 2.0, 45.0)
         """
-        mx, my, mxy = self.moment
-        middle, radius = 0.5 * (mx + my), math.hypot(0.5 * (mx - my), mxy)
-        return middle + radius, middle - radius, math.degrees(0.5 * math.atan2(2 * mxy, mx - my))
+        m1, m2, angle = principal_moments(np.array(self.moment)).tolist()
+        return m1, m2, angle
 
     @property
     def design_moment(self) -> dict[str, tuple[float, float]]:
         """Moments along x and y for which reinforcement along them is designed: bottom ≥ 0, top ≤ 0.
 
-        R. H. Wood, *The reinforcement of slabs in accordance with a pre-determined field of moments*, Concrete 2
-        (1968); G. S. T. Armer, discussion of it.
+        By `signorini.results.formulas.design_moments` (Wood 1968, Armer 1968).
+        """
+        bottom_x, bottom_y, top_x, top_y = design_moments(np.array(self.moment)).tolist()
+        return {"bottom": (bottom_x, bottom_y), "top": (top_x, top_y)}
+
+    @property
+    def stress(self) -> dict[str, tuple[float, ...]]:
+        """Stresses of a solid plate, tension positive: σx, σy, τxy at "top" and "bottom", "von_mises" there, "shear".
+
+        Shear is τxz, τyz at mid-depth. All NaN where a stiffness is given in place of a solid section.
 
         Examples
         --------
-        >>> ProbeResult((0, 0), 0, (0, 0), (3.0, 2.0, 1.0), (0, 0), None).design_moment
-        {'bottom': (4.0, 3.0), 'top': (0.0, 0.0)}
-        >>> ProbeResult((0, 0), 0, (0, 0), (4.0, -5.0, 2.0), (0, 0), None).design_moment
-        {'bottom': (4.8, 0.0), 'top': (0.0, -6.0)}
+        >>> ProbeResult((0, 0), 0, (0, 0), (3.0, 0.0, 0.0), (0, 4.0), None, 2.0).stress["bottom"]
+        (4.5, 0.0, 0.0)
         """
-        mx, my, mxy = self.moment
-        top = _sagging(-mx, -my, mxy)
-        return {"bottom": _sagging(mx, my, mxy), "top": (0.0 - top[0], 0.0 - top[1])}
-
-
-def _sagging(mx: float, my: float, mxy: float) -> tuple[float, float]:
-    """Moments that bars at the bottom are designed for."""
-    x, y = mx + abs(mxy), my + abs(mxy)
-    if x < 0 and y < 0:
-        return 0.0, 0.0
-    if x < 0:
-        return 0.0, max(0.0, my + mxy**2 / abs(mx))
-    if y < 0:
-        return max(0.0, mx + mxy**2 / abs(my)), 0.0
-    return x, y
+        thickness = np.array(self.thickness)
+        values = face_stresses(np.array(self.moment), thickness).tolist()
+        shear = shear_stresses(np.array(self.shear), thickness).tolist()
+        return {
+            "top": tuple(values[:3]),
+            "bottom": tuple(values[3:6]),
+            "von_mises": tuple(values[6:]),
+            "shear": tuple(shear),
+        }
 
 
 def probe_results(
     fields: Floats,
     nodes: StressNodes,
+    thickness: Floats,
     supports: Sequence[SupportResult],
     where: Location,
     positions: Floats,
 ) -> list[ProbeResult]:
-    """Interpolate fields (s, 8), in the order of `ProbeResult`, to positions (q, 2), and ask for the pressure."""
+    """Interpolate fields (s, 8) and the thickness (s,) to positions (q, 2), and ask for the pressure there."""
     if not len(positions):
         return []
     sides = nodes.sides(positions, where)
     values = nodes.mesh.shape_functions(sides.where.elements, sides.where.xi)
-    at_points = sides.larger(np.einsum("qi,qif->qf", values, fields[nodes.elements[sides.where.elements]]))
+    elements = nodes.elements[sides.where.elements]
+    at_points = sides.larger(np.einsum("qi,qif->qf", values, fields[elements]))
+    pressures = total_pressure(supports, where).tolist()
     return [
-        ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p)
-        for (x, y), v, p in zip(
-            positions.tolist(), at_points.tolist(), total_pressure(supports, where).tolist(), strict=True
+        ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h)
+        for (x, y), v, p, h in zip(
+            positions.tolist(),
+            at_points.tolist(),
+            pressures,
+            sides.least(np.einsum("qi,qi->q", values, thickness[elements])).tolist(),
+            strict=True,
         )
     ]
 

@@ -6,7 +6,7 @@ import html
 import os
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias
 
@@ -15,7 +15,8 @@ import numpy as np
 from signorini.base import arguments
 from signorini.base.arguments import known
 from signorini.base.named import Named
-from signorini.base.numbers import compared, estimated, number, size_of
+from signorini.base.numbers import estimated, number, size_of
+from signorini.base.on_demand import OnDemand
 from signorini.base.remade import Remade
 from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import Certificate
@@ -25,14 +26,15 @@ from signorini.discretise.stressnodes import StressNodes
 from signorini.errors import InputError, point
 from signorini.formats.vtk import displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
-from signorini.model import Model
+from signorini.model import Combination, Model
 from signorini.results.contact_field import Pressures
-from signorini.results.estimate import NONE, Estimate, Estimator
 from signorini.results.extremes import FieldExtremes, extremes
 from signorini.results.notebook import supports_table
 from signorini.results.panels import panel, support_marks
 from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
-from signorini.results.section_result import SectionResult, StripResult, section_results
+from signorini.results.quantities import FIELDS, LINEAR, SIDES, TOLD, Catalogue, Home, derived
+from signorini.results.section_result import SectionResult, StationResult, StripResult, section_results
+from signorini.results.support_points import catalogue_of
 from signorini.results.support_result import SupportResult, support_result
 from signorini.results.warnings import model_warnings, result_warnings
 from signorini.singularities.named import singularities
@@ -43,9 +45,6 @@ if TYPE_CHECKING:
 
 Points: TypeAlias = Floats | Sequence[tuple[float, float]] | tuple[float, float]
 Status = Literal["solved", "no_equilibrium"]
-
-
-FIELDS = ("deflection", "rotation_x", "rotation_y", "mx", "my", "mxy", "qx", "qy")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,12 +80,16 @@ class Result(Remade):
     not_unique : tuple of NotUnique
         What else would be as right, where supports repeat each other or the plate may rest elsewhere: of all these the
         least reactions, and then the least deflection, are given. Empty where this is the only answer.
-    noticed : tuple of str
-        What of the model and of this answer is seldom meant, in sentences; ``warnings`` has them too.
+    warnings : tuple of str
+        What of the model and of this answer is seldom meant, in sentences.
     singular : tuple of Singularity
         Where numbers have no limit as the mesh is refined, and which.
-    estimator : Estimator or None
-        Who says how far its mesh is from the plate.
+    thickness : (s,) array
+        At the nodes of stresses, NaN where a stiffness is given in place of a solid section.
+    catalogue : Catalogue
+        What ``numbers`` are.
+    combination : Combination or None
+        The load, by factors of the model's cases; None where it is none of these.
     """
 
     name: str
@@ -110,15 +113,17 @@ class Result(Remade):
     sections: tuple[SectionResult, ...]
     strips: tuple[StripResult, ...]
     seconds: float
-    noticed: tuple[str, ...]
+    warnings: tuple[str, ...]
     singular: tuple[Singularity, ...]
-    estimator: Estimator | None = field(default=None, repr=False)
+    thickness: Floats
+    catalogue: Catalogue
+    combination: Combination | None
 
     @classmethod
     def of(
         cls,
         found: Discretisation,
-        name: str,
+        load_of: Combination | str,
         methods: Sequence[str],
         load: CaseLoad,
         answer: Answer,
@@ -127,6 +132,7 @@ class Result(Remade):
     ) -> Self:
         """Recover every field from a contact solution; the last of ``methods`` found it.
 
+        ``load_of`` is the combination, or the name of a load that is none.
         ``stress`` (s, 5) are the moments and shears at the nodes, where they are known already.
         """
         *unsettled, method = methods
@@ -148,11 +154,11 @@ class Result(Remade):
         supports = tuple(
             support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
         )
-        nodes = found.stress_nodes
+        nodes, thickness = found.stress_nodes, found.node_thickness
         fields = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(rotation), stress])
         through = found.through(load, hi, lo, answer.shared, pull)
         return cls(
-            name,
+            load_of if isinstance(load_of, str) else load_of.name,
             "solved",
             "",
             method,
@@ -169,11 +175,14 @@ class Result(Remade):
             stress[:, 3:],
             nodal_reaction[::3],
             supports,
-            tuple(probe_results(fields, nodes, supports, found.probes, found.probe_positions)),
+            tuple(probe_results(fields, nodes, thickness, supports, found.probes, found.probe_positions)),
             *section_results(found, through),
             time.perf_counter() - begun,
             result_warnings(found, load, nodal[:, 0], supports, answer.not_unique),
             singularities(found, load.acting),
+            thickness,
+            catalogue_of(found, TOLD),
+            None if isinstance(load_of, str) else load_of,
         )
 
     @property
@@ -193,11 +202,23 @@ class Result(Remade):
 
     @cached_property
     def fields(self) -> Mapping[str, Floats]:
-        """Every field by name: deflection, rotation_x, rotation_y (n,), mx, my, mxy, qx, qy (s,)."""
-        values = [self.deflection, *self.rotation.T, *self.moment.T, *self.shear.T]
-        for one in values:
-            one.flags.writeable = False
-        return Named(dict(zip(FIELDS, values, strict=True)), "field", "This result")
+        """Every field by name, see `signorini.results.quantities.FIELDS`.
+
+        deflection, rotation_x and rotation_y are at the nodes of the mesh (n,), all others at those of stresses (s,):
+        mx, my, mxy, qx, qy; principal moments m1, m2; design moments such as mx_bottom; stresses such as sx_top,
+        von_mises and txz.
+        """
+        return OnDemand(FIELDS, self._field, None, "field", "This result")
+
+    def _field(self, name: str) -> Floats:
+        field: Floats
+        if name in LINEAR:
+            values = dict(zip(LINEAR, (self.deflection, *self.rotation.T, *self.moment.T, *self.shear.T), strict=True))
+            field = values[name]
+        else:
+            field = derived([name], self.moment, self.shear, self.thickness)[:, 0]
+        field.flags.writeable = False
+        return field
 
     @cached_property
     def extremes(self) -> Mapping[str, FieldExtremes]:
@@ -221,45 +242,38 @@ class Result(Remade):
         return Named(extremes(self.fields, self.stress_nodes, self.singular), "field", "This mapping of extremes")
 
     @cached_property
-    def estimate(self) -> Estimate:
-        """What other meshes say of these numbers; the plate is solved on them when this is first asked for.
-
-        What stands in the way, such as memory, is said in its ``warnings``, and then in those of the result.
-        """
-        return NONE if self.estimator is None else self.estimator(self)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What is seldom meant, in sentences, and once half-widths were asked for why they are missing."""
-        return self.noticed + (self.estimate.warnings if "estimate" in self.__dict__ else ())
-
-    @property
-    def asked_estimate(self) -> Estimate:
-        """The estimate where the model asks for one (``mesh.error``); else nothing is solved."""
-        return self.estimate if self.model.estimated else NONE
-
-    @property
-    def plus_minus(self) -> Mapping[str, Any] | None:
-        """Half-widths within which refining the mesh is expected to move every number: of the mesh, not the equations.
-
-        The same structure as the keys deflection, fields, supports, probes, sections and strips of results.json
-        (docs/results.md). None in place of a number that has none, and where nothing is known: without equilibrium, of
-        reactions that were given, or where no other mesh could be solved, as ``warnings`` then says.
-
-        Examples
-        --------
-        >>> from signorini import Model, solve
-        >>> model = Model(
-        ...     material={"E": 30e9, "nu": 0.2},
-        ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-        ...     support=[{"name": "walls", "edge": ["left", "right"], "resists": "down"}],
-        ...     load=[{"pressure": 5e3, "area": {"rectangle": [0, 0, 1, 1]}}],
-        ... )
-        >>> result = solve(model)["all"]
-        >>> print(f"{1e6 * result.deflection.max():.1f} ± {1e6 * result.plus_minus['deflection']['max']:.1f}")
-        61.9 ± 0.3
-        """
-        return self.estimate.plus_minus
+    def numbers(self) -> Floats:
+        """Every number (k,) of its ``catalogue``; NaN where there is none."""
+        found, at = np.full(len(self.catalogue), np.nan), self.catalogue.at
+        if self.status != "solved":
+            return found
+        for name in ("reaction", "closed_part"):
+            found[at("support", name)] = [getattr(one, name) for one in self.supports]
+        found[at("support", "closed", "open")] = [(one.closed_count, one.open_count) for one in self.supports]
+        areas = [one.area for one in self.supports if one.area is not None]
+        for name in ("max_pressure", "contact_area", "max_tension") if areas else ():
+            found[at("support", name)] = [getattr(one, name) for one in areas]
+        points = [one for one in self.supports if one.place == "at"]
+        if len(at("point", "reaction")):
+            found[at("point", "reaction")] = np.concatenate([one.reactions for one in points])
+            found[at("point", "gap")] = np.concatenate([one.gaps for one in points])
+        if self.probes:
+            linear = [(one.deflection, *one.rotation, *one.moment, *one.shear) for one in self.probes]
+            found[at("probe", *LINEAR)] = linear
+            if areas:
+                found[at("probe", "pressure")] = [np.nan if p.pressure is None else p.pressure for p in self.probes]
+            self.catalogue.derive(found, np.array([one.thickness for one in self.probes]))
+        lines: list[tuple[Home, Sequence[SectionResult] | Sequence[StationResult]]] = [("section", self.sections)]
+        lines.append(("station", [station for strip in self.strips for station in strip.stations]))
+        for home, those in lines:
+            for name in ("moment", "twist", "shear") if those else ():
+                found[at(home, name)] = [getattr(one, name) for one in those]
+        if self.strips:
+            found[at("strip", "max_moment")] = [one.sagging.moment for one in self.strips]
+            found[at("strip", "min_moment")] = [one.hogging.moment for one in self.strips]
+        for side in SIDES:
+            found[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
+        return found
 
     def probe(self, points: Points) -> list[ProbeResult]:
         """Results at points (q, 2) of the plate.
@@ -270,8 +284,8 @@ class Result(Remade):
             If a point is not on the plate, or none at all.
         """
         positions, where = self._located(points)
-        fields = np.column_stack([self.stress_nodes.spread(field) for field in self.fields.values()])
-        return probe_results(fields, self.stress_nodes, self.supports, where, positions)
+        fields = np.column_stack([self.stress_nodes.spread(self.fields[name]) for name in LINEAR])
+        return probe_results(fields, self.stress_nodes, self.thickness, self.supports, where, positions)
 
     def pressure(self, points: Points) -> Floats:
         """Contact pressure (q,) of the area supports at points (q, 2) of the plate, positive where they push it up.
@@ -307,7 +321,11 @@ class Result(Remade):
         return positions, where
 
     def plot(
-        self, field: str = "deflection", ax: Axes | None = None, limits: tuple[float, float] | None = None
+        self,
+        field: str = "deflection",
+        ax: Axes | None = None,
+        limits: tuple[float, float] | None = None,
+        plus_minus: Mapping[str, Any] | None = None,
     ) -> Axes:
         """Draw a field as contours with the supports, open or closed, as the pictures of the command show it.
 
@@ -319,6 +337,8 @@ class Result(Remade):
             Of matplotlib; by default those of a new figure.
         limits : (low, high), optional
             Range of the colours, of results that are to be compared; by default that of the field.
+        plus_minus : mapping, optional
+            Half-widths to name with the extremes: ``signorini.estimate(result).plus_minus``.
 
         Raises
         ------
@@ -336,8 +356,7 @@ class Result(Remade):
         nodes, units = self.stress_nodes, self.model.units
         plan = Plan.of(nodes.points, nodes.elements)
         marks = support_marks(self.mesh, self.model.support, self.supports)
-        widths = self.estimate.plus_minus if "estimate" in self.__dict__ else None
-        drawn = panel(field, self, widths, None if limits is None else arguments.interval(limits, "limits"))
+        drawn = panel(field, self, plus_minus, None if limits is None else arguments.interval(limits, "limits"))
         if ax is None:
             return field_picture(plan, [drawn], marks, title=self.heading, length=units.length).axes[0]
         draw_legend(ax, draw_panel(ax, plan, drawn, marks))
@@ -362,28 +381,41 @@ class Result(Remade):
         write_vtu(path, self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self))
 
     def _repr_html_(self) -> str:
-        """Show the supports in a notebook, with half-widths once `plus_minus` was asked for: nothing is solved here."""
-        title = f"<p><b>{html.escape(self.name)}</b>: {self.status.replace('_', ' ')}</p>"
-        if self.status != "solved":
-            return f"{title}<p>{html.escape(self.message)}</p>"
-        estimate = self.estimate if "estimate" in self.__dict__ else None
-        units, widths = self.model.units, None if estimate is None else estimate.plus_minus
-        ends = [float(self.deflection.min()), float(self.deflection.max())]
-        if widths is not None:
-            most = size_of(ends)
-            low, high = (
-                estimated(end, widths["deflection"][side], most) for end, side in zip(ends, ("min", "max"), strict=True)
-            )
-        else:
-            low, high = map(number, ends)
-        said = [
-            f"deflection {low} to {high} {units.length}".rstrip() + ", positive down",
-            f"{self.method}, {self.iterations} {self.counted}; certificate {self.certificate}, of the equations",
-            f"of the mesh: {compared(estimate.elements, True) if estimate else '± once plus_minus is asked for'}",
-            *self.warnings,
-        ]
-        table = supports_table(self.model.support, self.supports, units, None if widths is None else widths["supports"])
-        return f"{title}{table}<p>{'<br>'.join(map(html.escape, said))}</p>"
+        """Show the supports in a notebook."""
+        return in_notebook(self, None, "")
+
+
+def in_notebook(result: Result, plus_minus: Mapping[str, Any] | None, of_mesh: str) -> str:
+    """Write a result as HTML, with half-widths if there are any and what they come from."""
+    title = f"<p><b>{html.escape(result.name)}</b>: {result.status.replace('_', ' ')}</p>"
+    if result.status != "solved":
+        return f"{title}<p>{html.escape(result.message)}</p>"
+    units, ends = result.model.units, result.extremes["deflection"]
+    most = size_of([ends.min, ends.max])
+    low, high = (
+        number(value, most) if plus_minus is None else estimated(value, plus_minus["deflection"][side], most)
+        for side, value in (("min", ends.min), ("max", ends.max))
+    )
+    said = [
+        f"deflection {low} to {high} {units.length}".rstrip() + ", positive down",
+        f"{result.method}, {result.iterations} {result.counted}; certificate {result.certificate}, of the equations",
+        *([f"of the mesh: {of_mesh}"] if of_mesh else []),
+        *result.warnings,
+    ]
+    widths = None if plus_minus is None else plus_minus["supports"]
+    table = supports_table(result.model.support, result.supports, units, widths)
+    return f"{title}{table}<p>{'<br>'.join(map(html.escape, said))}</p>"
+
+
+_VECTORS = {
+    "principal_moment": ("m1", "m2"),
+    "design_moment_bottom": ("mx_bottom", "my_bottom"),
+    "design_moment_top": ("mx_top", "my_top"),
+    "stress_top": ("sx_top", "sy_top", "txy_top"),
+    "stress_bottom": ("sx_bottom", "sy_bottom", "txy_bottom"),
+    "shear_stress": ("txz", "tyz"),
+}
+"""Fields that a .vtu file has together."""
 
 
 def vtk_fields(result: Result) -> tuple[dict[str, Floats], dict[str, Floats]]:
@@ -395,6 +427,12 @@ def vtk_fields(result: Result) -> tuple[dict[str, Floats], dict[str, Floats]]:
         "moment": result.moment,
         "shear": np.column_stack([result.shear, np.zeros(len(result.shear))]),
     }
+    for name, parts in _VECTORS.items():
+        values = np.zeros((result.stress_nodes.count, 3))
+        for axis, part in enumerate(parts):
+            values[:, axis] = result.fields[part]
+        data[name] = values
+    data["von_mises"] = result.fields["von_mises"]
     of_elements = {}
     if any(support.on_nodes for support in result.model.support):
         data["reaction"] = result.nodal_reaction
@@ -410,13 +448,13 @@ def vtk_fields(result: Result) -> tuple[dict[str, Floats], dict[str, Floats]]:
     return {name: result.stress_nodes.spread(values) for name, values in data.items()}, of_elements
 
 
-def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
+def unsolved_result(found: Discretisation, combination: Combination, message: str) -> Result:
     """Build the result of a combination without equilibrium: NaN for every number, and the reason."""
     nan = float("nan")
     count, of_stress = found.mesh.node_count, found.stress_nodes.count
     nothing = np.full(count, nan)
     return Result(
-        name,
+        combination.name,
         "no_equilibrium",
         message,
         "equilibrium check",
@@ -439,4 +477,7 @@ def unsolved_result(found: Discretisation, name: str, message: str) -> Result:
         0.0,
         model_warnings(found),
         (),
+        found.node_thickness,
+        catalogue_of(found, TOLD),
+        combination,
     )

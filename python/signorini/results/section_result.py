@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
-from signorini.model import Model
-
-COMPONENTS = ("moment", "twist", "shear")
 
 
 @dataclass(frozen=True)
@@ -123,39 +120,3 @@ def section_results(
 def _next(values: Iterator[tuple[float, list[float]]]) -> tuple[float, float, float, float]:
     length, (moment, twist, shear) = next(values)
     return length, moment, twist, shear
-
-
-def numbers_of(sections: Sequence[SectionResult], strips: Sequence[StripResult]) -> list[float]:
-    """Give their moments, twists and shears as they stand in a row of a table (3s,)."""
-    stations = [station for strip in strips for station in strip.stations]
-    every: list[SectionResult | StationResult] = [*sections, *stations]
-    return [number for one in every for number in (one.moment, one.twist, one.shear)]
-
-
-def columns_of(model: Model) -> list[str]:
-    """Name the columns of these numbers (3s,).
-
-    Examples
-    --------
-    >>> from signorini import Model
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     load=[{"pressure": 5e3}],
-    ...     section=[{"name": "A", "line": [[2, 0], [2, 4]]}],
-    ...     strip=[{"name": "B", "line": [[0, 2], [4, 2]], "width": 2, "stations": 2}],
-    ... )
-    >>> columns_of(model)[2:4], columns_of(model)[-1]
-    (['section[A]:shear', 'strip[B][1]:moment'], 'strip[B][2]:shear')
-    """
-    lines = [f"section[{section.name}]" for section in model.section]
-    lines += [f"strip[{strip.name}][{station}]" for strip in model.strip for station in range(1, strip.stations + 1)]
-    return [f"{line}:{component}" for line in lines for component in COMPONENTS]
-
-
-def paths_of(model: Model) -> list[tuple[str | int, ...]]:
-    """Give the keys and indices that lead to these numbers in results.json (3s,)."""
-    lines: list[tuple[str | int, ...]] = [("sections", index) for index in range(len(model.section))]
-    for index, strip in enumerate(model.strip):
-        lines += [("strips", index, "stations", station) for station in range(strip.stations)]
-    return [(*line, component) for line in lines for component in COMPONENTS]

@@ -10,8 +10,8 @@ from signorini.base.remade import Remade
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import Discretisation
 from signorini.model import Model
-from signorini.results.columns import Column
 from signorini.results.envelope import Envelope
+from signorini.results.rows import Column
 
 Key = TypeVar("Key", str, float)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -13,6 +14,7 @@ from scipy.sparse import csr_array
 from signorini.discretise import Discretisation
 from signorini.discretise.averages import STRIP
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.results.quantities import Catalogue
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,6 +158,18 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
     return elements, csr_array((share[order], point[order], start), shape=(len(elements), len(shared)))
 
 
+def catalogue_of(found: Discretisation, fields: Sequence[str]) -> Catalogue:
+    """List the numbers of a model's results."""
+    key = tuple(fields)
+    known = _CATALOGUES.setdefault(found, {})
+    if key not in known:
+        points = [SupportPoints.of(found, index) for index in range(len(found.model.support))]
+        counts, opens = [len(of.positions) for of in points], [of.rows.size > 0 for of in points]
+        known[key] = Catalogue.of(found.model, counts, opens, len(found.probe_positions), key)
+    return known[key]
+
+
 _INWARD = 3e-10
 """Part of the plate's size by which an element's point is kept within the element: corners are of several."""
 _KNOWN: WeakKeyDictionary[Discretisation, dict[int, SupportPoints]] = WeakKeyDictionary()
+_CATALOGUES: WeakKeyDictionary[Discretisation, dict[tuple[str, ...], Catalogue]] = WeakKeyDictionary()

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from signorini.discretise import Discretisation
 from signorini.errors import InputError, unknown
-from signorini.results.path_stop import PathStop, listed_points
-from signorini.results.section_result import columns_of
-
-_SMOOTH = ("contact_area", "max_pressure", "closed_part")
-"""Quantities that are not linear in t on one contact set."""
+from signorini.results.path_stop import PathStop, numbers_at_stops
+from signorini.results.quantities import SMOOTH
 
 
 @dataclass(frozen=True)
@@ -39,48 +36,7 @@ class Threshold:
     @property
     def linear(self) -> bool:
         """Whether the quantity is linear in t as long as nothing opens or closes."""
-        return not self.quantity.endswith(_SMOOTH)
-
-
-def quantities(found: Discretisation) -> Mapping[str, Callable[[PathStop], float]]:
-    """Every result of a stop by its name: of supports, their points, probes, sections, strips and the whole plate.
-
-    Examples
-    --------
-    >>> from signorini import Model
-    >>> from signorini.discretise import discretise
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     mesh={"divisions": [2, 2]},
-    ...     support=[{"name": "feet", "at": [[1, 1], [3, 3]], "resists": "down"}],
-    ...     load=[{"pressure": 5e3}],
-    ... )
-    >>> sorted(quantities(discretise(model)))[:4]
-    ['deflection.max', 'deflection.min', 'feet.closed_part', 'feet.reaction']
-    """
-    model = found.model
-    known: dict[str, Callable[[PathStop], float]] = {
-        "deflection.max": lambda stop: stop.largest,
-        "deflection.min": lambda stop: stop.smallest,
-    }
-    for i, support in enumerate(model.support):
-        known[f"{support.name}.reaction"] = _of("reactions", i)
-        known[f"{support.name}.closed_part"] = _of("parts", i)
-        if support.area is not None:
-            known[f"{support.name}.contact_area"] = _of("contact_areas", i)
-            known[f"{support.name}.max_pressure"] = _of("max_pressures", i)
-    for i, one in enumerate(listed_points(found)):
-        name = f"{model.support[one.support].name}[{one.point}]"
-        known |= {f"{name}.reaction": _of("at_points", i), f"{name}.gap": _of("gaps", i)}
-    known |= {f"probe[{i + 1}].deflection": _of("deflections", i) for i in range(len(found.probe_positions))}
-    for i, column in enumerate(columns_of(model)):
-        known[".".join(column.rsplit(":", 1))] = _of("through", i)
-    return known
-
-
-def _of(array: str, index: int) -> Callable[[PathStop], float]:
-    return lambda stop: float(getattr(stop, array)[index])
+        return self.quantity.rpartition(".")[-1] not in SMOOTH
 
 
 def thresholds(found: Discretisation, when: Sequence[str]) -> tuple[Threshold, ...]:
@@ -93,7 +49,7 @@ def thresholds(found: Discretisation, when: Sequence[str]) -> tuple[Threshold, .
     """
     if isinstance(when, str) or not isinstance(when, Sequence):
         raise InputError('it must be a list of texts such as ["bolts[1].reaction = 203e3"].', place="when")
-    known, asked = quantities(found), []
+    known, asked = numbers_at_stops(found).by_name, []
     for text in when:
         name, equals, number = text.rpartition("=") if isinstance(text, str) else ("", "", "")
         try:
@@ -111,9 +67,8 @@ def thresholds(found: Discretisation, when: Sequence[str]) -> tuple[Threshold, .
     return tuple(asked)
 
 
-def first_reached(found: Discretisation, threshold: Threshold, stops: Sequence[PathStop]) -> Threshold:
+def first_reached(threshold: Threshold, stops: Sequence[PathStop]) -> Threshold:
     """Say at which stop a quantity first comes to the value of a threshold, or has gone past it."""
-    of = quantities(found)[threshold.quantity]
-    beyond = [of(stop) >= threshold.value for stop in stops]
+    beyond = [stop.number(threshold.quantity) >= threshold.value for stop in stops]
     row = next((row for row in range(1, len(stops)) if beyond[row] != beyond[0]), None)
     return threshold if row is None else replace(threshold, t=stops[row].t)

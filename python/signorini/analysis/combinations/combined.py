@@ -19,9 +19,10 @@ from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import doubtful
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Combination, Combinations, Model
-from signorini.results.columns import Block, Column, Hidden, Layout, together
-from signorini.results.envelope import Envelope
-from signorini.results.result import FIELDS, Result
+from signorini.results.envelope import Envelope, Extremes
+from signorini.results.quantities import LINEAR, SIDES, derived
+from signorini.results.result import Result
+from signorini.results.rows import Block, Column, Hidden, Layout, together
 
 _MOST_ROWS = 4096
 _MOST_NUMBERS = 4_000_000
@@ -112,12 +113,10 @@ def combine(
         Takes the columns of each block, see `Block.columns`.
     """
     found = problem.discretisation
-    asked = found.model.output.envelope
-    layout = Layout.of(found, [name for name in FIELDS if name in asked])
+    layout = Layout.of(found)
     run = _Run(problem, layout, single, several)
     combinations = found.model.effective_combinations
-    width = layout.point_count * 3 + len(FIELDS) * len(layout.probes) + len(run.cases) + len(layout.around_areas) + 20
-    width += len(layout.through)
+    width = layout.point_count * 2 + len(layout.catalogue) + len(run.cases) + len(layout.around_areas) + 20
     most = int(np.clip(_MOST_NUMBERS // width, 16, _MOST_ROWS))
     kept: list[list[tuple[str, Column]]] = []
     few = True
@@ -181,7 +180,7 @@ class _Run:
         self.not_unique += sum(map(bool, block.not_unique))
         self.worst = np.maximum(self.worst, block.certificate[block.solved].max(axis=0, initial=0.0))
         for group, own in _by_group(groups, np.flatnonzero(block.solved)):
-            self._envelope(group).take(block, self.layout, own)
+            self._envelope(group).take(block, own)
 
     def _envelope(self, group: str) -> Envelope:
         if group not in self.envelopes:
@@ -207,23 +206,28 @@ class _Run:
         rows, coefficients = rows[certain], np.ascontiguousarray(coefficients[certain])
         block.solved[rows] = True
         block.certificate[rows] = figures[certain]
-        sides = self.problem.discretisation.probe_sides
-        at_sides = _core.superpose(coefficients, terms.probes).reshape(len(rows), len(sides.point), len(FIELDS))
-        block.probes[rows] = sides.larger(at_sides).reshape(len(rows), block.probes.shape[1])
-        block.through[rows] = _core.superpose(coefficients, terms.through)
+        at, sides = self.layout.catalogue.at, self.problem.discretisation.probe_sides
+        at_sides = _core.superpose(coefficients, terms.probes).reshape(len(rows), len(sides.point), len(LINEAR))
+        values = np.full((len(rows), len(self.layout.catalogue)), np.nan)
+        values[:, at("probe", *LINEAR)] = sides.larger(at_sides)
+        self.layout.catalogue.derive(values, self.layout.probe_thickness)
+        self.layout.catalogue.put_through(values, _core.superpose(coefficients, terms.through))
+        block.values[rows] = values
         block.on_areas[rows] = _core.superpose(coefficients, terms.on_areas)
         self._put_supports(block, rows, _core.superpose(coefficients, terms.fixed), reaction[rows], gap, closed)
         for group, own in _by_group(groups, rows):
             shares = np.ascontiguousarray(coefficients[np.searchsorted(rows, own)])
             for name, extremes in self._envelope(group).fields.items():
                 hidden = self.layout.hidden.get(name, Hidden.nothing(len(extremes.largest)))
-                left_out = hidden.under(factors[own] != 0, terms.cases)
-                peaks, at_nodes = extremes.take_sums(
-                    shares, terms.fields[name], block.numbers[own], hidden.classes, left_out
-                )
+                left_out, who = hidden.under(factors[own] != 0, terms.cases), block.numbers[own]
+                if name in terms.fields:
+                    peaks, at_nodes = extremes.take_sums(shares, terms.fields[name], who, hidden.classes, left_out)
+                else:
+                    peaks, at_nodes = self._take_derived(extremes, name, shares, who, hidden.classes, left_out)
                 if name in self.layout.fields:
-                    at = self.layout.fields.index(name)
-                    block.peaks[own, at], block.places[own, at] = peaks, self.layout.nodes[at_nodes]
+                    place = self.layout.fields.index(name)
+                    ends = [at("field", side)[place] for side in SIDES]
+                    block.values[np.ix_(own, ends)], block.places[own, place] = peaks, self.layout.nodes[at_nodes]
         self._put_areas(block, rows)
         block.iterations[:] = pivots
         for row in rows:
@@ -236,29 +240,55 @@ class _Run:
         done[np.setdiff1d(without, explained)] = True
         return np.flatnonzero(~done).tolist()
 
+    def _take_derived(
+        self, extremes: Extremes, name: str, shares: Floats, who: Ints, classes: Ints, left_out: Bools
+    ) -> tuple[Floats, Ints]:
+        """Meet a field that follows from sums; return each one's extremes and their places, as `Extremes.take_sums`."""
+        assert self.terms is not None
+        thickness, fields = self.problem.discretisation.node_thickness, self.terms.fields
+        peaks, places = np.empty((len(who), 2)), np.empty((len(who), 2), np.int64)
+        for first in range(0, len(who), step := max(1, _DEFLECTIONS // len(thickness))):
+            some = slice(first, first + step)
+            share = np.ascontiguousarray(shares[some])
+            moment, shear = (
+                np.stack([_core.superpose(share, fields[one]) for one in of], axis=-1)
+                for of in (("mx", "my", "mxy"), ("qx", "qy"))
+            )
+            values = derived([name], moment, shear, thickness)[..., 0]
+            extremes.take(values, who[some])
+            shown = np.where(left_out[some][:, classes], np.nan, values)
+            for side, find in enumerate((np.fmax, np.fmin)):
+                peaks[some, side] = find.reduce(shown, axis=1)
+                places[some, side] = (shown == peaks[some, side, None]).argmax(axis=1)
+        return peaks, places
+
     def _put_supports(
         self, block: Block, rows: Ints, fixed: Floats, reaction: Floats, gap: Floats, closed: Bools
     ) -> None:
-        first = 0
-        for where, points in zip(self.layout.slices, self.layout.supports, strict=True):
+        first, of_points = 0, list[tuple[Floats, Floats, Bools]]()
+        for points in self.layout.supports:
             held = fixed[:, first : first + points.fixed]
             first += points.fixed
-            block.reaction[rows, where] = points.forces(held, reaction)
-            block.gap[rows, where] = points.gaps(gap[rows])
-            block.closed[rows, where] = points.closed(closed[rows])
+            of_points.append((points.forces(held, reaction), points.gaps(gap[rows]), points.closed(closed[rows])))
+        if of_points:
+            all_forces, gaps, all_closed = (np.concatenate(column, axis=1) for column in zip(*of_points, strict=True))
+            block.put_supports(rows, self.layout, all_forces, gaps, all_closed)
 
     def _put_areas(self, block: Block, rows: Ints) -> None:
         """Largest pressures and areas in contact of rows of which the deflections around areas are known."""
         found, layout = self.problem.discretisation, self.layout
         for at, (index, at_rest) in enumerate(layout.at_rest.items()):
-            where = layout.slices[index]
-            pressures, _ = at_rest.measured(block.around(at_rest, layout, rows), block.reaction[rows, where])
-            block.areas[rows, at, 0] = pressures.max(axis=1, initial=0.0)
+            where, (most, area) = (
+                layout.slices[index],
+                layout.catalogue.at("support", "max_pressure", "contact_area")[at],
+            )
+            pressures = at_rest.measured(block.around(at_rest, layout, rows), block.reaction[rows, where])
+            block.values[rows, most] = pressures.max(axis=1, initial=0.0)
             step = max(1, _DEFLECTIONS // found.mesh.node_count)
             for some in (rows[first : first + step] for first in range(0, len(rows), step)):
                 deflection = np.zeros((len(some), found.mesh.node_count))
                 deflection[:, layout.around_areas] = block.on_areas[some]
-                block.areas[some, at, 1] = at_rest.contact_areas(deflection, block.closed[some, where])
+                block.values[some, area] = at_rest.contact_areas(deflection, block.closed[some, where])
 
     def _unbalanced(self, name: str, message: str) -> None:
         self._without_equilibrium += 1

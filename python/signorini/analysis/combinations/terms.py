@@ -16,8 +16,7 @@ from signorini.analysis.combinations.certificate_bounds import Proof, Sizes, Wat
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Floats, Ints
-from signorini.results.extremes import NUMBERS
-from signorini.results.result import FIELDS
+from signorini.results.quantities import LINEAR, PEAKING
 from signorini.results.support_points import SupportPoints
 
 _TOGETHER = 32
@@ -73,7 +72,7 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
         Around elastic areas.
     """
     found, core = problem.discretisation, problem.core
-    names = [name for name in FIELDS if name in enveloped]
+    names = summed(enveloped)
     measured = _Measured(problem, names, Watch.of(found, cases), nodes)
     rest = _core.rest_response(core, found.held.values)
     measured.add([rest], None, at_rest=True)
@@ -90,6 +89,12 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
         points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
     return measured.terms(tuple(cases), shared)
+
+
+def summed(enveloped: Sequence[str]) -> list[str]:
+    """Fields that sums are sought of, for some that envelopes are sought of: those, or what they follow from."""
+    derived = any(name not in LINEAR for name in enveloped)
+    return [name for name in LINEAR if name in enveloped or (derived and name in PEAKING)]
 
 
 class _Measured:
@@ -140,7 +145,11 @@ class _Measured:
         pull = found.spring_forces(hi, lo, springs[4])
         on_plate = at_holds + spread + found.spring_rows.T @ pull
         self._on_areas.append(nodal[self._nodes, 0])
-        kept = [every[: nodes.count if name in NUMBERS else len(nodal), FIELDS.index(name)] for name in self._names]
+        kept = [
+            every[: nodes.count if name in PEAKING else len(nodal), place]
+            for place, name in enumerate(LINEAR)
+            if name in self._names
+        ]
         if self._names:
             points, off = found.off_areas
             at_nodes = at_holds + found.contact_rows.T @ (points[: len(reaction)] * reaction)

@@ -120,28 +120,31 @@ class AreaContact(Remade):
 
         Pictures, tables and envelopes all show this one.
         """
-        values, places = self._measured
-        known = np.nan_to_num(values, nan=-np.inf)
+        known, places = np.nan_to_num(self._measured, nan=-np.inf), self.pressure_places
         return max(float(known.max()), 0.0), places[peak(known, places)]
 
     @property
     def range(self) -> tuple[float, float]:
         """Smallest and largest pressure, 0 included."""
-        return float(np.fmin.reduce(self._measured[0], initial=0.0)), self.largest[0]
+        return float(np.fmin.reduce(self._measured, initial=0.0)), self.largest[0]
 
     @cached_property
-    def _measured(self) -> tuple[Floats, Floats]:
+    def _measured(self) -> Floats:
         return self.measured(self.deflection[self.on_nodes], self.reactions)
 
-    def measured(self, deflection: Floats, forces: Floats) -> tuple[Floats, Floats]:
-        """Pressures (..., q + k) at the points that the area acts at and at its nodes, and these places (q + k, 2).
+    @cached_property
+    def pressure_places(self) -> Floats:
+        """Where its pressure is looked at (p, 2): at the points that it acts at and, of an elastic area, its nodes."""
+        if self.support.stiffness is None:
+            return self.positions
+        return np.concatenate([self.positions, self.mesh.points[self.on_nodes]])
 
-        From deflections (..., k) of its nodes and forces (..., q) of its points. Of a rigid area the nodes have none.
-        """
-        own, nodes = forces / self.weights, np.flatnonzero(self.on_nodes)
-        if self.support.stiffness is not None:
-            own = np.concatenate([own, self.nodal(nodes, deflection, forces)], axis=-1)
-        return own, np.concatenate([self.positions, self.mesh.points[nodes]])[: own.shape[-1]]
+    def measured(self, deflection: Floats, forces: Floats) -> Floats:
+        """Pressures (..., p) there, from deflections (..., k) of its nodes and forces (..., q) of its points."""
+        own = forces / self.weights
+        if self.support.stiffness is None:
+            return np.asarray(own)
+        return np.concatenate([own, self.nodal(np.flatnonzero(self.on_nodes), deflection, forces)], axis=-1)
 
     @property
     def max_pressure(self) -> float:

@@ -11,19 +11,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
-from signorini.analysis.twins.half_width import FASTEST
-from signorini.analysis.twins.leaves import Path, sections_at
+from signorini.accuracy.half_width import FASTEST
+from signorini.accuracy.sizes import sections_at
 from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support
+from signorini.results.quantities import Path
 from signorini.shapes.distances import distances
 from signorini.singularities.boundary import middles
 
-KINDS = frozenset(("deflection", "rotation", "moment", "reaction", "pressure", "max_pressure", "max_tension"))
+KINDS = frozenset(("deflection", "rotation", "moment", "stress", "reaction", "pressure"))
 _SOFTER = 1.3
 """By how many h/L edges soften a plate of thickness h and L = 4A/P: a square on simple edges by 0.86 in its deflection,
 a free strip by 1.26 in torsion (0.63 h over its width)."""
@@ -79,7 +79,7 @@ def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
 def unseen_at_edges(
     numbers: Mapping[Path, Floats],
     most: Floats,
-    probes: Sequence[Mapping[str, Any]],
+    probes: Floats,
     model: Model,
     mesh: Mesh,
     finer: float,
@@ -95,8 +95,7 @@ def unseen_at_edges(
         Every number (k,) on the finest mesh.
     most : (k,) array
         The largest moment.
-    probes : sequence of mapping
-        As in results.json, with their places.
+    probes : (q, 2) array
     model : Model
     mesh : Mesh
         The plate's own.
@@ -127,11 +126,13 @@ def unseen_at_edges(
         most = np.maximum(*peaks)
     for name, along in (("qx", ny), ("qy", nx)):
         part = float((np.abs(along) * unseen / width).max())
+        thinnest = float(thickness.min())
         found |= {path: part * most for path in _ends(name) if path in numbers}
+        found |= {path: 1.5 / thinnest * part * most for path in _ends(f"t{name[1]}z") if path in numbers}
 
-    for number, probe in enumerate(probes):
+    for number, at_probe in enumerate(probes):
         of = ("probes", number)
-        away = distances(np.array([probe["at"]]), begin, end)[0]
+        away = distances(at_probe[None], begin, end)[0]
         near = away < _FADED * width
         if not near.any() or (*of, "moment", 0) not in numbers:
             continue
@@ -150,6 +151,13 @@ def unseen_at_edges(
         found |= {(*of, "design_moment", face, at): direct + twisting for face in ("bottom", "top") for at in range(2)}
         found[(*of, "shear", 0)] = (np.abs(x) * across + np.abs(y) * twist / delta).max(axis=0)
         found[(*of, "shear", 1)] = (np.abs(y) * across + np.abs(x) * twist / delta).max(axis=0)
+        solid = float(sections_at(model, at_probe[None])[0][0])
+        bending, shearing = 6.0 / solid**2, 1.5 / solid
+        for place, face in enumerate(("top", "bottom")):
+            bent_by = (direct, direct, twisting)
+            found |= {(*of, "stress", face, at): bending * part for at, part in enumerate(bent_by)}
+            found[(*of, "stress", "von_mises", place)] = bending * (2.0 * direct + math.sqrt(3.0) * twisting)
+        found |= {(*of, "stress", "shear", at): shearing * found[(*of, "shear", at)] for at in range(2)}
     return found
 
 

@@ -118,3 +118,12 @@ def unsettled(values: Floats, largest: Floats) -> Bools:
     change = np.abs(values[0] - values[1])
     settles = change < 0.5 * np.abs(values[1] - values[2]) if len(values) > 2 else np.zeros(change.shape, np.bool_)
     return np.asarray(~settles & (change > _COUNTS * largest))
+
+
+def rounded(widths: Floats) -> Floats:
+    """Round half-widths to three digits."""
+    known = widths > 0
+    power = np.floor(np.log10(widths, where=known, out=np.zeros_like(widths))) - 2
+    # Powers of ten up to 22 are exact, so that what is written has no more digits.
+    up, down = 10.0 ** np.maximum(power, 0), 10.0 ** np.maximum(-power, 0)
+    return np.where(known, np.rint(widths * down / up) / down * up, widths)

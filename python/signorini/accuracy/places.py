@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from signorini.analysis.twins.compared import rounded
-from signorini.analysis.twins.leaves import Path
-from signorini.analysis.twins.meshes import side
+from signorini.accuracy.half_width import rounded
+from signorini.accuracy.meshes import side
 from signorini.discretise.rows import Floats
-from signorini.results.extremes import NUMBERS
+from signorini.results.quantities import Path
 from signorini.results.result import Result
 
 
@@ -20,10 +19,9 @@ def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
     for index, (mine, others) in enumerate(zip(result.supports, other.supports, strict=True)):
         segments = [np.stack([line[:-1], line[1:]], axis=1) for line in others.contact_boundary if len(line) > 1]
         for line, vertices in enumerate(mine.contact_boundary if segments else ()):
-            ways = _ways(vertices, segments)
-            for vertex, way in enumerate(np.abs(ways).tolist()):
+            for vertex, way in enumerate(rounded(np.abs(_ways(vertices, segments))).tolist()):
                 for axis in (0, 1):
-                    found[("supports", index, "contact_boundary", line, vertex, axis)] = rounded(way[axis])
+                    found[("supports", index, "contact_boundary", line, vertex, axis)] = way[axis]
     return found
 
 
@@ -32,13 +30,13 @@ def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> 
     found: dict[Path, float | None] = {}
     spacing, points = 0.5 * side(result.mesh), result.stress_nodes.points
     for field, ends in result.extremes.items():
-        path: Path = ("fields", field) if field in NUMBERS else (field,)
+        path: Path = (field,) if field == "deflection" else ("fields", field)
         for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at)):
             width = numbers[(*path, name)]
             near = points[np.flatnonzero(np.abs(result.fields[field] - value) <= 2.0 * (width or 0.0))]
-            far = np.abs(near - at).max(axis=0, initial=0.0) + spacing
+            far = rounded(np.abs(near - at).max(axis=0, initial=0.0) + spacing).tolist()
             for axis in (0, 1):
-                found[(*path, f"{name}_at", axis)] = None if width is None else rounded(far[axis])
+                found[(*path, f"{name}_at", axis)] = None if width is None else far[axis]
     return found
 
 

@@ -16,9 +16,6 @@ _LEAST_ALONG, _LEAST = 16, 2500
 """Elements along a side, and in all, from which on meshes of twice and four times the size show the plate: those of
 1000 elements, compared with 250 and 64, cover what refining does in 94 to 96 % of numbers, with finer ones in 99 %."""
 
-_LEAST_ALONG_OF_SEVERAL, _LEAST_OF_SEVERAL = 8, 100
-"""The same where the cost is that of many loads."""
-
 _FEWEST_ALONG = 2
 """Elements along the longer side that can be made larger."""
 
@@ -27,7 +24,7 @@ _CHEAP, _CHEAP_QUARTER = 10_000, 5_000
 
 
 @dataclass(frozen=True)
-class Twin:
+class OtherMesh:
     """The same plate on another mesh.
 
     Parameters
@@ -43,65 +40,62 @@ class Twin:
     words: str
 
 
-def twins_of(model: Model, mesh: Mesh, several: bool = False) -> Iterator[tuple[Twin, ...]]:
+def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
     """Yield pairs of meshes to compare with, the nearest one first in each; the best pair first.
 
     A third one takes the place of a second one that cannot be solved, or is no other mesh.
-
-    Where several loads are to be solved, coarser ones are preferred on smaller plates too.
     """
     count, plate = len(mesh.elements), model.plate
     divisions = model.divisions
     if isinstance(plate, MeshPlate) or (divisions is None and mesh.spanning.any() and count <= _CHEAP):
         # Where the outline alone says how large elements are, meshes of other sizes have the same ones.
         quarter = [_divided(model, mesh, 0.25)] if 16 * count <= _CHEAP else []
-        larger = [] if isinstance(plate, MeshPlate) else [_twin(model, mesh, 2.0)]
+        larger = [] if isinstance(plate, MeshPlate) else [_scaled(model, mesh, 2.0)]
         cheap = 16 * count <= _CHEAP_QUARTER
         yield (_divided(model, mesh, 0.5), *(quarter + larger if cheap else larger + quarter))
     if isinstance(plate, MeshPlate):
         return
     # Divisions do not tell of refined places.
     along = math.isqrt(count) if divisions is None or model.mesh.refine else min(divisions)
-    least_along, least = (_LEAST_ALONG_OF_SEVERAL, _LEAST_OF_SEVERAL) if several else (_LEAST_ALONG, _LEAST)
     # Meshes on the way to an accuracy are judged alike, by finer ones, or half-widths would grow where that ends.
-    asked = model.mesh.accuracy is not None and not several
-    coarse = along < least_along or count < least or asked
+    asked = model.mesh.accuracy is not None
+    coarse = along < _LEAST_ALONG or count < _LEAST or asked
     if coarse and 16 * count <= _CHEAP_QUARTER:
-        yield _twin(model, mesh, 0.5), _twin(model, mesh, 0.25)
+        yield _scaled(model, mesh, 0.5), _scaled(model, mesh, 0.25)
     if coarse and (asked or 4 * count <= _CHEAP):
         # Lines that the mesh follows may leave no larger elements.
         instead = [0.25] if 16 * count <= _CHEAP else []
-        yield tuple(_twin(model, mesh, factor) for factor in (0.5, *([2.0] if along > 1 else []), *instead))
+        yield tuple(_scaled(model, mesh, factor) for factor in (0.5, *([2.0] if along > 1 else []), *instead))
     if along > 1:
-        yield _twin(model, mesh, 2.0), _twin(model, mesh, 4.0)
+        yield _scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)
     if not coarse and 4 * count <= _CHEAP:
-        yield (_twin(model, mesh, 0.5),)
+        yield (_scaled(model, mesh, 0.5),)
     if 4 * count <= _CHEAP and (divisions is None or model.mesh.refine):
         # Where refined places and small outlines say how large most elements are.
         yield (_divided(model, mesh, 0.5),)
 
 
-def coarser_of(model: Model, mesh: Mesh) -> tuple[Twin, ...]:
+def coarser_of(model: Model, mesh: Mesh) -> tuple[OtherMesh, ...]:
     """Meshes of twice and four times the size; none of a mesh that is given, or of one element along a side."""
     divisions = model.divisions
     along = math.isqrt(len(mesh.elements)) if divisions is None or model.mesh.refine else max(divisions)
     if isinstance(model.plate, MeshPlate) or along < _FEWEST_ALONG:
         return ()
-    return _twin(model, mesh, 2.0), _twin(model, mesh, 4.0)
+    return _scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)
 
 
 _WORDS = {0.25: "a quarter of its size", 0.5: "half its size", 2.0: "twice its size", 4.0: "four times its size"}
 
 
-def _twin(model: Model, mesh: Mesh, factor: float) -> Twin:
+def _scaled(model: Model, mesh: Mesh, factor: float) -> OtherMesh:
     assert not isinstance(model.plate, MeshPlate)
     scaled = model.plate.scaled(model.mesh, factor, model.divisions)
-    return Twin(model.model_copy(update={"mesh": scaled}), None, _WORDS[factor])
+    return OtherMesh(model.model_copy(update={"mesh": scaled}), None, _WORDS[factor])
 
 
-def _divided(model: Model, mesh: Mesh, factor: float) -> Twin:
+def _divided(model: Model, mesh: Mesh, factor: float) -> OtherMesh:
     """Every element in four, once or twice."""
-    return Twin(model, refined(mesh, round(math.log2(1 / factor))), f"{_WORDS[factor]}, divided")
+    return OtherMesh(model, refined(mesh, round(math.log2(1 / factor))), f"{_WORDS[factor]}, divided")
 
 
 def side(mesh: Mesh) -> float:

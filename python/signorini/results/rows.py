@@ -1,4 +1,4 @@
-"""Results as rows of a table: what is written of each, whoever solved it."""
+"""Results as rows of a table: what is kept of each, whoever solved it."""
 
 from __future__ import annotations
 
@@ -15,17 +15,15 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
 from signorini.results.contact_field import AreaContact, Pressures
-from signorini.results.extremes import NUMBERS
-from signorini.results.result import FIELDS, Result
-from signorini.results.section_result import COMPONENTS, columns_of, numbers_of
-from signorini.results.support_points import SupportPoints
+from signorini.results.quantities import FIELDS, OF_AREAS, PEAKING, SIDES, Catalogue
+from signorini.results.result import Result
+from signorini.results.support_points import SupportPoints, catalogue_of
 from signorini.results.support_result import area_at_rest
 from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
 
 _MOST_BEARINGS = 100
 """Points of one support beyond which its reaction is looked at as a whole."""
-_OF_AREAS = ("max_pressure", "contact_area")
 
 Column = Sequence[str] | Floats | Ints
 NamedColumns = Iterable[tuple[str, Column]]
@@ -33,7 +31,7 @@ NamedColumns = Iterable[tuple[str, Column]]
 
 @dataclass(frozen=True)
 class Bearing:
-    """What one reaction is of: point ``point`` (from 1) of a support at points, or a support as a whole."""
+    """Where a reaction acts: point ``point`` (from 1) of a support at points, or a support as a whole."""
 
     support: int
     point: int | None
@@ -100,42 +98,50 @@ class Hidden:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Which columns a model's results have."""
+    """Which numbers a model's rows have.
+
+    Parameters
+    ----------
+    model : Model
+    catalogue : Catalogue
+        The numbers of every row.
+    supports : tuple of SupportPoints
+    at_rest : dict of AreaContact
+        By the place of their support in the model.
+    fields : tuple of str
+        Those that envelopes are sought of.
+    probes : (q, 2) array
+    probe_thickness : (q,) array
+    nodes : (s, 2) array
+        Positions of the nodes of stresses; the first are those of the mesh.
+    hidden : dict of Hidden
+        Of every field its nodes at which it has no limit.
+    """
 
     model: Model
+    catalogue: Catalogue
     supports: tuple[SupportPoints, ...]
     at_rest: Mapping[int, AreaContact]
     fields: tuple[str, ...]
     probes: Floats
+    probe_thickness: Floats
     nodes: Floats
-    """Positions (s, 2) of the nodes of stresses; the first are those of the mesh."""
     hidden: Mapping[str, Hidden]
-    """Of every field its nodes at which it has no limit."""
 
     @classmethod
-    def of(cls, found: Discretisation, fields: Sequence[str]) -> Layout:
-        """Lay out the columns of a model; ``fields`` are those that envelopes are sought of."""
+    def of(cls, found: Discretisation) -> Layout:
+        """Lay out the rows of a model, with extremes of the fields that it asks for (``output.envelope``)."""
+        asked: Sequence[str] = found.model.output.envelope
+        fields = [name for name in FIELDS if name in asked]
         points = tuple(SupportPoints.of(found, index) for index in range(len(found.model.support)))
         areas = [index for index, support in enumerate(found.model.support) if support.area is not None]
         at_rest = {index: area_at_rest(found, index) for index in areas}
-        by_number = {number: Hidden.of(found, number) for number in {NUMBERS.get(name, "") for name in fields}}
-        hidden = {name: by_number[NUMBERS.get(name, "")] for name in fields}
-        nodes = found.stress_nodes.points
-        return cls(found.model, points, at_rest, tuple(fields), found.probe_positions, nodes, hidden)
-
-    @cached_property
-    def through(self) -> list[str]:
-        """Columns (3s,) of sections and strips."""
-        return columns_of(self.model)
-
-    @property
-    def through_kinds(self) -> list[str]:
-        """What these columns (3s,) are compared with: moments, twisting or not, or shears, of sections or of strips."""
-        of_line = ["moment" if what == "twist" else what for what in COMPONENTS]
-        of_strips = [f"{what} of strips" for what in of_line]
-        return of_line * len(self.model.section) + of_strips * (
-            len(self.through) // len(of_line) - len(self.model.section)
-        )
+        number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
+        by_number = {number: Hidden.of(found, number) for number in set(number_of.values())}
+        hidden = {name: by_number[number] for name, number in number_of.items()}
+        catalogue, nodes = catalogue_of(found, fields).in_tables, found.stress_nodes.points
+        probes = found.probe_positions, found.probe_thickness
+        return cls(found.model, catalogue, points, at_rest, tuple(fields), *probes, nodes, hidden)
 
     @property
     def point_count(self) -> int:
@@ -168,7 +174,7 @@ class Layout:
 
     @cached_property
     def governed(self) -> tuple[tuple[str, Bearing], ...]:
-        """Of which numbers extremes are sought with what all bearings do then: first their reactions.
+        """Of which numbers extremes are told with what all bearings do then: first their reactions.
 
         Then gaps of points that may open and, of areas, the largest pressure and how much is in contact.
         """
@@ -176,20 +182,14 @@ class Layout:
         opening = [one for one in self.bearings if one.point is not None and self.supports[one.support].rows.size]
         areas = [one for one in self.bearings if one.support in self.at_rest]
         found += [("gap", bearing) for bearing in opening]
-        return (*found, *((what, bearing) for bearing in areas for what in _OF_AREAS))
+        tabled = [one.name for one in OF_AREAS if one.tabled]
+        return (*found, *((what, bearing) for bearing in areas for what in tabled))
 
-    def of_governed(self, reaction: Floats, gap: Floats, areas: Floats) -> Floats:
-        """Numbers (k, e) of ``governed``, from reactions and gaps of all points (k, p) and of areas (k, a, 2)."""
-        found, slices = np.empty((len(reaction), len(self.governed))), self.slices
-        for column, (what, bearing) in enumerate(self.governed):
-            where = slices[bearing.support]
-            if what in _OF_AREAS:
-                found[:, column] = areas[:, list(self.at_rest).index(bearing.support), _OF_AREAS.index(what)]
-            elif bearing.point is None:
-                found[:, column] = reaction[:, where].sum(axis=1)
-            else:
-                found[:, column] = (gap if what == "gap" else reaction)[:, where][:, bearing.point - 1]
-        return found
+    @cached_property
+    def governed_places(self) -> Ints:
+        """Which numbers of the catalogue these are (e,); the first are the bearings' reactions."""
+        places = [self.catalogue.by_column[bearing.column(self.model, what)] for what, bearing in self.governed]
+        return np.array(places, np.int64)
 
     @property
     def slices(self) -> list[slice]:
@@ -211,20 +211,14 @@ class Block:
     iterations : (k,) array
     certificate : (k, 5) array
         In the order of the certificate's figures.
-    reaction, gap, closed : (k, p) arrays
+    values : (k, n) array
+        In the order of the layout's catalogue.
+    reaction, closed : (k, p) arrays
         Of every point of every support.
-    probes : (k, 8q) array
-        Every field at every probe.
-    through : (k, 3s) array
-        Moment, twist and shear of every section, and their means at every station of a strip.
-    on_areas : (k, n) array
+    on_areas : (k, a) array
         Deflections of the nodes around elastic areas.
-    areas : (k, a, 2) array
-        Of every area its largest pressure, and how much of it is in contact.
-    peaks : (k, f, 2) array
-        Largest and smallest value of each enveloped field, away from where it has no limit.
     places : (k, f, 2, 2) array
-        Where these are.
+        Where the largest and the smallest value of each enveloped field is.
     """
 
     first: int
@@ -233,24 +227,21 @@ class Block:
     not_unique: list[str]
     iterations: Ints
     certificate: Floats
+    values: Floats
     reaction: Floats
-    gap: Floats
     closed: Bools
-    probes: Floats
-    through: Floats
     on_areas: Floats
-    areas: Floats
-    peaks: Floats
     places: Floats
 
     @classmethod
     def empty(cls, layout: Layout, first: int, count: int) -> Block:
         """Make room for results that are still to come."""
-        points, fields = layout.point_count, len(layout.fields)
 
         def nan(*shape: int) -> Floats:
             return np.full((count, *shape), np.nan)
 
+        values = nan(len(layout.catalogue))
+        values[:, layout.catalogue.at("support", "closed", "open")] = 0.0
         return cls(
             first,
             np.zeros(count, np.bool_),
@@ -258,15 +249,11 @@ class Block:
             [""] * count,
             np.zeros(count, np.int64),
             nan(len(FIGURES)),
-            nan(points),
-            nan(points),
-            np.zeros((count, points), np.bool_),
-            nan(len(FIELDS) * len(layout.probes)),
-            nan(len(layout.through)),
+            values,
+            nan(layout.point_count),
+            np.zeros((count, layout.point_count), np.bool_),
             nan(len(layout.around_areas)),
-            nan(len(layout.at_rest), 2),
-            nan(fields, 2),
-            nan(fields, 2, 2),
+            nan(len(layout.fields), len(SIDES), 2),
         )
 
     @property
@@ -286,19 +273,26 @@ class Block:
         self.certificate[row] = [figures[name] for name in FIGURES]
         for where, support in zip(layout.slices, result.supports, strict=True):
             self.reaction[row, where] = support.reactions
-            self.gap[row, where] = support.gaps
             self.closed[row, where] = support.closed
         self.on_areas[row] = result.deflection[layout.around_areas]
-        for at, index in enumerate(layout.at_rest):
-            area = result.supports[index].area
-            assert area is not None  # the support is one
-            self.areas[row, at] = area.max_pressure, area.contact_area
-        values = [(p.deflection, *p.rotation, *p.moment, *p.shear) for p in result.probes]
-        self.probes[row] = np.array(values).ravel()
-        self.through[row] = numbers_of(result.sections, result.strips)
+        by_path = result.catalogue.by_path
+        self.values[row] = result.numbers[[by_path[one.path] for one in layout.catalogue]]
         for at, name in enumerate(layout.fields):
             ends = result.extremes[name]
-            self.peaks[row, at], self.places[row, at] = (ends.max, ends.min), (ends.max_at, ends.min_at)
+            self.places[row, at] = ends.max_at, ends.min_at
+
+    def put_supports(self, rows: Ints, layout: Layout, reaction: Floats, gap: Floats, closed: Bools) -> None:
+        """Fill rows (r,) with what all points do (r, p)."""
+        self.reaction[rows], self.closed[rows] = reaction, closed
+        at, values = layout.catalogue.at, self.values
+        for column, where in zip(at("support", "reaction", "closed", "open"), layout.slices, strict=True):
+            closed_count = closed[:, where].sum(axis=1)
+            totals = (reaction[:, where].sum(axis=1), closed_count, closed[:, where].shape[1] - closed_count)
+            values[np.ix_(rows, column)] = np.stack(totals, axis=1)
+        for what, of_points in (("reaction", reaction), ("gap", gap)):
+            numbers = [layout.catalogue.numbers[place] for place in at("point", what)]
+            every = [layout.slices[one.owner].start + one.part for one in numbers]
+            values[np.ix_(rows, at("point", what))] = of_points[:, every]
 
     def around(self, area: AreaContact, layout: Layout, rows: Ints) -> Floats:
         """Deflections (r, k) of the nodes on an area, in some rows; none of a rigid one."""
@@ -318,30 +312,11 @@ class Block:
         yield "iterations", self.iterations
         yield "not_unique", self.not_unique
         yield from loads
-        area = 0
-        for where, support, points in zip(layout.slices, layout.model.support, layout.supports, strict=True):
-            reaction, closed = self.reaction[:, where], self.closed[:, where]
-            yield f"reaction:{support.name}", reaction.sum(axis=1)
-            yield f"closed:{support.name}", np.where(self.solved, closed.sum(axis=1), 0)
-            yield f"open:{support.name}", np.where(self.solved, (~closed).sum(axis=1), 0)
-            if support.area is not None:
-                yield f"max_pressure:{support.name}", self.areas[:, area, 0]
-                yield f"contact_area:{support.name}", self.areas[:, area, 1]
-                area += 1
-            if support.place == "at":
-                for number in range(len(points.positions)):
-                    yield f"reaction_at:{support.name}[{number + 1}]", reaction[:, number]
-                for number in range(len(points.positions) if points.rows.size else 0):
-                    yield f"gap_at:{support.name}[{number + 1}]", self.gap[:, where][:, number]
-        for index in range(self.probes.shape[1]):
-            probe, field = divmod(index, len(FIELDS))
-            yield f"probe[{probe + 1}]:{FIELDS[field]}", self.probes[:, index]
-        yield from zip(layout.through, self.through.T, strict=True)
-        for at, name in enumerate(layout.fields):
-            for side, what in enumerate(("max", "min")):
-                yield f"{what}:{name}", self.peaks[:, at, side]
-                yield f"{what}_x:{name}", self.places[:, at, side, 0]
-                yield f"{what}_y:{name}", self.places[:, at, side, 1]
+        for one, values in zip(layout.catalogue, self.values.T, strict=True):
+            yield one.column, values.astype(np.int64) if one.quantity.kind == "count" else values
+            if one.home == "field":
+                for axis, letter in enumerate("xy"):
+                    yield f"{one.what}_{letter}:{one.subject}", self.places[:, one.owner, SIDES.index(one.what), axis]
         for index, name in enumerate(FIGURES):
             yield f"certificate:{name}", self.certificate[:, index]
 

@@ -13,12 +13,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from signorini.analysis.twins.leaves import Path, kind_of, largest_of, leaves, named
+from signorini.accuracy.estimate import Estimate
+from signorini.accuracy.sizes import largest_of, named
 from signorini.base.memory import fits, needed
 from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.model import Area, Load, MeshOptions, MeshPlate, Model, RectanglePlate, Refinement, Support
-from signorini.results.figures import figures
+from signorini.results.quantities import Number
 from signorini.results.result import Result
 from signorini.shapes.distances import distances
 from signorini.shapes.outlines import Point
@@ -74,32 +75,33 @@ class Refined:
 
 
 @dataclass(frozen=True)
-class _Number:
-    """A number by its half-width over the largest value of its field, and where it is."""
+class _Wide:
+    """A number by its half-width over the largest value of its kind, and where it is."""
 
     part: float
     result: Result
-    path: Path
+    number: Number
 
     @property
     def what(self) -> str:
-        name = named([self.path], figures(self.result)).removeprefix("of ")
-        return f"{self.result.name}: {name}"
+        probes = np.array([probe.at for probe in self.result.probes]).reshape(-1, 2)
+        return f"{self.result.name}: {named([self.number], self.result.model, probes).removeprefix('of ')}"
 
     @property
     def place(self) -> tuple[Point, ...]:
         """The point or line that it is at; none of what the whole plate makes."""
-        model = self.result.model
-        match self.path:
-            case ("probes", int(index), *_) if kind_of(self.path) not in ("deflection", "rotation"):
-                return (self.result.probes[index].at,)
-            case ("sections", int(index), *_):
-                return tuple(model.section[index].line)
-            case ("strips", int(index), "stations", int(station), *_):
-                return model.strip[index].across[station]
-            case ("strips", int(index), str(end)):
-                moments = [station.moment for station in self.result.strips[index].stations]
-                return model.strip[index].across[int(np.argmax(moments) if end == "max_moment" else np.argmin(moments))]
+        model, one = self.result.model, self.number
+        match one.home:
+            case "probe" if one.quantity.kind not in ("deflection", "rotation"):
+                return (self.result.probes[one.owner].at,)
+            case "section":
+                return tuple(model.section[one.owner].line)
+            case "station":
+                return model.strip[one.owner].across[one.part]
+            case "strip":
+                moments = [station.moment for station in self.result.strips[one.owner].stations]
+                at = int(np.argmax(moments) if one.what == "max_moment" else np.argmin(moments))
+                return model.strip[one.owner].across[at]
         return ()
 
 
@@ -122,12 +124,12 @@ class _Piece:
         return Refinement(line=self.ends, size=size) if len(self.ends) > 1 else Refinement(at=self.ends, size=size)
 
 
-def worst_of(results: Mapping[str, Result], before: Sequence[Refined] = ()) -> Refined | None:
+def worst_of(estimates: Mapping[str, Estimate], before: Sequence[Refined] = ()) -> Refined | None:
     """The number that is farthest from the plate, over the largest of its field; None where there is no half-width.
 
     ``before`` are the meshes on the way here.
     """
-    worst = max(_numbers(results), key=lambda number: number.part, default=None)
+    worst = max(_numbers(estimates), key=lambda number: number.part, default=None)
     if worst is None:
         return None
     mesh, model = worst.result.mesh, worst.result.model
@@ -135,7 +137,7 @@ def worst_of(results: Mapping[str, Result], before: Sequence[Refined] = ()) -> R
     expected, asked = count, model.mesh.accuracy
     if asked is not None and worst.part > asked:
         if not isinstance(model.plate, RectanglePlate) or model.divisions is None:
-            whole, pieces = _too_wide(results, asked)
+            whole, pieces = _too_wide(estimates, asked)
             sizes = [piece.smaller(asked, math.inf) for piece in pieces]
             expected = _count(mesh, max(1.0, whole / asked) ** (1 / ORDER), pieces, sizes)
         else:
@@ -143,19 +145,18 @@ def worst_of(results: Mapping[str, Result], before: Sequence[Refined] = ()) -> R
     return Refined(count, 3 * mesh.node_count, worst.part, worst.what, expected)
 
 
-def _numbers(results: Mapping[str, Result]) -> Iterator[_Number]:
-    for result in results.values():
-        if result.plus_minus is None:
-            continue
-        largest = largest_of(result)
-        # Extremes of moments and shears are wherever they happen to be: a probe says where one is to be as near.
-        asked = {key: of for key, of in result.plus_minus.items() if key != "fields"}
+def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
+    """Every number that has a half-width, but extremes of fields: a probe says where a field is to be as near."""
+    for estimate in estimates.values():
+        result, largest = estimate.result, largest_of(estimate.result)
         jumps = _on_lines(result.model, result.mesh, [probe.at for probe in result.probes])
-        for path, width in leaves(asked).items():
-            if path[0] == "probes" and "shear" in path and jumps[int(path[1])]:
+        for number, width in zip(result.catalogue, estimate.widths.tolist(), strict=True):
+            shear = number.quantity.kind in ("shear", "shear_stress")
+            skipped = number.home == "probe" and shear and jumps[number.owner]
+            if math.isnan(width) or skipped or (number.home == "field" and number.quantity.name != "deflection"):
                 continue
-            size = largest[kind_of(path)]
-            yield _Number(width / size if size > 0 else 0.0, result, path)
+            size = largest[number.quantity.kind]
+            yield _Wide(width / size if size > 0 else 0.0, result, number)
 
 
 def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
@@ -194,7 +195,7 @@ def _cost(elements: int) -> str:
     return f"about {count:,.0f} elements and, with the mesh of half their size, {memory:.1f} GB of memory"
 
 
-def refined(model: Model, results: Mapping[str, Result], steps: Sequence[Refined]) -> tuple[Model | None, str]:
+def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Refined]) -> tuple[Model | None, str]:
     """Model with the next mesh; None where there is none, and why if the accuracy is not reached."""
     asked, plate, reached = model.mesh.accuracy, model.plate, steps[-1]
     assert asked is not None and not isinstance(plate, MeshPlate)
@@ -217,9 +218,9 @@ def refined(model: Model, results: Mapping[str, Result], steps: Sequence[Refined
     shrinking = float(np.clip((reached.worst / asked) ** (1 / ORDER), _LEAST, _MOST))
     count = math.ceil(reached.elements * shrinking**2)
     if not isinstance(plate, RectanglePlate) or model.divisions is None:
-        (mesh, count) = _at_places(model, results, len(steps) > 1 and worst[-1] > _GAINED * worst[-2])
+        (mesh, count) = _at_places(model, estimates, len(steps) > 1 and worst[-1] > _GAINED * worst[-2])
     elif isinstance(plate, RectanglePlate):
-        mesh = _graded(plate, [result for result in results.values() if result.status == "solved"], shrinking)
+        mesh = _graded(plate, [one.result for one in estimates.values() if one.result.status == "solved"], shrinking)
     else:
         mesh = plate.scaled(model.mesh, 1 / shrinking, model.divisions)
     if not fits(_TWINS * needed(4 * count)):
@@ -228,34 +229,34 @@ def refined(model: Model, results: Mapping[str, Result], steps: Sequence[Refined
     return model.model_copy(update={"mesh": mesh.model_copy(update=kept)}), ""
 
 
-def _at_places(model: Model, results: Mapping[str, Result], everywhere: bool) -> tuple[MeshOptions, int]:
+def _at_places(model: Model, estimates: Mapping[str, Estimate], everywhere: bool) -> tuple[MeshOptions, int]:
     """Mesh options with smaller elements where numbers are, everywhere for those of no place; about how many they are.
 
     ``everywhere`` also where what was done at places has not helped.
     """
     asked, plate = model.mesh.accuracy, model.plate
     assert asked is not None and not isinstance(plate, MeshPlate)
-    whole, pieces = _too_wide(results, asked)
+    whole, pieces = _too_wide(estimates, asked)
     shrinking = 1.0
     if everywhere or whole > asked:
         shrinking = float(np.clip((whole / asked) ** (1 / ORDER), _LEAST, _MOST))
     scaled = plate.scaled(model.mesh, 1 / shrinking, None)
     sizes = [piece.smaller(asked, _MOST_AT_PLACES) for piece in pieces]
     refine = [piece.refinement(size) for piece, size in zip(pieces, sizes, strict=True)]
-    mesh = next(iter(results.values())).mesh
+    mesh = next(iter(estimates.values())).result.mesh
     return scaled.model_copy(update={"refine": (*scaled.refine, *refine)}), _count(mesh, shrinking, pieces, sizes)
 
 
-def _too_wide(results: Mapping[str, Result], asked: float) -> tuple[float, list[_Piece]]:
+def _too_wide(estimates: Mapping[str, Estimate], asked: float) -> tuple[float, list[_Piece]]:
     """The largest half-width over its field of what is at no place, and the places to refine."""
     whole, parts = 0.0, dict[tuple[Point, ...], float]()
-    for number in _numbers(results):
+    for number in _numbers(estimates):
         if number.part > _AIM * asked:
             place = number.place
             whole = max(whole, 0.0 if place else number.part)
             if place:
                 parts[place] = max(parts.get(place, 0.0), number.part)
-    mesh = next(iter(results.values())).mesh
+    mesh = next(iter(estimates.values())).result.mesh
     ends, part = list[tuple[Point, ...]](), list[float]()
     longest = _PARTS * float(np.sqrt(mesh.element_area.mean()))
     for place, most in parts.items():

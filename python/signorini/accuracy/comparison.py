@@ -1,0 +1,166 @@
+"""Half-widths of numbers by their paths, of one result or of many at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini.accuracy.estimate import Estimate
+from signorini.accuracy.half_width import FASTEST, FASTEST_OF_POINTS, SLOWEST, half_widths, rounded, unsettled
+from signorini.accuracy.layers import KINDS as TOUCHED
+from signorini.accuracy.layers import unseen_at_edges, unseen_layer
+from signorini.accuracy.meshes import side
+from signorini.accuracy.places import boundary_widths, places_of_extremes
+from signorini.accuracy.sizes import acts_at_points, beside, may_grow, sizes_of
+from signorini.accuracy.sizes import named as named_numbers
+from signorini.discretise.rows import Bools, Floats
+from signorini.mesh import Mesh
+from signorini.model import Model
+from signorini.results.figures import figures, with_widths
+from signorini.results.quantities import SIDES, Number, Path
+from signorini.results.result import Result
+from signorini.singularities.singularity import Singularity
+
+_FEWEST = 2
+_MOVED = 1e-8
+"""Part of its field by which a number changes that is not the same on every mesh."""
+
+
+@dataclass(frozen=True)
+class Meshes:
+    """Meshes of one plate, the finest first; ``own`` is the one that half-widths are for. One may have failed."""
+
+    every: tuple[Mesh, ...]
+    own: int
+    failed: bool = False
+
+    @classmethod
+    def of(cls, own: Mesh, others: Sequence[Mesh], failed: bool = False) -> Meshes:
+        """Order meshes."""
+        every = sorted([own, *others], key=lambda mesh: -len(mesh.elements))
+        return cls(tuple(every), every.index(own), failed)
+
+    @property
+    def sizes(self) -> list[float]:
+        """Mean sides of their elements."""
+        return [side(mesh) for mesh in self.every]
+
+    @property
+    def elements(self) -> tuple[int, ...]:
+        """How many elements they have."""
+        return tuple(len(mesh.elements) for mesh in self.every)
+
+    @property
+    def reach(self) -> float:
+        """How far what acts at a point makes fields as steep as at it: two elements of the coarsest mesh."""
+        return 2.0 * self.sizes[-1]
+
+    def fastest(self, at_points: Bools | bool) -> Floats:
+        """Order of convergence that changes are trusted to show at most, of results that are made at points or not."""
+        if self.failed and len(self.every) == _FEWEST:
+            # Two meshes show no order, and the one that failed is missed.
+            return np.full(np.shape(at_points), SLOWEST)
+        return np.where(at_points, FASTEST_OF_POINTS, FASTEST)
+
+
+def compared(
+    values: Floats,
+    numbers: Sequence[Number],
+    meshes: Meshes,
+    model: Model,
+    probes: Floats,
+    named: Sequence[tuple[Sequence[Singularity], Bools]],
+) -> tuple[Floats, Bools]:
+    """Give the half-widths of n numbers of k results, NaN where there is none, and which have no limit, each (n, k).
+
+    The same rule for results by themselves, rows of a table and envelopes: none of a number depends on which it is in.
+
+    Parameters
+    ----------
+    values : (m, n, k) array
+        On the meshes, in their order; NaN where one does not tell.
+    numbers : sequence of Number
+    meshes : Meshes
+    model : Model
+    probes : (q, 2) array
+    named : sequence of (singularities, (k,) array)
+        Those under some load, or under none, and in which of the results. Only what a singularity is named for may
+        have no limit.
+    """
+    own, count = values[meshes.own], values.shape[2]
+    mesh = meshes.every[meshes.own]
+    sizes = sizes_of(own, numbers, model, mesh)
+    largest = np.array([sizes[one.quantity.kind] for one in numbers]).reshape(-1, count)
+    at_points, limited = np.full(count, acts_at_points(model)), np.ones((len(numbers), count), np.bool_)
+    for singular, where in named:
+        at_points |= where & any(one.limited for one in singular)
+        limited &= ~(may_grow(numbers, model, probes, singular, meshes.reach)[:, None] & where)
+    changes = beside(numbers, np.abs(values[0] - values[1]))
+    layer = unseen_layer(model, mesh, meshes.sizes)
+    touched = np.array([one.quantity.kind in TOUCHED for one in numbers], np.bool_)[:, None]
+    touched = touched & (changes > _MOVED * largest)
+    fringe = ~limited & np.array([one.home == "field" and one.what in SIDES for one in numbers], np.bool_)[:, None]
+    fringe &= np.array([one.quantity.name != "deflection" for one in numbers], np.bool_)[:, None]
+    fastest = meshes.fastest(at_points)
+    widths, growing = half_widths(values, meshes.sizes, meshes.own, fastest, changes, largest, limited, fringe)
+    # Peaks under the outline of a rigid area have none, but need not grow steadily on elements that hardly know it.
+    rigid = {one.source for singular, _ in named for one in singular if one.line and "pressure" in one.numbers}
+    peaks = [
+        one.home == "support" and one.quantity.kind == "pressure" and model.support[one.owner].name in rigid
+        for one in numbers
+    ]
+    growing |= np.array(peaks, np.bool_)[:, None] & unsettled(values, largest)
+    widths = np.where(touched, np.maximum(widths, layer * largest), widths)
+    places = {one.path: row for row, one in enumerate(numbers)}
+    on_finest = {path: values[0, row] for path, row in places.items()}
+    finer = meshes.sizes[0] / meshes.sizes[meshes.own]
+    for path, width in unseen_at_edges(on_finest, sizes["moment"], probes, model, mesh, finer).items():
+        if (row := places.get(path)) is not None:
+            widths[row] = np.maximum(widths[row], np.abs(own[row] - values[0, row]) + width)
+    _widen_absent(widths, places, own)
+    return rounded(np.where(growing, np.nan, widths)), growing
+
+
+def compare(result: Result, others: Sequence[Result], warning: str = "") -> Estimate:
+    """Compare a result with those on one or two other meshes; a warning says why there are not more."""
+    meshes = Meshes.of(result.mesh, [one.mesh for one in others], bool(warning))
+    every = [next(one for one in (result, *others) if one.mesh is mesh) for mesh in meshes.every]
+    catalogue, model = result.catalogue, result.model
+    told = [place for place, one in enumerate(catalogue) if one.estimated]
+    numbers = [catalogue.numbers[place] for place in told]
+    values = np.array([[*one.numbers[told]] for one in every])[:, :, None]
+    probes = np.array([probe.at for probe in result.probes]).reshape(-1, 2)
+    found, grow = compared(values, numbers, meshes, model, probes, [(result.singular, np.ones(1, np.bool_))])
+    widths = np.full(len(catalogue), np.nan)
+    widths[told] = found[:, 0]
+    by_path = {one.path: known(width) for one, width in zip(catalogue, widths.tolist(), strict=True)}
+    by_path |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
+    by_path |= places_of_extremes(result, by_path)
+    warnings = [warning] if warning else []
+    # Extremes that are still beside a singularity are told there, with what to do.
+    growing = [one for one, grows in zip(numbers, grow[:, 0].tolist(), strict=True) if grows and one.home != "field"]
+    if growing:
+        warnings.append(
+            f"As the mesh is refined these grow and show no limit: {named_numbers(growing, model, probes)}. The "
+            "singularities that are named say why, and what to do."
+        )
+    return Estimate(result, widths, with_widths(figures(result), by_path), meshes.elements, tuple(warnings))
+
+
+def _widen_absent(widths: Floats, rows: Mapping[Path, int], values: Floats) -> None:
+    """Design moments that are 0 on every mesh: by how far moments with their half-widths reach beyond zero."""
+    for path, row in rows.items():
+        if "design_moment" not in path or (*path[:2], "moment", 2) not in rows:
+            continue
+        of, sign = int(path[4]), 1.0 if path[3] == "bottom" else -1.0
+        direct, twist = rows[(*path[:2], "moment", of)], rows[(*path[:2], "moment", 2)]
+        reach = sign * values[direct] + np.abs(values[twist]) + widths[direct] + widths[twist]
+        widths[row] = np.where(values[row] == 0.0, np.fmax(widths[row], reach), widths[row])
+
+
+def known(width: float) -> float | None:
+    """None of NaN."""
+    return None if math.isnan(width) else float(width)

@@ -1,0 +1,181 @@
+"""Results by combination, and what is known of all of them together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from signorini.accuracy.estimate import Estimate
+from signorini.accuracy.refinement import Refined
+from signorini.analysis.combinations import Combined, Sink, combine
+from signorini.analysis.single import solve_one
+from signorini.analysis.tables import rows_of, solve_rows
+from signorini.base.arguments import key_of, watching
+from signorini.base.brief import short
+from signorini.base.named import Named
+from signorini.base.on_demand import OnDemand
+from signorini.contact.problem import ContactProblem
+from signorini.equilibrium.limits import nearest_limit
+from signorini.model import Combination
+from signorini.results.envelope import Envelope
+from signorini.results.result import Result
+from signorini.results.rows import Column
+from signorini.results.states import States
+
+_KEPT = 12
+"""Results computed when they were asked for that are kept: each has every field at every node."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Results(States[str], Mapping[str, Result]):
+    """Results by combination, in the order of the model; what is not there yet is computed when it is asked for.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+    full : mapping of Result
+        Results that are there already: of every combination or, where these are rows of a table, of those that
+        ``output.fields`` asks for.
+    seconds : mapping of float
+    refinement : tuple of Refined
+        The meshes on the way to an accuracy that was asked for, this one last; else none.
+    estimates : mapping of Estimate
+        With an accuracy, half-widths of the results that are there; else none.
+    accuracy_warning : str
+        Why it is not reached, and what it would take.
+
+    Examples
+    --------
+    >>> from signorini import Model
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     support=[{"name": "feet", "at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
+    ...     load=[{"case": "G", "pressure": 1e3}],
+    ...     combination=[{"name": f"c{i}", "factors": {"G": i}} for i in range(1, 21)],
+    ... )
+    >>> results = solve(model)
+    >>> len(results), round(results["c7"].reactions["feet"]), results.table["reaction:feet"][:3].round().tolist()
+    (20, 112000, [16000.0, 32000.0, 48000.0])
+    >>> results
+    Results({'c1', 'c2', 'c3', 'c4', ... 20 in all})
+    >>> results.key(results.envelope["reaction:feet"].max_by)
+    'c20'
+    """
+
+    problem: ContactProblem
+    full: Mapping[str, Result]
+    seconds: Mapping[str, float]
+    refinement: tuple[Refined, ...] = ()
+    estimates: Mapping[str, Estimate] | None = None
+    accuracy_warning: str = ""
+    _combined: Combined | None = None
+
+    def __getitem__(self, name: str) -> Result:
+        """Return the result of a combination.
+
+        Raises
+        ------
+        UnknownNameError
+            Which is a KeyError too, if there is none of that name.
+        NotCertifiedError
+            If it is solved now and its answer fails its certificate.
+        """
+        self.number_of(name)
+        return self.full[name] if name in self.full else self._others[name]
+
+    def __repr__(self) -> str:
+        """Name the first combinations; none is solved for it."""
+        return f"Results({short(self._numbers)})"
+
+    @cached_property
+    def _numbers(self) -> dict[str, int]:
+        return {name: number for number, name in enumerate(self.model.effective_combinations.names())}
+
+    def number_of(self, name: object) -> int:
+        """Number of a combination, from 0.
+
+        Raises
+        ------
+        UnknownNameError
+            Which is a KeyError too, if there is none of that name.
+        """
+        return self._numbers[key_of(name, self._numbers, "combination", "This mapping of results")]
+
+    @cached_property
+    def _others(self) -> Mapping[str, Result]:
+        return OnDemand(self._numbers, self._solved, _KEPT)
+
+    def _solved(self, name: str) -> Result:
+        return solve_one(self.problem, self._combination(name))
+
+    def _combination(self, name: str) -> Combination:
+        return self.model.effective_combinations[self._numbers[name]]
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names of the combinations."""
+        return iter(self._numbers)
+
+    def __len__(self) -> int:
+        """Count the combinations."""
+        return len(self.model.effective_combinations)
+
+    def key(self, row: int) -> str:
+        """Name of a combination, given its number from 0."""
+        return self.model.effective_combinations[row].name
+
+    @cached_property
+    def combined(self) -> Combined:
+        """What is known of all combinations together."""
+        return self._combined if self._combined is not None else self._combine(None)
+
+    @property
+    def envelope(self) -> Envelope:
+        """Extremes over all combinations that were solved."""
+        return self.combined.envelope
+
+    @property
+    def groups(self) -> Mapping[str, Envelope]:
+        """Extremes over the combinations of each group (``combination.group``) that were solved."""
+        return self.combined.groups
+
+    @property
+    def governing(self) -> tuple[str, ...]:
+        """Combinations with an extreme of some field, reaction or section, of each group if there are any."""
+        return tuple(map(self.key, self.combined.governing))
+
+    @cached_property
+    def table(self) -> Mapping[str, Column]:
+        """Every column by name, with a row a combination; where these are many they are solved again for it."""
+        return rows_of(self.combined, self._combine)
+
+    def _combine(self, sink: Sink | None) -> Combined:
+        if self.model.tabulated:
+            return solve_rows(self.problem, watching(None, ""), sink)
+        return combine(self.problem, lambda one: self.full[one.name], None, lambda name: None, sink)
+
+    @cached_property
+    def limits(self) -> Mapping[str, tuple[str, float] | None]:
+        """How far each combination is from the end of equilibrium: a case, and the factor on its own that leads there.
+
+        None where no case has one (`signorini.equilibrium.limits.nearest_limit`). Of rows of a table each is found
+        when it is asked for.
+        """
+        found, freedom = self.discretisation, self.problem.freedom
+        limits = OnDemand(self._numbers, lambda name: nearest_limit(found, freedom, self._combination(name)))
+        return limits if self.model.tabulated else Named(dict(limits), "combination", "This mapping of limits")
+
+    @property
+    def unbalanced(self) -> Mapping[str, str]:
+        """Why combinations have no equilibrium, by name; of many the first."""
+        return self.combined.unbalanced
+
+    @property
+    def unbalanced_count(self) -> int:
+        """How many combinations have no equilibrium."""
+        return len(self) - self.combined.solved
+
+    def _repr_html_(self) -> str:
+        """Show the combinations in a notebook, of many those that have all results."""
+        return "".join(result._repr_html_() for result in self.full.values())

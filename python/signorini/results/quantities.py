@@ -1,0 +1,454 @@
+"""Every quantity of results, once: its name, symbol, unit and key, what it is compared with, and where it is told.
+
+JSON, tables, envelopes, half-widths, thresholds, pictures and the terminal take it from here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+
+from signorini.discretise.rows import Floats, Ints
+from signorini.model import Model
+from signorini.model.whole import Units
+from signorini.results.formulas import design_moments, face_stresses, principal_moments, shear_stresses
+
+Path = tuple[str | int, ...]
+"""Keys and indices that lead to a number in results.json."""
+Home = Literal["field", "support", "point", "probe", "section", "strip", "station"]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What is compared with each other: numbers of one unit that are large and small together.
+
+    Parameters
+    ----------
+    force, length : int
+        Powers in its unit.
+    singular : str
+        What singularities call it; empty where it always has a limit.
+    colours : str
+        A colour map whose middle is zero.
+    """
+
+    force: int = 0
+    length: int = 0
+    singular: str = ""
+    colours: str = "RdBu"
+
+    def unit(self, units: Units) -> str:
+        """Name its unit; empty where the model names none."""
+        force, length = units.force, units.length
+        if not self.force:
+            return f"{length}{'²' if self.length == 2 else ''}" if length and self.length else ""
+        if self.length < 0:
+            return units.force_by_length(self.length)
+        return f"{force} {length}" if self.length and force and length else force
+
+
+KINDS: Mapping[str, Kind] = MappingProxyType(
+    {
+        "deflection": Kind(0, 1, "deflection", "RdBu"),
+        "rotation": Kind(0, 0, "rotation", "PiYG"),
+        "moment": Kind(1, 0, "moment", "BrBG"),
+        "shear": Kind(1, -1, "shear", "PRGn"),
+        "stress": Kind(1, -2, "moment", "RdYlBu"),
+        "shear_stress": Kind(1, -2, "shear", "PRGn"),
+        "couple": Kind(1, 1),
+        "force": Kind(1, 0),
+        "reaction": Kind(1, 0, "reaction"),
+        "pressure": Kind(1, -2, "pressure", "PuOr"),
+        "area": Kind(0, 2),
+        "part": Kind(),
+        "count": Kind(),
+        "angle": Kind(),
+    }
+)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity.
+
+    Parameters
+    ----------
+    name : str
+        In tables and thresholds.
+    kind : str
+        One of `KINDS`.
+    words : str
+        What it is, with its symbol.
+    key : tuple
+        Keys and indices that lead to it in results.json, from what it is of; by default the name.
+    vector : str
+        What turns into it: numbers of one vector of one probe change together.
+    tabled, enveloped, along_paths : bool
+        Whether tables have it, extremes of it are sought, and load paths tell it at every stop.
+    """
+
+    name: str
+    kind: str
+    words: str = ""
+    key: Path = ()
+    vector: str = ""
+    tabled: bool = True
+    enveloped: bool = True
+    along_paths: bool = True
+
+    @property
+    def path(self) -> Path:
+        """Where it stands below what it is of."""
+        return self.key or (self.name,)
+
+    @property
+    def singular(self) -> str:
+        """What singularities call it."""
+        return KINDS[self.kind].singular
+
+    def label(self, units: Units) -> str:
+        """Say what it is, with its unit.
+
+        Examples
+        --------
+        >>> FIELDS["mx"].label(Units(length="m", force="kN")), FIELDS["qx"].label(Units(length="m", force="kN"))
+        ('moment mx [kN m/m]', 'shear qx [kN/m]')
+        """
+        unit = KINDS[self.kind].unit(units)
+        if self.kind == "moment" and units.length and units.force:
+            # Per length of the section that it is in.
+            unit = f"{units.force} {units.length}/{units.length}"
+        what, comma, more = self.words.partition(", ")
+        return f"{what} [{unit}]{comma}{more}" if unit else self.words
+
+
+def _vector(vector: str, kind: str, *named: tuple[str, str, Path]) -> Iterator[Quantity]:
+    for name, words, path in named:
+        yield Quantity(name, kind, words, path, vector)
+
+
+def _by_name(quantities: Sequence[Quantity]) -> Mapping[str, Quantity]:
+    return MappingProxyType({one.name: one for one in quantities})
+
+
+LINEAR = _by_name(
+    [
+        Quantity("deflection", "deflection", "deflection, positive down"),
+        Quantity("rotation_x", "rotation", "rotation θx", ("rotation", 0), "rotation"),
+        Quantity("rotation_y", "rotation", "rotation θy", ("rotation", 1), "rotation"),
+        Quantity("mx", "moment", "moment mx", ("moment", 0), "moment"),
+        Quantity("my", "moment", "moment my", ("moment", 1), "moment"),
+        Quantity("mxy", "moment", "moment mxy", ("moment", 2), "moment"),
+        Quantity("qx", "shear", "shear qx", ("shear", 0), "shear"),
+        Quantity("qy", "shear", "shear qy", ("shear", 1), "shear"),
+    ]
+)
+"""Fields that sum up as loads do, in the order of arrays (..., 8)."""
+
+
+@dataclass(frozen=True)
+class Derived:
+    """Fields by a formula: from moments (..., 3), shears (..., 2) and the thickness (...) to values (..., c)."""
+
+    formula: Callable[[Floats, Floats, Floats], Floats]
+    quantities: tuple[Quantity, ...]
+
+
+def _of_face(face: str) -> Iterator[Quantity]:
+    for place, (name, symbol) in enumerate((("sx", "σx"), ("sy", "σy"), ("txy", "τxy"))):
+        yield Quantity(f"{name}_{face}", "stress", f"stress {symbol} at the {face}", ("stress", face, place), "stress")
+
+
+DERIVED = (
+    Derived(
+        lambda moment, shear, thickness: principal_moments(moment),
+        (
+            Quantity("m1", "moment", "principal moment m1", ("principal_moment", 0), "principal_moment"),
+            Quantity("m2", "moment", "principal moment m2", ("principal_moment", 1), "principal_moment"),
+            Quantity("m_angle", "angle", "angle of m1", ("principal_moment", 2), tabled=False, enveloped=False),
+        ),
+    ),
+    Derived(
+        lambda moment, shear, thickness: design_moments(moment),
+        tuple(
+            Quantity(
+                f"m{axis}_{face}",
+                "moment",
+                f"design moment along {axis} at the {face}",
+                ("design_moment", face, place),
+                f"design_moment {face}",
+            )
+            for face in ("bottom", "top")
+            for place, axis in enumerate("xy")
+        ),
+    ),
+    Derived(
+        lambda moment, shear, thickness: face_stresses(moment, thickness),
+        (
+            *_of_face("top"),
+            *_of_face("bottom"),
+            Quantity("von_mises", "stress", "von Mises stress", ("stress", "von_mises", 0), "stress"),
+            Quantity("von_mises_bottom", "stress", "", ("stress", "von_mises", 1), "stress", False, False),
+        ),
+    ),
+    Derived(
+        lambda moment, shear, thickness: shear_stresses(shear, thickness),
+        (
+            Quantity("txz", "shear_stress", "shear stress τxz", ("stress", "shear", 0), "shear stress"),
+            Quantity("tyz", "shear_stress", "shear stress τyz", ("stress", "shear", 1), "shear stress"),
+        ),
+    ),
+)
+"""Fields that follow from those."""
+
+FIELDS: Mapping[str, Quantity] = _by_name(
+    [*LINEAR.values(), *(one for of in DERIVED for one in of.quantities if one.enveloped)]
+)
+"""Every field at the nodes."""
+PEAKING: Mapping[str, Quantity] = _by_name([one for one in FIELDS.values() if one.singular in ("moment", "shear")])
+"""Fields whose extremes are told away from where they have no limit. Deflections grow too slowly for that."""
+RESULTANTS = tuple(name for name in LINEAR if name in PEAKING)
+"""Moments and shears."""
+TOLD = ("deflection", *PEAKING)
+"""Fields whose extremes every result tells."""
+PRESSURE = Quantity("pressure", "pressure", "contact pressure, positive up", tabled=False, enveloped=False)
+AT_PROBES: tuple[Quantity, ...] = tuple(
+    one if one.name == "deflection" else replace(one, along_paths=False)
+    for one in (*LINEAR.values(), PRESSURE, *(one for of in DERIVED for one in of.quantities))
+)
+OF_SUPPORTS = (
+    Quantity("reaction", "reaction"),
+    Quantity("closed", "count", enveloped=False),
+    Quantity("open", "count", enveloped=False),
+    Quantity("closed_part", "part", tabled=False),
+)
+OF_AREAS = (
+    Quantity("max_pressure", "pressure"),
+    Quantity("contact_area", "area"),
+    Quantity("max_tension", "pressure", tabled=False, along_paths=False),
+)
+OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
+THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("shear", "force"))
+"""Forces through sections."""
+MEANS = (Quantity("moment", "moment"), Quantity("twist", "moment"), Quantity("shear", "shear"))
+"""Their means at the stations of a strip."""
+OF_STRIPS = tuple(Quantity(name, "moment", tabled=False) for name in ("max_moment", "min_moment"))
+SIDES = ("max", "min")
+SMOOTH = frozenset(("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"))
+"""What is not linear in the load on one contact set."""
+
+
+def derived(quantities: Sequence[str], moment: Floats, shear: Floats, thickness: Floats) -> Floats:
+    """Values (..., f) of derived fields from moments (..., 3) and shears (..., 2) in a plate of a thickness (...).
+
+    Examples
+    --------
+    >>> derived(["m1", "von_mises", "tyz"], np.array([3.0, 3.0, 1.0]), np.array([0.0, 4.0]), np.array(2.0)).round(3)
+    array([4.   , 5.196, 3.   ])
+    """
+    found = np.empty((*moment.shape[:-1], len(quantities)))
+    for of in DERIVED:
+        names = [one.name for one in of.quantities]
+        if wanted := [place for place, name in enumerate(quantities) if name in names]:
+            values = of.formula(moment, shear, thickness)
+            found[..., wanted] = values[..., [names.index(quantities[place]) for place in wanted]]
+    return found
+
+
+@dataclass(frozen=True)
+class Number:
+    """One number of a result: what it is and of whom, and with that where it stands in files.
+
+    Parameters
+    ----------
+    quantity : Quantity
+    home : str
+        What it is of.
+    owner : int
+        Which of these, in the order of the model.
+    path : tuple
+        Keys and indices in results.json.
+    subject : str
+        What it is of, as columns and thresholds name it.
+    part : int
+        Which point of a support, or station of a strip, from 0.
+    tabled : bool
+        Whether tables have it.
+    estimated : bool
+        Whether it has a half-width: not how many nodes are closed, which are the mesh's, nor an angle, which turns as
+        it likes where both principal moments are equal.
+    """
+
+    quantity: Quantity
+    home: Home
+    owner: int
+    path: Path
+    subject: str
+    part: int = 0
+    tabled: bool = True
+    estimated: bool = True
+
+    @property
+    def column(self) -> str:
+        """Its column in tables."""
+        what = self.what
+        if self.home in ("support", "field"):
+            return f"{what}:{self.subject}"
+        return f"{what}_at:{self.subject}" if self.home == "point" else f"{self.subject}:{what}"
+
+    @property
+    def name(self) -> str:
+        """Its name in thresholds."""
+        return f"{self.subject}.{self.what}"
+
+    @property
+    def what(self) -> str:
+        """The quantity, of extremes of a field which of them."""
+        return str(self.path[-1]) if self.home == "field" else self.quantity.name
+
+    @property
+    def envelope_path(self) -> Path:
+        """Where its extremes stand in an envelope, of which results.json names the quantities of probes."""
+        if self.home == "field":
+            return ("fields", self.subject)
+        return (*self.path[:2], self.quantity.name) if self.home == "probe" else self.path
+
+    @property
+    def ties(self) -> tuple[str, str, int]:
+        """What it is told apart from but for rounding: numbers of one kind, of pressures and areas of one support."""
+        kind = self.quantity.kind
+        return self.home, kind, self.owner if kind in ("pressure", "area") else -1
+
+
+@dataclass(frozen=True, eq=False)
+class Catalogue:
+    """The numbers of a model's results that every mesh has, in their order."""
+
+    numbers: tuple[Number, ...]
+
+    @classmethod
+    def of(
+        cls, model: Model, points: Sequence[int], gaps: Sequence[bool], probes: int, fields: Sequence[str]
+    ) -> Catalogue:
+        """List a model's numbers.
+
+        Parameters
+        ----------
+        model : Model
+        points : sequence of int
+            How many points each support has.
+        gaps : sequence of bool
+            Whether each support's points may open.
+        probes : int
+        fields : sequence of str
+            Those whose extremes are told.
+        """
+        found: list[Number] = []
+        for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
+            of: Path = ("supports", index)
+            own = OF_SUPPORTS + (OF_AREAS if support.area is not None else ())
+            for one in own:
+                estimated = one.kind != "count" or support.place == "at"
+                path: Path = (*of, *one.path)
+                found.append(Number(one, "support", index, path, support.name, 0, one.tabled, estimated))
+            for point in range(count if support.place == "at" else 0):
+                subject, at = f"{support.name}[{point + 1}]", (*of, "points", point)
+                for one in OF_POINTS:
+                    tabled = one.tabled and (opens or one.name != "gap")
+                    found.append(Number(one, "point", index, (*at, *one.path), subject, point, tabled))
+        touching = any(support.area is not None for support in model.support)
+        for index in range(probes):
+            own = tuple(one for one in AT_PROBES if one.name != PRESSURE.name or touching)
+            for one in own:
+                path = ("probes", index, *one.path)
+                subject, estimated = f"probe[{index + 1}]", one.kind != "angle"
+                found.append(Number(one, "probe", index, path, subject, 0, one.tabled, estimated))
+        for index, section in enumerate(model.section):
+            for one in THROUGH:
+                found.append(Number(one, "section", index, ("sections", index, *one.path), f"section[{section.name}]"))
+        for index, strip in enumerate(model.strip):
+            of = ("strips", index)
+            subject = f"strip[{strip.name}]"
+            found += [Number(one, "strip", index, (*of, *one.path), subject, 0, False) for one in OF_STRIPS]
+            for station in range(strip.stations):
+                at = (*of, "stations", station)
+                subject = f"strip[{strip.name}][{station + 1}]"
+                found += [Number(one, "station", index, (*at, *one.path), subject, station) for one in MEANS]
+        for index, name in enumerate(fields):
+            of = ("deflection",) if name == "deflection" else ("fields", name)
+            found += [Number(FIELDS[name], "field", index, (*of, side), name) for side in SIDES]
+        return cls(tuple(found))
+
+    def __len__(self) -> int:
+        """Count the numbers."""
+        return len(self.numbers)
+
+    def __iter__(self) -> Iterator[Number]:
+        """Iterate over the numbers."""
+        return iter(self.numbers)
+
+    @cached_property
+    def tabled(self) -> Ints:
+        """Which of them tables have."""
+        return np.array([place for place, one in enumerate(self.numbers) if one.tabled], np.int64)
+
+    @cached_property
+    def in_tables(self) -> Catalogue:
+        """Those that tables have."""
+        return Catalogue(tuple(self.numbers[place] for place in self.tabled))
+
+    def at(self, home: Home, *names: str) -> Ints:
+        """Which numbers are of a home and have these names: (q,) of one, else (q, k)."""
+        found = [self._places.get((home, name), np.zeros(0, np.int64)) for name in names]
+        return found[0] if len(names) == 1 else np.stack(found, axis=-1)
+
+    @cached_property
+    def _places(self) -> Mapping[tuple[str, str], Ints]:
+        places: dict[tuple[str, str], list[int]] = {}
+        for place, one in enumerate(self.numbers):
+            places.setdefault((one.home, one.what), []).append(place)
+        return {key: np.array(of, np.int64) for key, of in places.items()}
+
+    @cached_property
+    def by_column(self) -> Mapping[str, int]:
+        """Place of every number that tables have, by its column."""
+        return {one.column: place for place, one in enumerate(self.numbers) if one.tabled}
+
+    @cached_property
+    def by_name(self) -> Mapping[str, int]:
+        """Place of every number by its name in thresholds."""
+        return {one.name: place for place, one in enumerate(self.numbers)}
+
+    @cached_property
+    def by_path(self) -> Mapping[Path, int]:
+        """Place of every number by its keys in results.json."""
+        return {one.path: place for place, one in enumerate(self.numbers)}
+
+    def derive(self, values: Floats, thickness: Floats) -> None:
+        """Fill in what follows at probes from moments and shears there, in values (..., n); ``thickness`` is (q,)."""
+        names = [one.name for of in DERIVED for one in of.quantities if ("probe", one.name) in self._places]
+        if names:
+            moment, shear = values[..., self.at("probe", "mx", "my", "mxy")], values[..., self.at("probe", "qx", "qy")]
+            values[..., self.at("probe", *names)] = derived(names, moment, shear, thickness)
+
+    def put_through(self, values: Floats, through: Floats) -> None:
+        """Fill in forces through sections and means of strips, in values (..., n), from `Discretisation.through`."""
+        sections, stations = (self.at(home, "moment", "twist", "shear") for home in ("section", "station"))
+        both = np.concatenate([sections, stations])
+        values[..., both] = through.reshape(*through.shape[:-1], len(both), 3)
+        if len(strips := self.at("strip", "max_moment", "min_moment")):
+            owners = np.array([self.numbers[place].owner for place in stations[:, 0]])
+            moments = values[..., stations[:, 0]]
+            for index, (most, least) in enumerate(strips):
+                own = moments[..., owners == index]
+                values[..., most], values[..., least] = own.max(axis=-1), own.min(axis=-1)
+
+    @cached_property
+    def along_paths(self) -> Catalogue:
+        """Those that load paths tell at every stop."""
+        return Catalogue(tuple(one for one in self.numbers if one.quantity.along_paths))
