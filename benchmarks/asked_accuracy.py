@@ -8,8 +8,8 @@ import time
 
 from plus_minus import EDGES, SOIL
 
-from signorini import Model, solve
-from signorini.analysis.accuracy import worst_of
+from signorini import Model, estimate, solve
+from signorini.accuracy.refinement import worst_of
 
 
 def timed(supports, **mesh):
@@ -24,7 +24,7 @@ def timed(supports, **mesh):
     )
     begun = time.process_time()
     results = solve(model)
-    worst = worst_of(results.full)
+    worst = worst_of(estimate(results))
     return time.process_time() - begun, results, worst
 
 

@@ -1,6 +1,6 @@
 """What part of all numbers their half-widths cover, and how wide they are: random plates on 4 times the mesh.
 
-The constants of signorini.analysis.twins.half_width were chosen on seeds from 0, 400000 and 500000; judge on others.
+The constants of signorini.accuracy.half_width were chosen on seeds from 0, 400000 and 500000; judge on others.
 
     python benchmarks/half_widths.py [--count 300] [--first 100000] [--along 8 24] [--seconds 3600] [--processes 2]
     --first 980000 --along 18 24     60 plates, 7753 numbers: 98.8 % covered, median width/change 5.1

@@ -18,7 +18,7 @@ import numpy as np
 from halving import halved
 
 from signorini import Model, Result, contact_problem
-from signorini.analysis.solve import solve_one
+from signorini.analysis.single import solve_one
 from signorini.discretise import discretise
 
 E, NU, PRESSURE = 1e7, 0.3, 1.0

@@ -29,7 +29,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 
-from signorini import Model, path, solve
+from signorini import Model, estimate, path, solve
 from signorini.analysis.sampler import Sampler
 from signorini.contact.problem import contact_problem
 
@@ -137,11 +137,11 @@ def told(name, found):
 
 def with_half_widths(name, model, single, *given):
     """A path with its half-widths, over one solve with them."""
-    alone, _, _ = seconds_of(lambda: [result.plus_minus for result in solve(single).values()])
+    alone, _, _ = seconds_of(lambda: estimate(solve(single)))
     spent, found, own = seconds_of(lambda: path(model, *given))
-    more, estimate, others = seconds_of(lambda: found.estimate)
+    more, compared, others = seconds_of(lambda: estimate(found))
     print(
-        f"{told(name, found)}; {own} solves in {spent:.2f} s, {others} on meshes of {estimate.elements[1:]} elements "
+        f"{told(name, found)}; {own} solves in {spent:.2f} s, {others} on meshes of {compared.elements[1:]} elements "
         f"for half-widths in {more:.2f} s; one solve with half-widths {alone:.2f} s; ratio {(spent + more) / alone:.1f}"
     )
     yield from faults(name, found, found.ending)
@@ -178,14 +178,18 @@ def every_point(divisions):
         yield f"{name}: ends with {found.ending} at {found.end}"
 
 
+def fewer_closed(stop):
+    return stop.number("gasket.closed") <= stop.number("gasket.open")
+
+
 def half_open(sizes):
     """The pressure at which half of a gasket is open, by its area and by its points."""
     for size in sizes:
         found = path(gasket(size), "bolts", "bar", when=["gasket.closed_part = 0.5"])
         (half,) = found.thresholds
-        counted = next((stop.t for stop in found.stops if 2 * stop.closed[1] <= stop.counts[1]), np.nan)
+        counted = next((stop.t for stop in found.stops if fewer_closed(stop)), np.nan)
         by_points = path(gasket(size), "bolts", "bar", at=np.linspace(0.0, 2 * counted, 401).tolist())
-        counted = next(stop.t for stop in by_points.stops if 2 * stop.closed[1] <= stop.counts[1])
+        counted = next(stop.t for stop in by_points.stops if fewer_closed(stop))
         name = f"gasket, elements of {size:g} mm"
         print(f"{told(name, found)}; half open at {half.t:.4g} bar, by its points at {counted:.4g} bar")
         yield from faults(name, found, "no_equilibrium", found.limit)
@@ -201,7 +205,7 @@ def main():
     parser.add_argument("--check", action="store_true")
     given = parser.parse_args()
     small = [24, 16]
-    seconds_of(lambda: [one.plus_minus for one in solve(base_plate(small, {"column": 1.0})).values()])  # reads modules
+    seconds_of(lambda: estimate(solve(base_plate(small, {"column": 1.0}))))  # reads modules
     along, divisions = (40, 20) if given.check else (400, given.divisions)
     grown = strip(along, combination=[{"name": "one", "factors": {"G": 1.0, "Q": 60.0}}])
     wrong = [*with_half_widths(f"strip, {along} x 1", strip(along), grown, "G", "Q", 60.0)]

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import tensionless
 
-from signorini import Model, solve
+from signorini import Model, estimate, solve
 from signorini.results.figures import figures
 
 Path = tuple[str | int, ...]
@@ -67,7 +67,7 @@ class Row:
 def rows(case: Case, mesh: int) -> list[Row]:
     """Solve a case on its coarse mesh, 0, or its finer one, 1."""
     result = solve(case.models[mesh]())["all"]
-    tree, widths = figures(result), result.plus_minus
+    tree, widths = figures(result), estimate(result).plus_minus
     assert widths is not None
     of = (case.title, len(result.mesh.elements))
     return [Row(*of, one, at(tree, one.path), at(widths, one.path)) for one in case.numbers]

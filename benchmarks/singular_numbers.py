@@ -4,10 +4,10 @@ What seems to grow on the last of them has to grow on a fifth as well.
 
 Of every plate the numbers of results.json, and where moments and shears are largest on the last mesh, away from all
 places that are named for them on the first, by two of its elements or `within`. What grows on all three steps, by the
-rule of signorini.analysis.twins.half_width, has to be named. Two things grow so and have a limit:
+rule of signorini.accuracy.half_width, has to be named. Two things grow so and have a limit:
 
 - the boundary layers of edges, steps of the thickness and ends of supports, on every mesh that does not see them
-  (signorini.analysis.twins.layers): plates whose layer is that of a solid one thinner than elements of the last mesh
+  (signorini.accuracy.layers): plates whose layer is that of a solid one thinner than elements of the last mesh
   but one are left out;
 - all numbers of a plate on points, which hold the less of it the finer the mesh, by its logarithm: then the largest
   moments and shears are judged alone. These are taken over the field's mean around them, which grows so too.
@@ -31,18 +31,9 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
 import half_width_coverage
 
 from signorini import SignoriniError, solve
-from signorini.analysis.twins.half_width import FASTEST, half_widths
-from signorini.analysis.twins.leaves import (
-    acts_at_points,
-    away,
-    kind_of,
-    leaves,
-    may_grow,
-    sections_at,
-    sizes_of,
-)
-from signorini.analysis.twins.meshes import side
-from signorini.results.figures import figures
+from signorini.accuracy.half_width import FASTEST, half_widths
+from signorini.accuracy.meshes import side
+from signorini.accuracy.sizes import acts_at_points, away, may_grow, sections_at, sizes_of
 
 _FACTORS = (0.0625, 0.125, 0.25, 0.5, 1.0)
 """Sizes of elements, the finest first; that is solved only where the others show growth."""
@@ -87,16 +78,14 @@ def growing(results):
     """What has no name and grows on all steps between meshes, each of twice the size of the one before."""
     sizes = [side(result.mesh) for result in results]
     reach, own = 2.0 * sizes[-1], results[-1]
-    trees = [figures(result) for result in results]
-    found = [leaves(tree) for tree in trees]
-    largest = sizes_of({path: np.array([value]) for path, value in found[-1].items()}, own.model, own.mesh)
-    grows = may_grow(list(found[-1]), trees[-1], own.singular, reach).tolist()
-    limited = [path for path, may in zip(found[-1], grows, strict=True) if not may]
-    if any("reaction" in one.numbers for one in own.singular):
-        limited = []
+    numbers, largest = own.catalogue.numbers, sizes_of(own.numbers[:, None], own.catalogue.numbers, own.model, own.mesh)
+    probes = np.array([probe.at for probe in own.probes]).reshape(-1, 2)
+    grows = may_grow(numbers, own.model, probes, own.singular, reach).tolist()
+    values = zip(*(result.numbers.tolist() for result in results), strict=True)
     rows = [
-        (".".join(map(str, path)), "", largest[kind_of(path)].item(), [of.get(path, np.nan) for of in found])
-        for path in limited
+        (one.column, "", largest[one.quantity.kind].item(), list(of))
+        for one, of, may in zip(numbers, values, grows, strict=True)
+        if one.estimated and not may and not any("reaction" in each.numbers for each in own.singular)
     ]
     for kind in ("moment", "shear"):
         points = _away_from_named(results, kind, reach)

@@ -97,7 +97,7 @@ def test_thresholds_are_found_where_a_solve_has_the_value(slab: Path) -> None:
 def test_an_exact_path_has_thresholds_at_its_stops(slab: Path) -> None:
     found = signorini.path(signorini.load(slab), "G", "Q", events="all", when=["pads[2].reaction = 40"])
     (one,) = found.thresholds
-    assert one.t in {stop.t for stop in found.stops} and found.estimate.elements == ()
+    assert one.t in {stop.t for stop in found.stops} and signorini.estimate(found).elements == ()
     assert path_json(found)["plus_minus"] is None and path_json(found)["events"]
 
 
@@ -309,7 +309,7 @@ def test_a_solve_and_a_path_say_the_same_part_closed_of_a_line() -> None:
     found = signorini.path(model, "G", "Q", at=[1.0])
     part = found.at(1.0).supports[0].closed_part
     assert 0 < part < 1 and part == pytest.approx(found.stops[-1].parts[0], rel=1e-9)
-    half_widths = found.at(1.0).plus_minus
+    half_widths = signorini.estimate(found.at(1.0)).plus_minus
     assert half_widths["supports"][0]["closed_part"] < 0.1 and half_widths["supports"][0]["closed"] is None
 
 
@@ -335,12 +335,12 @@ def test_half_widths_cover_a_finer_mesh_and_never_come_from_one() -> None:
         )
         for n in (12, 24)
     )
-    assert coarse.estimate.elements == (144, 36, 9)
-    for event, other, width in zip(coarse.support_events, fine.support_events, coarse.estimate.events, strict=True):
+    compared = signorini.estimate(coarse)
+    assert compared.elements == (144, 36, 9)
+    for event, other, width in zip(coarse.support_events, fine.support_events, compared.events, strict=True):
         assert event.change == other.change and abs(event.t - other.t) <= width
-    (one,), (other,), (width,) = coarse.thresholds, fine.thresholds, coarse.estimate.thresholds
+    (one,), (other,), (width,) = coarse.thresholds, fine.thresholds, compared.thresholds
     assert abs(one.t - other.t) <= width
-    assert coarse.at(1.0).estimate.elements == (144, 36, 9)
 
 
 def test_a_mesh_that_cannot_be_coarsened_has_no_half_widths() -> None:
@@ -349,8 +349,8 @@ def test_a_mesh_that_cannot_be_coarsened_has_no_half_widths() -> None:
         support=[{"name": "feet", "at": [[0, 0], [4, 0], [4, 4], [0, 4]], "resists": "down"}],
         load=[{"case": "G", "pressure": 1e3}, {"case": "Q", "force": 1e3, "at": [4, 4]}],
     )
-    found = signorini.path(model, "G", "Q", until=1)
-    assert found.estimate.elements == () and "this mesh cannot be coarsened" in found.estimate.warnings[0]
+    found = signorini.estimate(signorini.path(model, "G", "Q", until=1))
+    assert found.elements == () and "this mesh cannot be coarsened" in found.warnings[0]
 
 
 def test_a_ring_gasket_one_element_wide_is_half_closed_by_its_area() -> None:
@@ -424,11 +424,3 @@ def test_points_that_resist_up_pull() -> None:
     bolts = PathEvent(1, 0.5, "bolts", (1.0, 2.0), "closes", 0.5, False)
     assert in_words([bolts], {"bolts"}) == "bolts: begins to pull at [1, 2]"
     assert in_words([bolts]) == "bolts: closes at [1, 2]"
-
-
-def test_a_notebook_shows_half_widths_once_they_were_asked_for(slab: Path) -> None:
-    found = signorini.path(signorini.load(slab), "G", "Q")
-    plain = found._repr_html_()
-    assert "estimate" not in found.__dict__ and "<p>of the mesh: ± once estimate is asked for</p>" in plain
-    (width, *_) = found.estimate.events
-    assert f">{found.support_events[0].t:.6g} ± {width:.2g}<" in found._repr_html_() and plain.count("±") == 1

@@ -113,7 +113,7 @@ def test_what_is_asked_of_copies_is_answered_alike(things: dict[str, object], ho
     for name, thing in (("one.vtu", result), ("other.vtu", again[0])):
         thing.to_vtk(tmp_path / name)
     assert (tmp_path / "one.vtu").read_bytes() == (tmp_path / "other.vtu").read_bytes()
-    assert again[0].plus_minus == result.plus_minus
+    assert signorini.estimate(again[0]).plus_minus == signorini.estimate(result).plus_minus
     assert again[0]._repr_html_() == result._repr_html_()
     skipped = {".seconds"}
     at = [dict(numbers(thing.at(0.7))) for thing in (path, again[1])]
@@ -132,7 +132,7 @@ def test_what_things_say_of_themselves_is_short(things: dict[str, object]) -> No
     for name in ("result", "path", "problem"):
         said = repr(things[name])
         assert said.startswith(f"{type(things[name]).__name__}(") and len(said) < 1000, name
-        assert "partial" not in said and "estimator" not in said
+        assert "partial" not in said
     assert "deflection=array(" in repr(things["result"])
 
 

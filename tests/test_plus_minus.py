@@ -1,8 +1,7 @@
 """Half-widths: how far the mesh is from the plate, as other meshes show it."""
 
+import json
 import math
-import pickle
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,21 +11,22 @@ from halving import halved
 from models import rectangular, tables
 
 import signorini
-from signorini import Model, Result, solve
-from signorini.analysis.check import check
-from signorini.analysis.twins import twins as twins_module
-from signorini.analysis.twins.half_width import half_widths
-from signorini.analysis.twins.leaves import beside
-from signorini.analysis.twins.meshes import twins_of
+from signorini import Estimate, Model, Result, estimate, solve
+from signorini.accuracy.half_width import half_widths
+from signorini.accuracy.meshes import meshes_beside
+from signorini.accuracy.sizes import beside
+from signorini.analysis import other_meshes
+from signorini.analysis.estimate import estimates_of
 from signorini.base.numbers import estimated
 from signorini.base.plain import plain
 from signorini.discretise import discretise
-from signorini.errors import InputError, NotCertifiedError
+from signorini.errors import InputError
 from signorini.mesh.meshers import disc
 from signorini.mesh.refined import refined
-from signorini.output import path_json, reactions_csv, results_json
+from signorini.output import path_json, results_json, write
 from signorini.results.figures import figures
 from signorini.results.panels import panel
+from signorini.results.quantities import Catalogue
 
 POINTS = [[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0]]
 EDGES = ["left", "right", "bottom", "top"]
@@ -51,6 +51,21 @@ def result() -> Result:
     return solve(slab())["all"]
 
 
+@pytest.fixture(scope="module")
+def estimated_result(result: Result) -> Estimate:
+    return estimate(result)
+
+
+def widths_of(result: Result) -> Any:
+    """Half-widths by the keys of results.json."""
+    return estimate(result).plus_minus
+
+
+def written_of(results: signorini.Results) -> Any:
+    """Give results.json with half-widths."""
+    return results_json(results, estimate(results))
+
+
 @pytest.mark.parametrize("divisions", [[8, 8], [10, 6], [16, 16]])
 def test_shears_alike_on_both_sides_of_a_wall_are_of_the_same_side_on_every_mesh(divisions: list[int]) -> None:
     """Rounding picked the side on each, and the half-width was as wide as both are apart, times what grew of it."""
@@ -58,7 +73,7 @@ def test_shears_alike_on_both_sides_of_a_wall_are_of_the_same_side_on_every_mesh
     probe = [{"at": [[4, 2], [4, 1.3]]}]
     model = rectangular(size=(8, 4), divisions=divisions, support=support, load=[{"pressure": 1e3}], probe=probe)
     found = solve(model)["all"]
-    for at, width in zip(found.probes, found.plus_minus["probes"], strict=True):
+    for at, width in zip(found.probes, widths_of(found)["probes"], strict=True):
         assert at.shear[0] > 0
         assert width["shear"][0] < 0.1 * at.shear[0]
 
@@ -76,15 +91,14 @@ def same_shape(value: Any, width: Any) -> bool:
             return width is None or (isinstance(width, float) and width >= 0)
 
 
-def test_half_widths_are_built_like_the_numbers_they_are_of(result: Result) -> None:
-    assert result.plus_minus is not None
-    assert same_shape(figures(result), result.plus_minus)
+def test_half_widths_are_built_like_the_numbers_they_are_of(estimated_result: Estimate) -> None:
+    assert same_shape(figures(estimated_result.result), estimated_result.plus_minus)
 
 
-def test_what_the_input_gives_has_none_and_what_is_of_the_mesh_has_no_half_width(result: Result) -> None:
-    assert result.plus_minus is not None
-    feet, soil, wall = result.plus_minus["supports"]
-    assert feet["points"][0]["at"] == [0.0, 0.0] == result.plus_minus["probes"][0]["at"]
+def test_what_the_input_gives_has_none_and_what_is_of_the_mesh_has_no_half_width(estimated_result: Estimate) -> None:
+    widths: Any = estimated_result.plus_minus
+    feet, soil, wall = widths["supports"]
+    assert feet["points"][0]["at"] == [0.0, 0.0] == widths["probes"][0]["at"]
     assert feet["closed"] is not None
     assert soil["closed"] is None
     assert all(node["reaction"] is None for node in wall["nodes"])
@@ -99,12 +113,11 @@ def test_the_edge_of_contact_has_half_widths_along_both_axes() -> None:
         load=[{"pressure": 1e3}, {"force": 60e3, "at": [0.5, 2.0]}],
     )
     found = solve(model)["all"]
-    assert found.plus_minus is not None
-    (line,) = found.supports[0].contact_boundary
-    (widths,) = found.plus_minus["supports"][0]["contact_boundary"]
+    (line,), own = found.supports[0].contact_boundary, widths_of(found)["supports"][0]
+    (widths,) = own["contact_boundary"]
     assert np.shape(widths) == line.shape
     assert 0 < np.max(widths) < 0.1
-    assert 0 < found.plus_minus["supports"][0]["contact_area"] < 0.3
+    assert 0 < own["contact_area"] < 0.3
 
 
 @pytest.mark.parametrize("divisions", [(4, 4), (12, 12), (20, 20), (40, 40)])
@@ -118,20 +131,20 @@ def test_half_widths_cover_the_plate(divisions: tuple[int, int]) -> None:
         load=[{"pressure": 1.0}],
     )
     solved = solve(model)["all"]
-    assert solved.plus_minus is not None
-    width, error = solved.plus_minus["deflection"]["max"], abs(solved.deflection.max() - 0.00427284)
+    widths = widths_of(solved)
+    width, error = widths["deflection"]["max"], abs(solved.deflection.max() - 0.00427284)
     assert error <= width <= 0.02 * 0.00427284 * (20 / divisions[0]) ** 2
-    assert solved.plus_minus["supports"][0]["reaction"] < 1e-8
+    assert widths["supports"][0]["reaction"] < 1e-8
 
 
 def test_half_widths_of_the_largest_moments_cover_those_of_a_finer_mesh() -> None:
     walls = [{"edge": EDGES, "resists": "down"}]
     load = [{"pressure": 5e3, "area": {"rectangle": [0, 0, 2, 3]}}]
     coarse, fine = (solve(slab(mesh={"divisions": [n, n]}, support=walls, load=load))["all"] for n in (16, 64))
-    assert coarse.plus_minus is not None
+    widths = widths_of(coarse)["fields"]
     for name in ("mx", "my", "mxy"):
         for side in ("max", "min"):
-            width = coarse.plus_minus["fields"][name][side]
+            width = widths[name][side]
             change = abs(getattr(coarse.extremes[name], side) - getattr(fine.extremes[name], side))
             assert change <= width < 10 * max(change, 1e-2 * np.abs(fine.moment).max()), (name, side)
 
@@ -147,7 +160,7 @@ def test_half_widths_at_free_edges_of_thin_plates_know_the_layer_that_no_mesh_sh
     )
     result = solve(thin)["all"]
     edge, inside = result.probes
-    at_edge, beside_it = result.plus_minus["probes"]
+    at_edge, beside_it = widths_of(result)["probes"]
     # There is no twist at a free edge, and no shear across it; what is gone of the twist is a shear along it.
     twist = abs(edge.moment[2])
     assert twist == pytest.approx(10.7, rel=0.01)
@@ -164,14 +177,15 @@ def test_a_moment_under_a_point_force_has_no_half_width_and_is_named() -> None:
         load=[{"force": 1e3, "at": [2, 2]}],
         probe=[{"at": [[2, 2], [1, 2]]}],
     )
-    solved = solve(model)["all"]
-    assert solved.plus_minus is not None
-    at, beside = solved.plus_minus["probes"]
+    solved = solve(model)
+    estimates = estimate(solved)
+    found: Any = estimates["all"]
+    at, beside = found.plus_minus["probes"]
     assert at["moment"][:2] == [None, None]
     assert None not in beside["moment"]
-    (sentence,) = solved.estimate.warnings
-    assert "the probe at [2, 2] mx, my" in sentence
-    assert sentence in results_json(signorini.solve(model))["combinations"][0]["warnings"]
+    (sentence,) = found.warnings
+    assert "the probe at [2, 2] moment mx, moment my" in sentence
+    assert sentence in results_json(solved, estimates)["combinations"][0]["warnings"]
 
 
 def test_what_a_clamped_point_carries_turns_without_a_limit_wherever_it_is() -> None:
@@ -184,11 +198,11 @@ def test_what_a_clamped_point_carries_turns_without_a_limit_wherever_it_is() -> 
             probe=[{"at": [3.5, 3.2]}],
         )
     )["all"]
-    assert found.plus_minus is not None
-    (width,) = found.plus_minus["probes"]
-    assert (width["deflection"], width["rotation"][0], found.plus_minus["deflection"]["max"]) == (None, None, None)
+    compared: Any = estimate(found)
+    (width,) = compared.plus_minus["probes"]
+    assert (width["deflection"], width["rotation"][0], compared.plus_minus["deflection"]["max"]) == (None, None, None)
     assert all(moment > 0 for moment in width["moment"])
-    assert "probe at [3.5, 3.2] deflection, θx" in found.estimate.warnings[0]
+    assert "probe at [3.5, 3.2] deflection, rotation θx" in compared.warnings[0]
 
 
 def test_the_largest_pressure_of_a_rigid_area_smaller_than_an_element_has_no_half_width() -> None:
@@ -202,18 +216,17 @@ def test_the_largest_pressure_of_a_rigid_area_smaller_than_an_element_has_no_hal
             load=[{"pressure": 1e3}],
         )
     )["all"]
-    assert found.plus_minus is not None
-    pad = found.plus_minus["supports"][1]
+    compared: Any = estimate(found)
+    pad = compared.plus_minus["supports"][1]
     assert (pad["max_pressure"], pad["reaction"] > 0) == (None, True)
-    assert "of pad max pressure" in found.estimate.warnings[0]
+    assert "of pad max pressure" in compared.warnings[0]
 
 
 def test_the_largest_tension_of_a_rigid_area_that_holds_down_has_no_half_width_either() -> None:
     pad = {"name": "pad", "area": {"rectangle": [1.3, 1.3, 2.4, 2.1]}, "resists": "both"}
     support = [{"edge": EDGES, "fix": "simple"}, pad]
     found = solve(rectangular(divisions=[5, 5], support=support, load=[{"pressure": 1e3}]))["all"]
-    assert found.plus_minus is not None
-    assert found.plus_minus["supports"][1]["max_tension"] is None
+    assert widths_of(found)["supports"][1]["max_tension"] is None
 
 
 def test_no_number_of_a_plate_without_singularities_is_said_to_have_no_limit() -> None:
@@ -224,94 +237,52 @@ def test_no_number_of_a_plate_without_singularities_is_said_to_have_no_limit() -
             load=[{"pressure": 1e3}, {"pressure": 40e3, "area": {"rectangle": [1.5, 1.5, 2.5, 2.5]}}],
             probe=[{"at": [[2, 2], [1, 2], [0.3, 0.3]]}],
         )
-        assert solve(model)["all"].estimate.warnings == ()
+        assert estimate(solve(model)["all"]).warnings == ()
 
 
-def test_a_solve_and_a_check_solve_no_other_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refused(*given: object) -> None:
-        raise AssertionError
-
-    monkeypatch.setattr(twins_module, "discretise", refused)
-    check(slab())
-    found = solve(slab())
-    assert "feet" in found["all"].reactions
-    with pytest.raises(AssertionError):
-        _ = found["all"].plus_minus
-
-
-def test_error_false_asks_for_none() -> None:
-    model = slab(mesh={"divisions": [4, 4], "error": False})
-    found = solve(model)
-    (written,) = results_json(found)["combinations"]
-    assert written["plus_minus"] is None
-    assert ",,,\n" in reactions_csv(found)
-    assert found["all"].plus_minus is not None
+def test_files_have_half_widths_where_the_model_asks(tmp_path: Path) -> None:
+    for asked in (True, False):
+        write(solve(slab(mesh={"divisions": [4, 4], "error": asked})), tmp_path)
+        (written,) = json.loads((tmp_path / "results.json").read_text())["combinations"]
+        assert (written["plus_minus"] is not None) == asked
+        total = (tmp_path / "reactions.csv").read_text().splitlines()[1]
+        assert total.endswith(",,,,") != asked
 
 
 @pytest.mark.parametrize(
     ("step", "error", "why"),
     [
         ("discretise", InputError("A mesh of 64 elements takes 3 GB."), "takes 3 GB"),
-        ("discretise", MemoryError(), "not enough memory."),
         ("contact_problem", MemoryError(), "not enough memory."),
-        ("contact_problem", InputError("The plate is a mechanism."), "a mechanism"),
-        ("solve_one", NotCertifiedError("It has no answer that could be certified."), "could be certified"),
-        ("solve_one", None, "overturns"),
-        ("twins_of", None, "a finer mesh would take too long"),
+        ("meshes_beside", None, "a finer mesh would take too long"),
     ],
 )
-def test_a_twin_that_cannot_be_solved_leaves_a_warning(
-    monkeypatch: pytest.MonkeyPatch, step: str, error: Exception | None, why: str
+@pytest.mark.parametrize("kind", ["each", "table"])
+def test_where_no_other_mesh_can_be_solved_a_warning_says_why(
+    monkeypatch: pytest.MonkeyPatch, step: str, error: Exception | None, why: str, kind: str
 ) -> None:
-    found = solve(slab())["all"]
-    before = found.warnings
+    found = solve(slab(output={"combinations": kind}))
 
     def refused(*given: object) -> object:
         if error is not None:
             raise error
-        return [] if step == "twins_of" else replace(found, status="no_equilibrium", message="It overturns.")
+        return []
 
-    monkeypatch.setattr(twins_module, step, refused)
-    assert found.plus_minus is None
-    (said,) = found.warnings[len(before) :]
+    monkeypatch.setattr(other_meshes, step, refused)
+    written = results_json(found, estimate(found))
+    one = written["table"] if kind == "table" else written["combinations"][0]
+    assert (written["envelope"] if kind == "table" else one)["plus_minus"] is None
+    (said,) = [sentence for sentence in one["warnings"] if "±" in sentence]
     assert said.startswith("No half-width (±) says how far the mesh is from the plate; ")
     assert why in said
-    assert ("half its size" in said) == (step != "twins_of")
-
-
-def test_other_meshes_take_the_method_that_suits_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole, methods = twins_module.solve_one, list[str]()
-
-    def watched(*given: Any) -> Result:
-        found = whole(*given)
-        methods.append(found.method)
-        return found
-
-    monkeypatch.setattr(twins_module, "solve_one", watched)
-    rigid = [{"area": "all", "resists": "down"}]
-    found = solve(slab(support=rigid, mesh={"divisions": [8, 8]}, solver={"method": "lemke"}))["all"]
-    assert found.plus_minus is not None
-    assert found.method == "lemke"
-    assert "active_set" in methods
+    assert ("half its size" in said) == (step != "meshes_beside")
 
 
 def test_an_accuracy_that_no_other_mesh_can_judge_is_said_to_be_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(twins_module, "twins_of", lambda *given: [])
+    monkeypatch.setattr(other_meshes, "meshes_beside", lambda *given: [])
     found = solve(slab(mesh={"divisions": [4, 4], "accuracy": 0.1}))
     assert found.refinement == ()
     assert "The accuracy of 0.1 that was asked for is not known to be reached" in found.accuracy_warning
-
-
-def test_a_twin_that_cannot_be_solved_gives_way_to_the_other_pair(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = twins_module.discretise
-
-    def coarser_only(model: Model, mesh: object) -> object:
-        if model.mesh.divisions is not None and model.mesh.divisions > (4, 4):
-            raise InputError("too fine")
-        return whole(model, mesh)
-
-    monkeypatch.setattr(twins_module, "discretise", coarser_only)
-    assert solve(slab())["all"].estimate.elements == (16, 4, 1)
 
 
 def test_who_watches_can_end_what_other_meshes_take() -> None:
@@ -319,17 +290,12 @@ def test_who_watches_can_end_what_other_meshes_take() -> None:
 
     def watch(now: signorini.Progress) -> None:
         seen.append(str(now))
-        if now.twin:
-            raise KeyboardInterrupt
+        raise KeyboardInterrupt
 
-    result = solve(slab(), progress=watch)["all"]
+    result = solve(slab())["all"]
     with pytest.raises(KeyboardInterrupt):
-        _ = result.plus_minus
+        estimate(result, watch)
     assert seen[-1] == "meshing, on a mesh of half its size"
-
-
-def test_half_widths_survive_pickling(result: Result) -> None:
-    assert pickle.loads(pickle.dumps(result)).plus_minus == result.plus_minus
 
 
 def test_a_combination_without_equilibrium_has_none() -> None:
@@ -339,9 +305,10 @@ def test_a_combination_without_equilibrium_has_none() -> None:
         combination=[{"name": "up", "factors": {"G": 1, "W": 1}}, {"name": "down", "factors": {"G": 1}}],
     )
     found = solve(model)
-    assert found["up"].plus_minus is None
-    assert found["up"].estimate.warnings == ()
-    assert found["down"].plus_minus is not None
+    widths = estimate(found)
+    assert widths["up"].plus_minus is None
+    assert widths["up"].warnings == ()
+    assert widths["down"].plus_minus is not None
 
 
 def test_the_sizes_of_other_meshes() -> None:
@@ -349,7 +316,7 @@ def test_the_sizes_of_other_meshes() -> None:
         given = {"support": [{"edge": EDGES, "fix": "simple"}], "load": [{"pressure": 1.0}]}
         model = rectangular(mesh={"divisions": divisions} | options, **given)
         mesh = discretise(model).mesh
-        return [[twin.model.mesh.divisions for twin in pair] for pair in twins_of(model, mesh)]
+        return [[other.model.mesh.divisions for other in pair] for pair in meshes_beside(model, mesh)]
 
     # Third ones where lines that the mesh follows leave no larger elements.
     assert others(4, 6) == [[(8, 12), (16, 24)], [(8, 12), (2, 3), (16, 24)], [(2, 3), (1, 2)]]
@@ -369,12 +336,11 @@ def test_plates_read_from_a_file_are_divided_on_request(tmp_path: Path) -> None:
     )
     given = tables(support=[{"at": [[0, 0.9], [0.8, -0.5], [-0.8, -0.5]]}], load=[{"pressure": 1.0}])
     given |= {"plate": {"shape": "mesh", "file": str(tmp_path / "disc.vtu"), "thickness": 0.1}, "mesh": {}}
-    found = solve(Model(**given))
-    assert results_json(found)["combinations"][0]["plus_minus"] is None
-    found = solve(Model(**given | {"mesh": {"error": True}}))
-    width = results_json(found)["combinations"][0]["plus_minus"]["deflection"]["max"]
-    assert 0 < width < 0.2 * found["all"].deflection.max()
-    assert found["all"].estimate.elements == tuple(len(mesh.elements) * factor for factor in (16, 4, 1))
+    assert not Model(**given).estimated and Model(**given | {"mesh": {"error": True}}).estimated
+    found = solve(Model(**given))["all"]
+    compared: Any = estimate(found)
+    assert 0 < compared.plus_minus["deflection"]["max"] < 0.2 * found.deflection.max()
+    assert compared.elements == tuple(len(mesh.elements) * factor for factor in (16, 4, 1))
 
 
 @pytest.mark.parametrize("part", [0.0, 0.5, 1.0])
@@ -408,11 +374,12 @@ def test_what_is_known_by_two_meshes_or_beside_nodes_left_out_is_trusted_less() 
 
 
 def test_principal_and_design_moments_change_with_the_moments_they_are_of() -> None:
-    moments = [("probes", 0, "moment", component) for component in range(3)]
-    design = ("probes", 0, "design_moment", "bottom", 0)
+    every = Catalogue.of(slab(), (4, 0, 0), (True, True, True), 1, ()).by_name
+    numbers = Catalogue.of(slab(), (4, 0, 0), (True, True, True), 1, ()).numbers
+    of = [numbers[every[f"probe[1].{name}"]] for name in ("mx", "my", "mxy", "mx_bottom")]
     changes = np.array([[8.0], [1.0], [0.0], [0.5]])
-    assert beside([*moments, design], changes).ravel().tolist() == [4.0, 4.0, 4.0, 4.0]
-    assert beside([*moments, design], np.array([[0.0], [0.0], [0.0], [2.0]])).ravel().tolist() == [0.0, 0.0, 0.0, 1.0]
+    assert beside(of, changes).ravel().tolist() == [4.0, 4.0, 4.0, 4.0]
+    assert beside(of, np.array([[0.0], [0.0], [0.0], [2.0]])).ravel().tolist() == [0.0, 0.0, 0.0, 1.0]
 
 
 def test_a_design_moment_of_zero_has_a_half_width_where_the_moments_reach_beyond_it() -> None:
@@ -425,7 +392,7 @@ def test_a_design_moment_of_zero_has_a_half_width_where_the_moments_reach_beyond
         probe=[{"at": [[0.82, 2], [0.83, 2]]}],
     )
     result = solve(model)["all"]
-    (far, near), (of_far, of_near) = result.probes, result.plus_minus["probes"]
+    (far, near), (of_far, of_near) = result.probes, widths_of(result)["probes"]
     assert far.design_moment["bottom"] == near.design_moment["bottom"] == (0, 0)
     assert -far.moment[0] > of_far["moment"][0] + of_far["moment"][2] > of_far["design_moment"]["bottom"][0] * 1e3
     reach = near.moment[0] + of_near["moment"][0] + of_near["moment"][2]
@@ -433,16 +400,16 @@ def test_a_design_moment_of_zero_has_a_half_width_where_the_moments_reach_beyond
 
 
 def test_a_mesh_that_is_no_other_gives_way_to_a_third(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = twins_module.discretise
+    whole = other_meshes.discretise
 
     def finer_only(model: Model, mesh: object) -> object:
         if model.mesh.divisions is not None and model.mesh.divisions < (20, 20):
             raise InputError("hardly other ones")
         return whole(model, mesh)
 
-    monkeypatch.setattr(twins_module, "discretise", finer_only)
+    monkeypatch.setattr(other_meshes, "discretise", finer_only)
     plain = {"support": [{"edge": EDGES, "fix": "simple"}], "load": [{"pressure": 1.0}]}
-    assert solve(rectangular(divisions=[20, 20], **plain))["all"].estimate.elements == (6400, 1600, 400)
+    assert estimate(solve(rectangular(divisions=[20, 20], **plain))["all"]).elements == (6400, 1600, 400)
 
 
 def test_where_a_slot_says_how_large_elements_are_a_third_mesh_is_divided_once_more() -> None:
@@ -457,8 +424,8 @@ def test_where_a_slot_says_how_large_elements_are_a_third_mesh_is_divided_once_m
     )
     mesh = discretise(model).mesh
     assert 312 < len(mesh.elements) <= 625
-    first = next(twins_of(model, mesh))
-    assert [twin.words for twin in first] == [
+    first = next(meshes_beside(model, mesh))
+    assert [other.words for other in first] == [
         "half its size, divided",
         "twice its size",
         "a quarter of its size, divided",
@@ -472,7 +439,8 @@ def test_the_terminal_prints_half_widths_and_what_they_are_of(
 
     from signorini.cli.tables import print_results
 
-    print_results(Console(width=100), solve(slab()))
+    found = solve(slab())
+    print_results(Console(width=100), found, estimate(found))
     shown = capsys.readouterr().out
     assert "±" in shown
     assert "of the equations; of the mesh: ± by 256, 64 and 16 elements" in shown
@@ -487,12 +455,11 @@ def test_rows_of_a_table_and_its_envelope_have_half_widths(tmp_path: Path) -> No
     model = slab(load=loads, combination=[table])
     results = solve(model, table=tmp_path / "t.parquet")
     before = pq.read_table(tmp_path / "t.parquet").to_pydict()
-    results.compare(tmp_path / "t.parquet")
+    estimates_of(results, lambda now: None, tmp_path / "t.parquet")
     found = pq.read_table(tmp_path / "t.parquet").to_pydict()
     assert [path.name for path in tmp_path.iterdir()] == ["t.parquet"]
     assert {name: found[name] for name in before} == before
-    single = results["c7"].plus_minus
-    assert single is not None
+    single = widths_of(results["c7"])
     for name, width in (
         ("reaction:wall", single["supports"][2]["reaction"]),
         ("contact_area:soil", single["supports"][1]["contact_area"]),
@@ -501,10 +468,10 @@ def test_rows_of_a_table_and_its_envelope_have_half_widths(tmp_path: Path) -> No
     ):
         assert found[f"{name}:plus_minus"][7] == pytest.approx(width, rel=0.01, abs=1e-8)
     assert "closed:wall:plus_minus" not in found
-    in_python = results.table_plus_minus
+    in_python = estimate(results).table
     assert sorted(in_python) == sorted(set(found) - set(before))
     assert all(np.array_equal(in_python[name], np.array(found[name], float), equal_nan=True) for name in in_python)
-    envelope = results_json(results)["envelope"]
+    envelope = written_of(results)["envelope"]
     widths = envelope["plus_minus"]
     assert all(same_shape(envelope[key], widths[key]) for key in ("fields", "supports", "probes"))
 
@@ -523,13 +490,13 @@ def combined(count: int, **others: Any) -> signorini.Results:
 
 def test_a_number_has_one_half_width_in_a_list_a_table_and_an_envelope() -> None:
     few, many, tabled = combined(3), combined(30), combined(3, output={"combinations": "table"})
-    listed = few.table_plus_minus
+    listed = estimate(few).table
     assert {"reaction_at:feet[1]:plus_minus", "probe[1]:mx:plus_minus", "max:deflection:plus_minus"} < set(listed)
-    for other in (many, tabled):
-        assert other.table_plus_minus.keys() == listed.keys()
+    for other in (estimate(many).table, estimate(tabled).table):
+        assert other.keys() == listed.keys()
         for name, widths in listed.items():
-            assert np.array_equal(widths, other.table_plus_minus[name][:3], equal_nan=True), name
-    envelope = results_json(tabled)["envelope"]
+            assert np.array_equal(widths, other[name][:3], equal_nan=True), name
+    envelope = written_of(tabled)["envelope"]
     for kind, number, key, path in (
         ("supports", 0, "reaction", ("points", 1)),
         ("supports", 1, "max_pressure", ()),
@@ -539,14 +506,14 @@ def test_a_number_has_one_half_width_in_a_list_a_table_and_an_envelope() -> None
         for part in path:
             ends, widths = ends[part], widths[part]
         by, width = (ends["max_by"], widths["max"]) if key == "max" else (ends[key]["max_by"], widths[key]["max"])
-        single: Any = few[by].plus_minus
+        single = widths_of(few[by])
         for part in (kind, number, *path, key):
             single = single[part]
         assert width == single
 
 
 def test_governing_reactions_have_half_widths() -> None:
-    listed, tabled = (results_json(combined(3, output={"combinations": how})) for how in ("each", "table"))
+    listed, tabled = (written_of(combined(3, output={"combinations": how})) for how in ("each", "table"))
     for one, other in zip(listed["governing_reactions"], tabled["governing_reactions"], strict=True):
         assert one["plus_minus"] == other["plus_minus"]
     first = listed["governing_reactions"][0]
@@ -556,19 +523,6 @@ def test_governing_reactions_have_half_widths() -> None:
     assert width == first["plus_minus"]["max"]
     none = results_json(combined(3, mesh={"divisions": [4, 4], "error": False}))
     assert none["governing_reactions"][0]["plus_minus"] is None
-
-
-def test_what_other_meshes_have_shown_is_not_solved_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    for count, table in ((3, None), (14, None), (14, tmp_path / "t.parquet")):
-        results = combined(count)
-        if table is not None:
-            results = signorini.solve(results.model, table=table)
-        results.compare(table)
-        with monkeypatch.context() as patch:
-            for name in ("analysis.twins.twins.discretise", "analysis.tables.combine", "analysis.single.answered"):
-                patch.setattr(f"signorini.{name}", None)
-            assert len(results.table_plus_minus) > 10
-            results_json(results)
 
 
 def test_rows_of_a_table_whose_lines_leave_no_coarser_mesh_are_compared_with_a_finer_one() -> None:
@@ -582,21 +536,13 @@ def test_rows_of_a_table_whose_lines_leave_no_coarser_mesh_are_compared_with_a_f
             output={"combinations": "table"},
         )
     )
-    assert results.no_others == "" and len(results.others) > 0
-    (table,) = [results_json(results)["table"]]
-    assert table["warnings"] == []
-
-
-def test_rows_of_a_table_without_half_widths_say_why(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("signorini.analysis.twins.twins.twins_of", lambda *_: iter(()))
-    results = signorini.solve(slab(output={"combinations": "table"}))
-    assert results_json(results)["table"]["warnings"] == [
-        "No half-width (±) says how far the mesh is from the plate; a finer mesh would take too long."
-    ]
+    estimates = estimate(results)
+    assert estimates.no_others == "" and estimates.table
+    assert results_json(results, estimates)["table"]["warnings"] == []
 
 
 def failing_on(*sides: int) -> Any:
-    """Discretises, but not twins with elements of some sizes."""
+    """Discretises, but not with elements of some sizes."""
 
     def failing(model: Model, mesh: Any = None) -> Any:
         if any(model.divisions == (at, at) for at in sides):
@@ -614,9 +560,9 @@ def test_a_mesh_that_cannot_be_solved_is_told_and_half_widths_are_wider(
 
     def solved(*failing: int) -> tuple[list[str], Any]:
         with monkeypatch.context() as patch:
-            patch.setattr(twins_module, "discretise", failing_on(*failing))
+            patch.setattr(other_meshes, "discretise", failing_on(*failing))
             model = slab(mesh={"divisions": [8, 8]}, output={"combinations": kind})
-            written = results_json(solve(model))
+            written = written_of(solve(model))
         one = written["table"] if kind == "table" else written["combinations"][0]
         widths = written["envelope"] if kind == "table" else one
         return one["warnings"], widths["plus_minus"]["fields"]["mx"]["max"]
@@ -649,7 +595,7 @@ def test_every_event_of_a_path_and_its_end_have_half_widths() -> None:
         )
 
     found = signorini.path(propped(8), None, "Q", until=20.0)
-    written = path_json(found)
+    written = path_json(found, estimate(found))
     fine = path_json(signorini.path(propped(24), None, "Q", until=20.0))
     widths = [event["t"] for event in written["plus_minus"]["support_events"]]
     both = zip(written["support_events"], fine["support_events"], strict=True)
@@ -658,13 +604,11 @@ def test_every_event_of_a_path_and_its_end_have_half_widths() -> None:
     assert all(0 < change <= width < 0.5 for change, width in zip(changes, widths, strict=True))
     assert written["plus_minus"]["end"] == 0.0
     at = found.at(10.0)
-    assert at.plus_minus is not None
-    assert 0 < at.plus_minus["supports"][1]["reaction"] < 0.1 * at.reactions["prop"]
-    assert pickle.loads(pickle.dumps(found)).estimate == found.estimate
+    assert 0 < widths_of(at)["supports"][1]["reaction"] < 0.1 * at.reactions["prop"]
 
 
-def test_extremes_in_pictures_have_their_half_widths(result: Result) -> None:
-    widths = result.plus_minus
+def test_extremes_in_pictures_have_their_half_widths(estimated_result: Estimate) -> None:
+    result, widths = estimated_result.result, estimated_result.plus_minus
     assert widths is not None
     words, _ = panel("deflection", result, widths).extremes[0]
     most = float(result.deflection.max())
@@ -673,7 +617,7 @@ def test_extremes_in_pictures_have_their_half_widths(result: Result) -> None:
     (of_pressure, _), *_ = panel("pressure", result, widths).extremes
     assert of_pressure.startswith("max ") and " ± " in of_pressure
     texts = {text.get_text() for text in result.plot("qx").texts}
-    assert {words for words, _ in panel("qx", result, widths).extremes} < texts
+    assert {words for words, _ in panel("qx", result).extremes} < texts
 
 
 def test_colours_of_pictures_end_at_the_extremes_that_are_named() -> None:

@@ -10,13 +10,12 @@ from random import Random
 import numpy as np
 import random_models
 
-from signorini import Model, SignoriniError, contact_problem, solve, validate
+from signorini import Model, SignoriniError, contact_problem, estimate, solve, validate
+from signorini.accuracy.sizes import sizes_of
 from signorini.analysis.single import solve_one
-from signorini.analysis.twins.leaves import kind_of, leaves, sizes_of
 from signorini.discretise import discretise
 from signorini.mesh import Mesh
 from signorini.mesh.refined import refined
-from signorini.results.figures import figures
 from signorini.results.result import Result
 
 _FINER = 10
@@ -108,12 +107,12 @@ def _fine(model: Model, count: int) -> tuple[Model, Mesh]:
 
 
 def _compared(ours: Result, truth: Result) -> Iterator[Judged]:
-    if ours.status != "solved" or truth.status != "solved" or ours.plus_minus is None:
+    if ours.status != "solved" or truth.status != "solved" or not (found := estimate(ours)).elements:
         return
-    values, widths, true = (leaves(tree) for tree in (figures(ours), ours.plus_minus, figures(truth)))
-    largest = sizes_of({path: np.array([value]) for path, value in values.items()}, ours.model, ours.mesh)
-    for path, value in values.items():
-        kind = kind_of(path)
-        if path in true and kind not in ("closed", "open"):
-            name = f"{ours.name}: {'.'.join(map(str, path))}"
-            yield Judged(name, kind, widths.get(path), abs(value - true[path]), _ROUNDING * largest[kind].item())
+    numbers, true = ours.catalogue.numbers, truth.catalogue.by_path
+    largest = sizes_of(ours.numbers[:, None], numbers, ours.model, ours.mesh)
+    for one, value, width in zip(numbers, ours.numbers.tolist(), found.widths.tolist(), strict=True):
+        if one.path in true and one.estimated and one.quantity.kind != "count":
+            kind, change = one.quantity.kind, abs(value - truth.numbers[true[one.path]])
+            within = None if np.isnan(width) else width
+            yield Judged(f"{ours.name}: {one.column}", kind, within, change, _ROUNDING * largest[kind].item())

@@ -6,7 +6,7 @@ from halving import halved
 
 import signorini
 from signorini import Model, contact_problem
-from signorini.analysis.solve import solve_one
+from signorini.analysis.single import solve_one
 from signorini.discretise import discretise
 from signorini.mesh import Mesh
 

@@ -10,7 +10,7 @@ from halving import halved
 
 import signorini
 from signorini import Model, contact_problem
-from signorini.analysis.solve import solve_one
+from signorini.analysis.single import solve_one
 from signorini.discretise import discretise
 
 PARTS = pytest.mark.parametrize("part", [0.5, 1.0], ids=["mixed", "triangles"])

@@ -70,7 +70,9 @@ class Estimates(Brief, Mapping[str, Estimate]):
         if not any(one.elements for one in self.full.values()):
             return {}
         widths = np.array([self._row(name) for name in self.results])
-        return {one.column + ENDING: of for one, of in zip(catalogue, widths.T, strict=True) if one.estimated}
+        return {
+            one.column + ENDING: of for one, of in zip(catalogue, widths.T, strict=True) if one.quantity.kind != "count"
+        }
 
     def _row(self, name: str) -> Floats:
         layout, one = self.results.combined.layout, self.full[name]

@@ -78,7 +78,7 @@ class Output(Table):
     def _complaints(self) -> Iterator[Complaint]:
         if self.combinations == "each":
             for key in ("fields", "envelope"):
-                if key in self.model_fields_set:
+                if getattr(self, key) != type(self).model_fields[key].default:
                     yield (key,), f'{key} goes with combinations = "table"; with "each" every combination has all.'
         repeated = next((f for i, f in enumerate(self.envelope) if f in self.envelope[:i]), None)
         if repeated is not None:

@@ -9,6 +9,7 @@ from pydantic import (
     ConfigDict,
     Field,
     ModelWrapValidatorHandler,
+    PlainSerializer,
     PlainValidator,
     PrivateAttr,
     WithJsonSchema,
@@ -63,6 +64,7 @@ def _fix(value: object) -> object:
 Fix = Annotated[
     Literal["clamped", "hard", "simple", "symmetry"] | tuple[Component, ...],
     PlainValidator(_fix),
+    PlainSerializer(lambda fix: fix),
     WithJsonSchema(
         {
             "anyOf": [
