@@ -1,99 +1,58 @@
+"""Fields of plates for other programs."""
+
 from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
 from halving import halved
+from models import rectangular
 
-from signorini.errors import InputError
-from signorini.formats.vtk import Vtu, displacement_vector, write_vtu
+from signorini import solve
+from signorini.formats.vtk import as_meshio, write_vtu
 from signorini.mesh.meshers import rectangle
 
-# Two elements side by side, the right one with a curved edge.
-POINTS = np.array(
-    [
-        [0, 0],
-        [1, 0],
-        [2, 0],
-        [0, 1],
-        [1, 1],
-        [2, 1],
-        [0.5, 0],
-        [1, 0.5],
-        [0.5, 1],
-        [0, 0.5],
-        [1.5, 0],
-        [2.2, 0.5],
-        [1.5, 1],
-    ]
-)
-ELEMENTS = np.array([[0, 1, 4, 3, 6, 7, 8, 9], [1, 2, 5, 4, 10, 11, 12, 7]])
 
-
-def write(path: Path, **fields: object) -> meshio.Mesh:
-    write_vtu(path, POINTS, ELEMENTS, fields)
-    return meshio.read(path)
-
-
-def test_mesh_and_fields_come_back_to_the_last_bit(tmp_path: Path) -> None:
-    deflection = np.sin(np.arange(13.0))
-    closed = np.array([True, False])
-    write_vtu(tmp_path / "a.vtu", POINTS, ELEMENTS, {"deflection": deflection}, {"closed": closed})
-    back = meshio.read(tmp_path / "a.vtu")
-    np.testing.assert_array_equal(back.points[:, :2], POINTS)
-    assert not back.points[:, 2].any()
-    assert [block.type for block in back.cells] == ["quad8"]
-    np.testing.assert_array_equal(back.cells[0].data, ELEMENTS)
-    np.testing.assert_array_equal(back.point_data["deflection"], deflection)
-    np.testing.assert_array_equal(back.cell_data["closed"][0], [1, 0])
-
-
-def test_triangles_are_vtks_quadratic_ones(tmp_path: Path) -> None:
+def test_quadrilaterals_and_triangles_come_back_from_a_file_to_the_last_bit(tmp_path: Path) -> None:
     mesh = halved(rectangle((0.0, 0.0), (2.0, 1.0), (3, 2)), 0.5)
-    write_vtu(tmp_path / "a.vtu", mesh.points, mesh.elements, {"x": mesh.points[:, 0]}, {"area": mesh.element_area})
+    fields = {"w": np.sin(mesh.points[:, 0]), "moment": np.cos(mesh.points[:, [0, 1, 0]])}
+    write_vtu(tmp_path / "a.vtu", as_meshio(mesh.points, mesh.elements, fields, {"area": mesh.element_area}))
     back = meshio.read(tmp_path / "a.vtu")
-    own = {"quad8": range(8), "triangle6": [0, 1, 2, 4, 5, 7]}
-    found = [(block.type, tuple(nodes)) for block in back.cells for nodes in block.data.tolist()]
-    kinds = np.where(mesh.triangles, "triangle6", "quad8")
-    assert found == [(kind, tuple(row[own[kind]].tolist())) for kind, row in zip(kinds, mesh.elements, strict=True)]
-    np.testing.assert_array_equal(np.concatenate(back.cell_data["area"]), mesh.element_area)
+    np.testing.assert_array_equal(back.points, np.column_stack([mesh.points, np.zeros(mesh.node_count)]))
+    order = np.argsort(mesh.triangles, kind="stable")
+    np.testing.assert_array_equal(np.concatenate(back.cell_data["area"]), mesh.element_area[order])
+    quads, triangles = back.cells
+    np.testing.assert_array_equal(quads.data, mesh.elements[~mesh.triangles])
+    np.testing.assert_array_equal(triangles.data, mesh.elements[mesh.triangles][:, [0, 1, 2, 4, 5, 7]])
+    for name, values in fields.items():
+        np.testing.assert_array_equal(back.point_data[name], values)
 
 
-def test_positive_deflection_warps_downwards(tmp_path: Path) -> None:
-    back = write(tmp_path / "a.vtu", displacement=displacement_vector(np.full(13, 2.0)))
-    np.testing.assert_array_equal(back.point_data["displacement"], np.tile([0.0, 0.0, -2.0], (13, 1)))
-
-
-def test_vectors_of_the_plane_get_a_zero_third_component(tmp_path: Path) -> None:
-    back = write(tmp_path / "a.vtu", shear=POINTS)
-    np.testing.assert_array_equal(back.point_data["shear"], np.column_stack([POINTS, np.zeros(13)]))
-
-
-def test_a_file_is_much_smaller_than_its_text(tmp_path: Path) -> None:
-    write_vtu(tmp_path / "a.vtu", np.tile(POINTS, (200, 1)), ELEMENTS, {"w": np.zeros(2600)})
-    assert (tmp_path / "a.vtu").stat().st_size < 10_000
-
-
-def test_a_field_of_another_length_is_refused_by_name(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"^moment: The field has the shape \(4,\); for 13 nodes"):
-        write(tmp_path / "a.vtu", moment=np.zeros(4))
-
-
-@pytest.mark.parametrize(("points", "elements"), [(np.zeros((13, 3)), ELEMENTS), (POINTS, ELEMENTS[:, :4])])
-def test_another_shape_of_mesh_is_refused(tmp_path: Path, points: np.ndarray, elements: np.ndarray) -> None:
-    with pytest.raises(InputError, match="it must be"):
-        write_vtu(tmp_path / "a.vtu", points, elements, {})
-
-
-def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failure_leaves_the_old_file_and_no_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     target = tmp_path / "a.vtu"
     target.write_text("old")
 
-    def fail(self: Vtu, path: Path, *fields: object) -> None:
-        path.write_text("half")
-        raise OSError("disk full")
+    def fail(path: Path, mesh: meshio.Mesh) -> None:
+        Path(path).write_text("half")
+        raise OSError("the disk is full")
 
-    monkeypatch.setattr(Vtu, "write", fail)
-    with pytest.raises(OSError, match="disk full"):
-        write_vtu(target, POINTS, ELEMENTS, {})
-    assert [(entry.name, entry.read_text()) for entry in tmp_path.iterdir()] == [("a.vtu", "old")]
+    monkeypatch.setattr(meshio.vtu, "write", fail)
+    mesh = rectangle((0.0, 0.0), (2.0, 1.0), (3, 2))
+    with pytest.raises(OSError, match="full"):
+        write_vtu(target, as_meshio(mesh.points, mesh.elements, {}))
+    assert [path.name for path in tmp_path.iterdir()] == ["a.vtu"]
+    assert target.read_text() == "old"
+
+
+def test_results_are_tables_datasets_and_grids_of_other_packages() -> None:
+    support = [{"name": "feet", "at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}]
+    results = solve(rectangular(support=support, load=[{"case": "G", "pressure": 1e3}]))
+    result = results["G"]
+    assert results.to_dataframe().loc["G", "reaction:feet"] == result.reactions["feet"]
+    fields = results.to_xarray()
+    assert fields["mx"].sel(combination="G").values.tolist() == result.fields["mx"].tolist()
+    assert fields["reaction"].sel(support="feet").item() == result.reactions["feet"]
+    (grid,) = results.to_pyvista()
+    assert grid.n_cells == len(result.mesh.elements)
+    assert grid["displacement"][:, 2].tolist() == (-result.deflection).tolist()
+    assert grid.bounds[3] == result.mesh.points[:, 1].max()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from signorini.accuracy.estimate import Estimate
 from signorini.accuracy.refinement import Refined
@@ -15,10 +16,12 @@ from signorini.base.arguments import key_of, watching
 from signorini.base.brief import short
 from signorini.base.named import Named
 from signorini.base.on_demand import OnDemand
+from signorini.base.packages import package
 from signorini.contact.problem import ContactProblem
 from signorini.equilibrium.limits import nearest_limit
 from signorini.model import Combination
 from signorini.results.envelope import Envelope
+from signorini.results.exported import dataframe, dataset
 from signorini.results.result import Result
 from signorini.results.rows import Column
 from signorini.results.states import States
@@ -175,6 +178,36 @@ class Results(States[str], Mapping[str, Result]):
     def unbalanced_count(self) -> int:
         """How many combinations have no equilibrium."""
         return len(self) - self.combined.solved
+
+    def to_dataframe(self) -> Any:
+        """Give ``table`` as a `pandas.DataFrame`, a row a combination; pandas must be installed.
+
+        Examples
+        --------
+        >>> from signorini import Model, solve
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        ...     support=[{"name": "feet", "at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
+        ...     load=[{"case": "G", "pressure": 1e3}],
+        ... )
+        >>> results = solve(model)
+        >>> results.to_dataframe()["reaction:feet"].round(3).to_dict()
+        {'G': 16000.0}
+        """
+        return dataframe(self.table, "combination")
+
+    def to_xarray(self) -> Any:
+        """Give fields and reactions of all results in ``full`` as an `xarray.Dataset`; xarray must be installed.
+
+        Fields are by combination and node, reactions by combination and support.
+        """
+        return dataset(self.full)
+
+    def to_pyvista(self) -> Any:
+        """Give all solved results in ``full`` as a `pyvista.MultiBlock` by combination; PyVista must be installed."""
+        blocks = {name: one.to_pyvista() for name, one in self.full.items() if one.status == "solved"}
+        return package("pyvista").MultiBlock(blocks)
 
     def _repr_html_(self) -> str:
         """Show the combinations in a notebook, of many those that have all results."""

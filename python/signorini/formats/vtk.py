@@ -1,132 +1,81 @@
-"""Fields on a mesh of 8-node quadrilaterals and 6-node triangles, as a ``.vtu`` file for ParaView."""
+"""Fields on a mesh of 8-node quadrilaterals and 6-node triangles for other programs, by meshio: ParaView, PyVista."""
 
 from __future__ import annotations
 
 import os
-import sys
-import zlib
-from base64 import b64encode
 from collections.abc import Mapping
-from html import escape
-from pathlib import Path
 
+import meshio  # type: ignore[import-untyped]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.base.files import replacing
-from signorini.errors import InputError
 
-_BLOCK = 32768
-"""Bytes that are compressed together, as VTK does by itself."""
-_FAST = 1
-"""zlib's level: the numbers of fields hardly get smaller at higher ones, which take three times as long."""
-_QUADRATIC_TRIANGLE, _QUADRATIC_QUAD = 22, 23
-_OF_TRIANGLE = np.array([True, True, True, False, True, True, False, True])
-_TYPES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32", "u1": "UInt8"}
+_OF_TRIANGLE = [0, 1, 2, 4, 5, 7]
+"""Nodes of a triangle [a, b, c, c, ab, bc, c, ca] that are its own."""
 
 
-class Vtu:
-    """A mesh for ``.vtu`` files, encoded once for any number of them.
+def as_meshio(
+    points: NDArray[np.float64],
+    elements: NDArray[np.int64],
+    point_data: Mapping[str, ArrayLike],
+    cell_data: Mapping[str, ArrayLike] | None = None,
+) -> meshio.Mesh:
+    """Give fields on a plate as a mesh of meshio: in the plane z = 0, quadrilaterals before triangles.
+
+    Scalars keep the signs of the package (deflection positive down); give the vector of :func:`displacement_vector` to
+    warp by.
 
     Parameters
     ----------
-    points : array_like, shape (n, 2)
-    elements : array_like of int, shape (e, 8)
-
-    Raises
-    ------
-    InputError
-        An array has another shape.
+    points : (n, 2) array
+        Nodes, in the model's unit of length.
+    elements : (e, 8) array
+        Corners counter-clockwise, then midsides; a triangle is [a, b, c, c, ab, bc, c, ca].
+    point_data : mapping of str to (n,), (n, 2) or (n, 3) array
+        Nodal fields.
+    cell_data : mapping of str to (e,) array, optional
+        Fields with one value an element.
     """
-
-    def __init__(self, points: ArrayLike, elements: ArrayLike) -> None:
-        nodes = np.asarray(points, dtype=float)
-        cells = np.asarray(elements, dtype=np.int64)
-        if nodes.ndim != 2 or nodes.shape[1] != 2:
-            raise InputError(f"The nodes have the shape {nodes.shape}; it must be (n, 2).", place="points")
-        if cells.ndim != 2 or cells.shape[1] != 8:
-            raise InputError(f"The elements have the shape {cells.shape}; it must be (e, 8).", place="elements")
-        self._nodes, self._cells = len(nodes), len(cells)
-        places = _data_array("Points", np.column_stack([nodes, np.zeros(len(nodes))]))
-        triangles = cells[:, 2] == cells[:, 3]
-        own = np.where(triangles[:, None], _OF_TRIANGLE, True)
-        parts: dict[str, NDArray[np.generic]] = {
-            "connectivity": cells[own],
-            "offsets": np.cumsum(own.sum(axis=1)),
-            "types": np.where(triangles, _QUADRATIC_TRIANGLE, _QUADRATIC_QUAD).astype(np.uint8),
-        }
-        listed = "".join(_data_array(name, part) for name, part in parts.items())
-        self._mesh = f"<Points>{places}</Points><Cells>{listed}</Cells>"
-
-    def write(
-        self,
-        path: str | os.PathLike[str],
-        point_data: Mapping[str, ArrayLike],
-        cell_data: Mapping[str, ArrayLike] | None = None,
-    ) -> None:
-        """Write a file of fields as `write_vtu` does, but not aside first."""
-        of_nodes = (_data_array(name, _field(name, data, self._nodes, "nodes")) for name, data in point_data.items())
-        of_cells = (
-            _data_array(name, _field(name, data, self._cells, "elements")) for name, data in (cell_data or {}).items()
-        )
-        text = (
-            f'<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1" byte_order='
-            f'"{sys.byteorder.capitalize()}Endian" compressor="vtkZLibDataCompressor"><UnstructuredGrid>'
-            f'<Piece NumberOfPoints="{self._nodes}" NumberOfCells="{self._cells}">{self._mesh}'
-            f"<PointData>{''.join(of_nodes)}</PointData><CellData>{''.join(of_cells)}</CellData>"
-            "</Piece></UnstructuredGrid></VTKFile>\n"
-        )
-        Path(path).write_text(text, encoding="utf-8")
+    triangles = elements[:, 2] == elements[:, 3]
+    every = [
+        (kind, some, elements[some][:, own])
+        for kind, some, own in (("quad8", ~triangles, range(8)), ("triangle6", triangles, _OF_TRIANGLE))
+        if some.any()
+    ]
+    of_cells = {name: [np.asarray(data)[some] for _, some, _ in every] for name, data in (cell_data or {}).items()}
+    places = np.column_stack([points, np.zeros(len(points))])
+    return meshio.Mesh(places, [(kind, cells) for kind, _, cells in every], dict(point_data), of_cells)
 
 
-def write_vtu(
-    path: str | os.PathLike[str],
-    points: ArrayLike,
-    elements: ArrayLike,
-    point_data: Mapping[str, ArrayLike],
-    cell_data: Mapping[str, ArrayLike] | None = None,
-) -> None:
-    """Write fields on a plate to a compressed binary VTK file, whole or not at all.
-
-    The plate lies in the plane z = 0 with z up, as ParaView draws it. Scalars keep the signs of the package
-    (deflection positive down); give the vector of :func:`displacement_vector` to warp by.
+def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh) -> None:
+    """Write a mesh to a compressed binary VTK file, whole or not at all.
 
     Parameters
     ----------
     path : path-like
         The ``.vtu`` file to create or to replace.
-    points : array_like, shape (n, 2)
-        Nodes, in the model's unit of length.
-    elements : array_like of int, shape (e, 8)
-        Corners counter-clockwise, then midsides (VTK's quadratic quadrilateral); a triangle [a, b, c, c, ab, bc, c, ca]
-        is VTK's quadratic one.
-    point_data : mapping of str to array_like, shape (n,), (n, 2) or (n, 3)
-        Nodal fields. Two components are completed by a zero third.
-    cell_data : mapping of str to array_like, shape (e,), (e, 2) or (e, 3), optional
-        Fields with one value an element.
+    mesh : meshio.Mesh
 
     Raises
     ------
-    InputError
-        An array has another shape.
     OSError
         The file cannot be written.
 
     Examples
     --------
-    >>> import meshio, pathlib, tempfile
-    >>> points = [[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [2, 0.5], [1, 1], [0, 0.5]]
+    >>> import pathlib, tempfile
+    >>> points = np.array([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [2, 0.5], [1, 1], [0, 0.5]])
     >>> deflection = [0, 0, 0, 0, 1e-3, 0, 1e-3, 0]
+    >>> fields = {"deflection": deflection, "displacement": displacement_vector(deflection)}
     >>> with tempfile.TemporaryDirectory() as directory:
     ...     path = pathlib.Path(directory, "plate.vtu")
-    ...     fields = {"deflection": deflection, "displacement": displacement_vector(deflection)}
-    ...     write_vtu(path, points, [range(8)], fields)
+    ...     write_vtu(path, as_meshio(points, np.arange(8)[None], fields))
     ...     meshio.read(path).point_data["displacement"][4].tolist()
     [0.0, 0.0, -0.001]
     """
-    mesh = Vtu(points, elements)
     with replacing(path) as beside:
-        mesh.write(beside, point_data, cell_data)
+        meshio.vtu.write(beside, mesh)
 
 
 def displacement_vector(deflection: ArrayLike) -> NDArray[np.float64]:
@@ -150,33 +99,3 @@ def displacement_vector(deflection: ArrayLike) -> NDArray[np.float64]:
     vectors = np.zeros((len(down), 3))
     vectors[:, 2] = -down
     return vectors
-
-
-def _field(name: str, field: ArrayLike, count: int, owners: str) -> NDArray[np.generic]:
-    """Check a field and complete two components to three."""
-    array = np.asarray(field)
-    if array.shape not in [(count,), (count, 2), (count, 3)]:
-        raise InputError(
-            f"The field has the shape {array.shape}; for {count} {owners} it must be ({count},), "
-            f"({count}, 2) or ({count}, 3).",
-            place=name,
-        )
-    if array.dtype == bool:
-        return array.astype(np.uint8)
-    if array.shape[1:] == (2,):
-        return np.column_stack([array, np.zeros(count, dtype=array.dtype)])
-    return array
-
-
-def _data_array(name: str, data: NDArray[np.generic]) -> str:
-    """Give an array as VTK's element of that name: blocks compressed, in base 64, after a header with their sizes."""
-    if data.dtype.str[1:] not in _TYPES:
-        data = data.astype(np.float64)
-    raw = data.astype(data.dtype.newbyteorder("=")).tobytes()
-    blocks = [zlib.compress(raw[start : start + _BLOCK], _FAST) for start in range(0, len(raw), _BLOCK)]
-    last = len(raw) - _BLOCK * (len(blocks) - 1)
-    header = np.array([len(blocks), _BLOCK, last, *map(len, blocks)], np.uint32)
-    components = f' NumberOfComponents="{data.shape[1]}"' if data.ndim == 2 else ""
-    text = (b64encode(header.tobytes()) + b64encode(b"".join(blocks))).decode()
-    kind = _TYPES[data.dtype.str[1:]]
-    return f'<DataArray type="{kind}" Name="{escape(name)}"{components} format="binary">{text}</DataArray>'

@@ -15,7 +15,7 @@ from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.discretise.rows import Floats
 from signorini.discretise.stressnodes import StressNodes
-from signorini.formats.vtk import write_vtu
+from signorini.formats.vtk import as_meshio, write_vtu
 from signorini.mesh import Mesh
 from signorini.output.names import TABLE, envelope_file
 from signorini.results.envelope import NONE, Envelope
@@ -191,4 +191,4 @@ def write_envelope(nodes: StressNodes, envelope: Envelope, path: str | os.PathLi
                 data[places] = values
                 (of_elements if rigid else at_nodes)[f"{name}_{side}{ending}"] = data
     at_nodes = {name: nodes.spread(data) for name, data in at_nodes.items()}
-    write_vtu(path, nodes.points, nodes.elements, at_nodes, of_elements)
+    write_vtu(path, as_meshio(nodes.points, nodes.elements, at_nodes, of_elements))

@@ -17,7 +17,6 @@ from signorini.base.arguments import watching
 from signorini.base.files import replacing_together
 from signorini.base.forked import Forked
 from signorini.errors import InputError
-from signorini.formats.vtk import Vtu
 from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import write_envelope
 from signorini.output.governing import governing_csv
@@ -26,7 +25,6 @@ from signorini.output.names import CSV, GOVERNING, JSON, TABLE, envelope_files, 
 from signorini.output.pictures import Drawing, envelope_sheets, sheets_of, write_refinement
 from signorini.output.tables import reactions_csv, results_json
 from signorini.results.load_path import LoadPath
-from signorini.results.result import vtk_fields
 
 _NOT_ITS = "it must be what signorini.estimate(found) returns."
 
@@ -140,11 +138,8 @@ def write_results(
     names = [JSON, CSV]
     try:
         with replacing_together(target, partial(former_results, target), seal=JSON) as beside:
-            solved = results.discretisation
-            if named:
-                vtu = Vtu(solved.stress_nodes.points, solved.stress_nodes.elements)
-                for result, slug in named:
-                    vtu.write(beside / f"{slug}.vtu", *vtk_fields(result))
+            for result, slug in named:
+                result.to_vtk(beside / f"{slug}.vtu")
             write_refinement(results, beside)
             for group, name in envelope_files(results).items():
                 write_envelope(results.discretisation.stress_nodes, results.combined.over(group), beside / name)

@@ -111,6 +111,13 @@ class Quantity:
         """What singularities call it."""
         return KINDS[self.kind].singular
 
+    def unit(self, units: Units) -> str:
+        """Name its unit; empty where the model names none."""
+        if self.kind == "moment" and units.length and units.force:
+            # Per length of the section that it is in.
+            return f"{units.force} {units.length}/{units.length}"
+        return KINDS[self.kind].unit(units)
+
     def label(self, units: Units) -> str:
         """Say what it is, with its unit.
 
@@ -119,10 +126,7 @@ class Quantity:
         >>> FIELDS["mx"].label(Units(length="m", force="kN")), FIELDS["qx"].label(Units(length="m", force="kN"))
         ('moment mx [kN m/m]', 'shear qx [kN/m]')
         """
-        unit = KINDS[self.kind].unit(units)
-        if self.kind == "moment" and units.length and units.force:
-            # Per length of the section that it is in.
-            unit = f"{units.force} {units.length}/{units.length}"
+        unit = self.unit(units)
         what, comma, more = self.words.partition(", ")
         return f"{what} [{unit}]{comma}{more}" if unit else self.words
 

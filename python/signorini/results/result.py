@@ -17,6 +17,7 @@ from signorini.base.arguments import known
 from signorini.base.named import Named
 from signorini.base.numbers import estimated, number, size_of
 from signorini.base.on_demand import OnDemand
+from signorini.base.packages import package
 from signorini.base.remade import Remade
 from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import Certificate
@@ -24,7 +25,7 @@ from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.errors import InputError, point
-from signorini.formats.vtk import displacement_vector, write_vtu
+from signorini.formats.vtk import as_meshio, displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
 from signorini.results.contact_field import Pressures
@@ -378,7 +379,21 @@ class Result(Remade):
             If the file cannot be written.
         """
         self._require_fields()
-        write_vtu(path, self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self))
+        write_vtu(path, as_meshio(self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self)))
+
+    def to_pyvista(self) -> Any:
+        """Give the plate with every field as a `pyvista.UnstructuredGrid`; PyVista must be installed.
+
+        Raises
+        ------
+        InputError
+            If there is no equilibrium, and so no field.
+        SignoriniError
+            If PyVista is not installed.
+        """
+        self._require_fields()
+        mesh = as_meshio(self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self))
+        return package("pyvista").from_meshio(mesh)
 
     def _repr_html_(self) -> str:
         """Show the supports in a notebook."""
