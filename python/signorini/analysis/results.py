@@ -50,7 +50,7 @@ class Results(States[str], Mapping[str, Result]):
 
     Examples
     --------
-    >>> from signorini import Model
+    >>> from signorini import Model, solve
     >>> model = Model(
     ...     material={"E": 30e9, "nu": 0.2},
     ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
@@ -193,7 +193,7 @@ class Results(States[str], Mapping[str, Result]):
         ... )
         >>> results = solve(model)
         >>> results.to_dataframe()["reaction:feet"].round(3).to_dict()
-        {'G': 16000.0}
+        {'all': 16000.0}
         """
         return dataframe(self.table, "combination")
 
