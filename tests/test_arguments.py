@@ -50,7 +50,7 @@ def slab() -> SimpleNamespace:
         (lambda s: s.result.probe([NAN, 1]), "The point [nan, 1] is not on the plate"),
         (lambda s: s.result.pressure([(1, 2, 3)]), f"points: found [(1, 2, 3)]; {POINTS}"),
         (lambda s: s.result.pressure([1j, 1]), f"points: found [1j, 1]; {POINTS}"),
-        (lambda s: s.result.plot("zz"), "field: Unknown field 'zz'. This result has: deflection, mx"),
+        (lambda s: s.result.plot("zz"), "field: Unknown field 'zz'. This result has: deflection, m1"),
         (lambda s: s.result.plot(3), "field: found 3; it must be the name of a field"),
         (lambda s: s.result.plot([]), "field: found []; it must be the name of a field"),
         (lambda s: s.result.plot(ax=3), "ax: found 3; it must be axes of matplotlib"),

@@ -139,8 +139,8 @@ def test_what_things_say_of_themselves_is_short(things: dict[str, object]) -> No
 def test_a_pickled_result_holds_its_fields_and_no_factor() -> None:
     result = signorini.solve(model(mesh={"divisions": [40, 40]}))["all"]
     problem = signorini.contact_problem(model(mesh={"divisions": [40, 40]}))
-    # 9 fields and 2 coordinates a node, 8 nodes an element; the area's deflection once more, and its points.
-    expected = 8 * (12 * result.mesh.node_count + 8 * len(result.mesh.elements))
+    # 9 fields, the thickness, 2 coordinates a node; 8 nodes an element; the area's deflection, and its points.
+    expected = 8 * (13 * result.mesh.node_count + 8 * len(result.mesh.elements))
     before = len(pickle.dumps(result))
     result.plot("pressure")
     assert expected < before == len(pickle.dumps(result)) < 1.5 * expected < 8 * problem.core.factor_entries
