@@ -21,6 +21,7 @@ from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE
 from signorini.results.figures import line_places, put
 from signorini.results.load_path import LoadPath
 from signorini.results.path_stop import PathStop
+from signorini.results.quantities import OF_AREAS, OF_SUPPORTS, Number
 from signorini.results.section_result import section_results
 from signorini.results.support_points import SupportPoints
 
@@ -116,18 +117,29 @@ def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
 
 
 def path_csv(path: LoadPath, estimate: PathEstimate | None = None) -> str:
-    """Give the stops of a load path as comma-separated values: a row a stop, a column each of its numbers."""
+    """Give the stops of a load path as comma-separated values: a row a stop, a column each of its numbers.
+
+    Those of areas are columns of every support, empty of others.
+    """
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    numbers = [one for one in path.stops[0].catalogue if one.home != "field" and one.what != "gap"]
-    table.writerow(["t", "t_plus_minus", "event", "deflection_max", "deflection_min", *(one.column for one in numbers)])
+    numbers = {one.column: one for one in path.stops[0].catalogue}
+    of_supports = [one.name for one in (*OF_SUPPORTS, *OF_AREAS) if one.along_paths]
+    columns = [f"{what}:{support.name}" for support in path.model.support for what in of_supports]
+    columns += [of for of, one in numbers.items() if one.home not in ("support", "field") and one.what != "gap"]
+    table.writerow(["t", "t_plus_minus", "event", "deflection_max", "deflection_min", *columns])
     for index, stop in enumerate(path.stops):
         width = None if estimate is None else estimate.half_width(path, index)
         row = [stop.t, width, name_cell(path.words(index)), stop.largest, stop.smallest]
-        values = [stop.number(one.name) for one in numbers]
-        shown = (int(v) if one.quantity.kind == "count" else v for one, v in zip(numbers, values, strict=True))
-        table.writerow([*row, *shown])
+        table.writerow([*row, *(_cell(stop, numbers.get(of)) for of in columns)])
     return text.getvalue()
+
+
+def _cell(stop: PathStop, one: Number | None) -> float | None:
+    if one is None:
+        return None
+    value = stop.number(one.name)
+    return int(value) if one.quantity.kind == "count" else value
 
 
 def write_path(
