@@ -11,17 +11,6 @@ UNKNOWN = "± ?"
 UNSETTLED = f"{UNKNOWN}: does not settle from mesh to mesh, near what is named below as singular or unresolved"
 
 
-def visible(text: object) -> str:
-    r"""Write what would command a terminal, such as an escape in the name of a file, so that it is read instead.
-
-    Examples
-    --------
-    >>> visible("slab\x1b[31m.toml: no such file.") == r"slab\x1b[31m.toml: no such file."
-    True
-    """
-    return "".join(sign if sign.isprintable() or sign == "\n" else repr(sign)[1:-1] for sign in str(text))
-
-
 def cell(
     value: float, widths: Mapping[str, Any] | None, path: Sequence[str | int], largest: float = 0.0, digits: int = 6
 ) -> str:

@@ -4,27 +4,32 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
+from typing import get_args
 
 from signorini.analysis.solve import Results
 from signorini.base import arguments
 from signorini.base.files import replacing_together
-from signorini.base.forked import Forked
 from signorini.formats.vtk import Vtu
 from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import write_envelope
 from signorini.output.governing import governing_csv
 from signorini.output.load_path import write_path
-from signorini.output.names import CSV, GOVERNING, JSON, TABLE, envelope_files, slugs
-from signorini.output.pictures import Drawing, envelope_sheets, sheets_of, write_refinement
+from signorini.output.names import CSV, GOVERNING, JSON, TABLE, Chosen, Pictures, envelope_files, slugs
+from signorini.output.pictures import job_of, write_refinement
 from signorini.output.tables import reactions_csv, results_json
+from signorini.plot.picture import Job
 from signorini.results.load_path import LoadPath
 from signorini.results.result import vtk_fields
 
 
-def write(found: Results | LoadPath, directory: str | os.PathLike[str]) -> list[Path]:
+def write(
+    found: Results | LoadPath,
+    directory: str | os.PathLike[str],
+    pictures: Pictures = None,
+) -> list[Path]:
     """Write what the command writes into its directory: `signorini solve` of results, `signorini path` of a load path.
 
     All files, or none; docs/results.md describes them. Those of an earlier run there are replaced as a set, and other
@@ -37,6 +42,8 @@ def write(found: Results | LoadPath, directory: str | os.PathLike[str]) -> list[
         What `signorini.solve` or `signorini.path` has returned.
     directory : path-like
         Made if need be.
+    pictures : {"all", "governing", "none"}, optional
+        Of results, the combinations that have pictures: by default all of up to four, of more those that govern.
 
     Returns
     -------
@@ -66,19 +73,22 @@ def write(found: Results | LoadPath, directory: str | os.PathLike[str]) -> list[
     ['results.json', 'reactions.csv', 'path.json', 'path.csv']
     """
     arguments.path(directory, "a directory", "directory")
+    if pictures is not None:
+        arguments.known(pictures, get_args(Chosen), "choice", "pictures", "This function")
     if isinstance(found, LoadPath):
         return write_path(found, directory)
     arguments.made_by(
         found, Results, "signorini.solve(model) makes them, signorini.path(model, ...) a LoadPath.", "found"
     )
-    return write_results(found, directory)
+    return write_results(found, directory, pictures=pictures)
 
 
 def write_results(
     results: Results,
     directory: str | os.PathLike[str],
     table: str | os.PathLike[str] | None = None,
-    artists: Sequence[Forked] = (),
+    pictures: Pictures = None,
+    draw: Callable[[Job], Iterable[tuple[str, bytes]]] | None = None,
 ) -> list[Path]:
     """Write ``results.json``, ``reactions.csv`` and, of each solved combination, a ``.vtu`` and pictures.
 
@@ -98,8 +108,10 @@ def write_results(
     table : path-like, optional
         The table that `signorini.solve` has written, on the same file system; it is moved. Without it, where
         combinations are rows of a table, this is written here.
-    artists : sequence of Forked
-        Processes to draw the pictures (`signorini.output.pictures.artists`); without any, this one does.
+    pictures : {"all", "governing", "none"}, optional
+        As for `write`.
+    draw : callable, optional
+        Who draws (`signorini.plot.artist.Artist.drawn`); by default this process does.
 
     Returns
     -------
@@ -113,8 +125,9 @@ def write_results(
     """
     target = Path(directory)
     named = list(slugs(results))
-    drawing = Drawing([*sheets_of(results, named), *envelope_sheets(results)], artists)
-    found = results_json(results)
+    job = job_of(results, pictures)
+    drawn = (draw or _drawn)(job) if job.sheets else ()
+    found = results_json(results, pictures)
     names = [JSON, CSV]
     try:
         with replacing_together(target, partial(former_results, target), seal=JSON) as beside:
@@ -134,12 +147,19 @@ def write_results(
             if len(results) > 1:
                 (beside / GOVERNING).write_text(governing_csv(results), encoding="utf-8")
             (beside / JSON).write_text(json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
-            for name, content in drawing.pictures():
+            for name, content in drawn:
                 (beside / name).write_bytes(content)
             names = [entry["file"] for entry in found["files"]]
     except OSError as error:
         raise cannot_write(target, error) from None
     return [target / name for name in names]
+
+
+def _drawn(job: Job) -> Iterable[tuple[str, bytes]]:
+    # Only pictures need matplotlib.
+    from signorini.plot.pictures import drawn
+
+    return drawn(job)
 
 
 def _write_table(results: Results, path: Path) -> None:
