@@ -26,6 +26,7 @@ class Artist:
 
     def __init__(self) -> None:
         self._processes = [_started()]
+        self._pool: ThreadPoolExecutor | None = None
 
     def __enter__(self) -> Self:
         """Give the artist."""
@@ -35,7 +36,10 @@ class Artist:
         """End the processes."""
         for process in self._processes:
             process.kill()
-            process.communicate()
+        if self._pool is not None:
+            self._pool.shutdown()
+        else:
+            self._processes[0].communicate()
 
     def drawn(self, job: Job) -> Iterator[tuple[str, bytes]]:
         """Begin to draw pictures; then give name and content of each file.
@@ -49,10 +53,8 @@ class Artist:
         self._processes += [_started() for _ in range(min(cores(), wanted) - 1)]
         shares = _shared(job.sheets, len(self._processes))
         jobs = [replace(job, sheets=share) for share in shares]
-        pool = ThreadPoolExecutor(len(jobs))
-        files = pool.map(_asked, self._processes, jobs)
-        pool.shutdown(wait=False)
-        return chain.from_iterable(files)
+        self._pool = ThreadPoolExecutor(len(jobs))
+        return chain.from_iterable(self._pool.map(_asked, self._processes, jobs))
 
 
 def cores() -> int:
