@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
-from typing import get_args
+from typing import Literal, get_args
 
 from signorini.analysis.solve import Results
 from signorini.base import arguments
@@ -28,7 +28,7 @@ from signorini.results.result import vtk_fields
 def write(
     found: Results | LoadPath,
     directory: str | os.PathLike[str],
-    pictures: Pictures = None,
+    pictures: Literal["all", "governing", "none"] | None = None,
 ) -> list[Path]:
     """Write what the command writes into its directory: `signorini solve` of results, `signorini path` of a load path.
 

@@ -126,10 +126,11 @@ def _draw_footprints(mark: SupportMark, closed: NDArray[np.bool_], axes: Axes, p
     """Draw footprints to scale, shaded where closed and dashed where open; return how large marks within may be."""
     prints = pieces(mark.footprints)
     # Those of a model before it is solved, whose points come in another order, are all closed.
-    states = closed.tolist() if len(closed) == len(prints) else [True] * len(prints)
-    for piece, shut in zip(prints, states, strict=True):
-        shade, line = (to_rgba(INK, 0.18), "solid") if shut else ("none", "dashed")
-        axes.fill(*piece.T, facecolor=shade, edgecolor=INK, linewidth=0.9, linestyle=line, zorder=3)
+    states = closed if len(closed) == len(prints) else np.ones(len(prints), np.bool_)
+    for chosen, shade, line in ((states, to_rgba(INK, 0.18), "solid"), (~states, "none", "dashed")):
+        if chosen.any():
+            path = Path.make_compound_path(*(Path(prints[i]) for i in np.flatnonzero(chosen)))
+            axes.add_patch(PathPatch(path, facecolor=shade, edgecolor=INK, linewidth=0.9, linestyle=line, zorder=3))
     sides = [float(np.ptp(piece, axis=0).min()) for piece in prints]
     return max(_SMALLEST, _INSIDE * min(sides) * per_unit * 72) if sides else LARGEST
 

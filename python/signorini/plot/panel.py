@@ -49,6 +49,8 @@ def draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Iterable[
     for mark in marks:
         if mark.style == "points" and len(mark.positions):
             labels.keep_free(mark.positions, LARGEST)
+        for line in mark.boundary:
+            labels.keep_free(line, 4.0)
     if panel.extremes:
         places = np.array([at for _, at in panel.extremes], dtype=float)
         labels.keep_free(places, LARGEST)

@@ -104,9 +104,9 @@ def extreme(name: str, value: float, told: bool, width: float | None) -> str:
     Examples
     --------
     >>> extreme("min", -21.3412, True, 0.25), extreme("max", 21.3412, False, None), extreme("max", 21.3412, True, None)
-    ('min −21.34 ± 0.25', 'max 21.34', 'max 21.3 ± ?')
+    ('min −21.34 ± 0.25', 'max 21.34', 'max 21.34 ± ?')
     """
-    shown = estimated(value, width, digits=4).replace("-", "−") if told else plain(value, 4)
+    shown = estimated(value, width).replace("-", "−") if told else plain(value, 4)
     return f"{name} {shown}"
 
 
