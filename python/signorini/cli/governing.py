@@ -11,7 +11,7 @@ from rich.text import Text
 
 from signorini.analysis.solve import Results
 from signorini.base.numbers import compared, estimated, number, size_of
-from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, of_whole, unit_of
+from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_contact, in_unit, unit_of
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.cli.through import print_enveloped
 from signorini.contact.certificate import FIGURES
@@ -173,9 +173,9 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
             area = cell(float(envelope.pressed.smallest[1]), widths, (*of_support, "contact_area", "min"))
             highest = f"{pressure} {units.force_by_length(-2)}".rstrip()
             where = point(envelope.places[envelope.pressure.ends[0]].tolist(), results.discretisation.mesh.size)
-            in_contact, extent = float(envelope.pressed.smallest[1]), float(points.weights.sum())
-            least = of_whole(area, in_contact, extent, unit_of(units.length, 2))
+            touching, extent = float(envelope.pressed.smallest[1]), float(points.weights.sum())
+            least = in_contact(support.name, area, touching, extent, "area", unit_of(units.length, 2))
             of_highest = results.key(int(envelope.pressed.largest_by[0]))
             of_least = results.key(int(envelope.pressed.smallest_by[1]))
             say(console, f"{support.name}: largest pressure {highest} at {where} in {of_highest}")
-            say(console, f"{support.name}: least in contact {least} in {of_least}")
+            say(console, f"{least}, the least, in {of_least}")

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from signorini.base.numbers import ROUNDING, size_of
-from signorini.cli.cells import cell, unit_of
+from signorini.cli.cells import cell, in_contact, unit_of
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.supports import can_let_go
 from signorini.errors import point
@@ -27,7 +27,7 @@ def resting(result: Result, pressure: float) -> Iterator[str]:
         whole, of_support = float(found.weights.sum()), ("supports", index)
         if found.contact_area is not None and found.max_pressure is not None:
             area = cell(found.contact_area, widths, (*of_support, "contact_area"), whole)
-            said = _part(found.name, area, found.contact_area, whole, "area", unit_of(units.length, 2))
+            said = in_contact(found.name, area, found.contact_area, whole, "area", unit_of(units.length, 2))
             unit = unit_of(units.force_by_length(-2))
             said += (
                 f"; largest pressure {cell(found.max_pressure, widths, (*of_support, 'max_pressure'), pressure)}{unit}"
@@ -41,25 +41,7 @@ def resting(result: Result, pressure: float) -> Iterator[str]:
             yield said
         elif found.place != "at" and can_let_go(support):
             touching = found.closed_part * whole
-            yield _part(found.name, f"{touching:.6g}", touching, whole, "length", unit_of(units.length))
-
-
-def _part(name: str, part: str, value: float, whole: float, what: str, unit: str) -> str:
-    """Say on which part of its length or area a support holds.
-
-    Examples
-    --------
-    >>> _part("soil", "209.021 ± 0.026", 209.021, 216.0, "area", " m²")
-    'soil: in contact on 96.8 % of its area, 209.021 ± 0.026 of 216 m²'
-
-    Where others hold the plate all over a support, it has no points of its own:
-
-    >>> _part("ring", "0", 0.0, 0.0, "length", " m")
-    'ring: others hold the plate all over it'
-    """
-    if not whole:
-        return f"{name}: others hold the plate all over it"
-    return f"{name}: in contact on {min(100.0, 100.0 * value / whole):.3g} % of its {what}, {part} of {whole:.6g}{unit}"
+            yield in_contact(found.name, f"{touching:.6g}", touching, whole, "length", unit_of(units.length))
 
 
 def lifted(result: Result) -> str:

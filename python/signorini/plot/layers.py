@@ -94,7 +94,7 @@ def pressure(
     >>> soil = PressureLayer(cut, cut.interpolate(np.array(nodes))[:, 0] - 1, bounds=(0, np.inf))
     >>> axes = pressure(nodes, [range(8)], [soil], label="pressure [kPa]")
     >>> [round(float(end), 12) for end in axes.figure.axes[1].get_ylim()], axes.figure.axes[1].get_ylabel()
-    ([0.0, 1.04], 'pressure [kPa]')
+    ([0.0, 1.0], 'pressure [kPa]')
     """
     plan = Plan.of(points, elements)
     axes = plan_axes(plan, title) if ax is None else ax
